@@ -1,0 +1,413 @@
+//! The scene as people write it: plain data, its defaults, and its manual.
+//!
+//! Every field's comment says meaning, unit, range and what more of it does; `docs/scene.md` and
+//! `reflet schema` are generated from these comments, so this file *is* the manual.
+
+use std::path::PathBuf;
+
+use glam::{Mat4, Quat, Vec3};
+
+use super::diagnostic::Span;
+
+/// A named table such as `[camera.main]`, in file order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry<T> {
+    /// The name after the dot.
+    pub name: String,
+    /// Where the name is written.
+    pub at: Span,
+    /// The table's content.
+    pub value: T,
+}
+
+/// A value together with the place where it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct At<T> {
+    /// The value.
+    pub value: T,
+    /// Where it is written.
+    pub at: Span,
+}
+
+/// A whole scene file. `version = 1` is required; every other key has a default.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct SceneDesc {
+    /// Folder that relative file names start from (the scene file's own).
+    pub folder: PathBuf,
+    /// `[camera.NAME]`: the view points; `main`, else the first, is rendered by default.
+    pub cameras: Vec<Entry<CameraDesc>>,
+    /// `[material.NAME]`: materials that shapes and instances refer to by name.
+    pub materials: Vec<Entry<MaterialDesc>>,
+    /// `[model.NAME]`: a glTF file or a shape. A model that no instance names stands once at the origin.
+    pub models: Vec<Entry<ModelDesc>>,
+    /// `[[instance]]`: placements of models.
+    pub instances: Vec<InstanceDesc>,
+    /// `[light.NAME]`: lights, at most 64 with those inside glTF files.
+    pub lights: Vec<Entry<LightDesc>>,
+    /// `[environment]`: what rays that leave the scene see, and the light it sheds.
+    pub environment: EnvironmentDesc,
+    /// `[reflection]`: how reflections are found.
+    pub reflection: ReflectionDesc,
+    /// `[image]`: size, sampling and tone of the picture.
+    pub image: ImageDesc,
+}
+
+/// `[camera.NAME]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDesc {
+    /// Position, metres.
+    pub eye: Vec3,
+    /// The point looked at, metres; must differ from `eye`.
+    pub target: Vec3,
+    /// Direction that is up in the picture.
+    pub up: Vec3,
+    /// Vertical field of view, degrees, 1 to 170. More shows more and shrinks everything.
+    pub fov_deg: f32,
+    /// Nearest visible distance, metres, above 0. There is no far plane.
+    pub near_m: f32,
+}
+
+impl Default for CameraDesc {
+    fn default() -> Self {
+        Self {
+            eye: Vec3::new(0.0, 1.0, 5.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            fov_deg: 60.0,
+            near_m: 0.01,
+        }
+    }
+}
+
+/// How a material takes part in reflections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ReflectionMode {
+    /// `"none"`: shows the environment's highlight only; never marched or traced.
+    None,
+    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`.
+    #[default]
+    Auto,
+    /// `"mirror"`: reflects like polished glass whatever its roughness.
+    Mirror,
+}
+
+/// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of
+/// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
+/// value, or the default of a plain white, rough, non-metallic surface.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct MaterialDesc {
+    /// Linear base color, three numbers 0 to 1. Default white.
+    pub base_color: Option<Vec3>,
+    /// Image file multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
+    pub base_color_texture: Option<At<String>>,
+    /// Procedural checker in place of a base color texture.
+    pub checker: Option<CheckerDesc>,
+    /// 0 (dielectric) to 1 (metal). Default 0.
+    pub metallic: Option<f32>,
+    /// Perceptual roughness, 0 (polished) to 1 (matte). Default 1.
+    pub roughness: Option<f32>,
+    /// Image file: green = roughness, blue = metallic, both multiplied with the numbers above.
+    pub metallic_roughness_texture: Option<At<String>>,
+    /// Tangent-space normal map (glTF convention, green is up).
+    pub normal_texture: Option<At<String>>,
+    /// Strength of the normal map, 0 (flat) to 4. Default 1.
+    pub normal_scale: Option<f32>,
+    /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
+    pub emission: Option<Vec3>,
+    /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
+    pub emission_strength: Option<f32>,
+    /// Image file multiplied into the emission (sRGB).
+    pub emission_texture: Option<At<String>>,
+    /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
+    pub uv_scale: Option<[f32; 2]>,
+    /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
+    pub double_sided: Option<bool>,
+    /// `"none"`, `"auto"` or `"mirror"`. Default `"auto"`.
+    pub reflection: Option<ReflectionMode>,
+    /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
+    /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
+    pub reflectivity: Option<f32>,
+}
+
+/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard, aligned with the object's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckerDesc {
+    /// The two linear colors, each three numbers 0 to 1.
+    pub colors: [Vec3; 2],
+    /// Edge of one cell, metres in object space, above 0.
+    pub size_m: f32,
+}
+
+/// `[model.NAME]`: exactly one of `file` and `shape`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelDesc {
+    /// Where the geometry comes from.
+    pub source: ModelSource,
+    /// For shapes: the name of a `[material.NAME]`.
+    pub material: Option<At<String>>,
+    /// For files: `[model.NAME.material.M]` overrides of the file's materials by name.
+    pub overrides: Vec<Entry<MaterialDesc>>,
+    /// For files: whether its own lights are used. Default true.
+    pub lights: bool,
+}
+
+/// Where a model's geometry comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelSource {
+    /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`), searched beside the scene, then in each `--assets` folder.
+    File(At<String>),
+    /// `shape = { kind = "…", … }`: geometry made here.
+    Shape(ShapeDesc),
+}
+
+/// `shape = { kind = "…" }`, centred on the origin unless said; curved ones are tessellated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShapeDesc {
+    /// `"plane"`: in XZ, facing +Y.
+    Plane {
+        /// Edge lengths along X and Z, metres, above 0. Default [1, 1].
+        size: [f32; 2],
+    },
+    /// `"box"`
+    Box {
+        /// Edge lengths, metres, above 0. Default [1, 1, 1].
+        size: Vec3,
+    },
+    /// `"sphere"`
+    Sphere {
+        /// Metres, above 0. Default 0.5.
+        radius: f32,
+        /// Divisions around, 3 to 4096; half as many from pole to pole. More is rounder. Default 128.
+        segments: u32,
+    },
+    /// `"cylinder"`: axis Y, standing on y = 0, with caps.
+    Cylinder {
+        /// Metres, above 0. Default 0.5.
+        radius: f32,
+        /// Metres, above 0. Default 1.
+        height: f32,
+        /// Divisions around, 3 to 4096. Default 64.
+        segments: u32,
+    },
+    /// `"cone"`: axis Y, standing on y = 0, with a cap below.
+    Cone {
+        /// Radius of the foot, metres, above 0. Default 0.5.
+        radius: f32,
+        /// Metres, above 0. Default 1.
+        height: f32,
+        /// Divisions around, 3 to 4096. Default 64.
+        segments: u32,
+    },
+}
+
+/// `[[instance]]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct InstanceDesc {
+    /// Optional name, unique; scripts and messages use it.
+    pub name: Option<String>,
+    /// Name of a `[model.NAME]`.
+    pub model: At<String>,
+    /// Where it stands.
+    pub placement: PlacementDesc,
+    /// Whether it may move: it then lives in the dynamic tree. Default false.
+    pub dynamic: bool,
+    /// Copies on a grid.
+    pub repeat: Option<RepeatDesc>,
+    /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
+    pub material: Option<InstanceMaterialDesc>,
+    /// Where the table starts.
+    pub at: Span,
+}
+
+/// `material` of an instance.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InstanceMaterialDesc {
+    /// A `[material.NAME]` used in place of the model's own.
+    Named(At<String>),
+    /// Keys laid over the model's own materials.
+    Override(Box<MaterialDesc>),
+}
+
+/// Either `matrix`, or any of `translation`, `rotation_deg` / `rotation_quat`, `scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlacementDesc {
+    /// Scale first, then rotate, then translate.
+    Trs {
+        /// Metres.
+        translation: Vec3,
+        /// `rotation_deg = [x, y, z]` turns about X, then Y, then Z (fixed axes), or
+        /// `rotation_quat = [x, y, z, w]`, normalized when read.
+        rotation: Quat,
+        /// One number or three; not 0. Negative mirrors.
+        scale: Vec3,
+    },
+    /// `matrix`: 16 numbers, column by column; the last row must be 0 0 0 1.
+    Matrix(Mat4),
+}
+
+/// `repeat = { count = [8, 1, 2], step = [3, 0, 8] }`: copies at `translation + index * step`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepeatDesc {
+    /// Copies along X, Y and Z, each 1 or more, at most 100 000 together.
+    pub count: [u32; 3],
+    /// Distance between neighbours, metres.
+    pub step: Vec3,
+}
+
+/// How a light's shadows are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ShadowMode {
+    /// `"map"`: depth maps (cube maps for point lights), filtered.
+    #[default]
+    Map,
+    /// `"ray"`: one shadow ray through the same trees as reflections; exact, hard edged.
+    Ray,
+    /// `"none"`: shines through everything.
+    None,
+}
+
+/// `kind` of a light with what only that kind has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// `"point"`: shines everywhere from `position`.
+    Point {
+        /// Metres.
+        position: Vec3,
+        /// `intensity_cd`: luminous intensity, candela, 0 or more.
+        intensity_cd: f32,
+    },
+    /// `"spot"`: a cone from `position`.
+    Spot {
+        /// Metres.
+        position: Vec3,
+        /// `direction` of the beam, or towards `target`.
+        direction: Vec3,
+        /// Candela, 0 or more.
+        intensity_cd: f32,
+        /// Half angle that is fully lit, degrees, 0 to `outer_deg`. Default 0.
+        inner_deg: f32,
+        /// Half angle where it ends, degrees, above 0 and below 90. Default 45.
+        outer_deg: f32,
+    },
+    /// `"directional"`: parallel light, like the sun.
+    Directional {
+        /// Direction in which the light travels.
+        direction: Vec3,
+        /// `intensity_lux`: illuminance on a facing surface, 0 or more.
+        intensity_lux: f32,
+    },
+}
+
+/// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightDesc {
+    /// `kind = "point" | "spot" | "directional"` and its keys.
+    pub kind: LightKind,
+    /// Linear color, three numbers 0 or more. Default white.
+    pub color: Vec3,
+    /// `"map"`, `"ray"` or `"none"`. Default `"map"`.
+    pub shadow: ShadowMode,
+    /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper. Default 1024.
+    pub shadow_px: u32,
+}
+
+/// `[environment]`: `color` for all directions, or the gradient `zenith`, `horizon`, `ground`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct EnvironmentDesc {
+    /// Linear radiance straight up; or `color`. Default black.
+    pub zenith: Vec3,
+    /// Linear radiance at the horizon; or `color`. Default black.
+    pub horizon: Vec3,
+    /// Linear radiance straight down; or `color`. Default black.
+    pub ground: Vec3,
+}
+
+/// How reflections are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    /// `"ssr"`: screen space only; black where it fails.
+    Ssr,
+    /// `"rt"`: every reflective pixel is ray traced.
+    Rt,
+    /// `"hybrid"`: screen space first, ray traced where that fails.
+    #[default]
+    Hybrid,
+}
+
+/// `[reflection]`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReflectionDesc {
+    /// `"ssr"`, `"rt"` or `"hybrid"`. Default `"hybrid"`.
+    pub method: Method,
+    /// Length of a reflection ray in U, above 0. More reaches further. Default 16.
+    pub ray_length_u: f32,
+    /// The paper's T: how far behind the stored depth a crossing still counts as a hit, in U, 0 or
+    /// more. Too small gives stripes, too large prolonged reflections. Default 0.025.
+    pub threshold_u: f32,
+    /// Most reflections in a row, 1 to 16. Default 3.
+    pub bounces: u32,
+    /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
+    pub steps: u32,
+    /// `"auto"` materials reflect below this roughness, 0 to 1. Default 0.2.
+    pub roughness_cutoff: f32,
+    /// U in metres, above 0. Default: the diagonal of the static bounding box / 16.
+    pub unit_m: Option<f32>,
+    /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
+    pub fade: bool,
+    /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 (off) to 16. Default 0.
+    pub blur_px: f32,
+}
+
+impl Default for ReflectionDesc {
+    fn default() -> Self {
+        Self {
+            method: Method::Hybrid,
+            ray_length_u: 16.0,
+            threshold_u: 0.025,
+            bounces: 3,
+            steps: 128,
+            roughness_cutoff: 0.2,
+            unit_m: None,
+            fade: false,
+            blur_px: 0.0,
+        }
+    }
+}
+
+/// How linear radiance becomes display color.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ToneMap {
+    /// `"none"`: clipped at 1.
+    None,
+    /// `"neutral"`: Khronos PBR Neutral, which keeps base colors.
+    #[default]
+    Neutral,
+    /// `"aces"`: a filmic curve (Narkowicz's fit of ACES).
+    Aces,
+}
+
+/// `[image]`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageDesc {
+    /// Width and height in pixels, each 1 to 16384. Default [1280, 720].
+    pub size: [u32; 2],
+    /// Sub-frames averaged per picture, 1 to 4096. More smooths edges. Default 1.
+    pub samples: u32,
+    /// Exposure in stops, -20 to 20; +1 doubles the brightness. Default 0.
+    pub exposure_ev: f32,
+    /// `"none"`, `"neutral"` or `"aces"`; EXR output is never tone-mapped. Default `"neutral"`.
+    pub tone_map: ToneMap,
+}
+
+impl Default for ImageDesc {
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            samples: 1,
+            exposure_ev: 0.0,
+            tone_map: ToneMap::Neutral,
+        }
+    }
+}

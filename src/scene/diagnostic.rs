@@ -1,0 +1,68 @@
+//! Messages for people: where in which file, what was expected, what to do.
+
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// A text file that messages point into.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file as the user named it.
+    pub path: PathBuf,
+    /// Its whole text.
+    pub text: String,
+}
+
+/// A range of bytes in a [`Source`]; the default span points nowhere.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// The file, if the value was written in one.
+    pub source: Option<Arc<Source>>,
+    /// Byte range in the file's text.
+    pub range: Range<usize>,
+}
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Severity {
+    /// Nothing is rendered.
+    Error,
+    /// Rendered, but not all of it as written.
+    Warning,
+}
+
+/// One message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Stable kebab-case name of the kind of message, such as `unknown-key` or `alpha-blend-opaque`.
+    pub name: &'static str,
+    /// What is wrong and what was expected, one sentence.
+    pub message: String,
+    /// Where.
+    pub span: Span,
+    /// A file (and place inside it, such as `mesh 3 "wall"`) when no text span exists.
+    pub file: Option<PathBuf>,
+    /// What to do, such as `did you mean "eye"?`.
+    pub help: Option<String>,
+    /// A second place with a note (the other end of a dangling or doubled name).
+    pub related: Option<(Span, String)>,
+}
+
+impl Diagnostic {
+    /// An error in a file that has no text positions (glTF, images).
+    pub fn in_file(name: &'static str, file: &Path, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            name,
+            message: message.into(),
+            span: Span::default(),
+            file: Some(file.to_owned()),
+            help: None,
+            related: None,
+        }
+    }
+}

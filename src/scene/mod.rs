@@ -1,0 +1,5 @@
+//! Scene text: what people write, read with all its errors at once.
+
+pub mod desc;
+pub mod diagnostic;
+pub mod parse;

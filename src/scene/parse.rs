@@ -1,0 +1,1 @@
+//! SceneDesc text reader.

@@ -1,0 +1,220 @@
+//! SceneDesc → CPU data: everything that needs a file or a tree, and nothing that needs a GPU.
+
+use std::path::PathBuf;
+
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+use crate::{
+    math::Bounds,
+    scene::{
+        desc::{CameraDesc, Entry, EnvironmentDesc, LightDesc, ReflectionMode},
+        diagnostic::Diagnostic,
+    },
+};
+
+pub mod bvh;
+pub mod gltf;
+pub mod load;
+pub mod shape;
+pub mod texture;
+
+/// A loaded scene: geometry in object space, placed by instances.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// Unique geometry; one material each.
+    pub meshes: Vec<Mesh>,
+    /// Materials; instances refer to them by index.
+    pub materials: Vec<Material>,
+    /// Decoded images; materials refer to them by index.
+    pub textures: Vec<Texture>,
+    /// Placements of meshes.
+    pub instances: Vec<Instance>,
+    /// The scene's and the files' lights, at most [`MAX_LIGHTS`].
+    pub lights: Vec<Light>,
+    /// The scene's and the files' cameras; never empty.
+    pub cameras: Vec<Entry<CameraDesc>>,
+    /// What rays that leave the scene see.
+    pub environment: EnvironmentDesc,
+    /// Named warnings collected while loading.
+    pub warnings: Vec<Diagnostic>,
+    /// Every file that was read, for fingerprints and watching.
+    pub files: Vec<PathBuf>,
+}
+
+/// Most lights in a scene; their uniform block stays far below 64 KiB.
+pub const MAX_LIGHTS: usize = 64;
+
+/// Triangles with per-vertex attributes; all attribute arrays are as long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// For messages: model, node and primitive.
+    pub name: String,
+    /// Object space, metres, finite.
+    pub positions: Vec<Vec3>,
+    /// Unit length.
+    pub normals: Vec<Vec3>,
+    /// xyz unit length, w = ±1 handedness; empty where no normal map needs them.
+    pub tangents: Vec<Vec4>,
+    /// First texture coordinates, glTF convention (v down); zeros where the file has none.
+    pub uv0: Vec<Vec2>,
+    /// Second texture coordinates; empty where the material needs none.
+    pub uv1: Vec<Vec2>,
+    /// Linear vertex color; empty where the file has none.
+    pub colors: Vec<Vec4>,
+    /// Vertex indices, each below `positions.len()`; counter-clockwise is the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Object-space bounds of `positions`.
+    pub bounds: Bounds,
+}
+
+/// A mesh placed in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// `name` of its scene text or file node, for messages and scripts.
+    pub name: String,
+    /// Index into [`World::meshes`].
+    pub mesh: usize,
+    /// Index into [`World::materials`].
+    pub material: usize,
+    /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning.
+    pub world_from_object: Affine3A,
+    /// Whether it may move; then it is traced through the top level.
+    pub dynamic: bool,
+}
+
+/// A surface description after all overrides; textures are indices into [`World::textures`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name from scene text or file.
+    pub name: String,
+    /// Linear, alpha in w.
+    pub base_color: Vec4,
+    /// 0 to 1.
+    pub metallic: f32,
+    /// Perceptual, 0 to 1.
+    pub roughness: f32,
+    /// Specular reflectance at normal incidence of the dielectric part, 0 to 1.
+    pub reflectivity: f32,
+    /// Linear radiance, strength already multiplied in.
+    pub emission: Vec3,
+    /// Strength of the normal map.
+    pub normal_scale: f32,
+    /// Strength of the occlusion map, 0 to 1; darkens the environment's diffuse light only.
+    pub occlusion_strength: f32,
+    /// Cut-out threshold; `None` is opaque.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether backs are seen.
+    pub double_sided: bool,
+    /// Part in reflections.
+    pub reflection: ReflectionMode,
+    /// Procedural checker multiplied into the base color.
+    pub checker: Option<crate::scene::desc::CheckerDesc>,
+    /// sRGB.
+    pub base_color_texture: Option<TextureRef>,
+    /// Linear: green = roughness, blue = metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Linear, tangent space.
+    pub normal_texture: Option<TextureRef>,
+    /// Linear: red = occlusion.
+    pub occlusion_texture: Option<TextureRef>,
+    /// sRGB.
+    pub emission_texture: Option<TextureRef>,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            metallic: 0.0,
+            roughness: 1.0,
+            reflectivity: 0.04,
+            emission: Vec3::ZERO,
+            normal_scale: 1.0,
+            occlusion_strength: 1.0,
+            alpha_cutoff: None,
+            double_sided: false,
+            reflection: ReflectionMode::Auto,
+            checker: None,
+            base_color_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            occlusion_texture: None,
+            emission_texture: None,
+        }
+    }
+}
+
+/// How a material samples a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`World::textures`].
+    pub texture: usize,
+    /// 0 or 1: which texture coordinates.
+    pub uv_set: u32,
+    /// KHR_texture_transform as rows of a 2×3 matrix: u' = r0·(u, v, 1), v' = r1·(u, v, 1).
+    pub transform: [Vec3; 2],
+    /// Wrap modes along u and v.
+    pub wrap: [Wrap; 2],
+    /// Whether magnification picks the nearest texel.
+    pub nearest: bool,
+}
+
+/// glTF's wrap modes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// REPEAT
+    #[default]
+    Repeat,
+    /// CLAMP_TO_EDGE
+    Clamp,
+    /// MIRRORED_REPEAT
+    Mirror,
+}
+
+/// A decoded image: RGBA, 8 bits a channel, top row first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// File or data URI it came from, for messages.
+    pub name: String,
+    /// Pixels across, 1 to 16384.
+    pub width: u32,
+    /// Pixels down, 1 to 16384.
+    pub height: u32,
+    /// `width * height * 4` bytes.
+    pub rgba: Vec<u8>,
+    /// Whether the bytes are sRGB-encoded (color) or linear (data). An image used as both is stored twice.
+    pub srgb: bool,
+}
+
+/// A light in world space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Name from scene text or file.
+    pub name: String,
+    /// Everything else, as the scene text says it.
+    pub desc: LightDesc,
+    /// Distance at which a file's light ends (KHR_lights_punctual `range`), metres; `None` is endless.
+    pub range_m: Option<f32>,
+}
+
+impl World {
+    /// Bounds of all static instances in world space, or of everything when nothing is static.
+    pub fn static_bounds(&self) -> Bounds {
+        let of = |want_static: bool| {
+            let mut bounds = Bounds::EMPTY;
+            for i in self.instances.iter().filter(|i| !want_static || !i.dynamic) {
+                bounds = bounds.union(self.meshes[i.mesh].bounds.transformed(&i.world_from_object));
+            }
+            bounds
+        };
+        let bounds = of(true);
+        if bounds.is_empty() { of(false) } else { bounds }
+    }
+
+    /// The unit U in metres: the diagonal of the static bounds / 16, 1 for an empty scene.
+    pub fn unit_m(&self) -> f32 {
+        let diagonal = self.static_bounds().diagonal();
+        if diagonal > 0.0 { diagonal / 16.0 } else { 1.0 }
+    }
+}
