@@ -58,7 +58,7 @@ fn soup(random: &mut Random, count: usize) -> Mesh {
 
 /// Which points of cut-out triangles are there; the kernel's `alpha_passes` is the same rule.
 pub fn alpha_passes(instance: u32, triangle: u32, bary: DVec2) -> bool {
-    (instance + triangle) % 3 != 0 && bary.x < ALPHA_EDGE
+    !(instance + triangle).is_multiple_of(3) && bary.x < ALPHA_EDGE
 }
 
 pub const ALPHA_EDGE: f64 = 0.6;
