@@ -2,21 +2,19 @@
 
 struct Instance {
     world_from_object: mat3x4f, // three rows
-    object_from_world: mat3x4f, // rows of the inverse's linear part; w: the placement's translation
+    object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: the placement's translation
     tree_root: u32, // of its mesh, for the top level; NONE: part of the static tree
-    flags: u32, // FLAG_*
+    trace_flags: u32, // see bvh.wgsl
     vertex_base: u32,
     index_base: u32, // into mesh_data, three a triangle
     uv1_base: u32, // into mesh_data, two a vertex; NONE: no second coordinates
     material: u32,
-    pad0: u32,
-    pad1: u32,
+    flags: u32, // FLAG_*
+    pad: u32,
 }
 
-const FLAG_CUTOUT: u32 = 1u;
-const FLAG_DOUBLE_SIDED: u32 = 2u;
-const FLAG_COLORS: u32 = 8u;
-const FLAG_MIRRORED: u32 = 16u; // the transform turns front into back
+const FLAG_COLORS: u32 = 1u;
+const FLAG_MIRRORED: u32 = 2u; // the transform turns front into back
 
 struct Vertex {
     position: vec3f,
@@ -55,7 +53,7 @@ struct Material {
 }
 
 @group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
-@group(1) @binding(1) var<storage, read> triangles: array<vec4f>;
+@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
 @group(1) @binding(2) var<storage, read> instances: array<Instance>;
 @group(1) @binding(3) var<storage, read> vertices: array<Vertex>;
 @group(1) @binding(4) var<storage, read> mesh_data: array<u32>;

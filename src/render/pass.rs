@@ -1,6 +1,6 @@
 //! A compute pass: bound by name, sized by its shader, timed under its own name.
 
-use crate::gpu::{GpuError, GroupLayout, Gpu, Shader, Timer};
+use crate::gpu::{Gpu, GpuError, GroupLayout, Shader, Timer};
 
 use super::targets::{Target, Targets};
 use super::types::StructSpec;
@@ -32,18 +32,30 @@ pub struct Shared {
 impl Shared {
     /// The layout of group 0 or 1 for a shader: the shared one if it uses it, else the empty one.
     pub fn layout_for(&self, shader: &Shader, group: usize) -> &GroupLayout {
-        if uses(shader, group) { &self.layouts[group] } else { &self.empty.0 }
+        if uses(shader, group) {
+            &self.layouts[group]
+        } else {
+            &self.empty.0
+        }
     }
 
     /// The group that goes with [`Self::layout_for`].
     pub fn group_for(&self, used: bool, group: usize) -> &wgpu::BindGroup {
-        if used { &self.groups[group] } else { &self.empty.1 }
+        if used {
+            &self.groups[group]
+        } else {
+            &self.empty.1
+        }
     }
 }
 
 /// Whether any entry point of a shader uses this group.
 pub fn uses(shader: &Shader, group: usize) -> bool {
-    shader.info.bindings.iter().any(|b| b.group as usize == group)
+    shader
+        .info
+        .bindings
+        .iter()
+        .any(|b| b.group as usize == group)
 }
 
 /// How many workgroups a pass runs.
@@ -81,11 +93,20 @@ impl ComputePass {
         constants: &[(&'static str, f64)],
     ) -> Result<Self, GpuError> {
         let layout = GroupLayout::new(gpu, pass.name, &[&shader.info], 2)?;
-        let groups = [shared.layout_for(shader, 0), shared.layout_for(shader, 1), &layout];
+        let groups = [
+            shared.layout_for(shader, 0),
+            shared.layout_for(shader, 1),
+            &layout,
+        ];
         let constants = known(shader, constants);
         let pipeline = shader.compute_pipeline(gpu, "main", &groups, &constants)?;
-        let tile = shader.info.entry_point("main").map_or([1, 1], |e| [e.workgroup_size[0], e.workgroup_size[1]]);
-        let params = pass.params.map(|spec| params_buffer(gpu, pass.name, spec.size));
+        let tile = shader
+            .info
+            .entry_point("main")
+            .map_or([1, 1], |e| [e.workgroup_size[0], e.workgroup_size[1]]);
+        let params = pass
+            .params
+            .map(|spec| params_buffer(gpu, pass.name, spec.size));
         Ok(Self {
             pass,
             pipeline,
@@ -127,7 +148,8 @@ impl ComputePass {
     /// Sets the pass's `Params`.
     pub fn set_params<T: bytemuck::Pod>(&self, gpu: &Gpu, params: &T) {
         if let Some(buffer) = &self.params {
-            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(params));
+            gpu.queue
+                .write_buffer(buffer, 0, bytemuck::bytes_of(params));
         }
     }
 

@@ -96,7 +96,10 @@ impl Plan {
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
-            shadow_rays: world.lights.iter().any(|l| l.desc.shadow == ShadowMode::Ray),
+            shadow_rays: world
+                .lights
+                .iter()
+                .any(|l| l.desc.shadow == ShadowMode::Ray),
             bounces: if lone { 1 } else { settings.bounces },
             pools,
             wraps,
@@ -113,12 +116,24 @@ impl Plan {
                 self.dropped.push(Dropped { what, why });
             }
         };
-        drop(!self.reflections, "reflection passes", "no material can reflect");
+        drop(
+            !self.reflections,
+            "reflection passes",
+            "no material can reflect",
+        );
         drop(!self.static_tree, "static tree", "nothing stands still");
-        drop(!self.top_level, "top level", "nothing is dynamic and no static mesh is shared");
+        drop(
+            !self.top_level,
+            "top level",
+            "nothing is dynamic and no static mesh is shared",
+        );
         drop(!self.cutouts, "alpha tests", "no material is cut out");
         drop(!self.textures, "textures", "no material has one");
-        drop(self.textures && !self.normal_maps, "normal maps", "no material has one");
+        drop(
+            self.textures && !self.normal_maps,
+            "normal maps",
+            "no material has one",
+        );
         drop(!self.checkers, "checkers", "no material has one");
         drop(!self.shadow_rays, "shadow rays", "no light asks for them");
         drop(
@@ -184,7 +199,11 @@ fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
             return true;
         }
         let mesh = &world.meshes[instance.mesh];
-        let place = |i: u32| instance.world_from_object.transform_point3(mesh.positions[i as usize]);
+        let place = |i: u32| {
+            instance
+                .world_from_object
+                .transform_point3(mesh.positions[i as usize])
+        };
         let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
         for triangle in &mesh.triangles {
             let [a, b, c] = triangle.map(place);
@@ -192,7 +211,9 @@ fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
             let normal = if mirrored { -normal } else { normal };
             let plane = (normal, normal.dot(a), material.double_sided);
             let known = |p: &&(Vec3, f32, bool)| {
-                p.0.dot(normal) > 0.999_999 && (p.1 - plane.1).abs() < 1e-5 * scale && p.2 == plane.2
+                p.0.dot(normal) > 0.999_999
+                    && (p.1 - plane.1).abs() < 1e-5 * scale
+                    && p.2 == plane.2
             };
             if planes.iter().rev().take(64).find(known).is_none() {
                 planes.push(plane);

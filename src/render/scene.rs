@@ -7,6 +7,7 @@ use glam::{Affine3A, Vec3, Vec4};
 
 use crate::{
     gpu::{Gpu, GpuError},
+    math::Bounds,
     world::{
         Material, Mesh, TextureRef, World, Wrap,
         bvh::{CwBvhNode, TraceTriangle, Trees},
@@ -16,10 +17,7 @@ use crate::{
 use super::{
     plan::can_reflect,
     textures::{Place, Pools},
-    types::{
-        FLAG_COLORS, FLAG_CUTOUT, FLAG_DOUBLE_SIDED, FLAG_MIRRORED, GpuInstance, GpuMaterial,
-        GpuTextureUse, GpuVertex, NONE,
-    },
+    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, GpuVertex, NONE},
 };
 
 /// How a draw is rasterized.
@@ -42,6 +40,8 @@ pub struct Draw {
     pub indices: Range<u32>,
     /// First vertex.
     pub vertex_base: i32,
+    /// World bounds.
+    pub bounds: Bounds,
     /// How.
     pub class: DrawClass,
 }
@@ -111,24 +111,37 @@ impl GpuScene {
 
     /// Uploads the poses of a world whose instances moved, and the top level over them.
     pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees) {
-        for ((record, instance), traced) in
-            self.records.iter_mut().zip(&world.instances).zip(&trees.instances)
+        for ((record, instance), traced) in self
+            .records
+            .iter_mut()
+            .zip(&world.instances)
+            .zip(&trees.instances)
         {
             record.world_from_object = rows(&instance.world_from_object);
             record.object_from_world = traced.object_from_world;
         }
-        gpu.queue.write_buffer(&self.instances, 0, cast_slice(&self.records));
+        for draw in &mut self.draws {
+            let instance = &world.instances[draw.instance as usize];
+            draw.bounds = world.meshes[instance.mesh]
+                .bounds
+                .transformed(&instance.world_from_object);
+        }
+        gpu.queue
+            .write_buffer(&self.instances, 0, cast_slice(&self.records));
         let range = trees.top_range.clone();
         if !range.is_empty() {
             let offset = (range.start * size_of::<CwBvhNode>()) as u64;
-            gpu.queue.write_buffer(&self.nodes, offset, cast_slice(&trees.nodes[range]));
+            gpu.queue
+                .write_buffer(&self.nodes, offset, cast_slice(&trees.nodes[range]));
         }
     }
 
     /// The resource with this name in group 1, if there is one.
     pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
         let view = |pool: usize, srgb: usize| {
-            Some(wgpu::BindingResource::TextureView(&self.pools.views[pool][srgb]))
+            Some(wgpu::BindingResource::TextureView(
+                &self.pools.views[pool][srgb],
+            ))
         };
         let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
         match name {
@@ -167,7 +180,12 @@ impl GpuScene {
 }
 
 /// A filled buffer, never of zero size.
-fn buffer<T: Pod>(gpu: &Gpu, name: &str, data: &[T], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
+fn buffer<T: Pod>(
+    gpu: &Gpu,
+    name: &str,
+    data: &[T],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, GpuError> {
     let bytes: &[u8] = cast_slice(data);
     let size = (bytes.len().max(size_of::<T>()).max(16) as u64).next_multiple_of(16);
     gpu.check_buffer_size(name, size)?;
@@ -183,7 +201,10 @@ fn buffer<T: Pod>(gpu: &Gpu, name: &str, data: &[T], usage: wgpu::BufferUsages) 
     Ok(buffer)
 }
 
-fn geometry(gpu: &Gpu, meshes: &[Mesh]) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshPlace>), GpuError> {
+fn geometry(
+    gpu: &Gpu,
+    meshes: &[Mesh],
+) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshPlace>), GpuError> {
     let mut vertices: Vec<GpuVertex> = Vec::new();
     let mut data: Vec<u32> = Vec::new();
     let mut places = Vec::with_capacity(meshes.len());
@@ -192,31 +213,52 @@ fn geometry(gpu: &Gpu, meshes: &[Mesh]) -> Result<(wgpu::Buffer, wgpu::Buffer, V
             vertex_base: vertices.len() as u32,
             index_base: data.len() as u32,
             index_count: 3 * mesh.triangles.len() as u32,
-            uv1_base: if mesh.uv1.is_empty() { NONE } else { (data.len() + 3 * mesh.triangles.len()) as u32 },
+            uv1_base: if mesh.uv1.is_empty() {
+                NONE
+            } else {
+                (data.len() + 3 * mesh.triangles.len()) as u32
+            },
             has_colors: !mesh.colors.is_empty(),
         };
         data.extend(mesh.triangles.iter().flatten());
-        data.extend(mesh.uv1.iter().flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]));
+        data.extend(
+            mesh.uv1
+                .iter()
+                .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
+        );
         vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
         places.push(place);
     }
     let storage = wgpu::BufferUsages::STORAGE;
     Ok((
-        buffer(gpu, "vertices", &vertices, storage | wgpu::BufferUsages::VERTEX)?,
+        buffer(
+            gpu,
+            "vertices",
+            &vertices,
+            storage | wgpu::BufferUsages::VERTEX,
+        )?,
         buffer(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
         places,
     ))
 }
 
 fn vertex(mesh: &Mesh, i: usize) -> GpuVertex {
-    let tangent = mesh.tangents.get(i).copied().unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
+    let tangent = mesh
+        .tangents
+        .get(i)
+        .copied()
+        .unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
     let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
     GpuVertex {
         position: mesh.positions[i].to_array(),
         normal: pack_unit(mesh.normals[i]),
         uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
         tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
-        color: u32::from_le_bytes(color.to_array().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8)),
+        color: u32::from_le_bytes(
+            color
+                .to_array()
+                .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8),
+        ),
     }
 }
 
@@ -224,7 +266,11 @@ fn vertex(mesh: &Mesh, i: usize) -> GpuVertex {
 fn pack_unit(n: Vec3) -> u32 {
     let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-20);
     let wrap = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
-    let [x, y] = if p.z >= 0.0 { [p.x, p.y] } else { [wrap(p.x, p.y), wrap(p.y, p.x)] };
+    let [x, y] = if p.z >= 0.0 {
+        [p.x, p.y]
+    } else {
+        [wrap(p.x, p.y), wrap(p.y, p.x)]
+    };
     let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
     snorm(x) | snorm(y) << 16
 }
@@ -236,27 +282,33 @@ fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
 }
 
 fn records(world: &World, trees: &Trees, places: &[MeshPlace]) -> Vec<GpuInstance> {
-    let record = |(instance, traced): (&crate::world::Instance, &crate::world::bvh::TraceInstance)| {
-        let place = places[instance.mesh];
-        let class = class_of(&world.materials[instance.material], &instance.world_from_object);
-        let flag = |on: bool, bit: u32| if on { bit } else { 0 };
-        GpuInstance {
-            world_from_object: rows(&instance.world_from_object),
-            object_from_world: traced.object_from_world,
-            tree_root: traced.tree_root,
-            flags: flag(class.cutout, FLAG_CUTOUT)
-                | flag(class.double_sided, FLAG_DOUBLE_SIDED)
-                | flag(class.mirrored, FLAG_MIRRORED)
-                | flag(place.has_colors, FLAG_COLORS),
-            vertex_base: place.vertex_base,
-            index_base: place.index_base,
-            uv1_base: place.uv1_base,
-            material: instance.material as u32,
-            pad0: 0,
-            pad1: 0,
-        }
-    };
-    world.instances.iter().zip(&trees.instances).map(record).collect()
+    let record =
+        |(instance, traced): (&crate::world::Instance, &crate::world::bvh::TraceInstance)| {
+            let place = places[instance.mesh];
+            let class = class_of(
+                &world.materials[instance.material],
+                &instance.world_from_object,
+            );
+            let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+            GpuInstance {
+                world_from_object: rows(&instance.world_from_object),
+                object_from_world: traced.object_from_world,
+                tree_root: traced.tree_root,
+                trace_flags: traced.trace_flags,
+                vertex_base: place.vertex_base,
+                index_base: place.index_base,
+                uv1_base: place.uv1_base,
+                material: instance.material as u32,
+                flags: flag(class.mirrored, FLAG_MIRRORED) | flag(place.has_colors, FLAG_COLORS),
+                pad: 0,
+            }
+        };
+    world
+        .instances
+        .iter()
+        .zip(&trees.instances)
+        .map(record)
+        .collect()
 }
 
 fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
@@ -274,14 +326,26 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
             instance: i as u32,
             indices: place.index_base..place.index_base + place.index_count,
             vertex_base: place.vertex_base as i32,
-            class: class_of(&world.materials[instance.material], &instance.world_from_object),
+            bounds: world.meshes[instance.mesh]
+                .bounds
+                .transformed(&instance.world_from_object),
+            class: class_of(
+                &world.materials[instance.material],
+                &instance.world_from_object,
+            ),
         })
     };
-    world.instances.iter().enumerate().filter_map(draw).collect()
+    world
+        .instances
+        .iter()
+        .enumerate()
+        .filter_map(draw)
+        .collect()
 }
 
 fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> GpuMaterial {
-    let slot = |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, places));
+    let slot =
+        |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, places));
     let checker = m.checker;
     let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
     GpuMaterial {
@@ -297,7 +361,11 @@ fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> G
         checker_b: color(1),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
         // What cannot reflect is not a reflective pixel, whatever the scene calls it.
-        reflection: if can_reflect(m, cutoff) { m.reflection as u32 } else { 0 },
+        reflection: if can_reflect(m, cutoff) {
+            m.reflection as u32
+        } else {
+            0
+        },
         pad0: 0,
         pad1: 0,
         pad2: 0,

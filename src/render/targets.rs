@@ -185,6 +185,7 @@ impl Targets {
     /// Name and bytes of each.
     pub fn report(&self) -> Vec<(&'static str, u64)> {
         let here = Target::ALL.iter().filter(|t| self.textures.contains_key(t));
-        here.map(|&t| (t.name(), Self::bytes(self.size, &[t]))).collect()
+        here.map(|&t| (t.name(), Self::bytes(self.size, &[t])))
+            .collect()
     }
 }

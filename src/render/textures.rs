@@ -87,7 +87,11 @@ impl Pools {
             });
         }
         // A pool without images is one texel, so that its binding exists.
-        let (edge, mips) = if layers == 0 { (1, 1) } else { (px, px.ilog2() + 1) };
+        let (edge, mips) = if layers == 0 {
+            (1, 1)
+        } else {
+            (px, px.ilog2() + 1)
+        };
         let layers = layers.max(1);
         self.bytes += (0..mips)
             .map(|m| 4 * u64::from(layers) * u64::from(edge >> m).pow(2))
@@ -116,7 +120,10 @@ fn places(textures: &[Texture]) -> Vec<Place> {
     let mut next = [0; POOL_PX.len()];
     let place = |texture: &Texture| {
         let edge = texture.width.max(texture.height);
-        let pool = POOL_PX.iter().position(|&px| edge <= px).unwrap_or(POOL_PX.len() - 1);
+        let pool = POOL_PX
+            .iter()
+            .position(|&px| edge <= px)
+            .unwrap_or(POOL_PX.len() - 1);
         next[pool] += 1;
         Place {
             pool: pool as u32,
@@ -138,7 +145,11 @@ fn magnified_nearest(world: &World) -> Vec<bool> {
 }
 
 fn views(array: &wgpu::Texture) -> [wgpu::TextureView; 2] {
-    [wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Rgba8UnormSrgb].map(|format| {
+    [
+        wgpu::TextureFormat::Rgba8Unorm,
+        wgpu::TextureFormat::Rgba8UnormSrgb,
+    ]
+    .map(|format| {
         array.create_view(&wgpu::TextureViewDescriptor {
             format: Some(format),
             dimension: Some(wgpu::TextureViewDimension::D2Array),
@@ -154,7 +165,11 @@ fn upload(gpu: &Gpu, array: &wgpu::Texture, layer: u32, px: u32, chain: &[Vec<u8
             wgpu::TexelCopyTextureInfo {
                 texture: array,
                 mip_level: mip as u32,
-                origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                origin: wgpu::Origin3d {
+                    x: 0,
+                    y: 0,
+                    z: layer,
+                },
                 aspect: wgpu::TextureAspect::All,
             },
             bytes,
@@ -190,7 +205,11 @@ fn mip_chain(texture: &Texture, px: u32, nearest: bool) -> Vec<Vec<u8>> {
 }
 
 fn resampled(texture: &Texture, px: u32, nearest: bool) -> Vec<u8> {
-    let filter = if nearest { FilterType::Nearest } else { FilterType::Triangle };
+    let filter = if nearest {
+        FilterType::Nearest
+    } else {
+        FilterType::Triangle
+    };
     RgbaImage::from_raw(texture.width, texture.height, texture.rgba.clone())
         .map(|image| image::imageops::resize(&image, px, px, filter).into_raw())
         .unwrap_or_else(|| vec![255; (px * px * 4) as usize])
@@ -206,7 +225,8 @@ fn halved(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
         for x in 0..half {
             let first = (2 * y * edge + 2 * x) * 4;
             for c in 0..4 {
-                let at = [first, first + 4, first + edge * 4, first + edge * 4 + 4].map(|i| rgba[i + c]);
+                let at =
+                    [first, first + 4, first + edge * 4, first + edge * 4 + 4].map(|i| rgba[i + c]);
                 out.push(match tables {
                     Some(tables) if c < 3 => tables.mean(at),
                     _ => ((at.iter().map(|&v| u32::from(v)).sum::<u32>() + 2) / 4) as u8,
@@ -238,7 +258,10 @@ impl SrgbTables {
     }
 
     fn mean(&self, codes: [u8; 4]) -> u8 {
-        let sum: u32 = codes.iter().map(|&c| u32::from(self.light[c as usize])).sum();
+        let sum: u32 = codes
+            .iter()
+            .map(|&c| u32::from(self.light[c as usize]))
+            .sum();
         self.code[(sum / 64).min(4095) as usize]
     }
 }

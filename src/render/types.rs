@@ -115,8 +115,8 @@ gpu_struct! {
         object_from_world: [[f32; 4]; 3],
         /// Root of its mesh's tree; `NONE` where it is part of the static tree.
         tree_root: u32,
-        /// `FLAG_*` of the shader.
-        flags: u32,
+        /// What traversal asks, from `world::bvh`.
+        trace_flags: u32,
         /// First vertex.
         vertex_base: u32,
         /// First index in `mesh_data`.
@@ -125,21 +125,17 @@ gpu_struct! {
         uv1_base: u32,
         /// Index into the materials.
         material: u32,
+        /// `FLAG_*`.
+        flags: u32,
         /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
+        pad: u32,
     }
 }
 
-/// [`GpuInstance::flags`]: hits ask for alpha. The lowest two bits are those of `world::bvh`.
-pub const FLAG_CUTOUT: u32 = crate::world::bvh::ALPHA_TESTED;
-/// [`GpuInstance::flags`]: the back is seen.
-pub const FLAG_DOUBLE_SIDED: u32 = crate::world::bvh::DOUBLE_SIDED;
 /// [`GpuInstance::flags`]: the mesh has vertex colors.
-pub const FLAG_COLORS: u32 = 8;
-/// [`GpuInstance::flags`]: the transform mirrors.
-pub const FLAG_MIRRORED: u32 = 16;
+pub const FLAG_COLORS: u32 = 1;
+/// [`GpuInstance::flags`]: the transform turns front into back.
+pub const FLAG_MIRRORED: u32 = 2;
 
 gpu_struct! {
     /// A vertex, 32 bytes.

@@ -24,7 +24,11 @@ impl<'a> Names<'a> {
         let table = root.get(kind).and_then(|node| node.get_ref().as_table());
         let keys = table.into_iter().flat_map(|t| t.keys());
         let places = keys.map(|k| (k.get_ref().as_ref(), k.span())).collect();
-        Self { kind, places, used: HashMap::new() }
+        Self {
+            kind,
+            places,
+            used: HashMap::new(),
+        }
     }
 
     /// Reports a reference to nothing, with the nearest thing that it could mean.
@@ -41,7 +45,9 @@ impl<'a> Names<'a> {
             names.sort_by_key(|(_, at)| at.start);
             let words: Vec<_> = names.iter().map(|(name, _)| **name).collect();
             if words.is_empty() {
-                error.help = Some(format!("write a table `[{kind}.NAME]` and refer to its name"));
+                error.help = Some(format!(
+                    "write a table `[{kind}.NAME]` and refer to its name"
+                ));
             } else {
                 let lead = format!("the {kind}s are");
                 error.help = Some(suggest::hint(&to.value, &words, suggest::text, &lead));
@@ -76,7 +82,11 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
             let message = format!("two instances are named {}", suggest::text(name));
             let error = Diagnostic::at("duplicate-name", instance.at.clone(), message);
             let note = "the first one is here";
-            report.push(error.help("names of instances are unique").related((*first).clone(), note));
+            report.push(
+                error
+                    .help("names of instances are unique")
+                    .related((*first).clone(), note),
+            );
         } else {
             seen.insert(name, &instance.at);
         }
@@ -90,7 +100,10 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
 fn warn(scene: &SceneDesc, materials: &Names, report: &mut Report) {
     for material in &scene.materials {
         if !materials.used.contains_key(material.name.as_str()) {
-            let message = format!("no model or instance uses {}", suggest::text(&material.name));
+            let message = format!(
+                "no model or instance uses {}",
+                suggest::text(&material.name)
+            );
             report.push(Diagnostic::at("unused-material", material.at.clone(), message).warning());
         }
     }
@@ -98,6 +111,10 @@ fn warn(scene: &SceneDesc, materials: &Names, report: &mut Report) {
         let message = "the scene has no model, so there is nothing to see";
         let help = "write `[model.NAME]` with `file = \"….glb\"` or `shape = { kind = \"box\" }`";
         let start = report.span(&(0..0));
-        report.push(Diagnostic::at("empty-scene", start, message).help(help).warning());
+        report.push(
+            Diagnostic::at("empty-scene", start, message)
+                .help(help)
+                .warning(),
+        );
     }
 }

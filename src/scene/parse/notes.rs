@@ -35,7 +35,13 @@ pub struct KeyNote {
 impl KeyNote {
     /// A key for one form.
     pub fn new(name: &'static str, form: Form) -> Self {
-        Self { name, forms: vec![form], range: String::new(), required: false, default: None }
+        Self {
+            name,
+            forms: vec![form],
+            range: String::new(),
+            required: false,
+            default: None,
+        }
     }
 
     /// A key for a plain value.
@@ -126,7 +132,12 @@ impl Notes {
             return false;
         }
         self.open.push((self.sections.len(), false));
-        self.sections.push(SectionNote { type_name, also, heading, ..Default::default() });
+        self.sections.push(SectionNote {
+            type_name,
+            also,
+            heading,
+            ..Default::default()
+        });
         true
     }
 
@@ -149,7 +160,9 @@ impl Notes {
 
     /// Adds a key to the open table or variant.
     pub fn add(&mut self, key: KeyNote) {
-        let Some((section, in_variant)) = self.section() else { return };
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
         match section.variants.last_mut() {
             Some(variant) if in_variant => variant.keys.push(key),
             _ => section.keys.push(key),
@@ -158,7 +171,9 @@ impl Notes {
 
     /// Adds a rule to the open table or variant.
     pub fn rule(&mut self, rule: Rule) {
-        let Some((section, in_variant)) = self.section() else { return };
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
         match section.variants.last_mut() {
             Some(variant) if in_variant => variant.rules.push(rule),
             _ => section.rules.push(rule),
@@ -169,7 +184,11 @@ impl Notes {
     pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
         self.set_in_variant(true);
         if let Some((section, _)) = self.section() {
-            section.variants.push(VariantNote { key, word, ..Default::default() });
+            section.variants.push(VariantNote {
+                key,
+                word,
+                ..Default::default()
+            });
         }
     }
 

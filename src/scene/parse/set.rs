@@ -66,7 +66,10 @@ fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
         let (key, node) = level.iter().next()?;
         let at = key.span();
         let name = key.get_ref().to_string();
-        segments.push(Segment { name, at: base + at.start..base + at.end });
+        segments.push(Segment {
+            name,
+            at: base + at.start..base + at.end,
+        });
         match node.get_ref() {
             DeValue::Table(next) => level = next,
             _ => return Some(segments),
@@ -86,7 +89,11 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
             Some(Node::new(at, DeValue::String(trimmed.into())))
         }
         Ok(_) => {
-            report.error("bad-set", &(base.saturating_sub(1)..base), "the value after `=` is missing");
+            report.error(
+                "bad-set",
+                &(base.saturating_sub(1)..base),
+                "the value after `=` is missing",
+            );
             None
         }
         Err(error) => {
@@ -119,11 +126,17 @@ fn shift(node: Node, by: usize) -> Node {
 }
 
 fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut Report) {
-    let Some((last, above)) = path.split_last() else { return };
+    let Some((last, above)) = path.split_last() else {
+        return;
+    };
     let mut node = root;
     for (depth, segment) in above.iter().enumerate() {
         let named = depth == 1 && NAMED.contains(&above[0].name.as_str());
-        let new = if named { New::Refused(&above[0].name) } else { New::Table };
+        let new = if named {
+            New::Refused(&above[0].name)
+        } else {
+            New::Table
+        };
         match step(node, segment, new, report) {
             Some(next) => node = next,
             None => return,
@@ -132,7 +145,10 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
     if let DeValue::Table(table) = node.get_mut() {
         // Removed first, so that the key's position is the option's.
         table.remove(last.name.as_str());
-        table.insert(Spanned::new(last.at.clone(), last.name.clone().into()), value);
+        table.insert(
+            Spanned::new(last.at.clone(), last.name.clone().into()),
+            value,
+        );
     } else if let Some(element) = step(node, last, New::Table, report) {
         *element = value;
     }
@@ -171,7 +187,10 @@ fn step<'t, 'i>(
                 let table = item.get_ref().as_table();
                 table.and_then(|t| t.get("name")?.get_ref().as_str()) == Some(name)
             };
-            let index = items.iter().position(is_named).or_else(|| name.parse().ok());
+            let index = items
+                .iter()
+                .position(is_named)
+                .or_else(|| name.parse().ok());
             let found = index.and_then(|i| items.iter_mut().nth(i));
             if found.is_none() {
                 let message = format!("{} is not one of the {count} entries", suggest::key(name));
@@ -181,7 +200,10 @@ fn step<'t, 'i>(
             found
         }
         _ => {
-            let message = format!("{} cannot be set: what is before it has no keys", suggest::key(name));
+            let message = format!(
+                "{} cannot be set: what is before it has no keys",
+                suggest::key(name)
+            );
             report.error("bad-set", &segment.at, message);
             None
         }

@@ -20,7 +20,11 @@ impl Shadow {
     /// Whether the message may only be a consequence.
     pub fn hides(&self, message: &Diagnostic) -> bool {
         let at = message.span.range.start;
-        let in_file = message.span.source.as_ref().is_none_or(|s| s.path.as_os_str() != "--set");
+        let in_file = message
+            .span
+            .source
+            .as_ref()
+            .is_none_or(|s| s.path.as_os_str() != "--set");
         let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
         let doubtful = match message.name {
             // What is missing may stand on the broken line.
@@ -38,7 +42,10 @@ pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, V
     for error in &errors {
         let at = error.span().unwrap_or(0..0);
         if report.is_full() {
-            shadows.push(Shadow { table: 0..text.len() + 1, line: 0 });
+            shadows.push(Shadow {
+                table: 0..text.len() + 1,
+                line: 0,
+            });
             break;
         }
         let start = text.floor_char_boundary(at.start);
@@ -48,7 +55,10 @@ pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, V
         if is_new || error.message() == "duplicate key" {
             explain(text, at, error.message(), report);
         }
-        shadows.push(Shadow { table: table_around(text, line), line });
+        shadows.push(Shadow {
+            table: table_around(text, line),
+            line,
+        });
     }
     (root, shadows)
 }
@@ -105,7 +115,9 @@ fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
 fn table_around(text: &str, line: usize) -> Range<usize> {
     let is_header = |at: &usize| text[*at..].trim_start_matches([' ', '\t']).starts_with('[');
     let starts = |part: &str, base: usize| -> Vec<usize> {
-        part.match_indices('\n').map(|(i, _)| base + i + 1).collect()
+        part.match_indices('\n')
+            .map(|(i, _)| base + i + 1)
+            .collect()
     };
     let mut before = starts(&text[..line], 0);
     before.insert(0, 0);

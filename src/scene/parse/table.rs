@@ -5,17 +5,13 @@ use std::ops::Range as Bytes;
 
 use toml::de::{DeTable, DeValue};
 
-
 use super::{
     notes::{Form, KeyNote, Notes, Rule},
     report::Report,
     suggest,
     value::{Named, Node, Range, Value, found, one_of, word, wrong_type},
 };
-use crate::scene::{
-    desc::Entry,
-    diagnostic::Span,
-};
+use crate::scene::{desc::Entry, diagnostic::Span};
 
 /// A description that is written as a table.
 pub trait Section: Sized {
@@ -71,7 +67,13 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn describe<T: Section>(notes: &mut Notes) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());
-            T::read(&mut Table::new(&mut report, &nothing, "", 0..0, Some(notes)));
+            T::read(&mut Table::new(
+                &mut report,
+                &nothing,
+                "",
+                0..0,
+                Some(notes),
+            ));
             notes.close();
         }
     }
@@ -85,7 +87,15 @@ impl<'r, 'i> Table<'r, 'i> {
     ) -> Self {
         let errors_before = report.errors();
         let title = title.to_owned();
-        Self { report, values, title, at, asked: Vec::new(), errors_before, notes }
+        Self {
+            report,
+            values,
+            title,
+            at,
+            asked: Vec::new(),
+            errors_before,
+            notes,
+        }
     }
 
     fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyNote) {
@@ -113,11 +123,15 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// Range of a key's value, else of the table.
     pub fn place(&self, key: &str) -> Bytes<usize> {
-        self.values.get(key).map_or(self.at.clone(), |node| node.span())
+        self.values
+            .get(key)
+            .map_or(self.at.clone(), |node| node.span())
     }
 
     fn key_place(&self, key: &str) -> Bytes<usize> {
-        self.values.get_key_value(key).map_or(self.at.clone(), |(k, _)| k.span())
+        self.values
+            .get_key_value(key)
+            .map_or(self.at.clone(), |(k, _)| k.span())
     }
 
     /// The value of an optional key.
@@ -128,7 +142,9 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// The value of a key with a default.
     pub fn get<V: Value>(&mut self, key: &'static str, range: Range, default: V) -> V {
-        self.note(key, || KeyNote::value::<V>(key, range).default(default.to_json()));
+        self.note(key, || {
+            KeyNote::value::<V>(key, range).default(default.to_json())
+        });
         self.plain(key, range).unwrap_or(default)
     }
 
@@ -166,7 +182,9 @@ impl<'r, 'i> Table<'r, 'i> {
         key: &'static str,
         range: Range,
     ) -> Option<Either<V, T>> {
-        self.note(key, || KeyNote::value::<V>(key, range).or(Form::Table(T::TYPE)));
+        self.note(key, || {
+            KeyNote::value::<V>(key, range).or(Form::Table(T::TYPE))
+        });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
@@ -181,7 +199,9 @@ impl<'r, 'i> Table<'r, 'i> {
         key: &'static str,
         range: Range,
     ) -> Option<Either<V, Vec<Entry<T>>>> {
-        self.note(key, || KeyNote::value::<V>(key, range).or(Form::Entries(T::TYPE)));
+        self.note(key, || {
+            KeyNote::value::<V>(key, range).or(Form::Entries(T::TYPE))
+        });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
@@ -207,7 +227,9 @@ impl<'r, 'i> Table<'r, 'i> {
         };
         let Some(items) = node.get_ref().as_array() else {
             let message = format!("`{key}` must be a list of tables, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_place(key), message);
+            let error = self
+                .report
+                .error("wrong-type", &self.key_place(key), message);
             error.help = Some(format!("write `[[{key}]]`, with two brackets on each side"));
             return Vec::new();
         };
@@ -238,7 +260,11 @@ impl<'r, 'i> Table<'r, 'i> {
     }
 
     fn nested_title(&self, key: &str) -> String {
-        match self.title.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
+        match self
+            .title
+            .strip_prefix('[')
+            .and_then(|t| t.strip_suffix(']'))
+        {
             Some(path) if !path.starts_with('[') => format!("[{path}.{key}]"),
             Some(_) => format!("{key} of {}", self.title),
             None if self.title.contains(' ') => format!("{key} of {}", self.title),
@@ -250,7 +276,9 @@ impl<'r, 'i> Table<'r, 'i> {
         let example = self.nested_title(&format!("{key}.NAME"));
         let DeValue::Table(entries) = node.get_ref() else {
             let message = format!("`{key}` must be tables with names, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_place(key), message);
+            let error = self
+                .report
+                .error("wrong-type", &self.key_place(key), message);
             error.help = Some(format!("write `{example}`, with a name of your choice"));
             return Vec::new();
         };
@@ -272,7 +300,11 @@ impl<'r, 'i> Table<'r, 'i> {
             let title = self.nested_title(&format!("{key}.{}", name.get_ref()));
             if let Some(value) = Table::read(self.report, values, &title, node.span()) {
                 let at = self.report.span(&name.span());
-                read.push(Entry { name: name.get_ref().to_string(), at, value });
+                read.push(Entry {
+                    name: name.get_ref().to_string(),
+                    at,
+                    value,
+                });
             }
         }
         read
@@ -286,7 +318,13 @@ impl<'r, 'i> Table<'r, 'i> {
             for (word, read) in variants {
                 notes.open_variant(key, word);
                 let (mut report, nothing) = (Report::default(), DeTable::new());
-                read(&mut Table::new(&mut report, &nothing, "", 0..0, Some(notes)));
+                read(&mut Table::new(
+                    &mut report,
+                    &nothing,
+                    "",
+                    0..0,
+                    Some(notes),
+                ));
             }
             notes.close_variants();
             return None;
@@ -301,7 +339,8 @@ impl<'r, 'i> Table<'r, 'i> {
         };
         let Some(chosen) = chosen else {
             // Without the kind nobody can say which keys are wrong.
-            self.asked.extend(variants.iter().flat_map(|v| keys_of(v.1)));
+            self.asked
+                .extend(variants.iter().flat_map(|v| keys_of(v.1)));
             return None;
         };
         let read = variants.iter().find(|v| v.0 == chosen)?.1;
@@ -315,7 +354,10 @@ impl<'r, 'i> Table<'r, 'i> {
             let name = key.get_ref().as_ref();
             let others = all.iter().filter(|v| keys_of(v.1).contains(&name));
             let others: Vec<_> = others.map(|v| v.0).collect();
-            let mine = all.iter().filter(|v| v.0 == chosen).flat_map(|v| keys_of(v.1));
+            let mine = all
+                .iter()
+                .filter(|v| v.0 == chosen)
+                .flat_map(|v| keys_of(v.1));
             let mine: Vec<_> = mine.collect();
             let Some(known) = all.iter().flat_map(|v| keys_of(v.1)).find(|k| *k == name) else {
                 continue;
@@ -325,14 +367,19 @@ impl<'r, 'i> Table<'r, 'i> {
             let message = format!("`{name}` does not go with `{kind} = {chosen}`");
             let error = self.report.error("unknown-key", &key.span(), message);
             let meant = suggest::nearest(name, mine.iter().copied());
-            let meant = meant.map(|m| format!("did you mean `{m}`? ")).unwrap_or_default();
+            let meant = meant
+                .map(|m| format!("did you mean `{m}`? "))
+                .unwrap_or_default();
             error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
         }
     }
 
     fn unknown(&self) -> Vec<(&'r toml::Spanned<toml::de::DeString<'i>>, &'r Node<'i>)> {
         let asked = |key: &str| self.asked.contains(&key);
-        self.values.iter().filter(|(key, _)| !asked(key.get_ref())).collect()
+        self.values
+            .iter()
+            .filter(|(key, _)| !asked(key.get_ref()))
+            .collect()
     }
 
     fn refuse_unknown(&mut self) {
@@ -363,7 +410,10 @@ impl<'r, 'i> Table<'r, 'i> {
         order.sort_by_key(|(_, at)| at.start);
         match order.as_slice() {
             [] if required => {
-                let keys = groups.iter().map(|g| format!("`{}`", g[0])).collect::<Vec<_>>();
+                let keys = groups
+                    .iter()
+                    .map(|g| format!("`{}`", g[0]))
+                    .collect::<Vec<_>>();
                 let message = format!("`{}` needs {}", self.title, keys.join(" or "));
                 self.report.error("missing-key", &self.at, message);
             }
@@ -397,4 +447,3 @@ fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
     read(&mut table);
     table.asked
 }
-
