@@ -158,13 +158,14 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     // Möller and Trumbore 1997.
     let p = cross(ray.direction, edge2);
     let det = dot(edge1, p);
-    let inverse_det = 1.0 / select(det, 1.0, det == 0.0);
+    let flat = abs(det) < 1e-36;
+    let inverse_det = 1.0 / select(det, 1.0, flat);
     let s = ray.origin - bitcast<vec3f>(a.xyz);
     let q = cross(s, edge1);
     let bary = vec2f(dot(s, p), dot(ray.direction, q)) * inverse_det;
     let t = dot(edge2, q) * inverse_det;
     let outside = max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0);
-    if det == 0.0 || !(outside <= 0.01) || t <= t_min || t >= (*best).t {
+    if flat || !(outside <= 0.01) || t <= t_min || t >= (*best).t {
         return;
     }
     // What rounding can make of a weight: neighbors overlap by it, so that no ray passes between.

@@ -19,7 +19,7 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, DMat3, Vec3};
+use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
@@ -29,6 +29,8 @@ use crate::scene::diagnostic::Diagnostic;
 
 mod oracle;
 mod placement;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 pub use oracle::{Oracle, Ray, RayHit};
@@ -54,6 +56,8 @@ pub const FLIPPED: u32 = 4;
 /// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
+/// Farthest coordinate that trees hold, metres: areas and reciprocals stay finite in f32.
+pub const MAX_REACH_M: f32 = 1e15;
 /// Words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
 
@@ -112,7 +116,7 @@ impl Trees {
     /// Builds all trees; neither buffer exceeds `device_limit_bytes`.
     ///
     /// # Errors
-    /// Geometry past that limit, or not finite in world space.
+    /// Geometry past that limit, or past [`MAX_REACH_M`].
     pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
         let placement = Placement::within(world, device_limit_bytes)?;
         let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
@@ -121,7 +125,7 @@ impl Trees {
             .meshes
             .par_iter()
             .map(|mesh| mesh_tree(&world.meshes[*mesh]))
-            .collect();
+            .collect::<Result<_, _>>()?;
 
         let reserved = top_capacity(placement.top.len()) + placement.top.len().div_ceil(NODE_WORDS);
         let mut stack_need = static_tree.stack_need + 1;
@@ -164,7 +168,7 @@ impl Trees {
 
     /// Rebuilds the top level after instances of it moved: rewrites their records in
     /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances whose transform is not
-    /// finite or not invertible cannot be hit.
+    /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
     pub fn update_top_level(&mut self, world: &World) {
         let mut ids = Vec::with_capacity(self.top_instances.len());
         let mut boxes = Vec::with_capacity(self.top_instances.len());
@@ -183,7 +187,7 @@ impl Trees {
                 .as_flattened()
                 .iter()
                 .all(|x| x.is_finite());
-            if rows_finite && bounds.min.is_finite() && bounds.max.is_finite() {
+            if rows_finite && within_reach(bounds.min, bounds.max) {
                 // Corners were rounded when transformed: keep the box conservative.
                 let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
                 ids.push(*id);
@@ -211,12 +215,10 @@ impl Trees {
 impl TraceInstance {
     fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
         // Inverted in f64, so that only its storage rounds.
-        let linear = DMat3::from_cols(
-            world_from_object.matrix3.x_axis.as_dvec3(),
-            world_from_object.matrix3.y_axis.as_dvec3(),
-            world_from_object.matrix3.z_axis.as_dvec3(),
-        );
-        let inverse = linear.inverse().as_mat3();
+        let inverse = oracle::in_f64(world_from_object)
+            .matrix3
+            .inverse()
+            .as_mat3();
         let row = |k: usize| {
             inverse
                 .row(k)
@@ -292,7 +294,20 @@ fn trace_triangle([a, b, c]: [Vec3; 3], instance: u32, triangle: u32, flags: u32
     }
 }
 
-fn mesh_tree(mesh: &Mesh) -> (Tree, Vec<TraceTriangle>) {
+fn within_reach(min: Vec3, max: Vec3) -> bool {
+    // Written so that NaN is not within.
+    min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
+}
+
+fn too_far(what: &str) -> Box<Diagnostic> {
+    error(
+        "too-far",
+        &format!("{what} reaches further than {MAX_REACH_M:e} m from the origin"),
+        "make its translation and scale smaller",
+    )
+}
+
+fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
     let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
         .filter(|t| has_area(corners(mesh, *t)))
         .collect();
@@ -300,6 +315,12 @@ fn mesh_tree(mesh: &Mesh) -> (Tree, Vec<TraceTriangle>) {
         .iter()
         .map(|t| bounding_box(corners(mesh, *t)))
         .collect();
+    if !boxes
+        .iter()
+        .all(|b| within_reach(b.min.into(), b.max.into()))
+    {
+        return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
+    }
     let tree = Tree::build(&boxes);
     let triangles = tree
         .order
@@ -307,7 +328,7 @@ fn mesh_tree(mesh: &Mesh) -> (Tree, Vec<TraceTriangle>) {
         .map(|p| ids[*p as usize])
         .map(|t| trace_triangle(corners(mesh, t), NONE, t, 0))
         .collect();
-    (tree, triangles)
+    Ok((tree, triangles))
 }
 
 fn static_tree(
@@ -325,14 +346,10 @@ fn static_tree(
         .filter(|(_, corners)| has_area(*corners))
         .map(|(id, corners)| (id, bounding_box(corners)))
         .unzip();
-    let finite = |b: &Aabb| b.min.is_finite() && b.max.is_finite();
-    if let Some(bad) = boxes.par_iter().position_first(|b| !finite(b)) {
+    let far = |b: &Aabb| !within_reach(b.min.into(), b.max.into());
+    if let Some(bad) = boxes.par_iter().position_first(far) {
         let name = &world.instances[ids[bad].0 as usize].name;
-        return Err(error(
-            "not-finite",
-            &format!("instance \"{name}\" reaches past the largest number"),
-            "make its translation and scale smaller",
-        ));
+        return Err(too_far(&format!("instance \"{name}\"")));
     }
     let tree = Tree::build(&boxes);
     drop(boxes);
@@ -340,7 +357,7 @@ fn static_tree(
         .instances
         .iter()
         .map(|i| {
-            let mirrors = i.world_from_object.matrix3.determinant() < 0.0;
+            let mirrors = oracle::in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
             material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
         })
         .collect();

@@ -1,6 +1,6 @@
 //! Runs `shaders/lib/bvh.wgsl` on a device of its own.
 
-use reflet::world::bvh::{Ray, Trees};
+use reflet::world::bvh::{Ray, TraceInstance, Trees};
 use wgpu::util::DeviceExt as _;
 
 /// The declarations that `bvh.wgsl` expects, and a kernel that traces one ray an invocation.
@@ -131,7 +131,11 @@ impl Gpu {
         let scene = [
             bytemuck::cast_slice(&trees.nodes),
             bytemuck::cast_slice(&trees.triangles),
-            bytemuck::cast_slice(&trees.instances),
+            // Bindings may not be empty.
+            match trees.instances.as_slice() {
+                [] => &[0; size_of::<TraceInstance>()],
+                instances => bytemuck::cast_slice(instances),
+            },
         ]
         .map(|bytes| self.storage(bytes));
         let groups = [

@@ -1,6 +1,6 @@
 //! The world and the rays that traversal is tried on.
 
-use glam::{Affine3A, DVec2, DVec3, EulerRot, Quat, Vec3};
+use glam::{Affine3A, DVec2, EulerRot, Quat, Vec3};
 use reflet::{
     math::Bounds,
     scene::desc::ShapeDesc,
@@ -201,15 +201,47 @@ pub fn special_rays(world: &World, offset: Vec3) -> Vec<Ray> {
     rays
 }
 
-/// Distance that a difference in weights makes is judged relative to 1.
-pub fn edge_distance(bary: DVec2) -> f64 {
-    bary.x
-        .abs()
-        .min(bary.y.abs())
-        .min((1.0 - bary.x - bary.y).abs())
+/// A turned, stretched, finely tessellated ball, seen from both sides.
+pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
+    World {
+        meshes: vec![shape::mesh(&ShapeDesc::Sphere {
+            radius: 3.0,
+            segments: 256,
+        })],
+        materials: vec![Material {
+            double_sided: true,
+            ..Material::default()
+        }],
+        instances: vec![Instance {
+            name: "ball".into(),
+            mesh: 0,
+            material: 0,
+            world_from_object: Affine3A::from_scale_rotation_translation(
+                Vec3::new(1.0, 0.6, 1.7),
+                Quat::from_euler(EulerRot::XYZ, 0.3, 1.1, -0.7),
+                offset,
+            ),
+            dynamic,
+        }],
+        ..World::default()
+    }
 }
 
-/// Length in metres of a ray up to `t`.
-pub fn length(ray: &Ray, t: f64) -> f64 {
-    DVec3::length(ray.direction) * t
+/// Rays from around the middle of the first instance to its vertices and points of its edges.
+pub fn rays_at_edges(world: &World, count: usize) -> Vec<Ray> {
+    let mut random = Random(23);
+    let instance = &world.instances[0];
+    let mesh = &world.meshes[instance.mesh];
+    (0..count)
+        .map(|_| {
+            let triangle = mesh.triangles[random.below(mesh.triangles.len())];
+            let [a, b] = [0, 1].map(|k| mesh.positions[triangle[k] as usize]);
+            let along = [0.0, 0.5, random.within(0.0, 1.0)][random.below(3)];
+            let target = instance
+                .world_from_object
+                .transform_point3(a.lerp(b, along));
+            let origin = Vec3::from(instance.world_from_object.translation) + random.point(1.0);
+            ray(origin, target - origin, 0.0, 1e30)
+        })
+        .collect()
 }

@@ -152,11 +152,21 @@ impl Oracle {
         })
     }
 
+    /// The world-space point that weights name in a triangle.
+    pub fn point(&self, instance: u32, triangle: u32, bary: DVec2) -> DVec3 {
+        let corner = self.corner(instance, triangle);
+        corner.base + corner.edge1 * bary.x + corner.edge2 * bary.y
+    }
+
+    fn corner(&self, instance: u32, triangle: u32) -> &Corner {
+        &self.triangles[self.first[instance as usize] + triangle as usize].0
+    }
+
     /// Where the ray meets one triangle's plane: t, the weights (outside [0, 1] where it passes the
     /// triangle), and the cosine between ray and normal, negative from the front. `None` where they
     /// are parallel.
     pub fn plane_hit(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<(f64, DVec2, f64)> {
-        let (corner, ..) = &self.triangles[self.first[instance as usize] + triangle as usize];
+        let corner = self.corner(instance, triangle);
         let (t, bary, front) = corner.plane_hit(ray)?;
         let normal = corner.edge1.cross(corner.edge2);
         let cosine = ray.direction.normalize().dot(normal.normalize()).abs();
