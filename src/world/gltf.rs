@@ -19,8 +19,11 @@ use crate::scene::{
 };
 
 mod accessor;
+mod camera;
 mod container;
 mod extension;
+mod gather;
+mod light;
 mod material;
 mod node;
 mod primitive;

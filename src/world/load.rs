@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    Light, MAX_LIGHTS, World,
+    World,
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
 };
@@ -17,6 +17,7 @@ use crate::scene::{
 };
 
 mod camera;
+mod extras;
 mod finish;
 mod material;
 mod place;
@@ -152,7 +153,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Finds a file that the scene text names: beside the scene, then in the asset folders.
-    fn find(&self, name: &At<String>) -> Result<PathBuf, Diagnostic> {
+    fn find(&self, name: &At<String>) -> Result<PathBuf, Box<Diagnostic>> {
         let mut looked = Vec::new();
         for folder in &self.folders {
             match self.sandbox.resolve(folder, &name.value) {
@@ -166,7 +167,7 @@ impl<'a> Loader<'a> {
                 Err(fault) => {
                     let mut error = error_at(fault.name, &name.at, fault.message);
                     error.help = fault.help;
-                    return Err(error);
+                    return Err(Box::new(error));
                 }
             }
         }
@@ -177,7 +178,7 @@ impl<'a> Loader<'a> {
         );
         let mut error = error_at("file-not-found", &name.at, text);
         error.help = Some("add the folder that has it with --assets DIR or REFLET_ASSETS".into());
-        Err(error)
+        Err(Box::new(error))
     }
 
     fn read_models(&mut self) -> Vec<Source> {
@@ -201,7 +202,7 @@ impl<'a> Loader<'a> {
         let path = match self.find(file) {
             Ok(path) => path,
             Err(error) => {
-                self.errors.push(error);
+                self.report_once(*error);
                 return Source::Broken;
             }
         };
@@ -236,30 +237,6 @@ impl<'a> Loader<'a> {
             if !self.world.files.contains(file) {
                 self.world.files.push(file.clone());
             }
-        }
-    }
-
-    /// Light of the scene text first, then those that files brought along.
-    fn finish_lights(&mut self, from_files: Vec<Light>, from_files_count: usize) {
-        let own = self.desc.lights.iter().map(|entry| Light {
-            name: entry.name.clone(),
-            desc: entry.value,
-            range_m: None,
-        });
-        self.world.lights = own.chain(from_files).take(MAX_LIGHTS).collect();
-        let count = self.desc.lights.len() + from_files_count;
-        if count > MAX_LIGHTS {
-            let at = self
-                .desc
-                .lights
-                .get(MAX_LIGHTS)
-                .map(|e| e.at.clone())
-                .unwrap_or_default();
-            let text = format!("{count} lights with those inside files, at most {MAX_LIGHTS}");
-            let mut error = error_at("lights-too-many", &at, text);
-            error.help =
-                Some("leave a file's lights out with `lights = false` in its [model.NAME]".into());
-            self.errors.push(error);
         }
     }
 

@@ -93,13 +93,13 @@ pub fn decode_all(
         return Err(errors);
     }
     let decoded: Vec<_> = (requests.par_iter())
-        .map(|request| guarded(|| decode(request, limits)).map_err(|f| blame(request, f)))
+        .map(|request| guarded(|| decode(request, limits)))
         .collect();
     let mut textures = Vec::with_capacity(decoded.len());
-    for result in decoded {
+    for (request, result) in requests.iter().zip(decoded) {
         match result {
             Ok(texture) => textures.push(texture),
-            Err(error) => errors.push(error),
+            Err(f) => errors.push(blame(request, f)),
         }
     }
     if errors.is_empty() {

@@ -4,16 +4,13 @@
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::{
-    FORWARD, Fault, Model, Notes, Placement, Primitives,
+    Fault, Model, Notes, Placement, Primitives,
     accessor::{self, Data},
-    finite, label,
-    schema::{self, Instancing, Node, Root},
+    camera, finite, label, light,
+    schema::{Instancing, Node, Root},
     uri::shorten,
 };
-use crate::{
-    scene::desc::{CameraDesc, LightDesc, LightKind, ShadowMode},
-    world::Light,
-};
+use crate::{scene::desc::CameraDesc, world::Light};
 
 /// Deepest tree; far beyond what tools write, and names stay short.
 const MAX_DEPTH: usize = 256;
@@ -224,7 +221,7 @@ fn collect(
         let place = label("light", used.light, light.name.as_deref());
         visit
             .lights
-            .push(read_light(light, path, model_from_node).map_err(|f| f.at(&place))?);
+            .push(light::read(light, path, model_from_node).map_err(|f| f.at(&place))?);
     }
     if let Some(i) = node.camera {
         let camera = root
@@ -236,7 +233,7 @@ fn collect(
         match &camera.perspective {
             Some(lens) => visit
                 .cameras
-                .push((name, read_camera(lens, model_from_node, notes, path)?)),
+                .push((name, camera::read(lens, model_from_node, notes, path)?)),
             None => notes.add(
                 "camera-orthographic",
                 1,
@@ -300,108 +297,6 @@ fn copies(data: &Data<'_>, instancing: &Instancing) -> Result<Vec<Affine3A>, Fau
         .map_err(|f| f.at(&format!("EXT_mesh_gpu_instancing {k}")))
     };
     (0..count).map(copy).collect()
-}
-
-/// KHR_lights_punctual; the node's scale changes neither intensity nor range.
-fn read_light(
-    light: &schema::Light,
-    name: &str,
-    model_from_node: Affine3A,
-) -> Result<Light, Fault> {
-    let fault = |text: &str| Fault::new("gltf-light", text);
-    let intensity = light.intensity.unwrap_or(1.0);
-    let color = light.color.unwrap_or([1.0; 3]);
-    if !(intensity >= 0.0
-        && intensity.is_finite()
-        && color.iter().all(|c| *c >= 0.0 && c.is_finite()))
-    {
-        return Err(fault("intensity and color must be finite and not negative"));
-    }
-    let position = Vec3::from(model_from_node.translation);
-    let direction = model_from_node
-        .transform_vector3(FORWARD)
-        .try_normalize()
-        .unwrap_or(FORWARD);
-    let kind = match light.kind.as_str() {
-        "point" => LightKind::Point {
-            position,
-            intensity_cd: intensity,
-        },
-        "directional" => LightKind::Directional {
-            direction,
-            intensity_lux: intensity,
-        },
-        "spot" => {
-            let spot = light.spot.as_ref();
-            let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
-            let outer = spot
-                .and_then(|s| s.outer_cone_angle)
-                .unwrap_or(std::f32::consts::FRAC_PI_4);
-            // The extension allows a half sphere; scene text ends just below it.
-            let (inner_deg, outer_deg) = (inner.to_degrees(), outer.to_degrees().min(89.9));
-            if !(inner_deg >= 0.0 && inner < outer && outer_deg.is_finite() && outer <= 1.571) {
-                return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
-            }
-            let inner_deg = inner_deg.min(outer_deg);
-            LightKind::Spot {
-                position,
-                direction,
-                intensity_cd: intensity,
-                inner_deg,
-                outer_deg,
-            }
-        }
-        other => return Err(fault(&format!("type \"{}\" is unknown", shorten(other)))),
-    };
-    let range_m = light.range.filter(|r| r.is_finite());
-    if range_m.is_some_and(|r| r <= 0.0) {
-        return Err(fault("range must be above 0"));
-    }
-    let defaults = (ShadowMode::default(), 1024);
-    Ok(Light {
-        name: name.to_owned(),
-        desc: LightDesc {
-            kind,
-            color: Vec3::from_array(color),
-            shadow: defaults.0,
-            shadow_px: defaults.1,
-        },
-        range_m,
-    })
-}
-
-fn read_camera(
-    lens: &schema::Perspective,
-    model_from_node: Affine3A,
-    notes: &mut Notes,
-    path: &str,
-) -> Result<CameraDesc, Fault> {
-    let (fov_deg, near_m) = (lens.yfov.to_degrees(), lens.znear);
-    if !(fov_deg > 0.0 && fov_deg.is_finite() && near_m > 0.0 && near_m.is_finite()) {
-        return Err(Fault::new("gltf-camera", "yfov and znear must be above 0"));
-    }
-    let clamped = fov_deg.clamp(1.0, 170.0);
-    let what = "cameras have a field of view that is brought into 1° to 170°";
-    notes.add(
-        "camera-fov-clamped",
-        u64::from(clamped != fov_deg),
-        what,
-        path,
-    );
-    let eye = Vec3::from(model_from_node.translation);
-    let axis = |v: Vec3| {
-        model_from_node
-            .transform_vector3(v)
-            .try_normalize()
-            .unwrap_or(v)
-    };
-    Ok(CameraDesc {
-        eye,
-        target: eye + axis(FORWARD),
-        up: axis(Vec3::Y),
-        fov_deg: clamped,
-        near_m,
-    })
 }
 
 /// Turns the walk into the model's placements, one for each shown primitive.

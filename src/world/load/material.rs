@@ -114,10 +114,8 @@ impl Loader<'_> {
         if desc.emission_texture.is_some() {
             material.emission_texture = None;
         }
-        for slot in slots(&mut material) {
-            if let Some(texture) = slot {
-                texture.texture = self.file_image(loaded, texture.texture);
-            }
+        for texture in slots(&mut material).into_iter().flatten() {
+            texture.texture = self.file_image(loaded, texture.texture);
         }
         self.apply(desc, &mut material);
         material
@@ -138,10 +136,7 @@ impl Loader<'_> {
                 source.clone(),
             ),
             Err(fault) => {
-                let error = fault.clone().in_file(&file);
-                if !self.errors.contains(&error) {
-                    self.errors.push(error);
-                }
+                self.report_once(fault.clone().in_file(&file));
                 return 0; // never used: errors end the loading
             }
         };
@@ -204,7 +199,7 @@ impl Loader<'_> {
         let path = match self.find(name) {
             Ok(path) => path,
             Err(error) => {
-                self.report_once(error);
+                self.report_once(*error);
                 return None;
             }
         };

@@ -2,16 +2,15 @@
 
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::{Loader, Source, did_you_mean, error_at, material::merged};
+use super::{Loader, Source, did_you_mean, error_at, extras::Extras, material::merged};
 use crate::{
     scene::{
         desc::{
-            CameraDesc, Entry, InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc,
-            ModelDesc, PlacementDesc,
+            InstanceDesc, InstanceMaterialDesc, MaterialDesc, ModelDesc, PlacementDesc, SceneDesc,
         },
         diagnostic::{Diagnostic, Severity, Span},
     },
-    world::{Instance, Light, MAX_LIGHTS, Material},
+    world::{Instance, Material},
 };
 
 /// A mesh of a loaded file.
@@ -29,15 +28,38 @@ struct Job<'a> {
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     index: Option<usize>,
     instance: Option<&'a InstanceDesc>,
+    at: &'a Span,
 }
 
-/// What the placing collects besides instances.
-#[derive(Default)]
-struct Extras {
-    lights: Vec<Light>,
-    /// How many there are; more than can be used are counted, not kept.
-    light_count: usize,
-    cameras: Vec<Entry<CameraDesc>>,
+/// Every `[[instance]]`, then the models that none of them names.
+fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
+    let mut named = vec![false; desc.models.len()];
+    let mut jobs = Vec::new();
+    for (index, instance) in desc.instances.iter().enumerate() {
+        let name = &instance.model.value;
+        // A name without a model was reported before.
+        if let Some(model) = desc.models.iter().position(|m| m.name == *name) {
+            named[model] = true;
+            jobs.push(Job {
+                model,
+                index: Some(index),
+                instance: Some(instance),
+                at: &instance.at,
+            });
+        }
+    }
+    let alone = desc
+        .models
+        .iter()
+        .enumerate()
+        .filter(|(model, _)| !named[*model]);
+    jobs.extend(alone.map(|(model, entry)| Job {
+        model,
+        index: None,
+        instance: None,
+        at: &entry.at,
+    }));
+    jobs
 }
 
 impl Loader<'_> {
@@ -74,60 +96,37 @@ impl Loader<'_> {
 
     /// Fills the world's instances, lights and cameras.
     pub fn place_all(&mut self, sources: &[Source]) {
-        let desc = self.desc;
-        let mut named = vec![false; desc.models.len()];
-        let mut jobs = Vec::new();
-        for (index, instance) in desc.instances.iter().enumerate() {
-            if let Some(model) = desc
-                .models
-                .iter()
-                .position(|m| m.name == instance.model.value)
-            {
-                named[model] = true;
-                jobs.push(Job {
-                    model,
-                    index: Some(index),
-                    instance: Some(instance),
-                });
-            }
-        }
-        let alone = (0..desc.models.len()).filter(|&model| !named[model]);
-        jobs.extend(alone.map(|model| Job {
-            model,
-            index: None,
-            instance: None,
-        }));
-
-        let mut extras = Extras {
-            cameras: desc.cameras.clone(),
-            ..Extras::default()
-        };
-        for job in &jobs {
+        let mut extras = Extras::new(self.desc);
+        for job in &jobs(self.desc) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();
             self.place(job, &sources[job.model], &mut extras, &mut dropped);
-            if self.world.instances.len() > MAX_INSTANCES {
-                let at = job.instance.map_or(&desc.models[job.model].at, |i| &i.at);
+            let placed = self.world.instances.len();
+            if placed > MAX_INSTANCES {
                 let text = format!("more than {MAX_INSTANCES} instances");
-                self.errors.push(error_at("instances-too-many", at, text));
+                self.errors
+                    .push(error_at("instances-too-many", job.at, text));
                 return;
             }
-            if let Some(first) = dropped.first() {
-                let at = job.instance.map_or(&desc.models[job.model].at, |i| &i.at);
-                let all = dropped.len() + self.world.instances.len() - before;
-                let text = format!(
-                    "{} of {all} placements have a transform that is singular or not finite and are \
-                     dropped; first: {first}",
-                    dropped.len()
-                );
-                self.world.warnings.push(Diagnostic {
-                    severity: Severity::Warning,
-                    ..error_at("instance-singular", at, text)
-                });
-            }
+            self.warn_of_dropped(job, &dropped, placed - before);
         }
-        self.world.cameras = extras.cameras;
-        self.finish_lights(extras.lights, extras.light_count);
+        self.finish_extras(extras);
+    }
+
+    fn warn_of_dropped(&mut self, job: &Job<'_>, dropped: &[String], kept: usize) {
+        let Some(first) = dropped.first() else {
+            return;
+        };
+        let text = format!(
+            "{} of {} placements have a transform that is singular or not finite and are dropped; \
+             first: {first}",
+            dropped.len(),
+            dropped.len() + kept
+        );
+        self.world.warnings.push(Diagnostic {
+            severity: Severity::Warning,
+            ..error_at("instance-singular", job.at, text)
+        });
     }
 
     fn place(
@@ -139,8 +138,7 @@ impl Loader<'_> {
     ) {
         let model = &self.desc.models[job.model];
         let base_name = (job.instance.and_then(|i| i.name.as_ref())).unwrap_or(&model.name);
-        for (copy, world_from_model) in copies(job.instance).enumerate() {
-            let (suffix, world_from_model) = world_from_model;
+        for (copy, (suffix, world_from_model)) in copies(job.instance).enumerate() {
             let name = format!("{base_name}{suffix}");
             match source {
                 Source::Broken => return,
@@ -158,25 +156,7 @@ impl Loader<'_> {
                 Source::File(loaded) => {
                     self.place_file(job, *loaded, &name, world_from_model, dropped);
                     let model_data = &self.loaded[*loaded];
-                    if model.value.lights {
-                        extras.light_count += model_data.lights.len();
-                        let room = (MAX_LIGHTS + 1).saturating_sub(extras.lights.len());
-                        let lights = model_data.lights.iter().take(room);
-                        extras
-                            .lights
-                            .extend(lights.map(|l| placed_light(l, &name, world_from_model)));
-                    }
-                    if copy == 0 {
-                        for (own, camera) in &model_data.cameras {
-                            let entry = placed_camera(camera, &world_from_model);
-                            add_camera(
-                                &mut extras.cameras,
-                                format!("{name}/{own}"),
-                                entry,
-                                &model.at,
-                            );
-                        }
-                    }
+                    extras.add(model, model_data, &name, world_from_model, copy == 0);
                 }
             }
             if self.world.instances.len() > MAX_INSTANCES {
@@ -365,59 +345,4 @@ fn invertible(transform: &Affine3A) -> bool {
     let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
     let volume = linear.determinant().abs();
     transform.is_finite() && volume > lengths * LEAST_VOLUME && transform.inverse().is_finite()
-}
-
-fn placed_light(light: &Light, name: &str, world_from_model: Affine3A) -> Light {
-    let mut light = light.clone();
-    light.name = format!("{name}/{}", light.name);
-    let place = |p: &mut Vec3| *p = world_from_model.transform_point3(*p);
-    let turn = |d: &mut Vec3| {
-        *d = world_from_model
-            .transform_vector3(*d)
-            .try_normalize()
-            .unwrap_or(*d)
-    };
-    match &mut light.desc.kind {
-        LightKind::Point { position, .. } => place(position),
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            place(position);
-            turn(direction);
-        }
-        LightKind::Directional { direction, .. } => turn(direction),
-    }
-    light
-}
-
-fn placed_camera(camera: &CameraDesc, world_from_model: &Affine3A) -> CameraDesc {
-    let eye = world_from_model.transform_point3(camera.eye);
-    let turn = |d: Vec3| {
-        world_from_model
-            .transform_vector3(d)
-            .try_normalize()
-            .unwrap_or(d)
-    };
-    CameraDesc {
-        eye,
-        target: eye + turn(camera.target - camera.eye),
-        up: turn(camera.up),
-        ..*camera
-    }
-}
-
-fn add_camera(cameras: &mut Vec<Entry<CameraDesc>>, name: String, value: CameraDesc, at: &Span) {
-    let mut unique = name.clone();
-    let mut number = 1;
-    while cameras.iter().any(|c| c.name == unique) {
-        number += 1;
-        unique = format!("{name}#{number}");
-    }
-    cameras.push(Entry {
-        name: unique,
-        at: at.clone(),
-        value,
-    });
 }
