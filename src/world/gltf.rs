@@ -204,12 +204,55 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
 
     let buffers = read_buffers(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
+    check_references(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     let visit = node::walk(&root, &data, &mut notes).map_err(one)?;
     let primitives = read_meshes(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model);
     model.warnings = notes.into_warnings(path);
     Ok(model)
+}
+
+/// Dangling indices are errors even where nothing shows them: the file is damaged.
+fn check_references(root: &schema::Root) -> Result<(), Fault> {
+    let check =
+        |kind: &str, index: Option<usize>, count: usize, place: &dyn Fn() -> String| match index
+            .filter(|&i| i >= count)
+        {
+            Some(i) => {
+                Err(Fault::new("gltf-index", format!("{kind} {i} does not exist")).at(&place()))
+            }
+            None => Ok(()),
+        };
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let place = || format!("{} primitive {p}", label("mesh", m, mesh.name.as_deref()));
+            for index in primitive
+                .attributes
+                .values()
+                .copied()
+                .chain(primitive.indices)
+            {
+                check("accessor", Some(index), root.accessors.len(), &place)?;
+            }
+            check("material", primitive.material, root.materials.len(), &place)?;
+        }
+    }
+    for (t, texture) in root.textures.iter().enumerate() {
+        let place = || format!("texture {t}");
+        check("image", texture.source, root.images.len(), &place)?;
+        check("sampler", texture.sampler, root.samplers.len(), &place)?;
+    }
+    for (i, image) in root.images.iter().enumerate() {
+        let place = || label("image", i, image.name.as_deref());
+        check(
+            "bufferView",
+            image.buffer_view,
+            root.buffer_views.len(),
+            &place,
+        )?;
+    }
+    Ok(())
 }
 
 /// The data of every buffer that says where it is.
@@ -292,14 +335,7 @@ fn read_meshes(
         .map(|(m, p, mesh, primitive)| {
             let place = format!("{} primitive {p}", label("mesh", *m, mesh.name.as_deref()));
             let mut notes = Notes::default();
-            let missing = primitive.material.filter(|&i| i >= root.materials.len());
-            let built = match missing {
-                Some(i) => Err(Fault::new(
-                    "gltf-index",
-                    format!("material {i} does not exist"),
-                )),
-                None => primitive::build(data, primitive, place.clone(), quantized, &mut notes),
-            };
+            let built = primitive::build(data, primitive, place.clone(), quantized, &mut notes);
             built
                 .map(|mesh| (mesh, notes))
                 .map_err(|fault| fault.at(&place))

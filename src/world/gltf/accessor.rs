@@ -66,28 +66,42 @@ pub(super) fn fault(text: String) -> Fault {
     Fault::new("gltf-accessor", text)
 }
 
-/// Components of one element, and its bytes with the padding of matrix columns.
-pub(super) fn shape(kind: &str, size: usize) -> Option<(usize, usize)> {
-    let column = |rows: usize| (rows * size).div_ceil(4) * 4;
-    Some(match kind {
-        "SCALAR" => (1, size),
-        "VEC2" => (2, 2 * size),
-        "VEC3" => (3, 3 * size),
-        "VEC4" => (4, 4 * size),
-        "MAT2" => (4, 2 * column(2)),
-        "MAT3" => (9, 3 * column(3)),
-        "MAT4" => (16, 4 * column(4)),
-        _ => return None,
-    })
+/// The layout of one element.
+#[derive(Clone, Copy)]
+pub struct Shape {
+    /// Numbers in it.
+    pub lanes: usize,
+    /// Bytes from one to the next when tightly packed; matrix columns start at multiples of 4.
+    pub pitch: usize,
+    /// Bytes up to its last number; less than `pitch` for some matrices.
+    pub bytes: usize,
 }
 
-/// Bytes from `offset` to the end of the last of `count` elements.
-fn extent(offset: u64, stride: usize, count: u64, size: usize) -> Option<u64> {
-    count
-        .checked_sub(1)?
-        .checked_mul(stride as u64)?
-        .checked_add(offset)?
-        .checked_add(size as u64)
+/// The layout of a `type` of components of `size` bytes.
+pub(super) fn shape(kind: &str, size: usize) -> Option<Shape> {
+    let vector = |lanes: usize| Shape {
+        lanes,
+        pitch: lanes * size,
+        bytes: lanes * size,
+    };
+    let matrix = |side: usize| {
+        let column = (side * size).next_multiple_of(4);
+        Shape {
+            lanes: side * side,
+            pitch: side * column,
+            bytes: (side - 1) * column + side * size,
+        }
+    };
+    Some(match kind {
+        "SCALAR" => vector(1),
+        "VEC2" => vector(2),
+        "VEC3" => vector(3),
+        "VEC4" => vector(4),
+        "MAT2" => matrix(2),
+        "MAT3" => matrix(3),
+        "MAT4" => matrix(4),
+        _ => return None,
+    })
 }
 
 impl<'a> Data<'a> {
@@ -110,8 +124,11 @@ impl<'a> Data<'a> {
             data.check_view(view)
                 .map_err(|f| f.at(&format!("bufferView {i}")))?;
         }
-        for i in 0..root.accessors.len() {
-            data.layout(i)?;
+        for (i, accessor) in root.accessors.iter().enumerate() {
+            // Future types are an error only where they are used.
+            if shape(&accessor.kind, 1).is_some() {
+                data.layout(i)?;
+            }
         }
         Ok(data)
     }
@@ -175,7 +192,7 @@ impl<'a> Data<'a> {
             ))
         })?;
         let size = component.size();
-        let (lanes, bytes) = shape(&accessor.kind, size).ok_or_else(|| {
+        let shape = shape(&accessor.kind, size).ok_or_else(|| {
             fault(format!(
                 "type \"{}\" is unknown",
                 super::uri::shorten(&accessor.kind)
@@ -184,23 +201,24 @@ impl<'a> Data<'a> {
         if accessor.count == 0 {
             return Err(fault("count is 0, expected 1 or more".into()));
         }
-        let mut stride = bytes;
+        let mut stride = shape.pitch;
         if let Some(view) = accessor.buffer_view {
             let view = self.view(view)?;
-            stride = view.byte_stride.map_or(bytes, |s| s as usize);
-            if stride < bytes {
+            stride = view.byte_stride.map_or(stride, |s| s as usize);
+            if stride < shape.bytes {
                 return Err(fault(format!(
-                    "elements of {bytes} bytes overlap at stride {stride}"
+                    "elements of {} bytes overlap at stride {stride}",
+                    shape.bytes
                 )));
             }
-            check_range(
-                view,
-                accessor.byte_offset,
+            let run = Run {
+                offset: accessor.byte_offset,
+                count: accessor.count,
                 stride,
-                accessor.count,
-                bytes,
-                size,
-            )?;
+                bytes: shape.bytes,
+                component: size,
+            };
+            run.check(view)?;
         } else if accessor.count > MAX_VIRTUAL_ELEMENTS {
             let text = format!(
                 "{} elements without a bufferView, at most {MAX_VIRTUAL_ELEMENTS}",
@@ -208,18 +226,18 @@ impl<'a> Data<'a> {
             );
             return Err(Fault::new("geometry-too-large", text));
         }
-        self.check_sparse(accessor, bytes, size)?;
+        self.check_sparse(accessor, shape, size)?;
         let out_of_memory = |_| fault("does not fit this machine's memory".into());
         Ok(Layout {
             component,
-            lanes,
+            lanes: shape.lanes,
             count: usize::try_from(accessor.count).map_err(out_of_memory)?,
             offset: usize::try_from(accessor.byte_offset).map_err(out_of_memory)?,
             stride,
         })
     }
 
-    fn check_sparse(&self, accessor: &Accessor, bytes: usize, size: usize) -> Result<(), Fault> {
+    fn check_sparse(&self, accessor: &Accessor, shape: Shape, size: usize) -> Result<(), Fault> {
         let Some(sparse) = &accessor.sparse else {
             return Ok(());
         };
@@ -237,28 +255,27 @@ impl<'a> Data<'a> {
                 ));
             }
         };
-        let (indices, values) = (&sparse.indices, &sparse.values);
-        let (index_view, value_view) = (
-            self.view(indices.buffer_view)?,
-            self.view(values.buffer_view)?,
-        );
-        check_range(
-            index_view,
-            indices.byte_offset,
-            index_size,
-            sparse.count,
-            index_size,
-            index_size,
-        )
+        let indices = Run {
+            offset: sparse.indices.byte_offset,
+            count: sparse.count,
+            stride: index_size,
+            bytes: index_size,
+            component: index_size,
+        };
+        let values = Run {
+            offset: sparse.values.byte_offset,
+            count: sparse.count,
+            stride: shape.pitch,
+            bytes: shape.bytes,
+            component: size,
+        };
+        (self
+            .view(sparse.indices.buffer_view)
+            .and_then(|view| indices.check(view)))
         .map_err(|f| f.at("sparse.indices"))?;
-        check_range(
-            value_view,
-            values.byte_offset,
-            bytes,
-            sparse.count,
-            bytes,
-            size,
-        )
+        (self
+            .view(sparse.values.buffer_view)
+            .and_then(|view| values.check(view)))
         .map_err(|f| f.at("sparse.values"))
     }
 
@@ -273,30 +290,42 @@ impl<'a> Data<'a> {
     }
 }
 
-fn check_range(
-    view: &BufferView,
+/// Elements one after another in a buffer view; sizes in bytes.
+struct Run {
     offset: u64,
-    stride: usize,
     count: u64,
+    stride: usize,
     bytes: usize,
-    size: usize,
-) -> Result<(), Fault> {
-    if extent(offset, stride, count, bytes).is_none_or(|end| end > view.byte_length) {
-        return Err(fault(format!(
-            "{count} elements of {bytes} bytes from offset {offset} at stride {stride} do not fit \
-             the bufferView of {} bytes",
-            view.byte_length
-        )));
+    component: usize,
+}
+
+impl Run {
+    /// Bytes from the view's start to the end of the last element.
+    fn end(&self) -> Option<u64> {
+        (self.count.checked_sub(1)?)
+            .checked_mul(self.stride as u64)?
+            .checked_add(self.offset)?
+            .checked_add(self.bytes as u64)
     }
-    // No overflow: the offset lies in the view, whose end was computed without one.
-    let aligned = |at: u64| at.is_multiple_of(size as u64);
-    if !aligned(offset) || !aligned(offset + view.byte_offset) {
-        return Err(fault(format!(
-            "offset {offset} in a bufferView at {} is not aligned to {size} bytes",
-            view.byte_offset
-        )));
+
+    fn check(&self, view: &BufferView) -> Result<(), Fault> {
+        if self.end().is_none_or(|end| end > view.byte_length) {
+            return Err(fault(format!(
+                "{} elements of {} bytes from offset {} at stride {} do not fit the bufferView of \
+                 {} bytes",
+                self.count, self.bytes, self.offset, self.stride, view.byte_length
+            )));
+        }
+        let aligned = |at: u64| at.is_multiple_of(self.component as u64);
+        // No overflow: the offset lies in the view, whose end was computed without one.
+        if !aligned(self.offset) || !aligned(self.offset + view.byte_offset) {
+            return Err(fault(format!(
+                "offset {} in a bufferView at {} is not aligned to {} bytes",
+                self.offset, view.byte_offset, self.component
+            )));
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// What core glTF allows for positions, and tangent frames.

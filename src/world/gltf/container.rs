@@ -3,6 +3,8 @@
 
 use std::{ops::Range, sync::Arc};
 
+use serde_json::Value;
+
 use super::{Fault, extension, schema::Root};
 
 /// Part of a shared block of bytes; keeps the block alive.
@@ -78,12 +80,13 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
             format!("GLB version {version}, only version 2 is supported"),
         ));
     }
-    if length as usize != bytes.len() {
-        return Err(broken(format!(
+    // What lies behind the stated length is not part of the asset.
+    let bytes = &bytes.slice(0..length as usize).ok_or_else(|| {
+        broken(format!(
             "the GLB header says {length} bytes, the file has {}; was it cut off?",
             bytes.len()
-        )));
-    }
+        ))
+    })?;
     let (mut json, mut binary) = (None, None);
     let (mut at, mut number) = (GLB_HEADER, 0);
     while at < bytes.len() {
@@ -129,7 +132,30 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     let head: Head = serde_json::from_slice(json).map_err(unreadable)?;
     check_version(&head.asset)?;
     extension::check_required(&head.required)?;
-    serde_json::from_slice(json).map_err(unreadable)
+    serde_json::from_slice(json).or_else(|first| {
+        // The specification lets integers be written as 1.0; that is rare enough for a second try.
+        let mut value = serde_json::from_slice(json).map_err(unreadable)?;
+        integers_from_floats(&mut value);
+        serde_json::from_value(value).map_err(|_| unreadable(first))
+    })
+}
+
+/// Rewrites every number without a fraction as an integer. Recursion is bounded by the JSON
+/// reader's own limit on depth.
+fn integers_from_floats(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(integers_from_floats),
+        Value::Object(map) => map.values_mut().for_each(integers_from_floats),
+        Value::Number(number) => {
+            let exact = number
+                .as_f64()
+                .filter(|f| f.fract() == 0.0 && f.abs() < 9e15);
+            if let (false, Some(float)) = (number.is_i64() || number.is_u64(), exact) {
+                *number = (float as i64).into();
+            }
+        }
+        _ => {}
+    }
 }
 
 fn check_version(asset: &super::schema::Asset) -> Result<(), Fault> {

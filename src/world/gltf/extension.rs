@@ -4,11 +4,12 @@
 use super::{Fault, Notes, schema::Root};
 
 /// Extensions that may stand in `extensionsRequired`.
-pub const SUPPORTED: [&str; 10] = [
+pub const SUPPORTED: [&str; 11] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness", // approximated, with a warning
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_materials_variants", // without a chosen variant the default materials show, as specified

@@ -122,7 +122,7 @@ impl Data<'_> {
         let index_layout = part(index_type, indices.byte_offset, index_type.size());
         let targets = gather_unsigned(&self.view_bytes(indices.buffer_view)?, &index_layout);
         let size = layout.component.size();
-        let element = shape(&accessor.kind, size).map_or(size, |(_, bytes)| bytes);
+        let element = shape(&accessor.kind, size).map_or(size, |s| s.pitch);
         let value_layout = part(layout.component, values.byte_offset, element);
         let values = convert(&self.view_bytes(values.buffer_view)?, &value_layout);
         let mut previous = None;

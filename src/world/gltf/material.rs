@@ -108,6 +108,15 @@ fn convert(
     out.occlusion_strength = number(&material.occlusion_texture, |t| t.strength).clamp(0.0, 1.0);
     out.alpha_cutoff = alpha(material, place, notes)?;
     out.reflectivity = reflectivity(&material.extensions, place, notes)?;
+    if let Some(gloss) = &material.extensions.specular_glossiness {
+        let map = match &gloss.diffuse_texture {
+            Some(info) => textures.reference(info, true, place, notes),
+            None => Ok(None),
+        };
+        specular_glossiness(gloss, map.map_err(|f| f.at("diffuseTexture"))?, &mut out)?;
+        let what = "materials use specular-glossiness, whose tint and map are not shown";
+        notes.add("specular-glossiness-approximated", 1, what, place);
+    }
     if material.extensions.unlit.is_some() {
         unlit(&mut out, place, notes);
     }
@@ -193,6 +202,28 @@ fn reflectivity(
         .sum::<f32>()
         / 3.0;
     Ok((mean * factor).clamp(0.0, 1.0))
+}
+
+/// KHR_materials_pbrSpecularGlossiness (archived) as a dielectric of the same diffuse color,
+/// mean reflectance and gloss.
+fn specular_glossiness(
+    gloss: &schema::SpecularGlossiness,
+    diffuse_texture: Option<TextureRef>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    let diffuse = gloss.diffuse_factor.unwrap_or([1.0; 4]);
+    let specular = gloss.specular_factor.unwrap_or([1.0; 3]);
+    let glossiness = gloss.glossiness_factor.unwrap_or(1.0);
+    if !(finite(&diffuse) && finite(&specular) && glossiness.is_finite()) {
+        return Err(Fault::new("gltf-material", "factors must be finite"));
+    }
+    material.base_color = Vec4::from_array(diffuse).clamp(Vec4::ZERO, Vec4::ONE);
+    material.base_color_texture = diffuse_texture;
+    material.metallic = 0.0;
+    material.roughness = (1.0 - glossiness).clamp(0.0, 1.0);
+    material.metallic_roughness_texture = None;
+    material.reflectivity = (specular.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0);
+    Ok(())
 }
 
 /// KHR_materials_unlit: the base color shines by itself and nothing else does.
