@@ -1,0 +1,190 @@
+//! The one table of intermediate textures.
+
+use std::collections::HashMap;
+
+use crate::gpu::{Gpu, GpuError};
+
+/// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// Hardware depth of the visibility pass.
+    RasterDepth,
+    /// Instance and triangle.
+    Ids,
+    /// Metres along the view direction; 1e30 is sky.
+    ViewDepth,
+    /// Packed normals, roughness, metallic, reflectivity, reflection mode.
+    Surface,
+    /// Linear base color; w: occlusion.
+    BaseColor,
+    /// Linear emitted radiance.
+    Emission,
+    /// View-independent radiance.
+    Radiance,
+    /// View-dependent radiance of lights and environment.
+    Specular,
+    /// Radiance along the mirror ray.
+    Reflection,
+    /// The reflection, blurred in one direction.
+    Blurred,
+    /// Why; see [`super::cause::Cause`].
+    Cause,
+    /// Distance (bits of an f32), instance and triangle that the mirror ray met.
+    Hit,
+    /// Sum of the sub-frames, even ones.
+    ColorEven,
+    /// Sum of the sub-frames, odd ones.
+    ColorOdd,
+    /// Tone-mapped.
+    Display,
+}
+
+use wgpu::TextureFormat as F;
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Self; 15] = [
+        Self::RasterDepth,
+        Self::Ids,
+        Self::ViewDepth,
+        Self::Surface,
+        Self::BaseColor,
+        Self::Emission,
+        Self::Radiance,
+        Self::Specular,
+        Self::Reflection,
+        Self::Blurred,
+        Self::Cause,
+        Self::Hit,
+        Self::ColorEven,
+        Self::ColorOdd,
+        Self::Display,
+    ];
+
+    /// Name in the shaders.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::RasterDepth => "raster_depth",
+            Self::Ids => "ids",
+            Self::ViewDepth => "view_depth",
+            Self::Surface => "surface",
+            Self::BaseColor => "base_color",
+            Self::Emission => "emission",
+            Self::Radiance => "radiance",
+            Self::Specular => "specular",
+            Self::Reflection => "reflection",
+            Self::Blurred => "blurred",
+            Self::Cause => "cause",
+            Self::Hit => "hit",
+            Self::ColorEven => "color_even",
+            Self::ColorOdd => "color_odd",
+            Self::Display => "display",
+        }
+    }
+
+    /// Pixel format.
+    pub const fn format(self) -> F {
+        match self {
+            Self::RasterDepth => F::Depth32Float,
+            Self::Ids => F::Rg32Uint,
+            Self::ViewDepth => F::R32Float,
+            Self::Surface | Self::Hit => F::Rgba32Uint,
+            Self::BaseColor
+            | Self::Emission
+            | Self::Radiance
+            | Self::Specular
+            | Self::Reflection
+            | Self::Blurred => F::Rgba16Float,
+            Self::Cause => F::R32Uint,
+            Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
+            Self::Display => F::Rgba8Unorm,
+        }
+    }
+
+    /// Bytes a pixel.
+    pub fn pixel_bytes(self) -> u64 {
+        u64::from(self.format().block_copy_size(None).unwrap_or(4))
+    }
+
+    fn usage(self) -> wgpu::TextureUsages {
+        let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        match self {
+            Self::RasterDepth | Self::Ids => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            _ => read | wgpu::TextureUsages::STORAGE_BINDING,
+        }
+    }
+}
+
+/// The textures of one picture size.
+#[derive(Debug)]
+pub struct Targets {
+    /// Pixels.
+    pub size: [u32; 2],
+    textures: HashMap<Target, (wgpu::Texture, wgpu::TextureView)>,
+}
+
+/// Most bytes that the intermediate textures of one picture may take.
+pub const MAX_TARGET_BYTES: u64 = 6 << 30;
+
+impl Targets {
+    /// Makes the textures of `wanted`.
+    ///
+    /// # Errors
+    /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
+    pub fn new(gpu: &Gpu, size: [u32; 2], wanted: &[Target]) -> Result<Self, GpuError> {
+        gpu.check_texture_size("the picture", size[0], size[1])?;
+        let bytes = Self::bytes(size, wanted);
+        if bytes > MAX_TARGET_BYTES {
+            return Err(GpuError::Limit {
+                what: format!("a picture of {}x{}", size[0], size[1]),
+                wanted: bytes,
+                limit: MAX_TARGET_BYTES,
+                unit: "bytes of intermediate textures",
+            });
+        }
+        let textures = gpu.scoped("intermediate textures", || {
+            let make = |target: Target| {
+                let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(target.name()),
+                    size: wgpu::Extent3d {
+                        width: size[0],
+                        height: size[1],
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: target.format(),
+                    usage: target.usage(),
+                    view_formats: &[],
+                });
+                let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+                (texture, view)
+            };
+            wanted.iter().map(|&t| (t, make(t))).collect()
+        })?;
+        Ok(Self { size, textures })
+    }
+
+    /// What `wanted` takes at this size.
+    pub fn bytes(size: [u32; 2], wanted: &[Target]) -> u64 {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        wanted.iter().map(|t| t.pixel_bytes() * pixels).sum()
+    }
+
+    /// The texture, if this picture has it.
+    pub fn texture(&self, target: Target) -> Option<&wgpu::Texture> {
+        self.textures.get(&target).map(|(texture, _)| texture)
+    }
+
+    /// Its view, if this picture has it.
+    pub fn view(&self, target: Target) -> Option<&wgpu::TextureView> {
+        self.textures.get(&target).map(|(_, view)| view)
+    }
+
+    /// Name and bytes of each.
+    pub fn report(&self) -> Vec<(&'static str, u64)> {
+        let here = Target::ALL.iter().filter(|t| self.textures.contains_key(t));
+        here.map(|&t| (t.name(), Self::bytes(self.size, &[t]))).collect()
+    }
+}

@@ -1,0 +1,415 @@
+//! Reads one value: its type, its range, and what it should have been if it is wrong. The same
+//! implementations describe the value in the JSON Schema and in the manual.
+
+use glam::Vec3;
+use serde_json::{Value as Json, json};
+use toml::{Spanned, de::DeValue};
+
+use super::{report::Report, suggest};
+use crate::scene::desc::At;
+
+/// A value in the tree with its positions.
+pub type Node<'i> = Spanned<DeValue<'i>>;
+
+/// Largest magnitude of any number: its cube is still finite in 32-bit floats.
+pub const LIMIT: f64 = 1e12;
+
+/// The numbers that a key takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Whether `min` itself is excluded.
+    pub above_min: bool,
+    /// Whether `max` itself is excluded.
+    pub below_max: bool,
+}
+
+/// Any finite number.
+pub const ANY: Range = range(-LIMIT, LIMIT);
+/// 0 or more.
+pub const FROM_0: Range = range(0.0, LIMIT);
+/// Above 0.
+pub const ABOVE_0: Range = Range { above_min: true, ..FROM_0 };
+/// 0 to 1.
+pub const UNIT: Range = range(0.0, 1.0);
+
+/// `min` to `max`, both included.
+pub const fn range(min: f64, max: f64) -> Range {
+    Range { min, max, above_min: false, below_max: false }
+}
+
+impl Range {
+    /// The same without its upper end.
+    pub const fn below(self) -> Self {
+        Self { below_max: true, ..self }
+    }
+
+    /// The same without its lower end.
+    pub const fn above(self) -> Self {
+        Self { above_min: true, ..self }
+    }
+
+    fn contains(&self, x: f64) -> bool {
+        let low = if self.above_min { x > self.min } else { x >= self.min };
+        let high = if self.below_max { x < self.max } else { x <= self.max };
+        low && high
+    }
+
+    /// In words, such as `1 to 170` or `above 0`; empty for any number.
+    pub fn words(&self) -> String {
+        let low = self.min > -LIMIT;
+        let high = self.max < LIMIT;
+        match (low, high) {
+            (false, false) => String::new(),
+            (true, false) if self.above_min => format!("above {}", self.min),
+            (true, false) => format!("{} or more", self.min),
+            (false, true) => format!("at most {}", self.max),
+            (true, true) if self.above_min || self.below_max => {
+                let low = if self.above_min { "above " } else { "" };
+                let high = if self.below_max { "below " } else { "to " };
+                format!("{low}{} and {high}{}", self.min, self.max).replace("and to", "to")
+            }
+            (true, true) => format!("{} to {}", self.min, self.max),
+        }
+    }
+
+    fn schema(&self, kind: &str) -> Json {
+        let low = if self.above_min { "exclusiveMinimum" } else { "minimum" };
+        let high = if self.below_max { "exclusiveMaximum" } else { "maximum" };
+        let bound = |x: f64| if x.fract() == 0.0 { json!(x as i64) } else { json!(x) };
+        json!({ "type": kind, low: bound(self.min), high: bound(self.max) })
+    }
+}
+
+/// What a message calls the value, such as `fov_deg` or `eye[1]`.
+pub struct Named<'a> {
+    /// The key.
+    pub key: &'a str,
+    /// Range of its numbers.
+    pub range: &'a Range,
+}
+
+/// A type that stands right of `=`.
+pub trait Value: Sized {
+    /// Whether it consists of numbers, to which a range applies.
+    const RANGED: bool = false;
+    /// What is expected, such as `three numbers`.
+    fn expected() -> String;
+    /// JSON Schema of the value.
+    fn schema(range: &Range) -> Json;
+    /// The value as in scene text, for defaults.
+    fn to_json(&self) -> Json;
+    /// Reads it, or reports why not.
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self>;
+}
+
+/// What a node is, with an article, for `not …`.
+pub fn found(node: &Node) -> String {
+    match node.get_ref() {
+        DeValue::String(s) => format!("the text {}", suggest::text(s)),
+        DeValue::Integer(i) => format!("the number {i}"),
+        DeValue::Float(f) => format!("the number {f}"),
+        DeValue::Boolean(b) => format!("{b}"),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(items) => match items.len() {
+            1 => "an array of 1 value".into(),
+            n => format!("an array of {n} values"),
+        },
+        DeValue::Table(_) => "a table".into(),
+    }
+}
+
+/// Reports a value of another type.
+pub fn wrong_type(node: &Node, key: &str, expected: &str, report: &mut Report) {
+    let message = format!("`{key}` must be {expected}, not {}", found(node));
+    report.error("wrong-type", &node.span(), message);
+}
+
+/// Integers and floats alike, whole or not; `None` and a message for anything else.
+fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Option<f64> {
+    let x = match node.get_ref() {
+        DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
+            Ok(x) => x as f64,
+            Err(_) => f64::MAX, // more digits than any range allows
+        },
+        DeValue::Float(f) => f.as_str().parse().unwrap_or(f64::MAX),
+        _ => {
+            wrong_type(node, named.key, expected, report);
+            return None;
+        }
+    };
+    let (key, at) = (named.key, node.span());
+    if !x.is_finite() {
+        let message = format!("`{key}` must be a finite number, not {}", found(node));
+        report.error("not-finite", &at, message);
+        return None;
+    }
+    // The value that is kept has 32 bits, and 1e-60 is not above 0 there.
+    if !named.range.contains(x) || !named.range.contains(f64::from(x as f32)) {
+        let words = match named.range.words() {
+            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
+            words => words,
+        };
+        let written = found(node).replace("the number ", "");
+        let message = format!("`{key}` must be {words}, not {written}");
+        report.error("out-of-range", &at, message);
+        return None;
+    }
+    Some(x)
+}
+
+impl Value for f32 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "a number".into()
+    }
+    fn schema(range: &Range) -> Json {
+        range.schema("number")
+    }
+    fn to_json(&self) -> Json {
+        // Through text, so that 0.1 stays 0.1.
+        let shortest: f64 = self.to_string().parse().unwrap_or(f64::from(*self));
+        if shortest.fract() == 0.0 { json!(shortest as i64) } else { json!(shortest) }
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        number(node, named, &Self::expected(), report).map(|x| x as f32)
+    }
+}
+
+impl Value for u32 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "a whole number".into()
+    }
+    fn schema(range: &Range) -> Json {
+        range.schema("integer")
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let x = number(node, named, &Self::expected(), report)?;
+        if x.fract() != 0.0 {
+            wrong_type(node, named.key, &Self::expected(), report);
+            return None;
+        }
+        Some(x as u32)
+    }
+}
+
+impl Value for bool {
+    fn expected() -> String {
+        "true or false".into()
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "type": "boolean" })
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let value = node.get_ref().as_bool();
+        if value.is_none() {
+            wrong_type(node, named.key, &Self::expected(), report);
+        }
+        value
+    }
+}
+
+impl Value for String {
+    fn expected() -> String {
+        "text in quotes".into()
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "type": "string", "minLength": 1 })
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref().as_str() {
+            Some("") => {
+                let message = format!("`{}` must not be empty", named.key);
+                report.error("empty-text", &node.span(), message);
+                None
+            }
+            Some(text) => Some(text.to_owned()),
+            None => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}
+
+impl Value for At<String> {
+    fn expected() -> String {
+        String::expected()
+    }
+    fn schema(range: &Range) -> Json {
+        String::schema(range)
+    }
+    fn to_json(&self) -> Json {
+        self.value.to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let value = String::read(node, named, report)?;
+        Some(Self { value, at: report.span(&node.span()) })
+    }
+}
+
+impl<T: Value, const N: usize> Value for [T; N] {
+    const RANGED: bool = T::RANGED;
+
+    fn expected() -> String {
+        const WORDS: [&str; 5] = ["no", "one", "two", "three", "four"];
+        let count = WORDS.get(N).map_or(N.to_string(), |w| (*w).into());
+        let one = T::expected();
+        let kind = one.strip_prefix("a ").unwrap_or(&one);
+        match kind.split_once(' ') {
+            Some((number, rest)) if WORDS.contains(&number) => {
+                format!("{count} arrays of {number} {rest}")
+            }
+            _ => format!("{count} {kind}s"),
+        }
+    }
+    fn schema(range: &Range) -> Json {
+        json!({ "type": "array", "items": T::schema(range), "minItems": N, "maxItems": N })
+    }
+    fn to_json(&self) -> Json {
+        self.iter().map(T::to_json).collect()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let (key, expected) = (named.key, Self::expected());
+        let Some(items) = node.get_ref().as_array() else {
+            wrong_type(node, key, &expected, report);
+            return None;
+        };
+        if items.len() != N {
+            let message = format!("`{key}` must be {expected}, not {}", found(node));
+            report.error("wrong-length", &node.span(), message);
+            return None;
+        }
+        let read = |(i, item)| {
+            let key = format!("{key}[{i}]");
+            T::read(item, &Named { key: &key, range: named.range }, report)
+        };
+        // Every element is read, so that every wrong one is reported.
+        let values: Vec<Option<T>> = items.iter().enumerate().map(read).collect();
+        values.into_iter().collect::<Option<Vec<T>>>()?.try_into().ok()
+    }
+}
+
+impl Value for Vec3 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        <[f32; 3]>::expected()
+    }
+    fn schema(range: &Range) -> Json {
+        <[f32; 3]>::schema(range)
+    }
+    fn to_json(&self) -> Json {
+        self.to_array().to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        <[f32; 3]>::read(node, named, report).map(Self::from)
+    }
+}
+
+/// One number for all three axes, or three.
+pub struct Scale(pub Vec3);
+
+impl Value for Scale {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "one or three numbers".into()
+    }
+    fn schema(range: &Range) -> Json {
+        json!({ "anyOf": [f32::schema(range), Vec3::schema(range)] })
+    }
+    fn to_json(&self) -> Json {
+        self.0.to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref() {
+            DeValue::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                f32::read(node, named, report).map(|s| Self(Vec3::splat(s)))
+            }
+            _ => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}
+
+/// Implements [`Value`] for an enum that is written as one of some words.
+macro_rules! words {
+    ($type:ty { $($word:literal => $variant:expr),+ $(,)? }) => {
+        impl Value for $type {
+            fn expected() -> String {
+                const WORDS: &[&str] = &[$($word),+];
+                one_of(WORDS)
+            }
+            fn schema(_: &Range) -> Json {
+                json!({ "enum": [$($word),+] })
+            }
+            fn to_json(&self) -> Json {
+                $(if *self == $variant { return json!($word); })+
+                Json::Null
+            }
+            fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+                match word(node, named.key, &[$($word),+], report)? {
+                    $($word => Some($variant),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+use crate::scene::desc::{Method, ReflectionMode, ShadowMode, ToneMap};
+
+words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
+words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
+words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
+words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
+
+/// `"a", "b" or "c"`.
+pub fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|w| suggest::text(w)).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.concat(),
+    }
+}
+
+/// One of `words`, or a message with the nearest.
+pub fn word(
+    node: &Node,
+    key: &str,
+    words: &[&'static str],
+    report: &mut Report,
+) -> Option<&'static str> {
+    let Some(written) = node.get_ref().as_str() else {
+        wrong_type(node, key, &one_of(words), report);
+        return None;
+    };
+    let known = words.iter().copied().find(|w| *w == written);
+    if known.is_none() {
+        let message = format!("`{key}` must be {}, not {}", one_of(words), suggest::text(written));
+        let help = suggest::nearest(written, words.iter().copied());
+        report.error("unknown-word", &node.span(), message).help =
+            help.map(|w| format!("did you mean {}?", suggest::text(w)));
+    }
+    known
+}
+
