@@ -1,1 +1,336 @@
-//! gltf
+//! One glTF 2.0 file becomes a [`Model`]: meshes, materials, placements, lights and cameras, with
+//! everything in the file treated as hostile until checked.
+//!
+//! The JSON is read into plain data of our own (`schema`), because ready-made readers refuse valid
+//! files and panic on broken ones.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
+
+use super::{Light, Material, Mesh};
+use crate::scene::{
+    desc::CameraDesc,
+    diagnostic::{Diagnostic, Severity},
+};
+
+mod accessor;
+mod camera;
+mod container;
+mod extension;
+mod gather;
+mod light;
+mod material;
+mod node;
+mod primitive;
+pub(super) mod repair;
+mod schema;
+pub(super) mod uri;
+
+pub use container::Bytes;
+pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use uri::Sandbox;
+
+/// What one file holds; transforms are relative to the model.
+#[derive(Debug, Default)]
+pub struct Model {
+    /// One for each primitive that has triangles.
+    pub meshes: Vec<Mesh>,
+    /// The file's materials and last the default one; their textures index [`Model::images`].
+    pub materials: Vec<Material>,
+    /// Images in the way that materials use them.
+    pub images: Vec<ImageUse>,
+    /// Where meshes stand.
+    pub placements: Vec<Placement>,
+    /// KHR_lights_punctual, in model space.
+    pub lights: Vec<Light>,
+    /// Perspective cameras, in model space.
+    pub cameras: Vec<(String, CameraDesc)>,
+    /// Named, counted warnings.
+    pub warnings: Vec<Diagnostic>,
+    /// The file and the buffers that it names.
+    pub files: Vec<PathBuf>,
+}
+
+/// A mesh placed by a node.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    /// Names of the nodes from the root down, joined with `/`.
+    pub name: String,
+    /// Index into [`Model::meshes`].
+    pub mesh: usize,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+    /// Finite, perhaps singular.
+    pub model_from_object: Affine3A,
+}
+
+/// An image as color (sRGB) or as data (linear).
+#[derive(Clone, Debug)]
+pub struct ImageUse {
+    /// For messages: `image 3 "wall"`.
+    pub name: String,
+    /// Index in the file.
+    pub index: usize,
+    /// Whether it is sampled as color.
+    pub srgb: bool,
+    /// Where its encoded bytes are; an error matters only if the image is used.
+    pub source: Result<ImageSource, Fault>,
+}
+
+/// Where encoded bytes are.
+#[derive(Clone, Debug)]
+pub enum ImageSource {
+    /// In a buffer or `data:` URI.
+    Bytes(Bytes),
+    /// In a file, canonical path.
+    File(PathBuf),
+}
+
+/// An error inside a file that the caller names.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// Kebab-case kind.
+    pub name: &'static str,
+    /// Place and what is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl Fault {
+    /// Without help text.
+    pub fn new(name: &'static str, message: impl Into<String>) -> Self {
+        Self {
+            name,
+            message: message.into(),
+            help: None,
+        }
+    }
+
+    /// Adds what to do.
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Puts a place before the message.
+    pub fn at(mut self, place: &str) -> Self {
+        self.message = format!("{place}: {}", self.message);
+        self
+    }
+
+    /// The error with its file.
+    pub fn in_file(self, file: &Path) -> Diagnostic {
+        let mut diagnostic = Diagnostic::in_file(self.name, file, self.message);
+        diagnostic.help = self.help;
+        diagnostic
+    }
+}
+
+/// Warnings by kind, counted, each with the first place where it occurred.
+#[derive(Clone, Debug, Default)]
+pub struct Notes(BTreeMap<(&'static str, &'static str), (u64, String)>);
+
+impl Notes {
+    /// Counts `count` more cases of `what` (plural) at `place`.
+    pub fn add(&mut self, name: &'static str, count: u64, what: &'static str, place: &str) {
+        if count > 0 {
+            let entry = self
+                .0
+                .entry((name, what))
+                .or_insert_with(|| (0, place.to_owned()));
+            entry.0 += count;
+        }
+    }
+
+    fn merge(&mut self, other: Self) {
+        for ((name, what), (count, place)) in other.0 {
+            self.add(name, count, what, &place);
+        }
+    }
+
+    /// The warnings, ordered by name.
+    pub fn into_warnings(self, file: &Path) -> Vec<Diagnostic> {
+        let warning =
+            |((name, what), (count, place)): ((&'static str, &str), (u64, String))| Diagnostic {
+                severity: Severity::Warning,
+                ..Diagnostic::in_file(name, file, format!("{count} {what}; first: {place}"))
+            };
+        self.0.into_iter().map(warning).collect()
+    }
+}
+
+/// Most bytes that one file's geometry may decode to.
+const GEOMETRY_BUDGET_BYTES: u64 = 4 << 30;
+
+/// Most errors that are listed for one file.
+const MAX_ERRORS: usize = 20;
+
+/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]).
+///
+/// # Errors
+/// Everything wrong with it, each with its place inside the file.
+pub fn read(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox).map_err(|faults| {
+        (faults.into_iter().take(MAX_ERRORS))
+            .map(|fault| fault.in_file(path))
+            .collect()
+    })
+}
+
+fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
+    let one = |fault: Fault| vec![fault];
+    let bytes = sandbox.read(path).map_err(one)?;
+    let (root, binary) = container::open(bytes).map_err(one)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut model = Model {
+        files: vec![path.to_owned()],
+        ..Model::default()
+    };
+    let mut notes = Notes::default();
+    extension::note_ignored(&root, &mut notes);
+    let animations = root.animations.len() as u64;
+    notes.add(
+        "animation-ignored",
+        animations,
+        "animations are not played",
+        "animation 0",
+    );
+
+    let buffers = read_buffers(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
+    let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
+    material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
+    let visit = node::walk(&root, &data, &mut notes).map_err(one)?;
+    let primitives = read_meshes(&root, &data, &visit, &mut model, &mut notes)?;
+    node::place(visit, &primitives, &mut model);
+    model.warnings = notes.into_warnings(path);
+    Ok(model)
+}
+
+/// The data of every buffer that says where it is.
+fn read_buffers(
+    root: &schema::Root,
+    mut binary: Option<Bytes>,
+    folder: &Path,
+    sandbox: &Sandbox,
+    files: &mut Vec<PathBuf>,
+) -> Result<Vec<Option<Bytes>>, Fault> {
+    let mut read = |i: usize, buffer: &schema::Buffer| -> Result<Option<Bytes>, Fault> {
+        let bytes = match &buffer.uri {
+            None if i == 0 => binary.take(),
+            None => None,
+            Some(uri) => match uri::parse(uri)? {
+                uri::Target::Data(bytes) => Some(Bytes::new(bytes)),
+                uri::Target::Relative(name) => {
+                    let path = sandbox.resolve(folder, &name)?;
+                    let bytes = sandbox
+                        .read(&path)
+                        .map_err(|f| f.at(&format!("\"{name}\"")))?;
+                    files.push(path);
+                    Some(Bytes::new(bytes))
+                }
+            },
+        };
+        match &bytes {
+            Some(bytes) if (bytes.len() as u64) < buffer.byte_length => Err(Fault::new(
+                "buffer-short",
+                format!(
+                    "byteLength is {}, only {} bytes are there",
+                    buffer.byte_length,
+                    bytes.len()
+                ),
+            )),
+            _ => Ok(bytes),
+        }
+    };
+    let mut buffers = Vec::with_capacity(root.buffers.len());
+    for (i, buffer) in root.buffers.iter().enumerate() {
+        buffers.push(read(i, buffer).map_err(|f| f.at(&format!("buffer {i}")))?);
+    }
+    Ok(buffers)
+}
+
+/// `mesh 3 "wall"`, for messages.
+fn label(kind: &str, index: usize, name: Option<&str>) -> String {
+    match name {
+        Some(name) => format!("{kind} {index} \"{}\"", uri::shorten(name)),
+        None => format!("{kind} {index}"),
+    }
+}
+
+/// Per file mesh: which model mesh and material its shown primitives became.
+type Primitives = Vec<Vec<(usize, usize)>>;
+
+/// Converts, on all cores, the primitives of the meshes that some node places.
+fn read_meshes(
+    root: &schema::Root,
+    data: &accessor::Data<'_>,
+    visit: &node::Visit,
+    model: &mut Model,
+    notes: &mut Notes,
+) -> Result<Primitives, Vec<Fault>> {
+    let mut placed = vec![false; root.meshes.len()];
+    visit.meshes().for_each(|mesh| placed[mesh] = true);
+    let quantized = root
+        .extensions_used
+        .iter()
+        .any(|e| e == "KHR_mesh_quantization");
+    let jobs: Vec<_> = (root.meshes.iter().enumerate().filter(|(m, _)| placed[*m]))
+        .flat_map(|(m, mesh)| {
+            mesh.primitives
+                .iter()
+                .enumerate()
+                .map(move |(p, x)| (m, p, mesh, x))
+        })
+        .collect();
+    let results: Vec<_> = (jobs.par_iter())
+        .map(|(m, p, mesh, primitive)| {
+            let place = format!("{} primitive {p}", label("mesh", *m, mesh.name.as_deref()));
+            let mut notes = Notes::default();
+            let missing = primitive.material.filter(|&i| i >= root.materials.len());
+            let built = match missing {
+                Some(i) => Err(Fault::new(
+                    "gltf-index",
+                    format!("material {i} does not exist"),
+                )),
+                None => primitive::build(data, primitive, place.clone(), quantized, &mut notes),
+            };
+            built
+                .map(|mesh| (mesh, notes))
+                .map_err(|fault| fault.at(&place))
+        })
+        .collect();
+    let mut primitives: Primitives = vec![Vec::new(); root.meshes.len()];
+    let mut faults = Vec::new();
+    for ((m, _, _, primitive), result) in jobs.into_iter().zip(results) {
+        match result {
+            Ok((mesh, new)) => {
+                notes.merge(new);
+                if let Some(mesh) = mesh {
+                    let material = primitive.material.unwrap_or(root.materials.len());
+                    primitives[m].push((model.meshes.len(), material));
+                    model.meshes.push(mesh);
+                }
+            }
+            Err(fault) => faults.push(fault),
+        }
+    }
+    if faults.is_empty() {
+        Ok(primitives)
+    } else {
+        Err(faults)
+    }
+}
+
+/// Whether all are finite.
+fn finite(values: &[f32]) -> bool {
+    values.iter().all(|v| v.is_finite())
+}
+
+/// The direction that nodes of lights and cameras look.
+const FORWARD: Vec3 = Vec3::NEG_Z;

@@ -1,1 +1,271 @@
-//! load
+//! A scene description and the files it names become a [`World`].
+
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+    thread,
+};
+
+use super::{
+    World,
+    gltf::{self, Fault, Model, Sandbox},
+    texture::{self, TextureLimits},
+};
+use crate::scene::{
+    desc::{At, ModelDesc, ModelSource, SceneDesc},
+    diagnostic::{Diagnostic, Severity, Span},
+};
+
+mod camera;
+mod extras;
+mod finish;
+mod material;
+mod place;
+mod tangent;
+
+/// Where files are looked up and what loading may cost.
+#[derive(Clone, Debug)]
+pub struct LoadOptions {
+    /// Folders searched after the scene's own, in this order.
+    pub assets: Vec<PathBuf>,
+    /// Largest width and height of an image, pixels.
+    pub max_texture_px: u32,
+    /// Most bytes that all images may decode to together.
+    pub image_budget_bytes: u64,
+    /// Largest single file, bytes.
+    pub max_file_bytes: u64,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self {
+            assets: Vec::new(),
+            max_texture_px: 16384,
+            image_budget_bytes: 2 << 30,
+            max_file_bytes: 4 << 30,
+        }
+    }
+}
+
+/// Loads every file that the scene names, once each, and places everything.
+///
+/// # Errors
+/// Everything found wrong with the scene's names and files, in the order of the scene text.
+pub fn load(desc: &SceneDesc, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
+    let mut loader = Loader::new(desc, options);
+    let models = loader.read_models();
+    loader.check_names(&models);
+    loader.fail_on_errors()?;
+    loader.place_all(&models);
+    drop(models); // its meshes were moved out; its encoded images live on in the requests
+    loader.fail_on_errors()?;
+    loader.finish()
+}
+
+/// Everything that is known while loading.
+struct Loader<'a> {
+    desc: &'a SceneDesc,
+    options: &'a LoadOptions,
+    sandbox: Sandbox,
+    /// Folders to search, as the user named them.
+    folders: Vec<PathBuf>,
+    world: World,
+    errors: Vec<Diagnostic>,
+    textures: material::TextureTable,
+    /// Files already read, by canonical path; `None` after an error.
+    files: HashMap<PathBuf, Option<usize>>,
+    loaded: Vec<Model>,
+    /// Which loaded model and mesh became which mesh of the world.
+    meshes: HashMap<place::MeshKey, usize>,
+    materials: HashMap<place::MaterialKey, usize>,
+    materials_by_name: HashMap<String, Vec<usize>>,
+}
+
+/// What a `[model.NAME]` became.
+enum Source {
+    /// Index into [`Loader::loaded`].
+    File(usize),
+    /// Its mesh is in the world.
+    Shape(usize),
+    /// An error was reported.
+    Broken,
+}
+
+/// An error at a place in the scene text.
+fn error_at(name: &'static str, at: &Span, message: impl Into<String>) -> Diagnostic {
+    Diagnostic {
+        severity: Severity::Error,
+        name,
+        message: message.into(),
+        span: at.clone(),
+        file: None,
+        help: None,
+        related: None,
+    }
+}
+
+/// `did you mean "…"?` where a name is close.
+fn did_you_mean<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<String> {
+    const CLOSE: f64 = 0.7;
+    let scored = known.map(|k| {
+        (
+            strsim::jaro_winkler(&name.to_lowercase(), &k.to_lowercase()),
+            k,
+        )
+    });
+    let best = scored
+        .filter(|(score, _)| *score >= CLOSE)
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, k)| format!("did you mean \"{k}\"?"))
+}
+
+impl<'a> Loader<'a> {
+    fn new(desc: &'a SceneDesc, options: &'a LoadOptions) -> Self {
+        let folders: Vec<_> = std::iter::once(&desc.folder)
+            .chain(&options.assets)
+            .cloned()
+            .collect();
+        Self {
+            desc,
+            options,
+            sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes),
+            folders,
+            world: World {
+                environment: desc.environment,
+                ..World::default()
+            },
+            errors: Vec::new(),
+            textures: material::TextureTable::default(),
+            files: HashMap::new(),
+            loaded: Vec::new(),
+            meshes: HashMap::new(),
+            materials: HashMap::new(),
+            materials_by_name: HashMap::new(),
+        }
+    }
+
+    fn fail_on_errors(&mut self) -> Result<(), Vec<Diagnostic>> {
+        if self.errors.is_empty() {
+            Ok(())
+        } else {
+            Err(std::mem::take(&mut self.errors))
+        }
+    }
+
+    /// Finds a file that the scene text names: beside the scene, then in the asset folders.
+    fn find(&self, name: &At<String>) -> Result<PathBuf, Box<Diagnostic>> {
+        let mut looked = Vec::new();
+        for folder in &self.folders {
+            match self.sandbox.resolve(folder, &name.value) {
+                Ok(path) => return Ok(path),
+                Err(Fault {
+                    name: "file-not-found",
+                    ..
+                }) => {
+                    looked.push(format!("\"{}\"", folder.join(&name.value).display()));
+                }
+                Err(fault) => {
+                    let mut error = error_at(fault.name, &name.at, fault.message);
+                    error.help = fault.help;
+                    return Err(Box::new(error));
+                }
+            }
+        }
+        let text = format!(
+            "file \"{}\" not found; looked for {}",
+            gltf::uri::shorten(&name.value),
+            looked.join(", ")
+        );
+        let mut error = error_at("file-not-found", &name.at, text);
+        error.help = Some("add the folder that has it with --assets DIR or REFLET_ASSETS".into());
+        Err(Box::new(error))
+    }
+
+    fn read_models(&mut self) -> Vec<Source> {
+        let desc = self.desc;
+        desc.models
+            .iter()
+            .map(|entry| self.read_model(&entry.name, &entry.value))
+            .collect()
+    }
+
+    fn read_model(&mut self, name: &str, model: &ModelDesc) -> Source {
+        let file = match &model.source {
+            ModelSource::Shape(shape) => {
+                let mut mesh = super::shape::mesh(shape);
+                mesh.name = name.to_owned();
+                self.world.meshes.push(mesh);
+                return Source::Shape(self.world.meshes.len() - 1);
+            }
+            ModelSource::File(file) => file,
+        };
+        let path = match self.find(file) {
+            Ok(path) => path,
+            Err(error) => {
+                self.report_once(*error);
+                return Source::Broken;
+            }
+        };
+        if !self.files.contains_key(&path) {
+            let read = self.read_file(&path, &file.at);
+            self.files.insert(path.clone(), read);
+        }
+        self.files[&path].map_or(Source::Broken, Source::File)
+    }
+
+    fn read_file(&mut self, path: &Path, named_at: &Span) -> Option<usize> {
+        match read_guarded(path, &self.sandbox) {
+            Ok(mut model) => {
+                self.world.warnings.append(&mut model.warnings);
+                self.add_files(&model.files);
+                self.loaded.push(model);
+                Some(self.loaded.len() - 1)
+            }
+            Err(errors) => {
+                self.errors
+                    .extend(errors.into_iter().map(|error| Diagnostic {
+                        related: Some((named_at.clone(), "named here".into())),
+                        ..error
+                    }));
+                None
+            }
+        }
+    }
+
+    fn add_files(&mut self, files: &[PathBuf]) {
+        for file in files {
+            if !self.world.files.contains(file) {
+                self.world.files.push(file.clone());
+            }
+        }
+    }
+
+    fn finish(mut self) -> Result<World, Vec<Diagnostic>> {
+        let limits = TextureLimits {
+            max_px: self.options.max_texture_px,
+            budget_bytes: self.options.image_budget_bytes,
+            max_file_bytes: self.options.max_file_bytes,
+        };
+        self.loaded.clear();
+        finish::run(&mut self.world);
+        let requests = self.textures.take_used(&mut self.world);
+        let image_files = requests.iter().filter_map(|r| match &r.source {
+            gltf::ImageSource::File(path) => Some(path.clone()),
+            gltf::ImageSource::Bytes(_) => None,
+        });
+        let image_files: Vec<_> = image_files.collect();
+        self.add_files(&image_files);
+        self.world.textures = texture::decode_all(&requests, &limits)?;
+        camera::add_default(&mut self.world);
+        Ok(self.world)
+    }
+}
+
+/// The last guard: whatever a file makes the reader do wrong ends as a message about that file.
+fn read_guarded(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
+    let worker = thread::scope(|scope| scope.spawn(|| gltf::read(path, sandbox)).join());
+    worker.unwrap_or_else(|_| {
+        let text = "the reader panicked on this file; please report this";
+        Err(vec![Diagnostic::in_file("internal", path, text)])
+    })
+}

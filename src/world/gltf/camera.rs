@@ -1,0 +1,41 @@
+//! Perspective cameras of glTF files.
+
+use glam::{Affine3A, Vec3};
+
+use super::{FORWARD, Fault, Notes, schema};
+use crate::scene::desc::CameraDesc;
+
+/// A camera at its node; the far plane is not used.
+pub fn read(
+    lens: &schema::Perspective,
+    model_from_node: Affine3A,
+    notes: &mut Notes,
+    path: &str,
+) -> Result<CameraDesc, Fault> {
+    let (fov_deg, near_m) = (lens.yfov.to_degrees(), lens.znear);
+    if !(fov_deg > 0.0 && fov_deg.is_finite() && near_m > 0.0 && near_m.is_finite()) {
+        return Err(Fault::new("gltf-camera", "yfov and znear must be above 0"));
+    }
+    let clamped = fov_deg.clamp(1.0, 170.0);
+    let what = "cameras have a field of view that is brought into 1° to 170°";
+    notes.add(
+        "camera-fov-clamped",
+        u64::from(clamped != fov_deg),
+        what,
+        path,
+    );
+    let eye = Vec3::from(model_from_node.translation);
+    let axis = |v: Vec3| {
+        model_from_node
+            .transform_vector3(v)
+            .try_normalize()
+            .unwrap_or(v)
+    };
+    Ok(CameraDesc {
+        eye,
+        target: eye + axis(FORWARD),
+        up: axis(Vec3::Y),
+        fov_deg: clamped,
+        near_m,
+    })
+}

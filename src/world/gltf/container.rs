@@ -1,0 +1,161 @@
+//! From the bytes of a `.gltf` or `.glb` file to its JSON and its binary chunk, with every length
+//! checked before it is believed.
+
+use std::{ops::Range, sync::Arc};
+
+use super::{Fault, extension, schema::Root};
+
+/// Part of a shared block of bytes; keeps the block alive.
+#[derive(Clone, Debug)]
+pub struct Bytes {
+    owner: Arc<Vec<u8>>,
+    range: Range<usize>,
+}
+
+impl Bytes {
+    /// All of `bytes`.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        Self::shared(Arc::new(bytes))
+    }
+
+    fn shared(owner: Arc<Vec<u8>>) -> Self {
+        let range = 0..owner.len();
+        Self { owner, range }
+    }
+
+    /// A part, if `range` lies inside.
+    pub fn slice(&self, range: Range<usize>) -> Option<Self> {
+        let start = self.range.start.checked_add(range.start)?;
+        let end = self.range.start.checked_add(range.end)?;
+        (start <= end && end <= self.range.end).then(|| Self {
+            owner: self.owner.clone(),
+            range: start..end,
+        })
+    }
+}
+
+impl std::ops::Deref for Bytes {
+    type Target = [u8];
+    fn deref(&self) -> &[u8] {
+        // The range was checked when the value was made.
+        &self.owner[self.range.clone()]
+    }
+}
+
+const GLB_HEADER: usize = 12;
+const CHUNK_HEADER: usize = 8;
+const CHUNK_JSON: u32 = 0x4E4F_534A;
+const CHUNK_BIN: u32 = 0x004E_4942;
+
+/// Parses a file's bytes; the second value is GLB's binary chunk.
+pub fn open(bytes: Vec<u8>) -> Result<(Root, Option<Bytes>), Fault> {
+    let bytes = Bytes::new(bytes);
+    let (json, binary) = if bytes.starts_with(b"glTF") {
+        split_glb(&bytes)?
+    } else {
+        (bytes.clone(), None)
+    };
+    let root = parse(&json)?;
+    Ok((root, binary))
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    let word = bytes.get(at..at.checked_add(4)?)?;
+    word.try_into().ok().map(u32::from_le_bytes)
+}
+
+fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
+    let broken = |text: String| Fault::new("glb-broken", text);
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+        return Err(broken(format!(
+            "the GLB header needs {GLB_HEADER} bytes, the file has {}",
+            bytes.len()
+        )));
+    };
+    if version != 2 {
+        return Err(Fault::new(
+            "gltf-version",
+            format!("GLB version {version}, only version 2 is supported"),
+        ));
+    }
+    if length as usize != bytes.len() {
+        return Err(broken(format!(
+            "the GLB header says {length} bytes, the file has {}; was it cut off?",
+            bytes.len()
+        )));
+    }
+    let (mut json, mut binary) = (None, None);
+    let (mut at, mut number) = (GLB_HEADER, 0);
+    while at < bytes.len() {
+        let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
+            return Err(broken(format!(
+                "the header of GLB chunk {number} is cut off"
+            )));
+        };
+        let start = at + CHUNK_HEADER;
+        let chunk = (start.checked_add(size as usize))
+            .and_then(|end| bytes.slice(start..end))
+            .ok_or_else(|| {
+                broken(format!(
+                    "GLB chunk {number} says {size} bytes, {} are left",
+                    bytes.len() - start
+                ))
+            })?;
+        match (kind, number) {
+            (CHUNK_JSON, 0) => json = Some(chunk),
+            (_, 0) => return Err(broken("the first GLB chunk must be JSON".into())),
+            (CHUNK_BIN, 1) => binary = Some(chunk),
+            _ => {} // later and unknown chunks are skipped, as the specification says
+        }
+        at = start + size as usize;
+        number += 1;
+    }
+    let json = json.ok_or_else(|| broken("the GLB file has no JSON chunk".into()))?;
+    Ok((json, binary))
+}
+
+fn parse(json: &[u8]) -> Result<Root, Fault> {
+    // Checked first, so that a glTF 1.0 file is told so rather than where its JSON differs.
+    #[derive(serde::Deserialize)]
+    struct Head {
+        #[serde(default)]
+        asset: super::schema::Asset,
+        #[serde(default, rename = "extensionsRequired")]
+        required: Vec<String>,
+    }
+    let unreadable = |e: serde_json::Error| Fault::new("gltf-json", format!("not glTF JSON: {e}"));
+    // A byte-order mark is against the specification, but harmless.
+    let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+    let head: Head = serde_json::from_slice(json).map_err(unreadable)?;
+    check_version(&head.asset)?;
+    extension::check_required(&head.required)?;
+    serde_json::from_slice(json).map_err(unreadable)
+}
+
+fn check_version(asset: &super::schema::Asset) -> Result<(), Fault> {
+    let fault = |text: String| {
+        Fault::new("gltf-version", text)
+            .help("convert the file to glTF 2.0 with its authoring tool")
+    };
+    let parse = |text: &str| -> Option<(u32, u32)> {
+        let (major, minor) = text.split_once('.')?;
+        Some((major.parse().ok()?, minor.parse().ok()?))
+    };
+    let Some(version) = &asset.version else {
+        return Err(fault("asset.version is missing, expected \"2.0\"".into()));
+    };
+    match parse(version) {
+        Some((2, _)) => {}
+        _ => {
+            return Err(fault(format!(
+                "asset.version is \"{version}\", expected \"2.0\""
+            )));
+        }
+    }
+    match asset.min_version.as_deref().map(|text| (text, parse(text))) {
+        None | Some((_, Some((0..=1, _) | (2, 0)))) => Ok(()),
+        Some((text, _)) => Err(fault(format!(
+            "asset.minVersion is \"{text}\", this reader knows 2.0"
+        ))),
+    }
+}

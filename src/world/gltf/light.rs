@@ -1,0 +1,73 @@
+//! KHR_lights_punctual to [`Light`].
+
+use glam::{Affine3A, Vec3};
+
+use super::{FORWARD, Fault, schema, uri::shorten};
+use crate::{
+    scene::desc::{LightDesc, LightKind, ShadowMode},
+    world::Light,
+};
+
+/// A light at its node; the node's scale changes neither intensity nor range.
+pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Result<Light, Fault> {
+    let fault = |text: &str| Fault::new("gltf-light", text);
+    let intensity = light.intensity.unwrap_or(1.0);
+    let color = light.color.unwrap_or([1.0; 3]);
+    if !(intensity >= 0.0
+        && intensity.is_finite()
+        && color.iter().all(|c| *c >= 0.0 && c.is_finite()))
+    {
+        return Err(fault("intensity and color must be finite and not negative"));
+    }
+    let position = Vec3::from(model_from_node.translation);
+    let direction = model_from_node
+        .transform_vector3(FORWARD)
+        .try_normalize()
+        .unwrap_or(FORWARD);
+    let kind = match light.kind.as_str() {
+        "point" => LightKind::Point {
+            position,
+            intensity_cd: intensity,
+        },
+        "directional" => LightKind::Directional {
+            direction,
+            intensity_lux: intensity,
+        },
+        "spot" => {
+            let spot = light.spot.as_ref();
+            let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
+            let outer = spot
+                .and_then(|s| s.outer_cone_angle)
+                .unwrap_or(std::f32::consts::FRAC_PI_4);
+            // The extension allows a half sphere; scene text ends just below it.
+            let (inner_deg, outer_deg) = (inner.to_degrees(), outer.to_degrees().min(89.9));
+            if !(inner_deg >= 0.0 && inner < outer && outer_deg.is_finite() && outer <= 1.571) {
+                return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
+            }
+            let inner_deg = inner_deg.min(outer_deg);
+            LightKind::Spot {
+                position,
+                direction,
+                intensity_cd: intensity,
+                inner_deg,
+                outer_deg,
+            }
+        }
+        other => return Err(fault(&format!("type \"{}\" is unknown", shorten(other)))),
+    };
+    let range_m = light.range.filter(|r| r.is_finite());
+    if range_m.is_some_and(|r| r <= 0.0) {
+        return Err(fault("range must be above 0"));
+    }
+    let defaults = (ShadowMode::default(), 1024);
+    Ok(Light {
+        name: name.to_owned(),
+        desc: LightDesc {
+            kind,
+            color: Vec3::from_array(color),
+            shadow: defaults.0,
+            shadow_px: defaults.1,
+        },
+        range_m,
+    })
+}

@@ -1,0 +1,247 @@
+//! Materials after all overrides, and the table of images that they use.
+
+use std::{collections::HashMap, path::PathBuf};
+
+use glam::Vec3;
+
+use super::{Loader, error_at};
+use crate::{
+    scene::{
+        desc::{At, MaterialDesc},
+        diagnostic::Diagnostic,
+    },
+    world::{Material, TextureRef, World, Wrap, gltf::ImageSource, texture::TextureRequest},
+};
+
+/// Which image: a file by its canonical path, or an image inside a loaded file.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum ImageKey {
+    File(PathBuf),
+    Embedded { loaded: usize, image: usize },
+}
+
+/// The images that materials use, each once per color space.
+#[derive(Default)]
+pub struct TextureTable {
+    requests: Vec<TextureRequest>,
+    indices: HashMap<(ImageKey, bool), usize>,
+}
+
+impl TextureTable {
+    fn index(&mut self, key: ImageKey, request: TextureRequest) -> usize {
+        let next = self.requests.len();
+        let index = *self.indices.entry((key, request.srgb)).or_insert(next);
+        if index == next {
+            self.requests.push(request);
+        }
+        index
+    }
+
+    /// Leaves the requests that the world's materials use, and points the materials at them.
+    pub fn take_used(&mut self, world: &mut World) -> Vec<TextureRequest> {
+        let mut new_index = vec![None; self.requests.len()];
+        let mut used = Vec::new();
+        for slot in world.materials.iter_mut().flat_map(slots).flatten() {
+            let old = slot.texture;
+            slot.texture = *new_index[old].get_or_insert_with(|| {
+                used.push(self.requests[old].clone());
+                used.len() - 1
+            });
+        }
+        self.requests.clear();
+        self.indices.clear();
+        used
+    }
+}
+
+/// All texture slots of a material.
+pub fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
+    [
+        &mut material.base_color_texture,
+        &mut material.metallic_roughness_texture,
+        &mut material.normal_texture,
+        &mut material.occlusion_texture,
+        &mut material.emission_texture,
+    ]
+}
+
+/// `over` where it says something, else `base`.
+pub fn merged(base: &MaterialDesc, over: &MaterialDesc) -> MaterialDesc {
+    let (b, o) = (base, over);
+    MaterialDesc {
+        base_color: o.base_color.or(b.base_color),
+        base_color_texture: o
+            .base_color_texture
+            .clone()
+            .or_else(|| b.base_color_texture.clone()),
+        checker: o.checker.or(b.checker),
+        metallic: o.metallic.or(b.metallic),
+        roughness: o.roughness.or(b.roughness),
+        metallic_roughness_texture: (o.metallic_roughness_texture.clone())
+            .or_else(|| b.metallic_roughness_texture.clone()),
+        normal_texture: o
+            .normal_texture
+            .clone()
+            .or_else(|| b.normal_texture.clone()),
+        normal_scale: o.normal_scale.or(b.normal_scale),
+        emission: o.emission.or(b.emission),
+        emission_strength: o.emission_strength.or(b.emission_strength),
+        emission_texture: o
+            .emission_texture
+            .clone()
+            .or_else(|| b.emission_texture.clone()),
+        uv_scale: o.uv_scale.or(b.uv_scale),
+        alpha_cutoff: o.alpha_cutoff.or(b.alpha_cutoff),
+        double_sided: o.double_sided.or(b.double_sided),
+        reflection: o.reflection.or(b.reflection),
+        reflectivity: o.reflectivity.or(b.reflectivity),
+    }
+}
+
+impl Loader<'_> {
+    /// A file's material with `desc` laid over it; only images that remain in use are asked for.
+    pub fn file_material(&mut self, loaded: usize, index: usize, desc: &MaterialDesc) -> Material {
+        let mut material = self.loaded[loaded].materials[index].clone();
+        if desc.base_color_texture.is_some() || desc.checker.is_some() {
+            material.base_color_texture = None;
+        }
+        if desc.metallic_roughness_texture.is_some() {
+            material.metallic_roughness_texture = None;
+        }
+        if desc.normal_texture.is_some() {
+            material.normal_texture = None;
+        }
+        if desc.emission_texture.is_some() {
+            material.emission_texture = None;
+        }
+        for texture in slots(&mut material).into_iter().flatten() {
+            texture.texture = self.file_image(loaded, texture.texture);
+        }
+        self.apply(desc, &mut material);
+        material
+    }
+
+    /// Index into the texture table; reports an image that cannot be found.
+    fn file_image(&mut self, loaded: usize, index: usize) -> usize {
+        let model = &self.loaded[loaded];
+        let file = model.files[0].clone();
+        let image = &model.images[index];
+        let (key, source) = match &image.source {
+            Ok(source @ ImageSource::File(path)) => (ImageKey::File(path.clone()), source.clone()),
+            Ok(source) => (
+                ImageKey::Embedded {
+                    loaded,
+                    image: image.index,
+                },
+                source.clone(),
+            ),
+            Err(fault) => {
+                self.report_once(fault.clone().in_file(&file));
+                return 0; // never used: errors end the loading
+            }
+        };
+        let request = TextureRequest {
+            name: image.name.clone(),
+            file,
+            source,
+            srgb: image.srgb,
+        };
+        self.textures.index(key, request)
+    }
+
+    /// Lays `desc` over `material`.
+    pub fn apply(&mut self, desc: &MaterialDesc, material: &mut Material) {
+        fn set<T>(slot: &mut T, value: Option<T>) {
+            if let Some(value) = value {
+                *slot = value;
+            }
+        }
+        if let Some(color) = desc.base_color {
+            material.base_color = color.extend(material.base_color.w);
+        }
+        set(&mut material.metallic, desc.metallic);
+        set(&mut material.roughness, desc.roughness);
+        set(&mut material.normal_scale, desc.normal_scale);
+        set(&mut material.emission, desc.emission);
+        set(&mut material.double_sided, desc.double_sided);
+        set(&mut material.reflection, desc.reflection);
+        set(&mut material.reflectivity, desc.reflectivity);
+        material.emission *= desc.emission_strength.unwrap_or(1.0);
+        material.alpha_cutoff = desc.alpha_cutoff.or(material.alpha_cutoff);
+        material.checker = desc.checker.or(material.checker);
+        let mut texture = |slot: &mut Option<TextureRef>, name: &Option<At<String>>, srgb| {
+            if let Some(name) = name {
+                *slot = self.scene_image(name, srgb);
+            }
+        };
+        texture(
+            &mut material.base_color_texture,
+            &desc.base_color_texture,
+            true,
+        );
+        texture(
+            &mut material.metallic_roughness_texture,
+            &desc.metallic_roughness_texture,
+            false,
+        );
+        texture(&mut material.normal_texture, &desc.normal_texture, false);
+        texture(&mut material.emission_texture, &desc.emission_texture, true);
+        if let Some([u, v]) = desc.uv_scale {
+            for texture in slots(material).into_iter().flatten() {
+                texture.transform[0] *= u;
+                texture.transform[1] *= v;
+            }
+        }
+    }
+
+    /// An image file that the scene text names.
+    fn scene_image(&mut self, name: &At<String>, srgb: bool) -> Option<TextureRef> {
+        let path = match self.find(name) {
+            Ok(path) => path,
+            Err(error) => {
+                self.report_once(*error);
+                return None;
+            }
+        };
+        let request = TextureRequest {
+            name: "image".into(),
+            file: path.clone(),
+            source: ImageSource::File(path.clone()),
+            srgb,
+        };
+        Some(TextureRef {
+            texture: self.textures.index(ImageKey::File(path), request),
+            uv_set: 0,
+            transform: [Vec3::X, Vec3::Y],
+            wrap: [Wrap::Repeat; 2],
+            nearest: false,
+        })
+    }
+
+    /// The `[material.NAME]` laid over `base`, or an error that names what is close.
+    pub fn named_material(&mut self, name: &At<String>, base: Material) -> Material {
+        let desc = self.desc;
+        let Some(entry) = desc.materials.iter().find(|m| m.name == name.value) else {
+            let text = format!("material \"{}\" is not defined", name.value);
+            let mut error = error_at("unknown-name", &name.at, text);
+            let known = desc.materials.iter().map(|m| m.name.as_str());
+            error.help = super::did_you_mean(&name.value, known)
+                .or_else(|| Some(format!("add a table [material.{}]", name.value)));
+            self.report_once(error);
+            return base;
+        };
+        let mut material = Material {
+            name: entry.name.clone(),
+            ..base
+        };
+        self.apply(&entry.value, &mut material);
+        material
+    }
+
+    /// Many placements may meet the same mistake.
+    pub fn report_once(&mut self, error: Diagnostic) {
+        if !self.errors.contains(&error) {
+            self.errors.push(error);
+        }
+    }
+}
