@@ -15,11 +15,12 @@ use std::{fs::File, io::Read as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
-pub use self::{
-    notes::{Form, KeyNote, Notes, Rule, SectionNote, VariantNote},
-    read::VERSION,
+pub use self::notes::{Form, KeyNote, Notes, Rule, SectionNote, VariantNote};
+use self::{
+    report::Report,
+    table::{Place, Table},
+    value::Node,
 };
-use self::{report::Report, table::Table, value::Node};
 use super::{
     desc::SceneDesc,
     diagnostic::{Diagnostic, Source, Span},
@@ -92,10 +93,14 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     }
     let nothing = DeTable::new();
     let table = root.get_ref().as_table().unwrap_or(&nothing);
-    let mut scene = Table::read::<SceneDesc>(&mut report, table, "", 0..0).unwrap_or_default();
+    let mut scene = Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
     scene.folder = path.parent().unwrap_or(Path::new("")).to_owned();
     if shadows.is_empty() {
         names::check(&scene, table, &mut report);
+    }
+    if report.has("unsupported-version") {
+        // In another version other keys may be right.
+        report.retain(|d| d.name == "unsupported-version");
     }
     report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
     match report.finish() {

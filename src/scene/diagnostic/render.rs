@@ -105,8 +105,9 @@ fn excerpt(out: &mut String, span: &Span, margin: usize, hue: Style, paint: Pain
     let line = text[line_start..line_end].trim_end_matches('\r');
     let (shown, from, to) = window(line, start - line_start, end - line_start);
     let number = paint.with(frame(), &format!("{:>margin$}", place.line));
+    let space = if shown.is_empty() { "" } else { " " };
     let carets = paint.with(hue, &"^".repeat((to - from).max(1)));
-    let _ = write!(out, "\n{:margin$} {bar}\n{number} {bar} {shown}", "");
+    let _ = write!(out, "\n{:margin$} {bar}\n{number} {bar}{space}{shown}", "");
     let _ = write!(out, "\n{:margin$} {bar} {:from$}{carets}", "", "");
 }
 

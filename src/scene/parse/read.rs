@@ -7,12 +7,10 @@ use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use super::{
     table::{Either, Section, Table},
-    value::{ABOVE_0, ANY, FROM_0, Range, Scale, UNIT, range},
+    value::{ABOVE_0, ANY, FROM_0, Range, Scale, UNIT, Version, range},
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
-/// The version of the scene text that this program reads.
-pub const VERSION: u32 = 1;
 /// Divisions around a curved shape.
 const SEGMENTS: Range = range(3.0, 4096.0);
 /// Most copies of one instance.
@@ -25,8 +23,7 @@ impl Section for SceneDesc {
     const HEADING: &'static str = "the whole file";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let version = range(f64::from(VERSION), f64::from(VERSION));
-        t.need::<u32>("version", version);
+        t.need::<Version>("version", ANY);
         let scene = Self {
             folder: PathBuf::new(),
             cameras: t.entries("camera"),
@@ -129,8 +126,8 @@ impl Section for ModelDesc {
         let file = t.find("file", ANY).map(ModelSource::File);
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
-        match t.find_or_entries("material", ANY) {
-            Some(Either::Plain(name)) => material = Some(name),
+        match t.name_or_entries("material") {
+            Some(Either::Name(name)) => material = Some(name),
             Some(Either::Nested(entries)) => overrides = entries,
             None => {}
         }
@@ -199,8 +196,8 @@ impl Section for InstanceDesc {
         let placement = placement(t);
         let dynamic = t.get("dynamic", ANY, false);
         let repeat = t.table("repeat");
-        let material = t.find_or_table("material", ANY).map(|material| match material {
-            Either::Plain(name) => InstanceMaterialDesc::Named(name),
+        let material = t.name_or_table("material").map(|material| match material {
+            Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
         Some(Self { name, model: model?, placement, dynamic, repeat, material, at: t.start() })

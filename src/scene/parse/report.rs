@@ -87,6 +87,11 @@ impl Report {
         &mut self.list[last]
     }
 
+    /// Whether a message of that name is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.list.iter().any(|d| d.name == name)
+    }
+
     /// Drops messages, for what only follows from an earlier mistake.
     pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
         self.list.retain(keep);

@@ -8,7 +8,7 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::{report::Report, suggest, value::Node};
+use super::{report::Report, suggest, syntax, value::Node};
 
 /// Tables whose next name must exist already: a new one would most likely be a typing error.
 const NAMED: &[&str] = &["camera", "material", "model", "light"];
@@ -80,19 +80,16 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
     let start = base + (text.len() - text.trim_start().len());
     let bare = |c: char| c.is_alphanumeric() || "_-./\\:* ".contains(c);
     match DeValue::parse(trimmed) {
-        Ok(node) if !trimmed.is_empty() => Some(shift(node, start)),
-        _ if !trimmed.is_empty() && trimmed.chars().all(bare) => {
+        Ok(node) => Some(shift(node, start)),
+        Err(_) if !trimmed.is_empty() && trimmed.chars().all(bare) => {
             let at = start..start + trimmed.len();
             Some(Node::new(at, DeValue::String(trimmed.into())))
         }
-        Ok(_) => {
-            report.error("bad-set", &(base.saturating_sub(1)..base), "the value after `=` is missing");
-            None
-        }
         Err(error) => {
             let at = error.span().unwrap_or(0..trimmed.len());
-            let message = format!("the value is not TOML: {}", error.message());
-            report.error("bad-set", &(start + at.start..start + at.end), message);
+            let found = trimmed.get(at.clone()).unwrap_or("");
+            let (message, help) = syntax::in_plain_words(found, error.message());
+            report.error("bad-set", &(start + at.start..start + at.end), message).help = help;
             None
         }
     }
@@ -166,19 +163,27 @@ fn step<'t, 'i>(
             Some(table.entry(key).or_insert_with(empty))
         }
         DeValue::Array(items) => {
-            let count = items.len();
-            let is_named = |item: &Node| {
-                let table = item.get_ref().as_table();
-                table.and_then(|t| t.get("name")?.get_ref().as_str()) == Some(name)
+            let name_of = |item: &Node<'_>| {
+                let name = item.get_ref().as_table()?.get("name")?;
+                Some(name.get_ref().as_str()?.to_owned())
             };
-            let index = items.iter().position(is_named).or_else(|| name.parse().ok());
-            let found = index.and_then(|i| items.iter_mut().nth(i));
-            if found.is_none() {
-                let message = format!("{} is not one of the {count} entries", suggest::key(name));
-                let help = "write an index, counted from 0, or the `name` of an instance";
-                report.error("dangling-name", &segment.at, message).help = Some(help.into());
+            let names: Vec<_> = items.iter().map(name_of).collect();
+            let named = names.iter().position(|n| n.as_deref() == Some(name));
+            let index = named.or_else(|| name.parse().ok());
+            let count = items.len();
+            let entry = index.and_then(|i| items.iter_mut().nth(i));
+            if entry.is_none() {
+                let words: Vec<_> = names.iter().flatten().map(String::as_str).collect();
+                let meant = suggest::nearest(name, words).map(suggest::text);
+                let help = "write an index, counted from 0, or the `name` of an instance".into();
+                let message = match index {
+                    Some(i) => format!("there is no index {i} in a list of {count}"),
+                    None => format!("nothing in the list is named {}", suggest::text(name)),
+                };
+                report.error("dangling-name", &segment.at, message).help =
+                    Some(meant.map_or(help, |m| format!("did you mean {m}?")));
             }
-            found
+            entry
         }
         _ => {
             let message = format!("{} cannot be set: what is before it has no keys", suggest::key(name));

@@ -37,7 +37,8 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
     let lower = typed.to_lowercase().replace('-', "_");
     let meant = SYNONYMS.iter().find(|(word, _)| *word == lower).map_or(&[][..], |(_, m)| m);
     let score = |word: &str| {
-        if meant.contains(&word) {
+        let is_stem = word.strip_prefix(lower.as_str()).is_some_and(|rest| rest.starts_with('_'));
+        if is_stem || meant.contains(&word) {
             return 2.0;
         }
         let longest = lower.chars().count().max(word.chars().count()).max(1);
@@ -80,7 +81,7 @@ pub fn text(text: &str) -> String {
 }
 
 /// User text of any length, cut to what fits a message.
-fn clip(text: &str) -> String {
+pub fn clip(text: &str) -> String {
     if text.chars().count() <= 60 {
         text.to_owned()
     } else {

@@ -65,8 +65,25 @@ fn explain(text: &str, at: Range<usize>, message: &str, report: &mut Report) {
         let message = "arrays and tables are nested too deeply";
         report.error("too-deep", &at, message).help = Some("a scene needs four levels".into());
     } else {
-        report.error("toml-syntax", &at, format!("not TOML: {message}"));
+        let (message, help) = in_plain_words(text.get(at.clone()).unwrap_or(""), message);
+        report.error("toml-syntax", &at, message).help = help;
     }
+}
+
+/// The parser's message, said for people where that helps: what is wrong, and what to do.
+pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
+    let unquoted = message.starts_with("string values must be quoted");
+    if unquoted && found.is_empty() {
+        return ("a value is missing after `=`".into(), None);
+    }
+    if unquoted {
+        let help = format!("write {}", suggest::text(found));
+        return (format!("{} must be in quotes", suggest::key(found)), Some(help));
+    }
+    if message.starts_with("invalid basic string, expected `\"`") {
+        return ("the text in quotes does not end on its line".into(), Some("add a `\"`".into()));
+    }
+    (format!("not TOML: {message}"), None)
 }
 
 /// The earlier line that has the same header, or the same key under the same header.

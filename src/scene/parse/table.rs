@@ -10,10 +10,10 @@ use super::{
     notes::{Form, KeyNote, Notes, Rule},
     report::Report,
     suggest,
-    value::{Named, Node, Range, Value, found, one_of, word, wrong_type},
+    value::{ANY, Named, Node, Range, Value, found, one_of, word, wrong_type},
 };
 use crate::scene::{
-    desc::Entry,
+    desc::{At, Entry},
     diagnostic::Span,
 };
 
@@ -32,12 +32,39 @@ pub trait Section: Sized {
 /// Reader of one variant of a table with a `kind`.
 pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);
 
-/// A plain value, or a table in its place.
-pub enum Either<V, T> {
-    /// The value.
-    Plain(V),
+/// A name, or a table in its place.
+pub enum Either<T> {
+    /// The name.
+    Name(At<String>),
     /// What the table says.
     Nested(T),
+}
+
+/// Where a table stands.
+#[derive(Clone, Default)]
+pub struct Place {
+    /// Its path, such as `camera.main`; empty for the whole file.
+    pub path: String,
+    /// Whether it is one of an array of tables.
+    pub in_list: bool,
+    /// Its header, or its braces.
+    pub at: Bytes<usize>,
+}
+
+impl Place {
+    /// How messages call the table, such as `[camera.main]`.
+    fn title(&self) -> String {
+        match (self.path.as_str(), self.in_list) {
+            ("", _) => "the scene".into(),
+            (path, true) => format!("`[[{}]]`", suggest::clip(path)),
+            (path, false) => format!("`[{}]`", suggest::clip(path)),
+        }
+    }
+
+    fn nested(&self, key: &str, at: Bytes<usize>) -> Self {
+        let dot = if self.path.is_empty() { "" } else { "." };
+        Self { path: format!("{}{dot}{key}", self.path), in_list: false, at }
+    }
 }
 
 /// One table of the tree, being read.
@@ -45,10 +72,11 @@ pub struct Table<'r, 'i> {
     /// Where messages go.
     pub report: &'r mut Report,
     values: &'r DeTable<'i>,
-    /// How messages call the table, such as `[camera.main]`.
-    title: String,
-    at: Bytes<usize>,
+    place: Place,
     asked: Vec<&'static str>,
+    /// Keys that should be there, and what to write; reported at the end, unless a wrong key
+    /// turns out to be meant.
+    missing: Vec<(&'static str, String)>,
     errors_before: usize,
     notes: Option<&'r mut Notes>,
 }
@@ -58,12 +86,12 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn read<T: Section>(
         report: &'r mut Report,
         values: &'r DeTable<'i>,
-        title: &str,
-        at: Bytes<usize>,
+        place: Place,
     ) -> Option<T> {
-        let mut table = Table::new(report, values, title, at, None);
+        let mut table = Table::new(report, values, place, None);
         let value = T::read(&mut table);
         table.refuse_unknown();
+        table.refuse_missing();
         value
     }
 
@@ -71,7 +99,7 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn describe<T: Section>(notes: &mut Notes) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());
-            T::read(&mut Table::new(&mut report, &nothing, "", 0..0, Some(notes)));
+            T::read(&mut Table::new(&mut report, &nothing, Place::default(), Some(notes)));
             notes.close();
         }
     }
@@ -79,13 +107,12 @@ impl<'r, 'i> Table<'r, 'i> {
     fn new(
         report: &'r mut Report,
         values: &'r DeTable<'i>,
-        title: &str,
-        at: Bytes<usize>,
+        place: Place,
         notes: Option<&'r mut Notes>,
     ) -> Self {
         let errors_before = report.errors();
-        let title = title.to_owned();
-        Self { report, values, title, at, asked: Vec::new(), errors_before, notes }
+        let (asked, missing) = (Vec::new(), Vec::new());
+        Self { report, values, place, asked, missing, errors_before, notes }
     }
 
     fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyNote) {
@@ -103,21 +130,22 @@ impl<'r, 'i> Table<'r, 'i> {
     /// Whether everything so far was right, so that comparing values makes sense; false when the
     /// reader runs only to be described.
     pub fn clean(&self) -> bool {
-        self.notes.is_none() && self.report.errors() == self.errors_before
+        let unbroken = self.report.errors() == self.errors_before;
+        self.notes.is_none() && unbroken && self.missing.is_empty()
     }
 
     /// Where the table starts.
     pub fn start(&self) -> Span {
-        self.report.span(&self.at)
+        self.report.span(&self.place.at)
     }
 
     /// Range of a key's value, else of the table.
-    pub fn place(&self, key: &str) -> Bytes<usize> {
-        self.values.get(key).map_or(self.at.clone(), |node| node.span())
+    fn value_at(&self, key: &str) -> Bytes<usize> {
+        self.values.get(key).map_or(self.place.at.clone(), |node| node.span())
     }
 
-    fn key_place(&self, key: &str) -> Bytes<usize> {
-        self.values.get_key_value(key).map_or(self.at.clone(), |(k, _)| k.span())
+    fn key_at(&self, key: &str) -> Bytes<usize> {
+        self.values.get_key_value(key).map_or(self.place.at.clone(), |(k, _)| k.span())
     }
 
     /// The value of an optional key.
@@ -136,7 +164,10 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
         self.note(key, || KeyNote::value::<V>(key, range).required());
         if !self.has(key) {
-            self.missing(key, &V::expected());
+            let range = if V::RANGED { range.words() } else { String::new() };
+            let comma = if range.is_empty() { "" } else { ", " };
+            let help = format!("write `{key} = …`, {}{comma}{range}", V::expected());
+            self.missing.push((key, V::example().map_or(help, |e| format!("write `{key} = {e}`"))));
         }
         self.plain(key, range)
     }
@@ -144,12 +175,6 @@ impl<'r, 'i> Table<'r, 'i> {
     fn plain<V: Value>(&mut self, key: &str, range: Range) -> Option<V> {
         let node = self.values.get(key)?;
         V::read(node, &Named { key, range: &range }, self.report)
-    }
-
-    fn missing(&mut self, key: &str, expected: &str) {
-        let message = format!("`{key}` is missing in `{}`", self.title);
-        let error = self.report.error("missing-key", &self.at, message);
-        error.help = Some(format!("write `{key} = …`, {expected}"));
     }
 
     /// A table right of `key =`, or `[….key]`.
@@ -160,34 +185,37 @@ impl<'r, 'i> Table<'r, 'i> {
         self.nested(key, node)
     }
 
-    /// A value or a table under the same key.
-    pub fn find_or_table<V: Value, T: Section>(
-        &mut self,
-        key: &'static str,
-        range: Range,
-    ) -> Option<Either<V, T>> {
-        self.note(key, || KeyNote::value::<V>(key, range).or(Form::Table(T::TYPE)));
+    /// A name, or a table in its place.
+    pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
+        self.note(key, || KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE)));
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
             DeValue::Table(_) => self.nested(key, node).map(Either::Nested),
-            _ => self.plain(key, range).map(Either::Plain),
+            _ => self.name(key, node).map(Either::Name),
         }
     }
 
-    /// A value or tables `[….key.NAME]` under the same key.
-    pub fn find_or_entries<V: Value, T: Section>(
+    /// A name, or tables `[….key.NAME]` in its place.
+    pub fn name_or_entries<T: Section>(
         &mut self,
         key: &'static str,
-        range: Range,
-    ) -> Option<Either<V, Vec<Entry<T>>>> {
-        self.note(key, || KeyNote::value::<V>(key, range).or(Form::Entries(T::TYPE)));
+    ) -> Option<Either<Vec<Entry<T>>>> {
+        self.note(key, || KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE)));
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
             DeValue::Table(_) => Some(Either::Nested(self.nested_entries(key, node))),
-            _ => self.plain(key, range).map(Either::Plain),
+            _ => self.name(key, node).map(Either::Name),
         }
+    }
+
+    fn name(&mut self, key: &'static str, node: &Node) -> Option<At<String>> {
+        if !node.get_ref().is_str() {
+            wrong_type(node, key, "a name in quotes or a table", self.report);
+            return None;
+        }
+        self.plain(key, ANY)
     }
 
     /// All tables `[key.NAME]`, in the order of the file.
@@ -207,15 +235,18 @@ impl<'r, 'i> Table<'r, 'i> {
         };
         let Some(items) = node.get_ref().as_array() else {
             let message = format!("`{key}` must be a list of tables, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_place(key), message);
+            let error = self.report.error("wrong-type", &self.key_at(key), message);
             error.help = Some(format!("write `[[{key}]]`, with two brackets on each side"));
             return Vec::new();
         };
-        let title = format!("[[{key}]]");
         let read = |item: &Node| match item.get_ref() {
-            DeValue::Table(values) => Table::read(self.report, values, &title, item.span()),
+            DeValue::Table(values) => {
+                let place = Place { in_list: true, ..self.place.nested(key, item.span()) };
+                Table::read(self.report, values, place)
+            }
             _ => {
-                wrong_type(item, key, "a list of tables", self.report);
+                let message = format!("each `{key}` must be a table, not {}", found(item));
+                self.report.error("wrong-type", &item.span(), message);
                 None
             }
         };
@@ -233,25 +264,16 @@ impl<'r, 'i> Table<'r, 'i> {
             wrong_type(node, key, "a table", self.report);
             return None;
         };
-        let title = self.nested_title(key);
-        Table::read(self.report, values, &title, node.span())
-    }
-
-    fn nested_title(&self, key: &str) -> String {
-        match self.title.strip_prefix('[').and_then(|t| t.strip_suffix(']')) {
-            Some(path) if !path.starts_with('[') => format!("[{path}.{key}]"),
-            Some(_) => format!("{key} of {}", self.title),
-            None if self.title.contains(' ') => format!("{key} of {}", self.title),
-            None => format!("[{key}]"),
-        }
+        Table::read(self.report, values, self.place.nested(key, node.span()))
     }
 
     fn nested_entries<T: Section>(&mut self, key: &str, node: &Node) -> Vec<Entry<T>> {
-        let example = self.nested_title(&format!("{key}.NAME"));
+        let place = self.place.nested(key, node.span());
+        let example = format!("write `[{}.NAME]`, with a name of your choice", place.path);
         let DeValue::Table(entries) = node.get_ref() else {
             let message = format!("`{key}` must be tables with names, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_place(key), message);
-            error.help = Some(format!("write `{example}`, with a name of your choice"));
+            let error = self.report.error("wrong-type", &self.key_at(key), message);
+            error.help = Some(example);
             return Vec::new();
         };
         let mut all: Vec<_> = entries.iter().collect();
@@ -260,17 +282,17 @@ impl<'r, 'i> Table<'r, 'i> {
         let mut nameless = false;
         for (name, node) in all {
             let DeValue::Table(values) = node.get_ref() else {
-                if !nameless {
-                    let name = suggest::key(name.get_ref());
-                    let message = format!("{name} must be a table in `{}`", self.nested_title(key));
-                    let error = self.report.error("wrong-type", &node.span(), message);
-                    error.help = Some(format!("write `{example}`, with a name of your choice"));
+                // The next keys of a table without its name are the same mistake.
+                if !std::mem::replace(&mut nameless, true) {
+                    let (key, title) = (suggest::key(name.get_ref()), place.title());
+                    let message = format!("{key} must be a table, because {title} holds names");
+                    let error = self.report.error("wrong-type", &name.span(), message);
+                    error.help = Some(example.clone());
                 }
-                nameless = true; // the next keys of a table without its name are the same mistake
                 continue;
             };
-            let title = self.nested_title(&format!("{key}.{}", name.get_ref()));
-            if let Some(value) = Table::read(self.report, values, &title, node.span()) {
+            let place = place.nested(name.get_ref(), node.span());
+            if let Some(value) = Table::read(self.report, values, place) {
                 let at = self.report.span(&name.span());
                 read.push(Entry { name: name.get_ref().to_string(), at, value });
             }
@@ -286,7 +308,7 @@ impl<'r, 'i> Table<'r, 'i> {
             for (word, read) in variants {
                 notes.open_variant(key, word);
                 let (mut report, nothing) = (Report::default(), DeTable::new());
-                read(&mut Table::new(&mut report, &nothing, "", 0..0, Some(notes)));
+                read(&mut Table::new(&mut report, &nothing, Place::default(), Some(notes)));
             }
             notes.close_variants();
             return None;
@@ -295,7 +317,7 @@ impl<'r, 'i> Table<'r, 'i> {
         let chosen = match self.values.get(key) {
             Some(node) => word(node, key, &words, self.report),
             None => {
-                self.missing(key, &one_of(&words));
+                self.missing.push((key, format!("write `{key} = …`, {}", one_of(&words))));
                 None
             }
         };
@@ -325,6 +347,7 @@ impl<'r, 'i> Table<'r, 'i> {
             let message = format!("`{name}` does not go with `{kind} = {chosen}`");
             let error = self.report.error("unknown-key", &key.span(), message);
             let meant = suggest::nearest(name, mine.iter().copied());
+            self.missing.retain(|(key, _)| Some(*key) != meant);
             let meant = meant.map(|m| format!("did you mean `{m}`? ")).unwrap_or_default();
             error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
         }
@@ -337,13 +360,19 @@ impl<'r, 'i> Table<'r, 'i> {
 
     fn refuse_unknown(&mut self) {
         for (key, _) in self.unknown() {
-            let message = match self.title.as_str() {
-                "" => format!("{} is not a key of a scene", suggest::key(key.get_ref())),
-                title => format!("{} is not a key of `{title}`", suggest::key(key.get_ref())),
-            };
-            let help = (!self.report.is_full())
-                .then(|| suggest::hint(key.get_ref(), &self.asked, suggest::key, "its keys are"));
-            self.report.error("unknown-key", &key.span(), message).help = help;
+            let name = key.get_ref().as_ref();
+            let message = format!("{} is not a key of {}", suggest::key(name), self.place.title());
+            let meant = suggest::nearest(name, self.asked.iter().copied());
+            self.missing.retain(|(key, _)| Some(*key) != meant);
+            let help = suggest::hint(name, &self.asked, suggest::key, "its keys are");
+            self.report.error("unknown-key", &key.span(), message).help = Some(help);
+        }
+    }
+
+    fn refuse_missing(&mut self) {
+        for (key, help) in std::mem::take(&mut self.missing) {
+            let message = format!("`{key}` is missing in {}", self.place.title());
+            self.report.error("missing-key", &self.place.at, message).help = Some(help);
         }
     }
 
@@ -357,15 +386,15 @@ impl<'r, 'i> Table<'r, 'i> {
         let present: Vec<_> = groups
             .iter()
             .filter_map(|group| group.iter().find(|key| self.has(key)))
-            .map(|key| (*key, self.key_place(key)))
+            .map(|key| (*key, self.key_at(key)))
             .collect();
         let mut order = present;
         order.sort_by_key(|(_, at)| at.start);
         match order.as_slice() {
             [] if required => {
                 let keys = groups.iter().map(|g| format!("`{}`", g[0])).collect::<Vec<_>>();
-                let message = format!("`{}` needs {}", self.title, keys.join(" or "));
-                self.report.error("missing-key", &self.at, message);
+                let message = format!("{} needs {}", self.place.title(), keys.join(" or "));
+                self.report.error("missing-key", &self.place.at, message);
             }
             [(first, first_at), rest @ ..] => {
                 for (key, at) in rest {
@@ -382,7 +411,7 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// Reports something about the value of a key.
     pub fn refuse(&mut self, name: &'static str, key: &str, message: &str, help: &str) {
-        let at = self.place(key);
+        let at = self.value_at(key);
         let error = self.report.error(name, &at, message);
         error.help = (!help.is_empty()).then(|| help.to_owned());
     }
@@ -392,7 +421,7 @@ impl<'r, 'i> Table<'r, 'i> {
 fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
     let (mut report, nothing) = (Report::default(), DeTable::new());
     let mut notes = Notes::default();
-    let mut table = Table::new(&mut report, &nothing, "", 0..0, None);
+    let mut table = Table::new(&mut report, &nothing, Place::default(), None);
     table.notes = Some(&mut notes);
     read(&mut table);
     table.asked

@@ -98,6 +98,10 @@ pub trait Value: Sized {
     const RANGED: bool = false;
     /// What is expected, such as `three numbers`.
     fn expected() -> String;
+    /// The only value there is, if so.
+    fn example() -> Option<String> {
+        None
+    }
     /// JSON Schema of the value.
     fn schema(range: &Range) -> Json;
     /// The value as in scene text, for defaults.
@@ -122,6 +126,11 @@ pub fn found(node: &Node) -> String {
     }
 }
 
+/// A number as it is written.
+fn digits(node: &Node) -> String {
+    found(node).replace("the number ", "")
+}
+
 /// Reports a value of another type.
 pub fn wrong_type(node: &Node, key: &str, expected: &str, report: &mut Report) {
     let message = format!("`{key}` must be {expected}, not {}", found(node));
@@ -143,7 +152,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
     };
     let (key, at) = (named.key, node.span());
     if !x.is_finite() {
-        let message = format!("`{key}` must be a finite number, not {}", found(node));
+        let message = format!("`{key}` must be a finite number, not {}", digits(node));
         report.error("not-finite", &at, message);
         return None;
     }
@@ -153,8 +162,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
             words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
             words => words,
         };
-        let written = found(node).replace("the number ", "");
-        let message = format!("`{key}` must be {words}, not {written}");
+        let message = format!("`{key}` must be {words}, not {}", digits(node));
         report.error("out-of-range", &at, message);
         return None;
     }
@@ -319,6 +327,41 @@ impl Value for Vec3 {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         <[f32; 3]>::read(node, named, report).map(Self::from)
+    }
+}
+
+/// The version of the scene text; there is only one so far.
+pub struct Version;
+
+impl Version {
+    /// The version that this program reads.
+    pub const CURRENT: u32 = 1;
+}
+
+impl Value for Version {
+    fn expected() -> String {
+        Self::CURRENT.to_string()
+    }
+    fn example() -> Option<String> {
+        Some(Self::expected())
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "const": Self::CURRENT })
+    }
+    fn to_json(&self) -> Json {
+        json!(Self::CURRENT)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let any = Named { key: named.key, range: &ANY };
+        let version = number(node, &any, &Self::expected(), report)?;
+        let current = Self::CURRENT;
+        if version == f64::from(current) {
+            return Some(Self);
+        }
+        let written = digits(node);
+        let message = format!("version {written} is not supported; this program reads {current}");
+        report.error("unsupported-version", &node.span(), message);
+        None
     }
 }
 
