@@ -24,7 +24,11 @@ fn each_bad_scene_gives_its_exact_messages() {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     files.sort();
-    assert!(files.len() >= 45, "only {} bad scenes are there", files.len());
+    assert!(
+        files.len() >= 45,
+        "only {} bad scenes are there",
+        files.len()
+    );
     let mut wrong = Vec::new();
     for file in &files {
         let text = fs::read_to_string(file).expect("a bad scene is still text");
@@ -41,8 +45,14 @@ fn each_bad_scene_gives_its_exact_messages() {
         }
         match fs::read_to_string(&beside) {
             Ok(want) if want == got => {}
-            Ok(want) => wrong.push(format!("{}:\n{got}\n--- expected ---\n{want}", name.display())),
-            Err(_) => wrong.push(format!("{} has no expectation; it gives\n{got}", name.display())),
+            Ok(want) => wrong.push(format!(
+                "{}:\n{got}\n--- expected ---\n{want}",
+                name.display()
+            )),
+            Err(_) => wrong.push(format!(
+                "{} has no expectation; it gives\n{got}",
+                name.display()
+            )),
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n======\n"));

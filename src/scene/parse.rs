@@ -40,7 +40,8 @@ pub type Parsed = Result<(SceneDesc, Vec<Diagnostic>), Vec<Diagnostic>>;
 pub fn load(path: &Path, overrides: &[String]) -> Parsed {
     let refuse = |name, message: String| vec![Diagnostic::in_file(name, path, message)];
     let unreadable = |e: std::io::Error| {
-        let mut error = Diagnostic::in_file("unreadable-file", path, format!("cannot be read: {e}"));
+        let mut error =
+            Diagnostic::in_file("unreadable-file", path, format!("cannot be read: {e}"));
         if e.kind() == std::io::ErrorKind::NotFound {
             error.message = "the scene file does not exist".into();
             error.help = Some("check the path; it starts from the folder you are in".into());
@@ -53,10 +54,15 @@ pub fn load(path: &Path, overrides: &[String]) -> Parsed {
     }
     let file = File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    file.take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
     if bytes.len() as u64 > MOST_BYTES {
         let most = MOST_BYTES >> 20;
-        let mut error = refuse("file-too-large", format!("a scene may have at most {most} MiB"));
+        let mut error = refuse(
+            "file-too-large",
+            format!("a scene may have at most {most} MiB"),
+        );
         error[0].help = Some("geometry belongs in glTF files, named by `file`".into());
         return Err(error);
     }
@@ -70,8 +76,14 @@ fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
     let start = error.utf8_error().valid_up_to();
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     // The valid part keeps its length; the first wrong bytes show as one replacement character.
-    let source = Source { path: path.to_owned(), text };
-    let span = Span { source: Some(source.into()), range: start..start + '\u{FFFD}'.len_utf8() };
+    let source = Source {
+        path: path.to_owned(),
+        text,
+    };
+    let span = Span {
+        source: Some(source.into()),
+        range: start..start + '\u{FFFD}'.len_utf8(),
+    };
     let message = "a scene must be UTF-8 text, and this byte is not";
     Diagnostic::at("not-utf8", span, message).help("save the file as UTF-8 in your editor")
 }
@@ -84,8 +96,10 @@ fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
 pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     let mut report = Report::default();
     report.add_source(path, text);
-    let bases: Vec<_> =
-        overrides.iter().map(|o| report.add_source(Path::new("--set"), o)).collect();
+    let bases: Vec<_> = overrides
+        .iter()
+        .map(|o| report.add_source(Path::new("--set"), o))
+        .collect();
     let (root, shadows) = syntax::parse(text, &mut report);
     let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
     for (text, base) in overrides.iter().zip(bases) {
@@ -93,7 +107,8 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     }
     let nothing = DeTable::new();
     let table = root.get_ref().as_table().unwrap_or(&nothing);
-    let mut scene = Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+    let mut scene =
+        Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
     scene.folder = path.parent().unwrap_or(Path::new("")).to_owned();
     if shadows.is_empty() {
         names::check(&scene, table, &mut report);

@@ -53,7 +53,13 @@ impl Diagnostic {
         if let Some((span, note)) = &self.related {
             let word = paint.with(AnsiColor::BrightGreen.on_default().bold(), "note");
             let _ = write!(out, "\n{word}: {}", printable(note));
-            excerpt(&mut out, span, margin, AnsiColor::BrightGreen.on_default(), paint);
+            excerpt(
+                &mut out,
+                span,
+                margin,
+                AnsiColor::BrightGreen.on_default(),
+                paint,
+            );
         }
         out
     }
@@ -101,7 +107,9 @@ fn excerpt(out: &mut String, span: &Span, margin: usize, hue: Style, paint: Pain
     let start = text.floor_char_boundary(span.range.start);
     let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
-    let end = text.floor_char_boundary(span.range.end).clamp(start, line_end);
+    let end = text
+        .floor_char_boundary(span.range.end)
+        .clamp(start, line_end);
     let line = text[line_start..line_end].trim_end_matches('\r');
     let (shown, from, to) = window(line, start - line_start, end - line_start);
     let number = paint.with(frame(), &format!("{:>margin$}", place.line));
@@ -158,9 +166,15 @@ fn window(line: &str, start: usize, end: usize) -> (String, usize, usize) {
 
 /// A control character could move the terminal's cursor; it is shown as a replacement character.
 fn printable_char(c: char) -> char {
-    if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }
+    if c.is_control() {
+        char::REPLACEMENT_CHARACTER
+    } else {
+        c
+    }
 }
 
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c == '\n' { c } else { printable_char(c) }).collect()
+    text.chars()
+        .map(|c| if c == '\n' { c } else { printable_char(c) })
+        .collect()
 }

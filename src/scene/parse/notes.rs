@@ -26,6 +26,8 @@ pub struct KeyNote {
     pub forms: Vec<Form>,
     /// Range of its numbers in words; empty without one.
     pub range: String,
+    /// The enum of `desc.rs` that it is one of, and that one's words.
+    pub words: Option<(&'static str, &'static [&'static str])>,
     /// Whether it must be there.
     pub required: bool,
     /// Its default as in scene text.
@@ -35,12 +37,21 @@ pub struct KeyNote {
 impl KeyNote {
     /// A key for one form.
     pub fn new(name: &'static str, form: Form) -> Self {
-        Self { name, forms: vec![form], range: String::new(), required: false, default: None }
+        let forms = vec![form];
+        Self {
+            name,
+            forms,
+            range: String::new(),
+            words: None,
+            required: false,
+            default: None,
+        }
     }
 
     /// A key for a plain value.
     pub fn value<V: Value>(name: &'static str, range: Range) -> Self {
         let mut note = Self::new(name, Form::Value(V::expected(), V::schema(&range)));
+        note.words = V::WORDS;
         if V::RANGED {
             note.range = range.words();
         }
@@ -126,7 +137,12 @@ impl Notes {
             return false;
         }
         self.open.push((self.sections.len(), false));
-        self.sections.push(SectionNote { type_name, also, heading, ..Default::default() });
+        self.sections.push(SectionNote {
+            type_name,
+            also,
+            heading,
+            ..Default::default()
+        });
         true
     }
 
@@ -149,7 +165,9 @@ impl Notes {
 
     /// Adds a key to the open table or variant.
     pub fn add(&mut self, key: KeyNote) {
-        let Some((section, in_variant)) = self.section() else { return };
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
         match section.variants.last_mut() {
             Some(variant) if in_variant => variant.keys.push(key),
             _ => section.keys.push(key),
@@ -158,7 +176,9 @@ impl Notes {
 
     /// Adds a rule to the open table or variant.
     pub fn rule(&mut self, rule: Rule) {
-        let Some((section, in_variant)) = self.section() else { return };
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
         match section.variants.last_mut() {
             Some(variant) if in_variant => variant.rules.push(rule),
             _ => section.rules.push(rule),
@@ -169,7 +189,11 @@ impl Notes {
     pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
         self.set_in_variant(true);
         if let Some((section, _)) = self.section() {
-            section.variants.push(VariantNote { key, word, ..Default::default() });
+            section.variants.push(VariantNote {
+                key,
+                word,
+                ..Default::default()
+            });
         }
     }
 

@@ -102,7 +102,8 @@ impl Report {
         self.list.truncate(MOST);
         let order = |d: &Diagnostic| {
             let source = d.span.source.as_ref();
-            let index = source.and_then(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            let index =
+                source.and_then(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);

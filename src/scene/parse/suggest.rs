@@ -35,9 +35,14 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
         return None;
     }
     let lower = typed.to_lowercase().replace('-', "_");
-    let meant = SYNONYMS.iter().find(|(word, _)| *word == lower).map_or(&[][..], |(_, m)| m);
+    let meant = SYNONYMS
+        .iter()
+        .find(|(word, _)| *word == lower)
+        .map_or(&[][..], |(_, m)| m);
     let score = |word: &str| {
-        let is_stem = word.strip_prefix(lower.as_str()).is_some_and(|rest| rest.starts_with('_'));
+        let is_stem = word
+            .strip_prefix(lower.as_str())
+            .is_some_and(|rest| rest.starts_with('_'));
         if is_stem || meant.contains(&word) {
             return 2.0;
         }
@@ -45,16 +50,23 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
         let edits = strsim::damerau_levenshtein(&lower, &word.to_lowercase());
         let close = 1.0 - edits as f64 / longest as f64;
         let alike = strsim::jaro_winkler(&lower, &word.to_lowercase());
-        if close >= 0.6 || alike >= 0.87 { close + alike } else { 0.0 }
+        if close >= 0.6 || alike >= 0.87 {
+            close + alike
+        } else {
+            0.0
+        }
     };
     let words = words.into_iter().filter(|word| word.len() <= 64);
-    let scored = words.map(|word| (word, score(word))).filter(|(_, s)| *s > 0.0);
+    let scored = words
+        .map(|word| (word, score(word)))
+        .filter(|(_, s)| *s > 0.0);
     // The first of equals wins, so that the answer does not depend on how the maximum is folded.
-    scored.fold(None, |best: Option<(&str, f64)>, next| match best {
-        Some(best) if best.1 >= next.1 => Some(best),
-        _ => Some(next),
-    })
-    .map(|(word, _)| word)
+    scored
+        .fold(None, |best: Option<(&str, f64)>, next| match best {
+            Some(best) if best.1 >= next.1 => Some(best),
+            _ => Some(next),
+        })
+        .map(|(word, _)| word)
 }
 
 /// `did you mean …?`, else the list of what is allowed.

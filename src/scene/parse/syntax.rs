@@ -20,7 +20,11 @@ impl Shadow {
     /// Whether the message may only be a consequence.
     pub fn hides(&self, message: &Diagnostic) -> bool {
         let at = message.span.range.start;
-        let in_file = message.span.source.as_ref().is_none_or(|s| s.path.as_os_str() != "--set");
+        let in_file = message
+            .span
+            .source
+            .as_ref()
+            .is_none_or(|s| s.path.as_os_str() != "--set");
         let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
         let doubtful = match message.name {
             // What is missing may stand on the broken line.
@@ -33,22 +37,33 @@ impl Shadow {
 
 /// Parses as much as can be understood; mistakes go to the report.
 pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
-    let (root, errors) = DeTable::parse_recoverable(text);
+    let (root, mut errors) = DeTable::parse_recoverable(text);
+    let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
+    errors.sort_by_key(|error| place(error).start);
     let mut shadows: Vec<Shadow> = Vec::new();
+    let mut line_end = None;
     for error in &errors {
-        let at = error.span().unwrap_or(0..0);
+        let at = place(error);
+        // A broken line gives one message, the first; a key that stands there twice is no break.
+        let same_line = line_end.is_some_and(|end| at.start <= end);
+        if same_line && error.message() != "duplicate key" {
+            continue;
+        }
         if report.is_full() {
-            shadows.push(Shadow { table: 0..text.len() + 1, line: 0 });
+            shadows.push(Shadow {
+                table: 0..text.len() + 1,
+                line: 0,
+            });
             break;
         }
+        explain(text, at.clone(), error.message(), report);
         let start = text.floor_char_boundary(at.start);
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        // A broken line gives one message, the first.
-        let is_new = shadows.last().is_none_or(|s| s.line != line);
-        if is_new || error.message() == "duplicate key" {
-            explain(text, at, error.message(), report);
-        }
-        shadows.push(Shadow { table: table_around(text, line), line });
+        line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
+        shadows.push(Shadow {
+            table: table_around(text, line),
+            line,
+        });
     }
     (root, shadows)
 }
@@ -78,10 +93,16 @@ pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
     }
     if unquoted {
         let help = format!("write {}", suggest::text(found));
-        return (format!("{} must be in quotes", suggest::key(found)), Some(help));
+        return (
+            format!("{} must be in quotes", suggest::key(found)),
+            Some(help),
+        );
     }
     if message.starts_with("invalid basic string, expected `\"`") {
-        return ("the text in quotes does not end on its line".into(), Some("add a `\"`".into()));
+        return (
+            "the text in quotes does not end on its line".into(),
+            Some("add a `\"`".into()),
+        );
     }
     (format!("not TOML: {message}"), None)
 }
@@ -122,7 +143,9 @@ fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
 fn table_around(text: &str, line: usize) -> Range<usize> {
     let is_header = |at: &usize| text[*at..].trim_start_matches([' ', '\t']).starts_with('[');
     let starts = |part: &str, base: usize| -> Vec<usize> {
-        part.match_indices('\n').map(|(i, _)| base + i + 1).collect()
+        part.match_indices('\n')
+            .map(|(i, _)| base + i + 1)
+            .collect()
     };
     let mut before = starts(&text[..line], 0);
     before.insert(0, 0);

@@ -32,29 +32,51 @@ pub const ANY: Range = range(-LIMIT, LIMIT);
 /// 0 or more.
 pub const FROM_0: Range = range(0.0, LIMIT);
 /// Above 0.
-pub const ABOVE_0: Range = Range { above_min: true, ..FROM_0 };
+pub const ABOVE_0: Range = Range {
+    above_min: true,
+    ..FROM_0
+};
 /// 0 to 1.
 pub const UNIT: Range = range(0.0, 1.0);
 
 /// `min` to `max`, both included.
 pub const fn range(min: f64, max: f64) -> Range {
-    Range { min, max, above_min: false, below_max: false }
+    Range {
+        min,
+        max,
+        above_min: false,
+        below_max: false,
+    }
 }
 
 impl Range {
     /// The same without its upper end.
     pub const fn below(self) -> Self {
-        Self { below_max: true, ..self }
+        Self {
+            below_max: true,
+            ..self
+        }
     }
 
     /// The same without its lower end.
     pub const fn above(self) -> Self {
-        Self { above_min: true, ..self }
+        Self {
+            above_min: true,
+            ..self
+        }
     }
 
     fn contains(&self, x: f64) -> bool {
-        let low = if self.above_min { x > self.min } else { x >= self.min };
-        let high = if self.below_max { x < self.max } else { x <= self.max };
+        let low = if self.above_min {
+            x > self.min
+        } else {
+            x >= self.min
+        };
+        let high = if self.below_max {
+            x < self.max
+        } else {
+            x <= self.max
+        };
         low && high
     }
 
@@ -68,18 +90,32 @@ impl Range {
             (true, false) => format!("{} or more", self.min),
             (false, true) => format!("at most {}", self.max),
             (true, true) if self.above_min || self.below_max => {
-                let low = if self.above_min { "above " } else { "" };
-                let high = if self.below_max { "below " } else { "to " };
-                format!("{low}{} and {high}{}", self.min, self.max).replace("and to", "to")
+                let low = if self.above_min { "above" } else { "at least" };
+                let high = if self.below_max { "below" } else { "at most" };
+                format!("{low} {} and {high} {}", self.min, self.max)
             }
             (true, true) => format!("{} to {}", self.min, self.max),
         }
     }
 
     fn schema(&self, kind: &str) -> Json {
-        let low = if self.above_min { "exclusiveMinimum" } else { "minimum" };
-        let high = if self.below_max { "exclusiveMaximum" } else { "maximum" };
-        let bound = |x: f64| if x.fract() == 0.0 { json!(x as i64) } else { json!(x) };
+        let low = if self.above_min {
+            "exclusiveMinimum"
+        } else {
+            "minimum"
+        };
+        let high = if self.below_max {
+            "exclusiveMaximum"
+        } else {
+            "maximum"
+        };
+        let bound = |x: f64| {
+            if x.fract() == 0.0 {
+                json!(x as i64)
+            } else {
+                json!(x)
+            }
+        };
         json!({ "type": kind, low: bound(self.min), high: bound(self.max) })
     }
 }
@@ -96,6 +132,8 @@ pub struct Named<'a> {
 pub trait Value: Sized {
     /// Whether it consists of numbers, to which a range applies.
     const RANGED: bool = false;
+    /// For one of some words: the enum's name in `desc.rs`, and the words.
+    const WORDS: Option<(&'static str, &'static [&'static str])> = None;
     /// What is expected, such as `three numbers`.
     fn expected() -> String;
     /// The only value there is, if so.
@@ -181,7 +219,11 @@ impl Value for f32 {
     fn to_json(&self) -> Json {
         // Through text, so that 0.1 stays 0.1.
         let shortest: f64 = self.to_string().parse().unwrap_or(f64::from(*self));
-        if shortest.fract() == 0.0 { json!(shortest as i64) } else { json!(shortest) }
+        if shortest.fract() == 0.0 {
+            json!(shortest as i64)
+        } else {
+            json!(shortest)
+        }
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         number(node, named, &Self::expected(), report).map(|x| x as f32)
@@ -267,7 +309,10 @@ impl Value for At<String> {
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
         let value = String::read(node, named, report)?;
-        Some(Self { value, at: report.span(&node.span()) })
+        Some(Self {
+            value,
+            at: report.span(&node.span()),
+        })
     }
 }
 
@@ -305,11 +350,22 @@ impl<T: Value, const N: usize> Value for [T; N] {
         }
         let read = |(i, item)| {
             let key = format!("{key}[{i}]");
-            T::read(item, &Named { key: &key, range: named.range }, report)
+            T::read(
+                item,
+                &Named {
+                    key: &key,
+                    range: named.range,
+                },
+                report,
+            )
         };
         // Every element is read, so that every wrong one is reported.
         let values: Vec<Option<T>> = items.iter().enumerate().map(read).collect();
-        values.into_iter().collect::<Option<Vec<T>>>()?.try_into().ok()
+        values
+            .into_iter()
+            .collect::<Option<Vec<T>>>()?
+            .try_into()
+            .ok()
     }
 }
 
@@ -352,7 +408,10 @@ impl Value for Version {
         json!(Self::CURRENT)
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-        let any = Named { key: named.key, range: &ANY };
+        let any = Named {
+            key: named.key,
+            range: &ANY,
+        };
         let version = number(node, &any, &Self::expected(), report)?;
         let current = Self::CURRENT;
         if version == f64::from(current) {
@@ -396,8 +455,11 @@ impl Value for Scale {
 
 /// Implements [`Value`] for an enum that is written as one of some words.
 macro_rules! words {
-    ($type:ty { $($word:literal => $variant:expr),+ $(,)? }) => {
+    ($type:ident { $($word:literal => $variant:expr),+ $(,)? }) => {
         impl Value for $type {
+            const WORDS: Option<(&'static str, &'static [&'static str])> =
+                Some((stringify!($type), &[$($word),+]));
+
             fn expected() -> String {
                 const WORDS: &[&str] = &[$($word),+];
                 one_of(WORDS)
@@ -448,11 +510,14 @@ pub fn word(
     };
     let known = words.iter().copied().find(|w| *w == written);
     if known.is_none() {
-        let message = format!("`{key}` must be {}, not {}", one_of(words), suggest::text(written));
+        let message = format!(
+            "`{key}` must be {}, not {}",
+            one_of(words),
+            suggest::text(written)
+        );
         let help = suggest::nearest(written, words.iter().copied());
         report.error("unknown-word", &node.span(), message).help =
             help.map(|w| format!("did you mean {}?", suggest::text(w)));
     }
     known
 }
-
