@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use rayon::prelude::*;
+
 /// How the numbers of a [`Picture`] relate to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
@@ -156,8 +158,8 @@ impl Picture {
             Encoding::Display => self.pixels.clone(),
             Encoding::Linear => self
                 .pixels
-                .iter()
-                .map(|p| p.map(|v| 255.0 * srgb_from_linear(v.min(1.0))))
+                .par_iter()
+                .map(|p| p.map(|v| 255.0 * srgb_from_linear(v)))
                 .collect(),
         }
     }
@@ -261,9 +263,11 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The sRGB transfer function, IEC 61966-2-1; input and output from 0 to 1.
+/// The sRGB transfer function, IEC 61966-2-1, clamped at 1.
 fn srgb_from_linear(v: f32) -> f32 {
-    if v <= 0.003_130_8 {
+    if v >= 1.0 {
+        1.0 // exactly white, which single precision would miss
+    } else if v <= 0.003_130_8 {
         12.92 * v
     } else {
         1.055 * v.powf(1.0 / 2.4) - 0.055

@@ -14,7 +14,7 @@ pub enum Verdict {
     Empty,
     /// The march refused its candidate, or had none; a ray was asked.
     Rejected,
-    /// Not a question for the march, such as a surface too rough; not counted.
+    /// Not a question for the march, such as a surface too rough; its distances are not read.
     NotAsked,
 }
 
@@ -138,6 +138,10 @@ pub fn tally(
         let Some(index) = codes.iter().position(|c| c.code == code) else {
             return Err(HitError::Code { code, pixel });
         };
+        tallies[index].pixels += 1;
+        if codes[index].verdict == Verdict::NotAsked {
+            continue; // its distances may be anything
+        }
         let screen = planes.screen.at(pixel)?;
         let ray = planes.ray.at(pixel)?;
         tallies[index].add(screen, ray, tolerance);
@@ -197,7 +201,6 @@ impl CauseTally {
     }
 
     fn add(&mut self, screen: Hit, ray: Hit, tolerance: Tolerance) {
-        self.pixels += 1;
         match (self.verdict, screen, ray) {
             (Verdict::NotAsked, ..)
             | (Verdict::Empty, _, None)

@@ -112,12 +112,11 @@ impl Columns {
         for ((row_a, row_b), weight) in a.chunks(width).zip(b.chunks(width)).zip(window) {
             for x in 0..width {
                 let (va, vb) = (row_a[x], row_b[x]);
-                let (wa, wb) = (weight * va, weight * vb);
-                mean_a[x] += wa;
-                mean_b[x] += wb;
-                aa[x] += wa * va;
-                bb[x] += wb * vb;
-                ab[x] += wa * vb;
+                mean_a[x] += weight * va;
+                mean_b[x] += weight * vb;
+                aa[x] += weight * (va * va);
+                bb[x] += weight * (vb * vb);
+                ab[x] += weight * (va * vb);
             }
         }
     }
