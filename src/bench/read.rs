@@ -16,7 +16,7 @@ use super::{
 use crate::scene::diagnostic::Diagnostic;
 
 /// Most numbers (pixels × channels of all layers) that are decoded from one file.
-pub const MAX_SAMPLES: usize = 1 << 28;
+pub const MAX_SAMPLES: usize = 1 << 27;
 /// Longest file read, bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
