@@ -187,8 +187,7 @@ fn world_from_model(keys: &str) -> Mat4 {
 
 #[test]
 fn rotations_turn_about_x_then_y_then_z() {
-    // Y goes to Z about X, stays there about Y's turn of X... each turn is taken by hand:
-    // (0,1,0) -90° about X-> (0,0,1) -90° about Y-> (1,0,0) -90° about Z-> (0,1,0).
+    // By hand: (0,1,0) turns to (0,0,1) about X, to (1,0,0) about Y, to (0,1,0) about Z.
     let turned = world_from_model("rotation_deg = [90, 90, 90]").transform_vector3(Vec3::Y);
     assert!(turned.abs_diff_eq(Vec3::Y, 1e-6), "{turned}");
     // X first, then Z: (0,1,0) -> (0,0,1), which Z leaves alone. Z first would give (-1,0,0).

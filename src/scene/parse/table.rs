@@ -241,14 +241,13 @@ impl<'r, 'i> Table<'r, 'i> {
             notes.rule(Rule { required, groups });
             return;
         }
-        let present: Vec<_> = groups
+        let mut present: Vec<_> = groups
             .iter()
             .filter_map(|group| group.iter().find(|key| self.has(key)))
             .map(|key| (*key, self.key_at(key)))
             .collect();
-        let mut order = present;
-        order.sort_by_key(|(_, at)| at.start);
-        match order.as_slice() {
+        present.sort_by_key(|(_, at)| at.start);
+        match present.as_slice() {
             [] if required => {
                 let keys = groups
                     .iter()

@@ -1,6 +1,6 @@
 //! Readers of instances: what stands where, and how often.
 
-use glam::{EulerRot, Mat4, Quat, Vec3};
+use glam::{DMat4, DQuat, DVec4, EulerRot, Mat4, Quat, Vec3};
 
 use crate::scene::{
     desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
@@ -59,41 +59,39 @@ fn placement(t: &mut Table) -> PlacementDesc {
         check_matrix(t, &columns);
         return PlacementDesc::Matrix(Mat4::from_cols_array(&columns));
     }
-    if t.has("scale") && scale.as_dvec3().element_product().abs() < SMALLEST_VOLUME {
-        let help = "0 would flatten the model; leave `scale` out for the model's own size";
-        t.refuse("singular", "scale", "`scale` must not be 0", help);
+    let volume = scale.as_dvec3().element_product().abs();
+    if t.has("scale") && volume < SMALLEST_VOLUME {
+        let message = match volume {
+            0.0 => "`scale` must not be 0",
+            _ => "`scale` is too small for 32-bit floats",
+        };
+        let help = "it would flatten the model; leave `scale` out for the model's own size";
+        t.refuse("singular", "scale", message, help);
     }
-    let rotation = match quat {
-        // Degrees are reduced first, so that thousands of turns stay exact.
-        None => {
-            let turns = euler.as_dvec3() % 360.0;
-            let [x, y, z] = turns.to_array().map(f64::to_radians);
-            glam::DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
-        }
-        Some(q) => {
-            let q = glam::DVec4::from_array(q.map(f64::from));
-            if q.length() == 0.0 {
-                let help = "write `[0, 0, 0, 1]` for no rotation";
-                t.refuse(
-                    "zero-direction",
-                    "rotation_quat",
-                    "`rotation_quat` must not be zero",
-                    help,
-                );
-                return PlacementDesc::Trs {
-                    translation,
-                    rotation: Quat::IDENTITY,
-                    scale,
-                };
-            }
-            glam::DQuat::from_vec4(q.normalize()).as_quat()
-        }
-    };
     PlacementDesc::Trs {
         translation,
-        rotation,
+        rotation: quat.map_or_else(|| turned(euler), |q| normalized(t, q)),
         scale,
     }
+}
+
+/// Turns about X, then Y, then Z; degrees.
+fn turned(euler_deg: Vec3) -> Quat {
+    // Whole turns are taken off while the number is still exact.
+    let reduced = euler_deg.as_dvec3() % 360.0;
+    let [x, y, z] = reduced.to_array().map(f64::to_radians);
+    DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
+}
+
+fn normalized(t: &mut Table, quat: [f32; 4]) -> Quat {
+    let quat = DVec4::from_array(quat.map(f64::from));
+    if quat.length() == 0.0 {
+        let message = "`rotation_quat` must not be zero";
+        let help = "write `[0, 0, 0, 1]` for no rotation";
+        t.refuse("zero-direction", "rotation_quat", message, help);
+        return Quat::IDENTITY;
+    }
+    DQuat::from_vec4(quat.normalize()).as_quat()
 }
 
 /// Scales whose volume is smaller have no inverse in 32-bit floats.
@@ -107,7 +105,7 @@ fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
         t.refuse("bad-matrix", "matrix", message, help);
         return;
     }
-    let matrix = glam::DMat4::from_cols_array(&columns.map(f64::from));
+    let matrix = DMat4::from_cols_array(&columns.map(f64::from));
     if matrix.determinant().abs() < SMALLEST_VOLUME {
         let message = "`matrix` is singular: it flattens the model";
         t.refuse(
