@@ -120,18 +120,17 @@ fn march(s0: Surface, direction: vec3f) -> March {
         let s = min(first_px * (x + x * x / 16.0) / length_px, r.end);
         var p = probe(r, s, s0);
         if (p.behind) {
-            if (p.by_m <= params.threshold_m) {
-                var low = before;
-                var high = s;
-                for (var i = 0; i < 6; i++) {
-                    let middle = (low + high) * 0.5;
-                    let q = probe(r, middle, s0);
-                    if (q.behind) {
-                        high = middle;
-                        p = q;
-                    } else {
-                        low = middle;
-                    }
+            // Step back to the crossing first: T judges the crossing, not the length of the step.
+            var low = before;
+            var high = s;
+            for (var i = 0; i < 6; i++) {
+                let middle = (low + high) * 0.5;
+                let q = probe(r, middle, s0);
+                if (q.behind) {
+                    high = middle;
+                    p = q;
+                } else {
+                    low = middle;
                 }
             }
             return decide(p, origin, direction);

@@ -2,6 +2,7 @@
 //! ray traced only where that fails.
 
 pub mod app;
+pub mod bench;
 pub mod gpu;
 pub mod math;
 pub mod render;

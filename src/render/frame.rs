@@ -22,6 +22,7 @@ use super::{
         visibility::{self, Visibility},
     },
     plan::Plan,
+    recorder::Recorder,
     scene::GpuScene,
     stats::{FrameStats, Shares},
     targets::{Target, Targets},
@@ -209,31 +210,21 @@ impl Renderer {
         let view = View::new(camera, self.options.image.size);
         let mut passes_ms = Vec::new();
         for sample in 0..samples {
-            let mut encoder = gpu
-                .device
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                    label: Some("frame"),
-                });
-            self.record(gpu, &mut encoder, world, &view, sample);
-            self.timer.resolve(&mut encoder);
-            gpu.submit(encoder)?;
-            passes_ms.extend(self.timer.read(gpu)?);
+            passes_ms.extend(self.sub_frame(gpu, world, &view, sample)?);
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         Ok(self.stats(gpu, crate::gpu::timer::sum_by_name(passes_ms), frame_ms)?)
     }
 
-    /// One sub-frame, pass by pass.
-    fn record(
+    /// One sub-frame, pass by pass; milliseconds of each.
+    fn sub_frame(
         &mut self,
         gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
         world: &World,
         view: &View,
         sample: u32,
-    ) {
-        let size = self.options.image.size;
+    ) -> Result<Vec<(String, f64)>, GpuError> {
         let jitter = jitter(sample, self.options.image.samples);
         let bounds = self
             .scene
@@ -245,26 +236,22 @@ impl Renderer {
             .set(gpu, &self.frame(world, view, jitter), &block);
 
         let Self {
-            timer,
-            shared,
             targets,
             scene,
             maps,
             ..
-        } = &*self;
+        } = self;
+        let mut recorder = Recorder::new(gpu, &self.timer, &self.shared, self.options.image.size);
+        let r = &mut recorder;
         if sample == 0 {
-            self.shadow
-                .record(gpu, encoder, timer, shared, maps, scene, &shadow_views);
+            self.shadow.record(r, maps, scene, &shadow_views);
         }
-        let clip = view.clip_from_world(jitter);
         self.visibility
-            .record(encoder, timer, shared, targets, scene, &clip);
-        self.surface
-            .record(encoder, timer, shared, size, &Dispatch::PerPixel);
-        self.light
-            .record(encoder, timer, shared, size, &Dispatch::PerPixel);
-        if let Some(r) = &self.reflections {
-            r.record(gpu, encoder, timer, shared, &self.options, self.unit_m);
+            .record(r, targets, scene, &view.clip_from_world(jitter));
+        self.surface.record(r, &Dispatch::PerPixel);
+        self.light.record(r, &Dispatch::PerPixel);
+        if let Some(reflections) = &self.reflections {
+            reflections.record(r, &self.options, self.unit_m);
         }
         let compose = &self.compose[sample as usize % 2];
         compose.set_params(
@@ -276,13 +263,13 @@ impl Renderer {
                 pad2: 0,
             },
         );
-        compose.record(encoder, timer, shared, size, &Dispatch::PerPixel);
+        compose.record(r, &Dispatch::PerPixel);
         if sample + 1 == self.options.image.samples {
             self.tone
                 .set_params(gpu, &tone::Params::new(&self.options.image));
-            self.tone
-                .record(encoder, timer, shared, size, &Dispatch::PerPixel);
+            self.tone.record(r, &Dispatch::PerPixel);
         }
+        recorder.finish()
     }
 
     fn frame(&self, world: &World, view: &View, jitter: Vec2) -> Frame {
@@ -378,42 +365,30 @@ impl Reflections {
         })
     }
 
-    fn record(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &Timer,
-        shared: &Shared,
-        options: &RenderOptions,
-        unit_m: f32,
-    ) {
-        let size = options.image.size;
+    fn record(&self, r: &mut Recorder<'_>, options: &RenderOptions, unit_m: f32) {
         let settings = &options.reflection;
-        encoder.clear_buffer(&self.list.counters, 0, None);
+        r.encoder().clear_buffer(&self.list.counters, 0, None);
         self.ssr
-            .set_params(gpu, &ssr::Params::new(settings, unit_m));
-        self.ssr
-            .record(encoder, timer, shared, size, &Dispatch::PerPixel);
-        self.compact
-            .record(encoder, timer, shared, size, &Dispatch::PerPixel);
+            .set_params(r.gpu, &ssr::Params::new(settings, unit_m));
+        self.ssr.record(r, &Dispatch::PerPixel);
+        self.compact.record(r, &Dispatch::PerPixel);
         if settings.method != Method::Ssr {
-            self.arguments
-                .record(encoder, timer, shared, size, &Dispatch::Once);
-            let rays = Dispatch::Indirect(&self.list.arguments);
-            self.trace.record(encoder, timer, shared, size, &rays);
+            self.arguments.record(r, &Dispatch::Once);
+            self.trace
+                .record(r, &Dispatch::Indirect(&self.list.arguments));
         }
         if settings.blur_px > 0.0 {
             for (pass, direction) in self.blur.iter().zip([[1, 0], [0, 1]]) {
                 let sigma_px = settings.blur_px;
                 pass.set_params(
-                    gpu,
+                    r.gpu,
                     &blur::Params {
                         direction,
                         sigma_px,
                         pad: 0,
                     },
                 );
-                pass.record(encoder, timer, shared, size, &Dispatch::PerPixel);
+                pass.record(r, &Dispatch::PerPixel);
             }
         }
     }

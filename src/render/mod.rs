@@ -13,6 +13,7 @@ pub mod pass;
 pub mod passes;
 pub mod picture;
 pub mod plan;
+pub mod recorder;
 pub mod scene;
 pub mod stats;
 pub mod targets;

@@ -1,7 +1,8 @@
 //! A compute pass: bound by name, sized by its shader, timed under its own name.
 
-use crate::gpu::{Gpu, GpuError, GroupLayout, Shader, Timer};
+use crate::gpu::{Gpu, GpuError, GroupLayout, Shader};
 
+use super::recorder::Recorder;
 use super::targets::{Target, Targets};
 use super::types::StructSpec;
 
@@ -154,32 +155,29 @@ impl ComputePass {
     }
 
     /// Records the pass; one that was never bound records nothing.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &Timer,
-        shared: &Shared,
-        size: [u32; 2],
-        dispatch: &Dispatch<'_>,
-    ) {
+    pub fn record(&self, recorder: &mut Recorder<'_>, dispatch: &Dispatch<'_>) {
         let Some(bound) = &self.bound else { return };
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some(self.pass.name),
-            timestamp_writes: timer.compute(self.pass.name),
+        let size = recorder.size;
+        recorder.pass(self.pass.name, |encoder, recording| {
+            let shared = recording.shared;
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(self.pass.name),
+                timestamp_writes: recording.compute(self.pass.name),
+            });
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, shared.group_for(self.used[0], 0), &[]);
+            pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
+            pass.set_bind_group(2, bound, &[]);
+            match dispatch {
+                Dispatch::PerPixel => pass.dispatch_workgroups(
+                    size[0].div_ceil(self.tile[0]),
+                    size[1].div_ceil(self.tile[1]),
+                    1,
+                ),
+                Dispatch::Indirect(arguments) => pass.dispatch_workgroups_indirect(arguments, 0),
+                Dispatch::Once => pass.dispatch_workgroups(1, 1, 1),
+            }
         });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, shared.group_for(self.used[0], 0), &[]);
-        pass.set_bind_group(1, shared.group_for(self.used[1], 1), &[]);
-        pass.set_bind_group(2, bound, &[]);
-        match dispatch {
-            Dispatch::PerPixel => pass.dispatch_workgroups(
-                size[0].div_ceil(self.tile[0]),
-                size[1].div_ceil(self.tile[1]),
-                1,
-            ),
-            Dispatch::Indirect(arguments) => pass.dispatch_workgroups_indirect(arguments, 0),
-            Dispatch::Once => pass.dispatch_workgroups(1, 1, 1),
-        }
     }
 }
 

@@ -107,7 +107,8 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     }
     let nothing = DeTable::new();
     let table = root.get_ref().as_table().unwrap_or(&nothing);
-    let mut scene = Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+    let mut scene =
+        Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
     scene.folder = path.parent().unwrap_or(Path::new("")).to_owned();
     if shadows.is_empty() {
         names::check(&scene, table, &mut report);

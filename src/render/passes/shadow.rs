@@ -1,11 +1,13 @@
 //! Shadow: depth cube maps for point lights, flat maps for spot and directional ones.
 
 use crate::{
-    gpu::{Gpu, GpuError, GroupLayout, Shader, Timer},
+    gpu::{Gpu, GpuError, GroupLayout, Shader},
     render::{
         cull::outside,
         lights::{ShadowSizes, ShadowView},
         pass::{Pass, Shared, known},
+        passes::visibility::{cleared_depth, reversed_depth},
+        recorder::Recorder,
         scene::GpuScene,
         types::{GpuVertex, gpu_struct},
     },
@@ -195,20 +197,19 @@ impl Shadow {
     /// Records one render pass per map.
     pub fn record(
         &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &Timer,
-        shared: &Shared,
+        recorder: &mut Recorder<'_>,
         maps: &ShadowMaps,
         scene: &GpuScene,
         views: &[ShadowView],
     ) {
         for ((view, group), slot) in views.iter().zip(&self.groups).zip(0u64..) {
-            let params = Params {
-                clip_from_world: view.clip_from_world.to_cols_array_2d(),
-            };
-            gpu.queue
-                .write_buffer(&self.slots, SLOT_BYTES * slot, bytemuck::bytes_of(&params));
+            let clip_from_world = view.clip_from_world.to_cols_array_2d();
+            let params = Params { clip_from_world };
+            let offset = SLOT_BYTES * slot;
+            recorder
+                .gpu
+                .queue
+                .write_buffer(&self.slots, offset, bytemuck::bytes_of(&params));
             let of = if view.cube {
                 &maps.cube_layers
             } else {
@@ -217,23 +218,18 @@ impl Shadow {
             let Some(target) = of.get(view.layer as usize) else {
                 continue;
             };
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(PASS.name),
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: target,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0.0),
-                        store: wgpu::StoreOp::Store,
-                    }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: timer.render(PASS.name),
-                ..Default::default()
+            recorder.pass(PASS.name, |encoder, recording| {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some(PASS.name),
+                    depth_stencil_attachment: Some(cleared_depth(target)),
+                    timestamp_writes: recording.render(PASS.name),
+                    ..Default::default()
+                });
+                pass.set_bind_group(0, &recording.shared.empty.1, &[]);
+                pass.set_bind_group(1, &recording.shared.groups[1], &[]);
+                pass.set_bind_group(2, group, &[]);
+                self.draw(&mut pass, scene, view);
             });
-            pass.set_bind_group(0, &shared.empty.1, &[]);
-            pass.set_bind_group(1, &shared.groups[1], &[]);
-            pass.set_bind_group(2, group, &[]);
-            self.draw(&mut pass, scene, view);
         }
     }
 
@@ -296,13 +292,7 @@ fn pipeline(
                 },
                 // Both sides cast, as both block shadow rays.
                 primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
+                depth_stencil: Some(reversed_depth(FORMAT)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: cutout.then_some(wgpu::FragmentState {
                     module: &shader.module,

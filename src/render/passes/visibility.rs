@@ -1,10 +1,11 @@
 //! Visibility: rasterizes depth and ids, nothing else.
 
 use crate::{
-    gpu::{Gpu, GpuError, Shader, Timer},
+    gpu::{Gpu, GpuError, Shader},
     render::{
         cull::outside,
         pass::{Pass, Shared, known},
+        recorder::Recorder,
         scene::{Draw, DrawClass, GpuScene},
         targets::{Target, Targets},
     },
@@ -51,53 +52,73 @@ impl Visibility {
     /// Records the pass.
     pub fn record(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
-        timer: &Timer,
-        shared: &Shared,
+        recorder: &mut Recorder<'_>,
         targets: &Targets,
         scene: &GpuScene,
         clip_from_world: &glam::Mat4,
     ) {
-        let (Some(ids), Some(depth)) =
-            (targets.view(Target::Ids), targets.view(Target::RasterDepth))
-        else {
+        let views = (targets.view(Target::Ids), targets.view(Target::RasterDepth));
+        let (Some(ids), Some(depth)) = views else {
             return;
         };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(PASS.name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: ids,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(NO_IDS),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: timer.render(PASS.name),
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &shared.groups[0], &[]);
-        pass.set_bind_group(1, &shared.groups[1], &[]);
-        for (class, pipeline) in &self.pipelines {
-            pass.set_pipeline(pipeline);
-            for draw in scene.draws.iter().filter(|d| d.class == *class) {
-                if !outside(clip_from_world, &draw.bounds) {
-                    pass.draw(
-                        0..draw.indices.len() as u32,
-                        draw.instance..draw.instance + 1,
-                    );
+        recorder.pass(PASS.name, |encoder, recording| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(PASS.name),
+                color_attachments: &[Some(cleared_ids(ids))],
+                depth_stencil_attachment: Some(cleared_depth(depth)),
+                timestamp_writes: recording.render(PASS.name),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &recording.shared.groups[0], &[]);
+            pass.set_bind_group(1, &recording.shared.groups[1], &[]);
+            for (class, pipeline) in &self.pipelines {
+                pass.set_pipeline(pipeline);
+                for draw in scene.draws.iter().filter(|d| d.class == *class) {
+                    if !outside(clip_from_world, &draw.bounds) {
+                        pass.draw(
+                            0..draw.indices.len() as u32,
+                            draw.instance..draw.instance + 1,
+                        );
+                    }
                 }
             }
-        }
+        });
+    }
+}
+
+/// The ids, cleared to "sky".
+fn cleared_ids(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(NO_IDS),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+/// A reversed depth attachment, cleared to infinitely far.
+pub fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(0.0),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+/// Nearer (larger) depth wins.
+pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
     }
 }
 
@@ -143,13 +164,7 @@ fn pipeline(
                     cull_mode: (!class.double_sided).then_some(wgpu::Face::Back),
                     ..Default::default()
                 },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: Target::RasterDepth.format(),
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
-                }),
+                depth_stencil: Some(reversed_depth(Target::RasterDepth.format())),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &shader.module,

@@ -1,6 +1,9 @@
 //! Names that refer to other tables: all of them must exist, and names must be unique.
 
-use std::{collections::HashMap, ops::Range};
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+};
 
 use toml::de::DeTable;
 
@@ -10,12 +13,17 @@ use crate::scene::{
     diagnostic::{Diagnostic, Span},
 };
 
+/// Names that are compared with one that refers to nothing.
+const MOST_SUGGESTED: usize = 1000;
+
 /// Tables that can be referred to, by name, with the place of the name.
 struct Names<'a> {
     /// What they are, `model`.
     kind: &'static str,
     places: HashMap<&'a str, Range<usize>>,
-    used: HashMap<&'a str, bool>,
+    /// The first of them in the order of the file, for suggestions.
+    first: Vec<&'a str>,
+    used: HashSet<&'a str>,
 }
 
 impl<'a> Names<'a> {
@@ -23,36 +31,41 @@ impl<'a> Names<'a> {
     fn of(kind: &'static str, root: &'a DeTable) -> Self {
         let table = root.get(kind).and_then(|node| node.get_ref().as_table());
         let keys = table.into_iter().flat_map(|t| t.keys());
-        let places = keys.map(|k| (k.get_ref().as_ref(), k.span())).collect();
+        let mut keys: Vec<_> = keys.map(|k| (k.get_ref().as_ref(), k.span())).collect();
+        keys.sort_by_key(|(_, at)| at.start);
+        let first = keys
+            .iter()
+            .take(MOST_SUGGESTED)
+            .map(|(name, _)| *name)
+            .collect();
+        let places = keys.into_iter().collect();
         Self {
             kind,
             places,
-            used: HashMap::new(),
+            first,
+            used: HashSet::new(),
         }
     }
 
     /// Reports a reference to nothing, with the nearest thing that it could mean.
     fn refer(&mut self, to: &At<String>, report: &mut Report) {
         if let Some((name, _)) = self.places.get_key_value(to.value.as_str()) {
-            self.used.insert(name, true);
+            self.used.insert(name);
             return;
         }
         let (kind, name) = (self.kind, suggest::text(&to.value));
         let message = format!("no {kind} is named {name}");
         let mut error = Diagnostic::at("dangling-name", to.at.clone(), message);
         if !report.is_full() {
-            let mut names: Vec<_> = self.places.iter().collect();
-            names.sort_by_key(|(_, at)| at.start);
-            let words: Vec<_> = names.iter().map(|(name, _)| **name).collect();
-            if words.is_empty() {
+            if self.first.is_empty() {
                 error.help = Some(format!(
                     "write a table `[{kind}.NAME]` and refer to its name"
                 ));
             } else {
                 let lead = format!("the {kind}s are");
-                error.help = Some(suggest::hint(&to.value, &words, suggest::text, &lead));
+                error.help = Some(suggest::hint(&to.value, &self.first, suggest::text, &lead));
             }
-            if let Some(meant) = suggest::nearest(&to.value, words.iter().copied()) {
+            if let Some(meant) = suggest::nearest(&to.value, self.first.iter().copied()) {
                 let note = format!("{} is defined here", suggest::text(meant));
                 error.related = Some((report.span(&self.places[meant]), note));
             }
@@ -99,7 +112,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
 /// What is allowed but hardly meant.
 fn warn(scene: &SceneDesc, materials: &Names, report: &mut Report) {
     for material in &scene.materials {
-        if !materials.used.contains_key(material.name.as_str()) {
+        if !materials.used.contains(material.name.as_str()) {
             let message = format!(
                 "no model or instance uses {}",
                 suggest::text(&material.name)

@@ -26,6 +26,8 @@ pub struct KeyNote {
     pub forms: Vec<Form>,
     /// Range of its numbers in words; empty without one.
     pub range: String,
+    /// The enum of `desc.rs` that it is one of, and that one's words.
+    pub words: Option<(&'static str, &'static [&'static str])>,
     /// Whether it must be there.
     pub required: bool,
     /// Its default as in scene text.
@@ -35,10 +37,12 @@ pub struct KeyNote {
 impl KeyNote {
     /// A key for one form.
     pub fn new(name: &'static str, form: Form) -> Self {
+        let forms = vec![form];
         Self {
             name,
-            forms: vec![form],
+            forms,
             range: String::new(),
+            words: None,
             required: false,
             default: None,
         }
@@ -47,6 +51,7 @@ impl KeyNote {
     /// A key for a plain value.
     pub fn value<V: Value>(name: &'static str, range: Range) -> Self {
         let mut note = Self::new(name, Form::Value(V::expected(), V::schema(&range)));
+        note.words = V::WORDS;
         if V::RANGED {
             note.range = range.words();
         }

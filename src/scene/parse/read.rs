@@ -36,9 +36,13 @@ impl Section for SceneDesc {
             image: t.table("image").unwrap_or_default(),
         };
         if let Some(light) = scene.lights.get(MOST_LIGHTS) {
-            let message = format!("`{}` is one light too many: at most {MOST_LIGHTS}", light.name);
+            let message = format!(
+                "`{}` is one light too many: at most {MOST_LIGHTS}",
+                light.name
+            );
             let at = light.at.clone();
-            t.report.push(Diagnostic::at("too-many-lights", at, message));
+            t.report
+                .push(Diagnostic::at("too-many-lights", at, message));
         }
         Some(scene)
     }
@@ -62,12 +66,25 @@ impl Section for CameraDesc {
         }
         let forward = (camera.target - camera.eye).as_dvec3();
         let up = camera.up.as_dvec3();
-        let key = ["target", "eye"].into_iter().find(|k| t.has(k)).unwrap_or("target");
+        let key = ["target", "eye"]
+            .into_iter()
+            .find(|k| t.has(k))
+            .unwrap_or("target");
         if forward.length() == 0.0 {
             let help = "move `eye` or `target`: the camera looks from one to the other";
-            t.refuse("zero-direction", key, "`target` must differ from `eye`", help);
+            t.refuse(
+                "zero-direction",
+                key,
+                "`target` must differ from `eye`",
+                help,
+            );
         } else if up.length() == 0.0 {
-            t.refuse("zero-direction", "up", "`up` must not be zero", "write `up = [0, 1, 0]`");
+            t.refuse(
+                "zero-direction",
+                "up",
+                "`up` must not be zero",
+                "write `up = [0, 1, 0]`",
+            );
         } else if forward.normalize().cross(up.normalize()).length() < 1e-6 {
             let key = if t.has("up") { "up" } else { key };
             let message = "`up` must not point along the view, from `eye` to `target`";
@@ -112,7 +129,10 @@ impl Section for CheckerDesc {
     fn read(t: &mut Table) -> Option<Self> {
         let colors = t.need("colors", UNIT);
         let size_m = t.need("size_m", ABOVE_0);
-        Some(Self { colors: colors?, size_m: size_m? })
+        Some(Self {
+            colors: colors?,
+            size_m: size_m?,
+        })
     }
 }
 
@@ -146,7 +166,12 @@ impl Section for ModelDesc {
             let message = "`lights` is for files: shapes have none";
             t.refuse("wrong-source", "lights", message, "remove `lights`");
         }
-        Some(Self { source: file.or(shape)?, material, overrides, lights })
+        Some(Self {
+            source: file.or(shape)?,
+            material,
+            overrides,
+            lights,
+        })
     }
 }
 
@@ -158,8 +183,16 @@ impl Section for ShapeDesc {
         t.choose(
             "kind",
             &[
-                ("plane", |t| Some(Self::Plane { size: t.get("size", ABOVE_0, [1.0, 1.0]) })),
-                ("box", |t| Some(Self::Box { size: t.get("size", ABOVE_0, Vec3::ONE) })),
+                ("plane", |t| {
+                    Some(Self::Plane {
+                        size: t.get("size", ABOVE_0, [1.0, 1.0]),
+                    })
+                }),
+                ("box", |t| {
+                    Some(Self::Box {
+                        size: t.get("size", ABOVE_0, Vec3::ONE),
+                    })
+                }),
                 ("sphere", |t| {
                     Some(Self::Sphere {
                         radius: t.get("radius", ABOVE_0, 0.5),
@@ -200,12 +233,26 @@ impl Section for InstanceDesc {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
-        Some(Self { name, model: model?, placement, dynamic, repeat, material, at: t.start() })
+        Some(Self {
+            name,
+            model: model?,
+            placement,
+            dynamic,
+            repeat,
+            material,
+            at: t.start(),
+        })
     }
 }
 
 fn placement(t: &mut Table) -> PlacementDesc {
-    t.one_of(false, &[&["matrix"], &["translation", "rotation_deg", "rotation_quat", "scale"]]);
+    t.one_of(
+        false,
+        &[
+            &["matrix"],
+            &["translation", "rotation_deg", "rotation_quat", "scale"],
+        ],
+    );
     t.one_of(false, &[&["rotation_deg"], &["rotation_quat"]]);
     let translation = t.get("translation", ANY, Vec3::ZERO);
     let euler = t.get("rotation_deg", ANY, Vec3::ZERO);
@@ -231,13 +278,26 @@ fn placement(t: &mut Table) -> PlacementDesc {
             let q = glam::DVec4::from_array(q.map(f64::from));
             if q.length() == 0.0 {
                 let help = "write `[0, 0, 0, 1]` for no rotation";
-                t.refuse("zero-direction", "rotation_quat", "`rotation_quat` must not be zero", help);
-                return PlacementDesc::Trs { translation, rotation: Quat::IDENTITY, scale };
+                t.refuse(
+                    "zero-direction",
+                    "rotation_quat",
+                    "`rotation_quat` must not be zero",
+                    help,
+                );
+                return PlacementDesc::Trs {
+                    translation,
+                    rotation: Quat::IDENTITY,
+                    scale,
+                };
             }
             glam::DQuat::from_vec4(q.normalize()).as_quat()
         }
     };
-    PlacementDesc::Trs { translation, rotation, scale }
+    PlacementDesc::Trs {
+        translation,
+        rotation,
+        scale,
+    }
 }
 
 /// Scales whose volume is smaller have no inverse in 32-bit floats.
@@ -254,7 +314,12 @@ fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
     let matrix = glam::DMat4::from_cols_array(&columns.map(f64::from));
     if matrix.determinant().abs() < SMALLEST_VOLUME {
         let message = "`matrix` is singular: it flattens the model";
-        t.refuse("singular", "matrix", message, "its first three columns must span space");
+        t.refuse(
+            "singular",
+            "matrix",
+            message,
+            "its first three columns must span space",
+        );
     }
 }
 
@@ -270,7 +335,10 @@ impl Section for RepeatDesc {
             let message = format!("`count` must be at most {MOST_COPIES} together, not {copies}");
             t.refuse("out-of-range", "count", &message, "");
         }
-        Some(Self { count: count?, step: step? })
+        Some(Self {
+            count: count?,
+            step: step?,
+        })
     }
 }
 
@@ -285,16 +353,28 @@ impl Section for LightDesc {
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
         let kind = t.choose(
             "kind",
-            &[("point", point_light), ("spot", spot_light), ("directional", directional_light)],
+            &[
+                ("point", point_light),
+                ("spot", spot_light),
+                ("directional", directional_light),
+            ],
         );
-        Some(Self { kind: kind?, color, shadow, shadow_px })
+        Some(Self {
+            kind: kind?,
+            color,
+            shadow,
+            shadow_px,
+        })
     }
 }
 
 fn point_light(t: &mut Table) -> Option<LightKind> {
     let position = t.need("position", ANY);
     let intensity_cd = t.need("intensity_cd", FROM_0);
-    Some(LightKind::Point { position: position?, intensity_cd: intensity_cd? })
+    Some(LightKind::Point {
+        position: position?,
+        intensity_cd: intensity_cd?,
+    })
 }
 
 fn spot_light(t: &mut Table) -> Option<LightKind> {
@@ -302,7 +382,11 @@ fn spot_light(t: &mut Table) -> Option<LightKind> {
     t.one_of(true, &[&["direction"], &["target"]]);
     let written: Option<Vec3> = t.find("direction", ANY);
     let target: Option<Vec3> = t.find("target", ANY);
-    let key = if written.is_some() { "direction" } else { "target" };
+    let key = if written.is_some() {
+        "direction"
+    } else {
+        "target"
+    };
     let towards = written.or_else(|| Some(target? - position?));
     let direction = direction(t, key, towards);
     let intensity_cd = t.need("intensity_cd", FROM_0);
@@ -325,7 +409,10 @@ fn directional_light(t: &mut Table) -> Option<LightKind> {
     let written = t.need("direction", ANY);
     let direction = direction(t, "direction", written);
     let intensity_lux = t.need("intensity_lux", FROM_0);
-    Some(LightKind::Directional { direction: direction?, intensity_lux: intensity_lux? })
+    Some(LightKind::Directional {
+        direction: direction?,
+        intensity_lux: intensity_lux?,
+    })
 }
 
 /// The unit vector along `towards`, or a message at `key`.

@@ -66,7 +66,10 @@ fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
         let (key, node) = level.iter().next()?;
         let at = key.span();
         let name = key.get_ref().to_string();
-        segments.push(Segment { name, at: base + at.start..base + at.end });
+        segments.push(Segment {
+            name,
+            at: base + at.start..base + at.end,
+        });
         match node.get_ref() {
             DeValue::Table(next) => level = next,
             _ => return Some(segments),
@@ -89,7 +92,9 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
             let at = error.span().unwrap_or(0..trimmed.len());
             let found = trimmed.get(at.clone()).unwrap_or("");
             let (message, help) = syntax::in_plain_words(found, error.message());
-            report.error("bad-set", &(start + at.start..start + at.end), message).help = help;
+            report
+                .error("bad-set", &(start + at.start..start + at.end), message)
+                .help = help;
             None
         }
     }
@@ -116,11 +121,17 @@ fn shift(node: Node, by: usize) -> Node {
 }
 
 fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut Report) {
-    let Some((last, above)) = path.split_last() else { return };
+    let Some((last, above)) = path.split_last() else {
+        return;
+    };
     let mut node = root;
     for (depth, segment) in above.iter().enumerate() {
         let named = depth == 1 && NAMED.contains(&above[0].name.as_str());
-        let new = if named { New::Refused(&above[0].name) } else { New::Table };
+        let new = if named {
+            New::Refused(&above[0].name)
+        } else {
+            New::Table
+        };
         match step(node, segment, new, report) {
             Some(next) => node = next,
             None => return,
@@ -129,7 +140,10 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
     if let DeValue::Table(table) = node.get_mut() {
         // Removed first, so that the key's position is the option's.
         table.remove(last.name.as_str());
-        table.insert(Spanned::new(last.at.clone(), last.name.clone().into()), value);
+        table.insert(
+            Spanned::new(last.at.clone(), last.name.clone().into()),
+            value,
+        );
     } else if let Some(element) = step(node, last, New::Table, report) {
         *element = value;
     }
@@ -186,7 +200,10 @@ fn step<'t, 'i>(
             entry
         }
         _ => {
-            let message = format!("{} cannot be set: what is before it has no keys", suggest::key(name));
+            let message = format!(
+                "{} cannot be set: what is before it has no keys",
+                suggest::key(name)
+            );
             report.error("bad-set", &segment.at, message);
             None
         }

@@ -40,7 +40,9 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
         .find(|(word, _)| *word == lower)
         .map_or(&[][..], |(_, m)| m);
     let score = |word: &str| {
-        let is_stem = word.strip_prefix(lower.as_str()).is_some_and(|rest| rest.starts_with('_'));
+        let is_stem = word
+            .strip_prefix(lower.as_str())
+            .is_some_and(|rest| rest.starts_with('_'));
         if is_stem || meant.contains(&word) {
             return 2.0;
         }

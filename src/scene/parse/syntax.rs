@@ -37,10 +37,18 @@ impl Shadow {
 
 /// Parses as much as can be understood; mistakes go to the report.
 pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
-    let (root, errors) = DeTable::parse_recoverable(text);
+    let (root, mut errors) = DeTable::parse_recoverable(text);
+    let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
+    errors.sort_by_key(|error| place(error).start);
     let mut shadows: Vec<Shadow> = Vec::new();
+    let mut line_end = None;
     for error in &errors {
-        let at = error.span().unwrap_or(0..0);
+        let at = place(error);
+        // A broken line gives one message, the first; a key that stands there twice is no break.
+        let same_line = line_end.is_some_and(|end| at.start <= end);
+        if same_line && error.message() != "duplicate key" {
+            continue;
+        }
         if report.is_full() {
             shadows.push(Shadow {
                 table: 0..text.len() + 1,
@@ -48,13 +56,10 @@ pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, V
             });
             break;
         }
+        explain(text, at.clone(), error.message(), report);
         let start = text.floor_char_boundary(at.start);
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        // A broken line gives one message, the first.
-        let is_new = shadows.last().is_none_or(|s| s.line != line);
-        if is_new || error.message() == "duplicate key" {
-            explain(text, at, error.message(), report);
-        }
+        line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
         shadows.push(Shadow {
             table: table_around(text, line),
             line,
@@ -88,10 +93,16 @@ pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
     }
     if unquoted {
         let help = format!("write {}", suggest::text(found));
-        return (format!("{} must be in quotes", suggest::key(found)), Some(help));
+        return (
+            format!("{} must be in quotes", suggest::key(found)),
+            Some(help),
+        );
     }
     if message.starts_with("invalid basic string, expected `\"`") {
-        return ("the text in quotes does not end on its line".into(), Some("add a `\"`".into()));
+        return (
+            "the text in quotes does not end on its line".into(),
+            Some("add a `\"`".into()),
+        );
     }
     (format!("not TOML: {message}"), None)
 }

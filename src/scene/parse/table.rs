@@ -5,7 +5,6 @@ use std::ops::Range as Bytes;
 
 use toml::de::{DeTable, DeValue};
 
-
 use super::{
     notes::{Form, KeyNote, Notes, Rule},
     report::Report,
@@ -63,7 +62,11 @@ impl Place {
 
     fn nested(&self, key: &str, at: Bytes<usize>) -> Self {
         let dot = if self.path.is_empty() { "" } else { "." };
-        Self { path: format!("{}{dot}{key}", self.path), in_list: false, at }
+        Self {
+            path: format!("{}{dot}{key}", self.path),
+            in_list: false,
+            at,
+        }
     }
 }
 
@@ -99,7 +102,12 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn describe<T: Section>(notes: &mut Notes) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());
-            T::read(&mut Table::new(&mut report, &nothing, Place::default(), Some(notes)));
+            T::read(&mut Table::new(
+                &mut report,
+                &nothing,
+                Place::default(),
+                Some(notes),
+            ));
             notes.close();
         }
     }
@@ -112,7 +120,15 @@ impl<'r, 'i> Table<'r, 'i> {
     ) -> Self {
         let errors_before = report.errors();
         let (asked, missing) = (Vec::new(), Vec::new());
-        Self { report, values, place, asked, missing, errors_before, notes }
+        Self {
+            report,
+            values,
+            place,
+            asked,
+            missing,
+            errors_before,
+            notes,
+        }
     }
 
     fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyNote) {
@@ -141,11 +157,15 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// Range of a key's value, else of the table.
     fn value_at(&self, key: &str) -> Bytes<usize> {
-        self.values.get(key).map_or(self.place.at.clone(), |node| node.span())
+        self.values
+            .get(key)
+            .map_or(self.place.at.clone(), |node| node.span())
     }
 
     fn key_at(&self, key: &str) -> Bytes<usize> {
-        self.values.get_key_value(key).map_or(self.place.at.clone(), |(k, _)| k.span())
+        self.values
+            .get_key_value(key)
+            .map_or(self.place.at.clone(), |(k, _)| k.span())
     }
 
     /// The value of an optional key.
@@ -156,7 +176,9 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// The value of a key with a default.
     pub fn get<V: Value>(&mut self, key: &'static str, range: Range, default: V) -> V {
-        self.note(key, || KeyNote::value::<V>(key, range).default(default.to_json()));
+        self.note(key, || {
+            KeyNote::value::<V>(key, range).default(default.to_json())
+        });
         self.plain(key, range).unwrap_or(default)
     }
 
@@ -164,10 +186,17 @@ impl<'r, 'i> Table<'r, 'i> {
     pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
         self.note(key, || KeyNote::value::<V>(key, range).required());
         if !self.has(key) {
-            let range = if V::RANGED { range.words() } else { String::new() };
+            let range = if V::RANGED {
+                range.words()
+            } else {
+                String::new()
+            };
             let comma = if range.is_empty() { "" } else { ", " };
             let help = format!("write `{key} = …`, {}{comma}{range}", V::expected());
-            self.missing.push((key, V::example().map_or(help, |e| format!("write `{key} = {e}`"))));
+            self.missing.push((
+                key,
+                V::example().map_or(help, |e| format!("write `{key} = {e}`")),
+            ));
         }
         self.plain(key, range)
     }
@@ -187,7 +216,9 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// A name, or a table in its place.
     pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
-        self.note(key, || KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE)));
+        self.note(key, || {
+            KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
+        });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
@@ -201,7 +232,9 @@ impl<'r, 'i> Table<'r, 'i> {
         &mut self,
         key: &'static str,
     ) -> Option<Either<Vec<Entry<T>>>> {
-        self.note(key, || KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE)));
+        self.note(key, || {
+            KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
+        });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         match node.get_ref() {
@@ -241,7 +274,10 @@ impl<'r, 'i> Table<'r, 'i> {
         };
         let read = |item: &Node| match item.get_ref() {
             DeValue::Table(values) => {
-                let place = Place { in_list: true, ..self.place.nested(key, item.span()) };
+                let place = Place {
+                    in_list: true,
+                    ..self.place.nested(key, item.span())
+                };
                 Table::read(self.report, values, place)
             }
             _ => {
@@ -294,7 +330,11 @@ impl<'r, 'i> Table<'r, 'i> {
             let place = place.nested(name.get_ref(), node.span());
             if let Some(value) = Table::read(self.report, values, place) {
                 let at = self.report.span(&name.span());
-                read.push(Entry { name: name.get_ref().to_string(), at, value });
+                read.push(Entry {
+                    name: name.get_ref().to_string(),
+                    at,
+                    value,
+                });
             }
         }
         read
@@ -308,7 +348,12 @@ impl<'r, 'i> Table<'r, 'i> {
             for (word, read) in variants {
                 notes.open_variant(key, word);
                 let (mut report, nothing) = (Report::default(), DeTable::new());
-                read(&mut Table::new(&mut report, &nothing, Place::default(), Some(notes)));
+                read(&mut Table::new(
+                    &mut report,
+                    &nothing,
+                    Place::default(),
+                    Some(notes),
+                ));
             }
             notes.close_variants();
             return None;
@@ -317,13 +362,15 @@ impl<'r, 'i> Table<'r, 'i> {
         let chosen = match self.values.get(key) {
             Some(node) => word(node, key, &words, self.report),
             None => {
-                self.missing.push((key, format!("write `{key} = …`, {}", one_of(&words))));
+                self.missing
+                    .push((key, format!("write `{key} = …`, {}", one_of(&words))));
                 None
             }
         };
         let Some(chosen) = chosen else {
             // Without the kind nobody can say which keys are wrong.
-            self.asked.extend(variants.iter().flat_map(|v| keys_of(v.1)));
+            self.asked
+                .extend(variants.iter().flat_map(|v| keys_of(v.1)));
             return None;
         };
         let read = variants.iter().find(|v| v.0 == chosen)?.1;
@@ -337,7 +384,10 @@ impl<'r, 'i> Table<'r, 'i> {
             let name = key.get_ref().as_ref();
             let others = all.iter().filter(|v| keys_of(v.1).contains(&name));
             let others: Vec<_> = others.map(|v| v.0).collect();
-            let mine = all.iter().filter(|v| v.0 == chosen).flat_map(|v| keys_of(v.1));
+            let mine = all
+                .iter()
+                .filter(|v| v.0 == chosen)
+                .flat_map(|v| keys_of(v.1));
             let mine: Vec<_> = mine.collect();
             let Some(known) = all.iter().flat_map(|v| keys_of(v.1)).find(|k| *k == name) else {
                 continue;
@@ -348,20 +398,33 @@ impl<'r, 'i> Table<'r, 'i> {
             let error = self.report.error("unknown-key", &key.span(), message);
             let meant = suggest::nearest(name, mine.iter().copied());
             self.missing.retain(|(key, _)| Some(*key) != meant);
-            let meant = meant.map(|m| format!("did you mean `{m}`? ")).unwrap_or_default();
+            let meant = meant
+                .map(|m| format!("did you mean `{m}`? "))
+                .unwrap_or_default();
             error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
         }
     }
 
     fn unknown(&self) -> Vec<(&'r toml::Spanned<toml::de::DeString<'i>>, &'r Node<'i>)> {
         let asked = |key: &str| self.asked.contains(&key);
-        self.values.iter().filter(|(key, _)| !asked(key.get_ref())).collect()
+        self.values
+            .iter()
+            .filter(|(key, _)| !asked(key.get_ref()))
+            .collect()
     }
 
     fn refuse_unknown(&mut self) {
         for (key, _) in self.unknown() {
             let name = key.get_ref().as_ref();
-            let message = format!("{} is not a key of {}", suggest::key(name), self.place.title());
+            if self.report.is_full() {
+                self.report.error("unknown-key", &key.span(), "");
+                continue; // only counted
+            }
+            let message = format!(
+                "{} is not a key of {}",
+                suggest::key(name),
+                self.place.title()
+            );
             let meant = suggest::nearest(name, self.asked.iter().copied());
             self.missing.retain(|(key, _)| Some(*key) != meant);
             let help = suggest::hint(name, &self.asked, suggest::key, "its keys are");
@@ -372,7 +435,9 @@ impl<'r, 'i> Table<'r, 'i> {
     fn refuse_missing(&mut self) {
         for (key, help) in std::mem::take(&mut self.missing) {
             let message = format!("`{key}` is missing in {}", self.place.title());
-            self.report.error("missing-key", &self.place.at, message).help = Some(help);
+            self.report
+                .error("missing-key", &self.place.at, message)
+                .help = Some(help);
         }
     }
 
@@ -392,7 +457,10 @@ impl<'r, 'i> Table<'r, 'i> {
         order.sort_by_key(|(_, at)| at.start);
         match order.as_slice() {
             [] if required => {
-                let keys = groups.iter().map(|g| format!("`{}`", g[0])).collect::<Vec<_>>();
+                let keys = groups
+                    .iter()
+                    .map(|g| format!("`{}`", g[0]))
+                    .collect::<Vec<_>>();
                 let message = format!("{} needs {}", self.place.title(), keys.join(" or "));
                 self.report.error("missing-key", &self.place.at, message);
             }
@@ -426,4 +494,3 @@ fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
     read(&mut table);
     table.asked
 }
-

@@ -90,9 +90,9 @@ impl Range {
             (true, false) => format!("{} or more", self.min),
             (false, true) => format!("at most {}", self.max),
             (true, true) if self.above_min || self.below_max => {
-                let low = if self.above_min { "above " } else { "" };
-                let high = if self.below_max { "below " } else { "to " };
-                format!("{low}{} and {high}{}", self.min, self.max).replace("and to", "to")
+                let low = if self.above_min { "above" } else { "at least" };
+                let high = if self.below_max { "below" } else { "at most" };
+                format!("{low} {} and {high} {}", self.min, self.max)
             }
             (true, true) => format!("{} to {}", self.min, self.max),
         }
@@ -132,6 +132,8 @@ pub struct Named<'a> {
 pub trait Value: Sized {
     /// Whether it consists of numbers, to which a range applies.
     const RANGED: bool = false;
+    /// For one of some words: the enum's name in `desc.rs`, and the words.
+    const WORDS: Option<(&'static str, &'static [&'static str])> = None;
     /// What is expected, such as `three numbers`.
     fn expected() -> String;
     /// The only value there is, if so.
@@ -406,7 +408,10 @@ impl Value for Version {
         json!(Self::CURRENT)
     }
     fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-        let any = Named { key: named.key, range: &ANY };
+        let any = Named {
+            key: named.key,
+            range: &ANY,
+        };
         let version = number(node, &any, &Self::expected(), report)?;
         let current = Self::CURRENT;
         if version == f64::from(current) {
@@ -450,8 +455,11 @@ impl Value for Scale {
 
 /// Implements [`Value`] for an enum that is written as one of some words.
 macro_rules! words {
-    ($type:ty { $($word:literal => $variant:expr),+ $(,)? }) => {
+    ($type:ident { $($word:literal => $variant:expr),+ $(,)? }) => {
         impl Value for $type {
+            const WORDS: Option<(&'static str, &'static [&'static str])> =
+                Some((stringify!($type), &[$($word),+]));
+
             fn expected() -> String {
                 const WORDS: &[&str] = &[$($word),+];
                 one_of(WORDS)
