@@ -116,7 +116,7 @@ impl Pools {
 }
 
 /// The smallest pool that keeps every pixel, else the largest; layers in order.
-fn places(textures: &[Texture]) -> Vec<Place> {
+pub fn places(textures: &[Texture]) -> Vec<Place> {
     let mut next = [0; POOL_PX.len()];
     let place = |texture: &Texture| {
         let edge = texture.width.max(texture.height);
