@@ -1,0 +1,168 @@
+//! Pairs of renders that must agree: traced pixels of both methods, static and dynamic, specialized
+//! and general, moved and built anew.
+
+use glam::{Affine3A, Quat, Vec3};
+use reflet::{render::{Picture, aov::Aov, cause::{Cause, Source}}, scene::desc::LightKind};
+
+use crate::kit::{floats, gpu, integers, render, render_with, renderer, scene, share_differing};
+
+const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+const SMALL: &str = "image.size=[160, 90]";
+
+#[test]
+fn traced_pixels_of_hybrid_equal_rt_bit_for_bit() {
+    let Some(gpu) = gpu() else { return };
+    let of = |method: &str| {
+        let aovs = [Aov::Reflection, Aov::Source, Aov::HitDistance, Aov::HitIds];
+        render(gpu, ATRIUM, &[SMALL, &format!("reflection.method={method}")], &aovs)
+    };
+    let (hybrid, rt) = (of("hybrid"), of("rt"));
+    let mut traced = 0;
+    for (i, source) in integers(&hybrid, Aov::Source).iter().enumerate() {
+        if *source != Source::Traced as u32 {
+            continue;
+        }
+        traced += 1;
+        let pixel = |p: &Picture| {
+            let bits = floats(p, Aov::Reflection)[3 * i..3 * i + 3].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            (bits, floats(p, Aov::HitDistance)[i].to_bits(), integers(p, Aov::HitIds)[2 * i..2 * i + 2].to_vec())
+        };
+        assert_eq!(pixel(&hybrid), pixel(&rt), "pixel {i}");
+    }
+    assert!(traced > 200, "only {traced} pixels were traced");
+}
+
+#[test]
+fn causes_and_sources_account_for_every_reflective_pixel() {
+    let Some(gpu) = gpu() else { return };
+    for method in ["ssr", "hybrid", "rt"] {
+        let picture = render(gpu, ATRIUM, &[SMALL, &format!("reflection.method={method}")], &[Aov::Cause]);
+        let shares = &picture.stats.shares;
+        let total = |list: &[reflet::render::stats::Share]| -> (u64, f64) {
+            (list.iter().map(|s| s.pixels).sum(), list.iter().map(|s| s.percent).sum())
+        };
+        for list in [&shares.causes, &shares.sources] {
+            let (pixels, percent) = total(list);
+            assert_eq!(pixels, shares.reflective);
+            assert!((percent - 100.0).abs() < 1e-9, "{method}: {percent} %");
+        }
+        let causes = integers(&picture, Aov::Cause);
+        for cause in Cause::ALL.into_iter().skip(1) {
+            let counted = causes.iter().filter(|c| **c == cause as u32).count() as u64;
+            let reported = shares.causes.iter().find(|s| s.name == cause.name()).map(|s| s.pixels);
+            assert_eq!(reported, Some(counted), "{method}: {}", cause.name());
+        }
+        let rays = causes.iter().filter(|c| Cause::from_number(**c).is_some_and(|c| c.source() == Source::Traced));
+        assert_eq!(u64::from(picture.stats.rays), rays.count() as u64);
+    }
+}
+
+#[test]
+fn the_specialized_frame_equals_the_general_one() {
+    let Some(gpu) = gpu() else { return };
+    let cornell = include_str!("../../scenes/cornell.toml");
+    let mirrors = include_str!("../../scenes/mirrors.toml");
+    for text in [ATRIUM, cornell, mirrors] {
+        let aovs = [Aov::Ids, Aov::Cause];
+        let of = |general| render_with(gpu, text, &["image.size=[96, 54]"], &aovs, general);
+        let (special, general) = (of(false), of(true));
+        assert_eq!(integers(&special, Aov::Ids), integers(&general, Aov::Ids));
+        assert_eq!(integers(&special, Aov::Cause), integers(&general, Aov::Cause));
+        assert!(share_differing(&special, &general, 1) == 0.0);
+    }
+}
+
+#[test]
+fn the_same_frame_gives_the_same_bytes() {
+    let Some(gpu) = gpu() else { return };
+    let of = || render(gpu, ATRIUM, &["image.size=[97, 55]", "image.samples=2"], &[]);
+    let (first, second) = (of(), of());
+    assert_eq!(first.display, second.display);
+    let bits = |p: &Picture| p.color.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&first), bits(&second));
+}
+
+/// A shiny floor with objects of all shapes; `dynamic` is filled in.
+const OBJECTS: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 2.2, 6]
+target = [0, 0.6, 0]
+fov_deg = 45
+[image]
+size = [160, 90]
+[environment]
+zenith = [0.2, 0.3, 0.5]
+horizon = [0.5, 0.5, 0.5]
+ground = [0.1, 0.1, 0.1]
+[light.lamp]
+kind = "point"
+position = [1, 4, 2]
+intensity_cd = 40
+[material.floor]
+base_color = [0.3, 0.3, 0.35]
+reflectivity = 0.4
+roughness = 0.05
+[material.red]
+base_color = [0.7, 0.1, 0.1]
+[material.chrome]
+metallic = 1
+roughness = 0.05
+[model.floor]
+shape = { kind = "plane", size = [10, 10] }
+material = "floor"
+[model.ball]
+shape = { kind = "sphere", radius = 0.7, segments = 48 }
+material = "chrome"
+[model.block]
+shape = { kind = "box", size = [0.8, 1.6, 0.5] }
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "ball"
+translation = [-1.4, 0.8, 0]
+dynamic = DYNAMIC
+[[instance]]
+model = "block"
+translation = [1.2, 0.9, 0.4]
+rotation_deg = [10, 35, 5]
+scale = [1, 1, -1.5]
+dynamic = DYNAMIC
+"#;
+
+#[test]
+fn a_dynamic_instance_looks_like_a_static_one() {
+    let Some(gpu) = gpu() else { return };
+    for method in ["rt", "hybrid"] {
+        let of = |dynamic| {
+            let text = OBJECTS.replace("DYNAMIC", dynamic);
+            // U is the diagonal of what stands still, which is not the same here.
+            render(gpu, &text, &["reflection.unit_m=1", &format!("reflection.method={method}")], &[])
+        };
+        let differing = share_differing(&of("true"), &of("false"), 2);
+        assert!(differing <= 0.001, "{method}: {:.3} % of the pixels differ", 100.0 * differing);
+    }
+}
+
+#[test]
+fn moved_instances_and_lights_look_as_if_built_there() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, mut world) = scene(&OBJECTS.replace("DYNAMIC", "true"), &["reflection.unit_m=1"]);
+    let mut moving = renderer(gpu, &desc, &world, false);
+    let camera = world.cameras[0].value.clone();
+    moving.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+
+    let turn = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.4, 0.2, 0.5));
+    for instance in world.instances.iter_mut().filter(|i| i.dynamic) {
+        instance.world_from_object = turn * instance.world_from_object;
+    }
+    if let LightKind::Point { position, .. } = &mut world.lights[0].desc.kind {
+        *position = Vec3::new(-2.0, 3.0, 1.0);
+    }
+    moving.update(gpu, &world);
+    let moved = moving.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let mut fresh = renderer(gpu, &desc, &world, false);
+    let built = fresh.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(moved.display, built.display);
+}

@@ -1,0 +1,244 @@
+//! Scenes whose radiance is known on paper.
+
+use std::f32::consts::PI;
+
+use crate::kit::{assert_color, gpu, render};
+
+/// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
+/// behind the camera.
+const MIRROR: &str = r#"
+version = 1
+[camera.main]
+eye = [0.3, 0.2, 2]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [33, 17]
+tone_map = "none"
+[material.mirror]
+base_color = [0, 0, 0]
+reflectivity = 1
+reflection = "mirror"
+[material.lamp]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [0.2, 0.5, 0.8]
+[model.mirror]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[model.lamp]
+shape = { kind = "plane", size = [20, 20] }
+material = "lamp"
+[[instance]]
+model = "mirror"
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "lamp"
+translation = [0, 0, 5]
+rotation_deg = [-90, 0, 0]
+"#;
+
+#[test]
+fn a_perfect_mirror_shows_the_color_that_it_reflects() {
+    let Some(gpu) = gpu() else { return };
+    for method in ["rt", "hybrid"] {
+        let picture = render(gpu, MIRROR, &[&format!("reflection.method={method}")], &[]);
+        for (x, y) in [(0, 0), (16, 8), (32, 16), (5, 11)] {
+            assert_color(&picture, x, y, [0.2, 0.5, 0.8], 1e-3);
+        }
+    }
+}
+
+#[test]
+fn a_mirror_that_screen_space_cannot_serve_stays_black_with_ssr() {
+    let Some(gpu) = gpu() else { return };
+    let picture = render(gpu, MIRROR, &["reflection.method=ssr"], &[]);
+    assert_color(&picture, 16, 8, [0.0; 3], 0.0);
+}
+
+#[test]
+fn a_mirror_under_the_open_sky_shows_the_sky() {
+    let Some(gpu) = gpu() else { return };
+    let sky = ["instance.1.scale=0.001", "environment.color=[0.3, 0.6, 0.9]"];
+    for method in ["ssr", "rt", "hybrid"] {
+        let set = [sky[0], sky[1], &format!("reflection.method={method}")];
+        let picture = render(gpu, MIRROR, &set, &[]);
+        // Towards the camera's own side there is nothing to march: only the tracers know the sky.
+        if method != "ssr" {
+            assert_color(&picture, 2, 2, [0.3, 0.6, 0.9], 1e-3);
+        }
+    }
+}
+
+#[test]
+fn a_white_lambert_sphere_vanishes_in_a_furnace() {
+    let Some(gpu) = gpu() else { return };
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+fov_deg = 40
+[image]
+size = [64, 36]
+tone_map = "none"
+[environment]
+color = [1, 1, 1]
+[material.white]
+reflectivity = 0
+[model.ball]
+shape = { kind = "sphere", radius = 1 }
+material = "white"
+"#;
+    for set in [&[][..], &["image.samples=3"][..]] {
+        let picture = render(gpu, text, set, &[]);
+        for y in 0..36 {
+            for x in 0..64 {
+                assert_color(&picture, x, y, [1.0; 3], 1.0 / 255.0);
+            }
+        }
+    }
+}
+
+/// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
+const FACING: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 0]
+target = [0, 0, -1]
+fov_deg = 2
+[image]
+size = [9, 9]
+tone_map = "none"
+[material.mirror]
+base_color = [0, 0, 0]
+reflectivity = 0.5
+reflection = "mirror"
+emission = [0.1, 0.1, 0.1]
+[model.mirror]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[[instance]]
+model = "mirror"
+translation = [0, 0, -1]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "mirror"
+translation = [0, 0, 1]
+rotation_deg = [-90, 0, 0]
+"#;
+
+#[test]
+fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
+    let Some(gpu) = gpu() else { return };
+    for bounces in 1..=5 {
+        let series: f32 = (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
+        for method in ["rt", "hybrid"] {
+            let set = [format!("reflection.bounces={bounces}"), format!("reflection.method={method}")];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let picture = render(gpu, FACING, &set, &[]);
+            assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+        }
+    }
+}
+
+#[test]
+fn a_bounce_that_cannot_be_seen_is_not_followed() {
+    let Some(gpu) = gpu() else { return };
+    // Reflectance 0.05: the throughput is 1/400 after two reflections, below 1/255.
+    let set = ["reflection.bounces=16", "material.mirror.reflectivity=0.05", "reflection.method=rt"];
+    let picture = render(gpu, FACING, &set, &[]);
+    let series = 0.1 + 0.05 * 0.1 + 0.05 * 0.05 * 0.1;
+    assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+}
+
+/// A Lambert floor of albedo 1/2 seen from above.
+const FLOOR: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 4, 0]
+target = [0, 0, 0]
+up = [0, 0, -1]
+fov_deg = 20
+[image]
+size = [33, 33]
+tone_map = "none"
+[material.gray]
+base_color = [0.5, 0.5, 0.5]
+reflectivity = 0
+[model.floor]
+shape = { kind = "plane", size = [6, 6] }
+material = "gray"
+"#;
+
+#[test]
+fn a_lambert_floor_gives_albedo_times_irradiance_over_pi() {
+    let Some(gpu) = gpu() else { return };
+    let cosine = (60.0f32).to_radians().cos();
+    for shadow in ["map", "ray", "none"] {
+        let sun = format!(
+            "{FLOOR}\n[light.sun]\nkind = \"directional\"\ndirection = [0.8660254, -0.5, 0]\n\
+             intensity_lux = 3\nshadow = \"{shadow}\"\n"
+        );
+        let picture = render(gpu, &sun, &[], &[]);
+        assert_color(&picture, 16, 16, [0.5 * 3.0 * cosine / PI; 3], 5e-4);
+
+        let lamp = format!(
+            "{FLOOR}\n[light.lamp]\nkind = \"point\"\nposition = [0, 2, 0]\n\
+             intensity_cd = 10\nshadow = \"{shadow}\"\n"
+        );
+        let picture = render(gpu, &lamp, &[], &[]);
+        assert_color(&picture, 16, 16, [0.5 * 10.0 / 4.0 / PI; 3], 5e-4);
+
+        let spot = format!(
+            "{FLOOR}\n[light.spot]\nkind = \"spot\"\nposition = [0, 2, 0]\ndirection = [0, -1, 0]\n\
+             outer_deg = 5\ninner_deg = 4\nintensity_cd = 10\nshadow = \"{shadow}\"\n"
+        );
+        let picture = render(gpu, &spot, &[], &[]);
+        assert_color(&picture, 16, 16, [0.5 * 10.0 / 4.0 / PI; 3], 5e-4);
+        assert_color(&picture, 0, 0, [0.0; 3], 1e-6);
+    }
+}
+
+#[test]
+fn a_box_between_light_and_floor_darkens_it_by_map_and_by_ray() {
+    let Some(gpu) = gpu() else { return };
+    let lights = [
+        "kind = \"directional\"\ndirection = [0, -1, 0]\nintensity_lux = 3",
+        "kind = \"point\"\nposition = [0, 3, 0]\nintensity_cd = 20",
+        "kind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nouter_deg = 40\nintensity_cd = 20",
+    ];
+    let cover = "[model.cover]\nshape = { kind = \"box\", size = [0.5, 0.1, 0.5] }\nmaterial = \"gray\"\n\
+                 [[instance]]\nmodel = \"cover\"\ntranslation = [0.35, 1, 0]\n[[instance]]\nmodel = \"floor\"\n";
+    for light in lights {
+        for shadow in ["map", "ray"] {
+            let text = format!("{FLOOR}\n{cover}\n[light.l]\n{light}\nshadow = \"{shadow}\"\n");
+            // Seen from below, past the cover: the floor is double sided, so look at its shadow
+            // from above at a point that the cover does not hide from the camera.
+            let picture = render(gpu, &text, &["camera.main.eye=[-2.5, 3, 0]", "camera.main.target=[0.35, 0, 0]"], &[]);
+            let center = crate::kit::color(&picture, 16, 16);
+            assert!(center.iter().all(|c| *c < 1e-4), "{light} {shadow}: {center:?} in the shadow");
+            let lit = render(gpu, &text, &["camera.main.eye=[-2.5, 3, 0]", "camera.main.target=[-0.8, 0, 0]"], &[]);
+            let center = crate::kit::color(&lit, 16, 16);
+            assert!(center.iter().all(|c| *c > 0.05), "{light} {shadow}: {center:?} in the light");
+        }
+    }
+}
+
+#[test]
+fn fading_ends_in_the_environment() {
+    let Some(gpu) = gpu() else { return };
+    // The lamp is 7 m from the mirror along the ray; with a ray of 14 m half of it is left.
+    let set = [
+        "camera.main.eye=[0, 0, 2]",
+        "reflection.fade=true",
+        "reflection.unit_m=1",
+        "reflection.ray_length_u=10",
+        "reflection.method=rt",
+        "environment.color=[1, 0, 0]",
+    ];
+    let picture = render(gpu, MIRROR, &set, &[]);
+    let rest = 1.0 - 5.0 / 10.0;
+    let expected = [0.2 * rest + (1.0 - rest), 0.5 * rest, 0.8 * rest];
+    assert_color(&picture, 16, 8, expected, 2e-3);
+}

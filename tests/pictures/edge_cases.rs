@@ -1,0 +1,64 @@
+//! Sizes and scenes at the edge: one pixel, very wide, nothing to see, nothing to see it by.
+
+use reflet::render::aov::Aov;
+
+use crate::kit::{assert_color, gpu, render};
+
+const BALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+[image]
+size = [16, 9]
+tone_map = "none"
+[environment]
+color = [0.25, 0.5, 0.75]
+[material.chrome]
+metallic = 1
+roughness = 0
+[model.ball]
+shape = { kind = "sphere", radius = 1, segments = 16 }
+material = "chrome"
+"#;
+
+#[test]
+fn odd_tiny_and_wide_pictures_render() {
+    let Some(gpu) = gpu() else { return };
+    for size in ["[1, 1]", "[1, 7]", "[33, 17]", "[16384, 1]"] {
+        let picture = render(gpu, BALL, &[&format!("image.size={size}")], &[Aov::Cause, Aov::Reflectance]);
+        assert_eq!(picture.color.len(), 4 * (picture.size[0] * picture.size[1]) as usize);
+        assert!(picture.color.iter().all(|v| v.is_finite()));
+    }
+}
+
+#[test]
+fn an_empty_scene_is_its_environment() {
+    let Some(gpu) = gpu() else { return };
+    let text = "version = 1\n[image]\nsize = [8, 4]\ntone_map = \"none\"\n[environment]\ncolor = [0.25, 0.5, 0.75]\n";
+    let picture = render(gpu, text, &[], &Aov::ALL);
+    assert_color(&picture, 3, 2, [0.25, 0.5, 0.75], 1e-3);
+    assert_eq!(picture.stats.shares.reflective, 0);
+    assert_eq!(picture.planes.len(), Aov::ALL.len());
+}
+
+#[test]
+fn a_scene_without_lights_or_reflectors_is_lit_by_its_environment() {
+    let Some(gpu) = gpu() else { return };
+    let set = ["material.chrome.metallic=0", "material.chrome.roughness=1", "material.chrome.reflectivity=0"];
+    let picture = render(gpu, BALL, &set, &[]);
+    assert_color(&picture, 8, 4, [0.25, 0.5, 0.75], 2e-3);
+}
+
+#[test]
+fn a_camera_inside_or_on_a_mirror_gives_finite_pixels() {
+    let Some(gpu) = gpu() else { return };
+    for eye in ["[0, 0, 0]", "[0, 0, 1.001]", "[0, 0, 0.999]"] {
+        for method in ["ssr", "rt", "hybrid"] {
+            let set = [format!("camera.main.eye={eye}"), "camera.main.target=[0.1, 0.2, -5]".to_owned(), format!("reflection.method={method}")];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let picture = render(gpu, BALL, &set, &[]);
+            assert!(picture.color.iter().all(|v| v.is_finite()), "{eye} {method}");
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Scene text to picture in one call, on one device for the whole test process.
+
+use std::{path::Path, sync::OnceLock};
+
+use reflet::{
+    gpu::{Gpu, ShaderLibrary},
+    render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
+    scene::{desc::SceneDesc, parse},
+    world::{World, load},
+};
+
+use crate::common::gpu_or_skip;
+
+/// The process's device; `None` where tests are skipped.
+pub fn gpu() -> Option<&'static Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    GPU.get_or_init(gpu_or_skip).as_ref()
+}
+
+/// A scene read from text, with `--set` settings laid over it.
+pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
+    let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
+    let (desc, _) = parse::parse(text, Path::new("test.toml"), &set)
+        .unwrap_or_else(|errors| panic!("{}", errors.iter().map(|e| e.to_string()).collect::<String>()));
+    let world = load::load(&desc, &load::LoadOptions::default())
+        .unwrap_or_else(|errors| panic!("{}", errors.iter().map(|e| e.to_string()).collect::<String>()));
+    (desc, world)
+}
+
+/// Renders with the plan that drops what the scene does not use.
+pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
+    render_with(gpu, text, set, aovs, false)
+}
+
+/// Renders, specialized or `general`.
+pub fn render_with(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov], general: bool) -> Picture {
+    let (desc, world) = scene(text, set);
+    let mut renderer = renderer(gpu, &desc, &world, general);
+    let camera = &world.cameras[0].value;
+    renderer.picture(gpu, &world, camera, aovs).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A renderer for a scene.
+pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Renderer {
+    let options = RenderOptions {
+        reflection: desc.reflection,
+        image: desc.image,
+        general,
+    };
+    Renderer::new(gpu, &ShaderLibrary::embedded(), world, &options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Linear color of a pixel.
+pub fn color(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
+    let at = 4 * (y * picture.size[0] + x) as usize;
+    [picture.color[at], picture.color[at + 1], picture.color[at + 2]]
+}
+
+/// Whether a pixel's linear color is `expected` within `tolerance` of each channel.
+pub fn assert_color(picture: &Picture, x: u32, y: u32, expected: [f32; 3], tolerance: f32) {
+    let found = color(picture, x, y);
+    let close = found.iter().zip(expected).all(|(f, e)| (f - e).abs() <= tolerance);
+    assert!(close, "pixel ({x}, {y}) is {found:?}, expected {expected:?} ± {tolerance}");
+}
+
+/// The plane of this AOV as floats.
+pub fn floats(picture: &Picture, aov: Aov) -> &[f32] {
+    match &plane(picture, aov).data {
+        PlaneData::F32(values) => values,
+        PlaneData::U32(_) => panic!("{} holds numbers of things", aov.name()),
+    }
+}
+
+/// The plane of this AOV as integers.
+pub fn integers(picture: &Picture, aov: Aov) -> &[u32] {
+    match &plane(picture, aov).data {
+        PlaneData::U32(values) => values,
+        PlaneData::F32(_) => panic!("{} holds measures", aov.name()),
+    }
+}
+
+fn plane(picture: &Picture, aov: Aov) -> &reflet::render::Plane {
+    let found = picture.planes.iter().find(|p| p.name == aov.name());
+    found.unwrap_or_else(|| panic!("{} was not asked for", aov.name()))
+}
+
+/// Share of pixels whose display color differs by more than `levels` of 255 in some channel.
+pub fn share_differing(a: &Picture, b: &Picture, levels: u8) -> f64 {
+    assert_eq!(a.size, b.size);
+    let pairs = a.display.chunks_exact(4).zip(b.display.chunks_exact(4));
+    let differing = pairs.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > levels)).count();
+    differing as f64 / f64::from(a.size[0] * a.size[1])
+}

@@ -1,0 +1,10 @@
+//! Pictures with known answers: closed forms, and pairs of renders that must agree.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod agreement;
+mod closed_form;
+mod edge_cases;
+mod kit;
+mod ray_list;
