@@ -55,5 +55,11 @@ fn each_bad_scene_gives_its_exact_messages() {
             )),
         }
     }
+    let expectations = fs::read_dir(&folder).expect("the folder exists").count() - files.len();
+    assert_eq!(
+        expectations,
+        files.len(),
+        "an expectation has lost its scene"
+    );
     assert!(wrong.is_empty(), "{}", wrong.join("\n======\n"));
 }

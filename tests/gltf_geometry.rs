@@ -229,7 +229,7 @@ fn nodes_multiply_and_may_mirror() {
     let mut doc = Doc::triangle();
     doc.json["nodes"] = json!([
         {"name": "a", "translation": [10, 0, 0], "children": [1]},
-        {"name": "b", "rotation": [0, 0, 0.70710678, 0.70710678], "scale": [-1, 2, 1], "children": [2, 3]},
+        {"name": "b", "rotation": [0, 0, 1, 1], "scale": [-1, 2, 1], "children": [2, 3]},
         {"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,3,1]},
         {"name": "flat", "mesh": 0, "scale": [1, 0, 1]}
     ]);

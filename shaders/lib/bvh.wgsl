@@ -24,7 +24,8 @@ const NO_INSTANCE = 0xffffffffu;
 const ALPHA_TESTED = 1u;
 const DOUBLE_SIDED = 2u;
 const FLIPPED = 4u;
-// Trees that need more are refused when built; a push past the end is dropped all the same.
+// Trees that need more are refused when built; a push past the end is dropped all the same, so
+// that nothing is written outside.
 const STACK_SIZE = 24u;
 // Ends a traversal that broken input would keep going; real rays visit some hundred nodes.
 const MAX_STEPS = 65536u;
@@ -170,7 +171,7 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     }
     // What rounding can make of a weight: neighbors overlap by it, so that no ray passes between.
     let longest = max(dot(edge1, edge1), dot(edge2, edge2));
-    let size = sqrt(dot(s, s) * dot(ray.direction, ray.direction)) * sqrt(longest);
+    let size = length(s) * length(ray.direction) * sqrt(longest);
     if outside > 2.4e-7 * size * abs(inverse_det) {
         return;
     }
@@ -194,93 +195,113 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     *best = Hit(t, instance, b.w, clamped);
 }
 
-// One loop for both levels. A group is a vec2u: hit children of a node, marked by bits 24 to 31 of
-// y, or hit instances of a top-level node, with those bits 0.
-fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any_side: bool) -> Hit {
-    var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0));
-    var stack: array<vec2u, STACK_SIZE>;
-    var depth = 0u;
-    var ray = traversal_ray(origin, direction);
-    var inside = NO_INSTANCE;
-    var inside_flags = 0u;
-    var outer_depth = 0u;
-    var group = vec2u(STATIC_ROOT, ROOT_GROUP);
-    var primitives = vec2u(0u);
-    if HAS_TOP_LEVEL {
-        if HAS_STATIC {
-            stack[0] = vec2u(TOP_ROOT, ROOT_GROUP);
-            depth = 1u;
-        } else {
-            group = vec2u(TOP_ROOT, ROOT_GROUP);
-        }
-    } else if !HAS_STATIC {
-        return best;
+// Groups to visit later: first those of the top level, then those of the tree being traversed.
+var<private> stack: array<vec2u, STACK_SIZE>;
+
+// Traversal state of one tree. A group is the first child of a node and its hit children, marked in
+// bits 24 to 31 of y; it stands for those still to visit.
+struct Cursor {
+    group: vec2u,
+    primitives: vec2u,
+    // Entries of the stack in use.
+    depth: u32,
+}
+
+// Visits the next node of the group, keeping its siblings for later.
+fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) {
+    var group = (*cursor).group;
+    let bit = firstLeadingBit(group.y);
+    let slot = ((bit - 24u) ^ ray.octant4) & 7u;
+    let node = group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 0xffu);
+    group.y &= ~(1u << bit);
+    if group.y >= 0x01000000u && (*cursor).depth < STACK_SIZE {
+        stack[(*cursor).depth] = group;
+        (*cursor).depth++;
     }
+    let visit = visit_node(node, ray, t_min, t_max);
+    (*cursor).group = visit.children;
+    (*cursor).primitives = visit.primitives;
+    if COUNT_VISITS {
+        visited_nodes++;
+    }
+}
 
+// Takes the next primitive of the last visited node.
+fn next_primitive(cursor: ptr<function, Cursor>) -> u32 {
+    let bit = firstLeadingBit((*cursor).primitives.y);
+    (*cursor).primitives.y &= ~(1u << bit);
+    return (*cursor).primitives.x + bit;
+}
+
+// Traverses one tree of triangles; uses the stack from `base` up.
+fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
+        any_side: bool, base: u32, best: ptr<function, Hit>) {
+    var cursor = Cursor(vec2u(root, ROOT_GROUP), vec2u(0u), base);
     for (var steps = 0u; steps < MAX_STEPS; steps++) {
-        if group.y >= 0x01000000u {
-            let bit = firstLeadingBit(group.y);
-            let slot = ((bit - 24u) ^ ray.octant4) & 7u;
-            let node = group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 0xffu);
-            group.y &= ~(1u << bit);
-            if group.y >= 0x01000000u && depth < STACK_SIZE {
-                stack[depth] = group;
-                depth++;
-            }
-            let visit = visit_node(node, ray, t_min, best.t);
-            group = visit.children;
-            primitives = visit.primitives;
+        descend(&cursor, ray, t_min, (*best).t);
+        while cursor.primitives.y != 0u {
+            test_triangle(next_primitive(&cursor), ray, t_min, inside, inside_flags, any_side, best);
             if COUNT_VISITS {
-                visited_nodes++;
+                tested_triangles++;
             }
         }
+        if any_side && (*best).instance != NO_INSTANCE {
+            return;
+        }
+        if cursor.group.y < 0x01000000u {
+            if cursor.depth == base {
+                return;
+            }
+            cursor.depth--;
+            cursor.group = stack[cursor.depth];
+        }
+    }
+}
 
-        while primitives.y != 0u {
-            let bit = firstLeadingBit(primitives.y);
-            primitives.y &= ~(1u << bit);
-            let index = primitives.x + bit;
-            if HAS_TOP_LEVEL && (index & TOP_LEVEL) != 0u {
-                if group.y >= 0x01000000u && depth < STACK_SIZE {
-                    stack[depth] = group;
-                    depth++;
-                }
-                if primitives.y != 0u && depth < STACK_SIZE {
-                    stack[depth] = primitives;
-                    depth++;
-                }
-                let word = index & ~TOP_LEVEL;
-                inside = nodes[word >> 2u][word & 3u];
-                inside_flags = instances[inside].trace_flags;
-                outer_depth = depth;
-                ray = object_ray(inside, origin, direction);
-                group = vec2u(instances[inside].tree_root, ROOT_GROUP);
-                primitives.y = 0u;
-            } else {
-                test_triangle(index, ray, t_min, inside, inside_flags, any_side, &best);
-                if COUNT_VISITS {
-                    tested_triangles++;
-                }
-            }
+// The next instance whose box is hit, or NO_INSTANCE when there are no more.
+fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
+    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+        if (*cursor).primitives.y != 0u {
+            let word = next_primitive(cursor) & ~TOP_LEVEL;
+            return nodes[word >> 2u][word & 3u];
         }
-        if any_side && best.instance != NO_INSTANCE {
-            break;
-        }
-
-        if group.y < 0x01000000u {
-            if HAS_TOP_LEVEL && inside != NO_INSTANCE && depth == outer_depth {
-                inside = NO_INSTANCE;
-                ray = traversal_ray(origin, direction);
-            }
-            if depth == 0u {
+        if (*cursor).group.y < 0x01000000u {
+            if (*cursor).depth == 0u {
                 break;
             }
-            depth--;
-            group = stack[depth];
-            if HAS_TOP_LEVEL && group.y < 0x01000000u {
-                primitives = group;
-                group.y = 0u;
-            }
+            (*cursor).depth--;
+            (*cursor).group = stack[(*cursor).depth];
         }
+        descend(cursor, ray, t_min, t_max);
+    }
+    return NO_INSTANCE;
+}
+
+// The static tree first, as if it were an instance at the origin; then those of the top level.
+fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any_side: bool) -> Hit {
+    var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0));
+    var top = Cursor(vec2u(TOP_ROOT, ROOT_GROUP), vec2u(0u), 0u);
+    let world_ray = traversal_ray(origin, direction);
+    var ray = world_ray;
+    var root = STATIC_ROOT;
+    var inside = NO_INSTANCE;
+    var inside_flags = 0u;
+    var in_tree = HAS_STATIC;
+    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+        if in_tree {
+            traverse_tree(root, ray, t_min, inside, inside_flags, any_side, top.depth, &best);
+        }
+        if !HAS_TOP_LEVEL || (any_side && best.instance != NO_INSTANCE) {
+            break;
+        }
+        inside = next_instance(&top, world_ray, t_min, best.t);
+        if inside == NO_INSTANCE {
+            break;
+        }
+        inside_flags = instances[inside].trace_flags;
+        root = instances[inside].tree_root;
+        ray = object_ray(inside, origin, direction);
+        in_tree = true;
     }
     return best;
 }

@@ -69,9 +69,13 @@ impl fmt::Display for PictureError {
                 value,
             } => write!(
                 f,
-                "{count} pixel{} not finite and non-negative numbers, the first at column {x}, \
-                 row {y}: {value}",
-                if *count == 1 { " is" } else { "s are" }
+                "{count} {} NaN, an infinity or a negative number, the first at column {x}, row \
+                 {y}: {value}",
+                if *count == 1 {
+                    "pixel holds"
+                } else {
+                    "pixels hold"
+                }
             ),
             Self::Size {
                 first: [a, b],

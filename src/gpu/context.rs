@@ -247,16 +247,18 @@ impl Gpu {
         fault.clone().map_or(Ok(()), Err)
     }
 
+    /// Largest storage buffer that can be created and bound whole, bytes.
+    pub fn largest_storage_buffer(&self) -> u64 {
+        let binding = self.limits.max_storage_buffer_binding_size;
+        self.limits.max_buffer_size.min(binding)
+    }
+
     /// Whether a storage buffer named `what` of `bytes` can be created and bound whole.
     ///
     /// # Errors
     /// [`GpuError::Limit`] naming it.
     pub fn check_buffer_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
-        let limit = self
-            .limits
-            .max_buffer_size
-            .min(self.limits.max_storage_buffer_binding_size);
-        within(what, bytes, limit, "bytes")
+        within(what, bytes, self.largest_storage_buffer(), "bytes")
     }
 
     /// Whether a 2D texture named `what` of this many pixels can be created.

@@ -125,7 +125,7 @@ impl Aov {
                 )
             }
             Self::HitDistance => {
-                let hits: Vec<[u32; 4]> = renderer.read(gpu, Target::Hit)?;
+                let hits = hits(gpu, renderer)?;
                 let distance = |h: [u32; 4]| {
                     if h[1] == NONE {
                         f32::INFINITY
@@ -139,7 +139,7 @@ impl Aov {
                 )
             }
             Self::HitIds => {
-                let hits: Vec<[u32; 4]> = renderer.read(gpu, Target::Hit)?;
+                let hits = hits(gpu, renderer)?;
                 let ids = hits.into_iter().flat_map(|h| [h[1], h[2]]);
                 (&["instance", "triangle"][..], PlaneData::U32(ids.collect()))
             }
@@ -219,6 +219,15 @@ fn reflectance(
         fresnel.element_sum() / 3.0
     };
     Ok((0..causes.len()).map(at).collect())
+}
+
+/// What the mirror rays met; nothing where the frame has no reflections.
+fn hits(gpu: &Gpu, renderer: &Renderer) -> Result<Vec<[u32; 4]>, GpuError> {
+    let mut hits: Vec<[u32; 4]> = renderer.read(gpu, Target::Hit)?;
+    if !renderer.plan().reflections {
+        hits.fill([0, NONE, NONE, 0]);
+    }
+    Ok(hits)
 }
 
 fn far_to_infinity(depths: Vec<f32>) -> PlaneData {

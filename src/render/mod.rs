@@ -14,6 +14,7 @@ pub mod passes;
 pub mod picture;
 pub mod plan;
 pub mod recorder;
+pub mod renderer;
 pub mod scene;
 pub mod stats;
 pub mod targets;
@@ -21,8 +22,8 @@ pub mod textures;
 pub mod types;
 pub mod view;
 
-pub use frame::{RenderOptions, Renderer};
 pub use picture::{Picture, Plane, PlaneData};
+pub use renderer::{RenderOptions, Renderer};
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq)]

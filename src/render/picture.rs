@@ -77,14 +77,16 @@ impl Renderer {
         })
     }
 
-    /// The values of a target.
+    /// The values of a target; zeros where this frame does not write it.
     ///
     /// # Errors
     /// What reading back says.
     pub fn read<T: bytemuck::Pod>(&self, gpu: &Gpu, target: Target) -> Result<Vec<T>, GpuError> {
-        let texture = self.targets().texture(target).ok_or_else(|| {
-            GpuError::Binding(format!("`{}` is not part of this frame", target.name()))
-        })?;
+        let size = self.targets().size;
+        let Some(texture) = self.targets().texture(target) else {
+            let bytes = target.pixel_bytes() * u64::from(size[0]) * u64::from(size[1]);
+            return Ok(vec![T::zeroed(); bytes as usize / size_of::<T>()]);
+        };
         Ok(bytemuck::pod_collect_to_vec(&readback::read_texture(
             gpu, texture,
         )?))

@@ -127,13 +127,19 @@ pub struct Targets {
 pub const MAX_TARGET_BYTES: u64 = 6 << 30;
 
 impl Targets {
-    /// Makes the textures of `wanted`.
+    /// Makes all textures; those that are not `needed` are one pixel, so that they can be bound.
     ///
     /// # Errors
     /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
-    pub fn new(gpu: &Gpu, size: [u32; 2], wanted: &[Target]) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        needed: impl Fn(Target) -> bool,
+    ) -> Result<Self, GpuError> {
         gpu.check_texture_size("the picture", size[0], size[1])?;
-        let bytes = Self::bytes(size, wanted);
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let full = Target::ALL.into_iter().filter(|t| needed(*t));
+        let bytes = full.map(|t| t.pixel_bytes() * pixels).sum();
         if bytes > MAX_TARGET_BYTES {
             return Err(GpuError::Limit {
                 what: format!("a picture of {}x{}", size[0], size[1]),
@@ -144,11 +150,12 @@ impl Targets {
         }
         let textures = gpu.scoped("intermediate textures", || {
             let make = |target: Target| {
+                let [width, height] = if needed(target) { size } else { [1, 1] };
                 let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                     label: Some(target.name()),
                     size: wgpu::Extent3d {
-                        width: size[0],
-                        height: size[1],
+                        width,
+                        height,
                         depth_or_array_layers: 1,
                     },
                     mip_level_count: 1,
@@ -159,33 +166,32 @@ impl Targets {
                     view_formats: &[],
                 });
                 let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-                (texture, view)
+                (target, (texture, view))
             };
-            wanted.iter().map(|&t| (t, make(t))).collect()
+            Target::ALL.into_iter().map(make).collect()
         })?;
         Ok(Self { size, textures })
     }
 
-    /// What `wanted` takes at this size.
-    pub fn bytes(size: [u32; 2], wanted: &[Target]) -> u64 {
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        wanted.iter().map(|t| t.pixel_bytes() * pixels).sum()
-    }
-
-    /// The texture, if this picture has it.
+    /// The texture, if this frame writes it.
     pub fn texture(&self, target: Target) -> Option<&wgpu::Texture> {
-        self.textures.get(&target).map(|(texture, _)| texture)
+        let (texture, _) = self.textures.get(&target)?;
+        ([texture.width(), texture.height()] == self.size).then_some(texture)
     }
 
-    /// Its view, if this picture has it.
+    /// Its view.
     pub fn view(&self, target: Target) -> Option<&wgpu::TextureView> {
         self.textures.get(&target).map(|(_, view)| view)
     }
 
     /// Name and bytes of each.
     pub fn report(&self) -> Vec<(&'static str, u64)> {
-        let here = Target::ALL.iter().filter(|t| self.textures.contains_key(t));
-        here.map(|&t| (t.name(), Self::bytes(self.size, &[t])))
-            .collect()
+        let bytes = |target: Target| {
+            let pixels = |t: &wgpu::Texture| u64::from(t.width()) * u64::from(t.height());
+            self.textures
+                .get(&target)
+                .map_or(0, |(t, _)| target.pixel_bytes() * pixels(t))
+        };
+        Target::ALL.iter().map(|&t| (t.name(), bytes(t))).collect()
     }
 }

@@ -3,6 +3,7 @@
 
 mod names;
 mod notes;
+mod range;
 mod read;
 mod report;
 mod set;
@@ -10,6 +11,7 @@ mod suggest;
 mod syntax;
 mod table;
 mod value;
+mod words;
 
 use std::{fs::File, io::Read as _, path::Path};
 
@@ -113,11 +115,11 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     if shadows.is_empty() {
         names::check(&scene, table, &mut report);
     }
+    report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
     if report.has("unsupported-version") {
         // In another version other keys may be right.
         report.retain(|d| d.name == "unsupported-version");
     }
-    report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
     match report.finish() {
         (messages, false) => Ok((scene, messages)),
         (messages, true) => Err(messages),

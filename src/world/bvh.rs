@@ -128,7 +128,7 @@ impl Trees {
             .collect::<Result<_, _>>()?;
 
         let reserved = top_capacity(placement.top.len()) + placement.top.len().div_ceil(NODE_WORDS);
-        let mut stack_need = static_tree.stack_need + 1;
+        let (static_need, mut mesh_need) = (static_tree.stack_need, 0);
         let mut nodes = static_tree.nodes;
         tree::rebase(&mut nodes, reserved as u32, 0);
         nodes.splice(1..1, (0..reserved).map(|_| CwBvhNode::default()));
@@ -138,10 +138,8 @@ impl Trees {
             tree::rebase(&mut tree.nodes, nodes.len() as u32, triangles.len() as u32);
             nodes.append(&mut tree.nodes);
             triangles.extend(mesh_triangles);
-            // The top level's own need is logarithmic in its instances; 8 levels hold 16 million.
-            stack_need = stack_need.max(tree.stack_need + 2 + 8);
+            mesh_need = mesh_need.max(tree.stack_need);
         }
-        check_nodes(&nodes, stack_need, device_limit_bytes)?;
         if triangles.is_empty() {
             triangles.push(TraceTriangle::zeroed());
         }
@@ -162,7 +160,9 @@ impl Trees {
             static_triangles,
             top_instances: placement.top,
         };
-        trees.update_top_level(world);
+        // Instances are entered with the top level's entries still on the stack.
+        let need = static_need.max(trees.rebuild_top_level(world) + mesh_need);
+        check_nodes(&trees.nodes, need, device_limit_bytes)?;
         Ok(trees)
     }
 
@@ -170,6 +170,11 @@ impl Trees {
     /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances whose transform is not
     /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
     pub fn update_top_level(&mut self, world: &World) {
+        self.rebuild_top_level(world);
+    }
+
+    /// Returns how many stack entries the new top level needs.
+    fn rebuild_top_level(&mut self, world: &World) -> u32 {
         let mut ids = Vec::with_capacity(self.top_instances.len());
         let mut boxes = Vec::with_capacity(self.top_instances.len());
         for id in &self.top_instances {
@@ -209,6 +214,7 @@ impl Trees {
         for (word, primitive) in words.iter_mut().zip(&tree.order) {
             *word = ids[*primitive as usize];
         }
+        tree.stack_need
     }
 }
 

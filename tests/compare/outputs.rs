@@ -3,7 +3,11 @@
 use std::{fs, path::PathBuf};
 
 use image::{Rgb, RgbImage};
-use reflet::bench::write::write_whole;
+use reflet::bench::{
+    compare::difference_picture,
+    picture::{Encoding, Pair, Picture},
+    write::write_whole,
+};
 
 use crate::files::{Folder, fails, run};
 
@@ -70,6 +74,26 @@ fn the_difference_of_large_errors_is_not_clipped_away() {
             .0,
         [248; 3]
     );
+}
+
+#[test]
+fn the_gain_is_a_power_of_two_for_all_but_one_channel_in_a_hundred() {
+    let gain = |difference: f32, outliers: usize| {
+        let reference = vec![[10.0; 3]; 400];
+        let mut test = vec![[10.0 + difference; 3]; 400];
+        test[..outliers].fill([255.0; 3]);
+        let picture = |p| Picture::new(20, 20, Encoding::Display, p).expect("a picture");
+        let [test, reference] = [test, reference].map(picture);
+        let (gain, rgb) = difference_picture(&Pair::new(&test, &reference).expect("one size"));
+        (gain, rgb[rgb.len() - 1])
+    };
+    assert_eq!(gain(0.1, 0), (64, 6)); // 6.4
+    assert_eq!(gain(0.15, 0), (64, 10)); // 9.6
+    assert_eq!(gain(1.0, 0), (64, 64));
+    assert_eq!(gain(4.0, 0), (32, 128)); // 4 × 64 would be 256
+    assert_eq!(gain(100.0, 0), (2, 200));
+    assert_eq!(gain(4.0, 3), (32, 128)); // three of 400 pixels may clip
+    assert_eq!(gain(4.0, 4), (2, 8));
 }
 
 #[test]

@@ -7,9 +7,10 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
+use glam::{Quat, Vec3};
 use reflet::{
     scene::{
-        desc::{At, Entry, ModelDesc, ModelSource, SceneDesc},
+        desc::{At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
     },
     world::{
@@ -184,7 +185,7 @@ impl Doc {
 }
 
 pub fn one_error(result: Result<World, Vec<Diagnostic>>) -> (&'static str, String) {
-    let errors = result.err().expect("this must be refused");
+    let errors = result.expect_err("this must be refused");
     assert_eq!(errors.len(), 1, "{errors:#?}");
     assert_eq!(errors[0].severity, Severity::Error);
     (errors[0].name, errors[0].message.clone())
@@ -238,4 +239,85 @@ pub fn png(width: u32, height: u32, rgba: [u8; 4]) -> Vec<u8> {
         .write_to(&mut out, image::ImageFormat::Png)
         .expect("PNG");
     out.into_inner()
+}
+
+/// A file that uses every kind of reference.
+pub fn rich() -> Doc {
+    let mut doc = Doc::triangle();
+    let normals = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+    let uv = doc.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+    let indices = doc.accessor("SCALAR", 5123, 3, &[0, 0, 1, 0, 2, 0]);
+    doc.attribute("NORMAL", normals);
+    doc.attribute("TEXCOORD_0", uv);
+    doc.attribute("TEXCOORD_1", uv);
+    doc.primitive("indices", indices.into());
+    let texture = doc.texture(&png(4, 4, [128, 128, 255, 255]));
+    doc.json["samplers"] = json!([{"wrapS": 10497}]);
+    doc.json["textures"][texture]["sampler"] = 0.into();
+    let slot = json!({"index": texture, "texCoord": 1});
+    doc.add(
+        "materials",
+        json!({"normalTexture": slot, "pbrMetallicRoughness": {"baseColorTexture": slot}}),
+    );
+    doc.primitive("material", 0.into());
+    let sparse = doc.floats("VEC3", &[0.0; 9]);
+    let (targets, values) = (doc.view(&[1, 0, 2, 0]), doc.view(&[0; 24]));
+    doc.json["accessors"][sparse]["sparse"] = json!({
+        "count": 2, "indices": {"bufferView": targets, "componentType": 5123}, "values": {"bufferView": values}
+    });
+    let offsets = doc.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
+    doc.json["extensions"] =
+        json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 3}]}});
+    doc.json["cameras"] =
+        json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]);
+    doc.json["extensionsUsed"] = json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing"]);
+    let child = doc.add(
+        "nodes",
+        json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}),
+    );
+    doc.root_node(
+        json!({"mesh": 0, "translation": [0, 0, 2], "children": [child], "extensions":
+        {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": offsets}}}}),
+    );
+    doc
+}
+
+pub fn instance(model: &str) -> InstanceDesc {
+    InstanceDesc {
+        name: None,
+        model: at(model),
+        placement: trs(Vec3::ZERO),
+        dynamic: false,
+        repeat: None,
+        material: None,
+        at: Span::default(),
+    }
+}
+
+pub fn trs(translation: Vec3) -> PlacementDesc {
+    PlacementDesc::Trs {
+        translation,
+        rotation: Quat::IDENTITY,
+        scale: Vec3::ONE,
+    }
+}
+
+/// A triangle with a material "stone" that uses one image as color and as data.
+pub fn stone() -> Doc {
+    let mut doc = Doc::triangle();
+    let texture = doc.texture(&png(3, 2, [10, 20, 30, 40]));
+    doc.json["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]);
+    doc.json["textures"][texture]["sampler"] = 0.into();
+    doc.add(
+        "materials",
+        json!({
+            "name": "stone", "alphaMode": "MASK", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+                "baseColorTexture": {"index": texture}, "metallicRoughnessTexture": {"index": texture}
+            }
+        }),
+    );
+    doc.primitive("material", 0.into());
+    doc
 }

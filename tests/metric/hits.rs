@@ -154,3 +154,28 @@ fn no_pixels_are_no_errors() {
             .all(|t| counts(t) == [0; 7])
     );
 }
+
+#[test]
+fn a_distance_at_the_tolerance_agrees() {
+    let planes = |screen: &'static [f32], ray: &'static [f32]| HitPlanes {
+        cause: &[1, 1],
+        screen: HitPlane {
+            distance_m: screen,
+            surface: &[4, 4],
+        },
+        ray: HitPlane {
+            distance_m: ray,
+            surface: &[4, 4],
+        },
+    };
+    let wrong = |planes: HitPlanes, absolute_m, relative| {
+        let tolerance = Tolerance {
+            absolute_m,
+            relative,
+        };
+        tally(&planes, &CODES, tolerance).expect("good planes")[1].false_accepts
+    };
+    assert_eq!(wrong(planes(&[0.0, 2.5], &[0.0, 2.0]), 0.5, 0.0), 0);
+    assert_eq!(wrong(planes(&[0.0, 2.5], &[0.0, 2.0]), 0.0, 0.25), 0);
+    assert_eq!(wrong(planes(&[0.0, 2.5], &[0.0, 2.0]), 0.4, 0.2), 1);
+}

@@ -160,7 +160,10 @@ fn numbers_that_are_no_picture_are_refused() {
         let mut pixels = vec![[0.5; 3]; 12];
         pixels[7][2] = bad;
         pixels[9][0] = bad;
-        match Picture::new(4, 3, Encoding::Linear, pixels) {
+        let result = Picture::new(4, 3, Encoding::Linear, pixels);
+        let message = result.as_ref().expect_err("bad values").to_string();
+        assert!(message.starts_with("2 pixels hold NaN"), "{message}");
+        match result {
             Err(PictureError::Value { count, first, .. }) => {
                 assert_eq!((count, first), (2, [3, 1]))
             }
@@ -175,4 +178,27 @@ fn numbers_that_are_no_picture_are_refused() {
         .expect_err("sizes differ")
         .to_string();
     assert!(error.contains("4 × 3 against 3 × 4"), "{error}");
+}
+
+#[test]
+fn fractions_of_code_values_are_decoded_too() {
+    let reference = flat(11, 11, Encoding::Display, [0.0; 3]);
+    // sRGB 187.5 / 255 decodes to 0.499905 (IEC 61966-2-1).
+    let found = scores(
+        &flat(11, 11, Encoding::Display, [187.5; 3]),
+        &reference,
+        None,
+    );
+    assert!(
+        (found.rel_mse.sqrt() - 49.9905).abs() < 1e-3,
+        "{}",
+        found.rel_mse.sqrt()
+    );
+}
+
+#[test]
+fn white_is_not_over_white() {
+    let over = |v: f32| flat(2, 1, Encoding::Linear, [0.1, v, 0.1]).over_white();
+    assert_eq!([over(1.0), over(1.001)], [0, 2]);
+    assert_eq!(flat(2, 1, Encoding::Display, [255.0; 3]).over_white(), 0);
 }

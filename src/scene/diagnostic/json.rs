@@ -49,3 +49,59 @@ fn place(span: &Span) -> Map<String, Value> {
         _ => Map::new(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::diagnostic::Source;
+
+    #[test]
+    fn places_are_lines_and_characters() {
+        let text = "é = 1\n\tkey = [1,\n2]\n".to_owned();
+        let source = Arc::new(Source {
+            path: "a.toml".into(),
+            text,
+        });
+        let span = |range| Span {
+            source: Some(Arc::clone(&source)),
+            range,
+        };
+        let message = Diagnostic::at("wrong-length", span(14..20), "too short")
+            .help("add one")
+            .related(span(0..2), "like this one");
+        let want = json!({
+            "severity": "error",
+            "name": "wrong-length",
+            "message": "too short",
+            "help": "add one",
+            "path": "a.toml",
+            "line": 2,
+            "column": 8,
+            "end_line": 3,
+            "end_column": 3,
+            "related": {
+                "message": "like this one",
+                "path": "a.toml",
+                "line": 1,
+                "column": 1,
+                "end_line": 1,
+                "end_column": 2,
+            },
+        });
+        assert_eq!(message.to_json(), want);
+    }
+
+    #[test]
+    fn a_file_without_text_has_a_path_only() {
+        let message = Diagnostic::in_file("broken-file", "a.glb".as_ref(), "cut short").warning();
+        let want = json!({
+            "severity": "warning",
+            "name": "broken-file",
+            "message": "cut short",
+            "path": "a.glb",
+        });
+        assert_eq!(message.to_json(), want);
+    }
+}

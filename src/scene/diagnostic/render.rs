@@ -178,3 +178,79 @@ fn printable(text: &str) -> String {
         .map(|c| if c == '\n' { c } else { printable_char(c) })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::diagnostic::Source;
+
+    fn at(text: &str, range: std::ops::Range<usize>) -> Diagnostic {
+        let source = Source {
+            path: "a.toml".into(),
+            text: text.to_owned(),
+        };
+        let span = Span {
+            source: Some(Arc::new(source)),
+            range,
+        };
+        Diagnostic::at("kind-of", span, "it is wrong")
+    }
+
+    #[test]
+    fn carets_stand_under_tabs_wide_and_combining_letters() {
+        let text = "\t大e\u{301} = x\r\nnext";
+        let x = text.find('x').expect("it is there");
+        let want = "error[kind-of]: it is wrong\n --> a.toml:1:8\n  |\n\
+                    1 |     大e\u{301} = x\n  |           ^";
+        assert_eq!(at(text, x..x + 1).render(false), want);
+    }
+
+    #[test]
+    fn a_span_over_lines_is_marked_to_the_end_of_its_first() {
+        let text = "a = [\n1,\n]\n";
+        assert!(
+            at(text, 4..text.len())
+                .render(false)
+                .ends_with("1 | a = [\n  |     ^")
+        );
+        let end = at(text, text.len()..text.len()).render(false);
+        assert!(end.ends_with(" --> a.toml:4:1\n  |\n4 |\n  | ^"), "{end}");
+    }
+
+    #[test]
+    fn color_adds_styles_and_nothing_else() {
+        let message = at("a = 1\n", 0..1).help("rename it");
+        let colored = message.render(true);
+        assert!(colored.contains("\u{1b}["));
+        let mut plain = String::new();
+        for (i, part) in colored.split('\u{1b}').enumerate() {
+            let text = part
+                .split_once('m')
+                .filter(|_| i > 0)
+                .map_or(part, |(_, text)| text);
+            plain.push_str(text);
+        }
+        assert_eq!(plain, message.render(false));
+        assert!(!plain.contains('\u{1b}'));
+    }
+
+    #[test]
+    fn far_along_a_long_line_the_caret_still_meets_its_word() {
+        let text = format!("{}wrong{}", "é, ".repeat(400), " b".repeat(400));
+        let start = text.find("wrong").expect("it is there");
+        let shown = at(&text, start..start + 5).render(false);
+        let lines: Vec<_> = shown.lines().collect();
+        let column = |line: &str, word: &str| line.split(word).next().map(|l| l.chars().count());
+        assert_eq!(
+            column(lines[3], "wrong"),
+            column(lines[4], "^^^^^"),
+            "{shown}"
+        );
+        assert!(
+            lines[3].starts_with("1 | …") && lines[3].ends_with('…'),
+            "{shown}"
+        );
+    }
+}

@@ -1,8 +1,8 @@
-//! The doc comments of `desc.rs`, which are the text of the manual, taken from its source.
+//! The doc comments of `desc.rs` and its parts, which are the text of the manual, taken from its source.
 
 use std::sync::LazyLock;
 
-static SOURCE: &str = include_str!("../desc.rs");
+static SOURCE: &str = concat!(include_str!("../desc.rs"), include_str!("../desc/light.rs"));
 
 /// The comment of one type, variant or field.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use serde_json::Value as Json;
 
-use super::value::{Range, Value};
+use super::{range::Range, value::Value};
 
 /// What may stand under a key.
 #[derive(Clone, Debug)]

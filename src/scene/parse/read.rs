@@ -1,20 +1,22 @@
 //! The readers: one per table of the scene text, one line per key. What a key takes is written here
 //! and nowhere else; the manual and the JSON Schema come from running the same readers.
 
+mod instance;
+mod light;
+
 use std::path::PathBuf;
 
-use glam::{EulerRot, Mat4, Quat, Vec3};
+use glam::Vec3;
 
 use super::{
+    range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
     table::{Either, Section, Table},
-    value::{ABOVE_0, ANY, FROM_0, Range, Scale, UNIT, Version, range},
+    value::Version,
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
 /// Divisions around a curved shape.
 const SEGMENTS: Range = range(3.0, 4096.0);
-/// Most copies of one instance.
-const MOST_COPIES: u64 = 100_000;
 /// Most lights of a scene.
 const MOST_LIGHTS: usize = 64;
 
@@ -216,216 +218,6 @@ impl Section for ShapeDesc {
             ],
         )
     }
-}
-
-impl Section for InstanceDesc {
-    const TYPE: &'static str = "InstanceDesc";
-    const ALSO: &'static [&'static str] = &["PlacementDesc"];
-    const HEADING: &'static str = "[[instance]]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let name = t.find("name", ANY);
-        let model = t.need("model", ANY);
-        let placement = placement(t);
-        let dynamic = t.get("dynamic", ANY, false);
-        let repeat = t.table("repeat");
-        let material = t.name_or_table("material").map(|material| match material {
-            Either::Name(name) => InstanceMaterialDesc::Named(name),
-            Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
-        });
-        Some(Self {
-            name,
-            model: model?,
-            placement,
-            dynamic,
-            repeat,
-            material,
-            at: t.start(),
-        })
-    }
-}
-
-fn placement(t: &mut Table) -> PlacementDesc {
-    t.one_of(
-        false,
-        &[
-            &["matrix"],
-            &["translation", "rotation_deg", "rotation_quat", "scale"],
-        ],
-    );
-    t.one_of(false, &[&["rotation_deg"], &["rotation_quat"]]);
-    let translation = t.get("translation", ANY, Vec3::ZERO);
-    let euler = t.get("rotation_deg", ANY, Vec3::ZERO);
-    let quat = t.find::<[f32; 4]>("rotation_quat", ANY);
-    let Scale(scale) = t.get("scale", ANY, Scale(Vec3::ONE));
-    let matrix = t.find::<[f32; 16]>("matrix", ANY);
-    if let Some(columns) = matrix {
-        check_matrix(t, &columns);
-        return PlacementDesc::Matrix(Mat4::from_cols_array(&columns));
-    }
-    if t.has("scale") && scale.as_dvec3().element_product().abs() < SMALLEST_VOLUME {
-        let help = "0 would flatten the model; leave `scale` out for the model's own size";
-        t.refuse("singular", "scale", "`scale` must not be 0", help);
-    }
-    let rotation = match quat {
-        // Degrees are reduced first, so that thousands of turns stay exact.
-        None => {
-            let turns = euler.as_dvec3() % 360.0;
-            let [x, y, z] = turns.to_array().map(f64::to_radians);
-            glam::DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
-        }
-        Some(q) => {
-            let q = glam::DVec4::from_array(q.map(f64::from));
-            if q.length() == 0.0 {
-                let help = "write `[0, 0, 0, 1]` for no rotation";
-                t.refuse(
-                    "zero-direction",
-                    "rotation_quat",
-                    "`rotation_quat` must not be zero",
-                    help,
-                );
-                return PlacementDesc::Trs {
-                    translation,
-                    rotation: Quat::IDENTITY,
-                    scale,
-                };
-            }
-            glam::DQuat::from_vec4(q.normalize()).as_quat()
-        }
-    };
-    PlacementDesc::Trs {
-        translation,
-        rotation,
-        scale,
-    }
-}
-
-/// Scales whose volume is smaller have no inverse in 32-bit floats.
-const SMALLEST_VOLUME: f64 = 1e-30;
-
-fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
-    if [3, 7, 11, 15].map(|i| columns[i]) != [0.0, 0.0, 0.0, 1.0] {
-        let message = "the last row of `matrix` must be 0 0 0 1";
-        let help = "numbers go column by column: every fourth one is of the last row, and the \
-                    translation is numbers 13 to 15";
-        t.refuse("bad-matrix", "matrix", message, help);
-        return;
-    }
-    let matrix = glam::DMat4::from_cols_array(&columns.map(f64::from));
-    if matrix.determinant().abs() < SMALLEST_VOLUME {
-        let message = "`matrix` is singular: it flattens the model";
-        t.refuse(
-            "singular",
-            "matrix",
-            message,
-            "its first three columns must span space",
-        );
-    }
-}
-
-impl Section for RepeatDesc {
-    const TYPE: &'static str = "RepeatDesc";
-    const HEADING: &'static str = "repeat = { … }";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let count: Option<[u32; 3]> = t.need("count", range(1.0, MOST_COPIES as f64));
-        let step = t.need("step", ANY);
-        let copies = count.map_or(1, |c| c.iter().map(|&n| u64::from(n)).product::<u64>());
-        if copies > MOST_COPIES {
-            let message = format!("`count` must be at most {MOST_COPIES} together, not {copies}");
-            t.refuse("out-of-range", "count", &message, "");
-        }
-        Some(Self {
-            count: count?,
-            step: step?,
-        })
-    }
-}
-
-impl Section for LightDesc {
-    const TYPE: &'static str = "LightDesc";
-    const ALSO: &'static [&'static str] = &["LightKind"];
-    const HEADING: &'static str = "[light.NAME]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        let color = t.get("color", FROM_0, Vec3::ONE);
-        let shadow = t.get("shadow", ANY, ShadowMode::default());
-        let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
-        let kind = t.choose(
-            "kind",
-            &[
-                ("point", point_light),
-                ("spot", spot_light),
-                ("directional", directional_light),
-            ],
-        );
-        Some(Self {
-            kind: kind?,
-            color,
-            shadow,
-            shadow_px,
-        })
-    }
-}
-
-fn point_light(t: &mut Table) -> Option<LightKind> {
-    let position = t.need("position", ANY);
-    let intensity_cd = t.need("intensity_cd", FROM_0);
-    Some(LightKind::Point {
-        position: position?,
-        intensity_cd: intensity_cd?,
-    })
-}
-
-fn spot_light(t: &mut Table) -> Option<LightKind> {
-    let position: Option<Vec3> = t.need("position", ANY);
-    t.one_of(true, &[&["direction"], &["target"]]);
-    let written: Option<Vec3> = t.find("direction", ANY);
-    let target: Option<Vec3> = t.find("target", ANY);
-    let key = if written.is_some() {
-        "direction"
-    } else {
-        "target"
-    };
-    let towards = written.or_else(|| Some(target? - position?));
-    let direction = direction(t, key, towards);
-    let intensity_cd = t.need("intensity_cd", FROM_0);
-    let inner_deg = t.get("inner_deg", range(0.0, 90.0).below(), 0.0);
-    let outer_deg = t.get("outer_deg", range(0.0, 90.0).below().above(), 45.0);
-    if t.clean() && inner_deg > outer_deg {
-        let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
-        t.refuse("out-of-range", "inner_deg", &message, "");
-    }
-    Some(LightKind::Spot {
-        position: position?,
-        direction: direction?,
-        intensity_cd: intensity_cd?,
-        inner_deg,
-        outer_deg,
-    })
-}
-
-fn directional_light(t: &mut Table) -> Option<LightKind> {
-    let written = t.need("direction", ANY);
-    let direction = direction(t, "direction", written);
-    let intensity_lux = t.need("intensity_lux", FROM_0);
-    Some(LightKind::Directional {
-        direction: direction?,
-        intensity_lux: intensity_lux?,
-    })
-}
-
-/// The unit vector along `towards`, or a message at `key`.
-fn direction(t: &mut Table, key: &str, towards: Option<Vec3>) -> Option<Vec3> {
-    let unit = towards?.as_dvec3().try_normalize().map(|d| d.as_vec3());
-    if unit.is_none() {
-        let message = match key {
-            "target" => "`target` must differ from `position`",
-            _ => "`direction` must not be zero",
-        };
-        t.refuse("zero-direction", key, message, "the light shines along it");
-    }
-    unit
 }
 
 impl Section for EnvironmentDesc {

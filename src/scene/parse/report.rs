@@ -15,6 +15,8 @@ const MOST: usize = 100;
 pub struct Report {
     sources: Vec<(usize, Arc<Source>)>,
     list: Vec<Diagnostic>,
+    /// The last error beyond [`MOST`], only to be handed out.
+    surplus: Option<Diagnostic>,
     left_out: usize,
     errors: usize,
 }
@@ -78,9 +80,8 @@ impl Report {
         let diagnostic = Diagnostic::at(name, self.span(at), message);
         self.errors += 1;
         if self.is_full() {
-            // The list is sorted and cut at the end anyway; the surplus slot is overwritten.
             self.left_out += 1;
-            self.list.truncate(MOST);
+            return self.surplus.insert(diagnostic);
         }
         self.list.push(diagnostic);
         let last = self.list.len() - 1;
@@ -99,7 +100,6 @@ impl Report {
 
     /// All messages in the order of the text, file first; true if there were errors.
     pub fn finish(mut self) -> (Vec<Diagnostic>, bool) {
-        self.list.truncate(MOST);
         let order = |d: &Diagnostic| {
             let source = d.span.source.as_ref();
             let index =

@@ -185,7 +185,7 @@ fn step<'t, 'i>(
             let named = names.iter().position(|n| n.as_deref() == Some(name));
             let index = named.or_else(|| name.parse().ok());
             let count = items.len();
-            let entry = index.and_then(|i| items.iter_mut().nth(i));
+            let entry = index.and_then(|i| items.get_mut(i));
             if entry.is_none() {
                 let words: Vec<_> = names.iter().flatten().map(String::as_str).collect();
                 let meant = suggest::nearest(name, words).map(suggest::text);

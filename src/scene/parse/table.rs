@@ -1,20 +1,23 @@
 //! The cursor that readers pull keys from. It remembers every key that was asked for, so that what
 //! was not asked for is an error, and, when run for the manual, describes each key instead.
 
+mod nested;
+mod variants;
+
 use std::ops::Range as Bytes;
 
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 use super::{
-    notes::{Form, KeyNote, Notes, Rule},
+    notes::{KeyNote, Notes, Rule},
+    range::Range,
     report::Report,
     suggest,
-    value::{ANY, Named, Node, Range, Value, found, one_of, word, wrong_type},
+    value::{Named, Node, Value},
 };
-use crate::scene::{
-    desc::{At, Entry},
-    diagnostic::Span,
-};
+use crate::scene::diagnostic::Span;
+
+pub use self::nested::Either;
 
 /// A description that is written as a table.
 pub trait Section: Sized {
@@ -26,17 +29,6 @@ pub trait Section: Sized {
     const HEADING: &'static str;
     /// Pulls every key; what is wrong goes to the report.
     fn read(table: &mut Table) -> Option<Self>;
-}
-
-/// Reader of one variant of a table with a `kind`.
-pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);
-
-/// A name, or a table in its place.
-pub enum Either<T> {
-    /// The name.
-    Name(At<String>),
-    /// What the table says.
-    Nested(T),
 }
 
 /// Where a table stands.
@@ -206,205 +198,6 @@ impl<'r, 'i> Table<'r, 'i> {
         V::read(node, &Named { key, range: &range }, self.report)
     }
 
-    /// A table right of `key =`, or `[….key]`.
-    pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
-        self.note(key, || KeyNote::new(key, Form::Table(T::TYPE)));
-        self.describe_nested::<T>();
-        let node = self.values.get(key)?;
-        self.nested(key, node)
-    }
-
-    /// A name, or a table in its place.
-    pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
-        self.note(key, || {
-            KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
-        });
-        self.describe_nested::<T>();
-        let node = self.values.get(key)?;
-        match node.get_ref() {
-            DeValue::Table(_) => self.nested(key, node).map(Either::Nested),
-            _ => self.name(key, node).map(Either::Name),
-        }
-    }
-
-    /// A name, or tables `[….key.NAME]` in its place.
-    pub fn name_or_entries<T: Section>(
-        &mut self,
-        key: &'static str,
-    ) -> Option<Either<Vec<Entry<T>>>> {
-        self.note(key, || {
-            KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
-        });
-        self.describe_nested::<T>();
-        let node = self.values.get(key)?;
-        match node.get_ref() {
-            DeValue::Table(_) => Some(Either::Nested(self.nested_entries(key, node))),
-            _ => self.name(key, node).map(Either::Name),
-        }
-    }
-
-    fn name(&mut self, key: &'static str, node: &Node) -> Option<At<String>> {
-        if !node.get_ref().is_str() {
-            wrong_type(node, key, "a name in quotes or a table", self.report);
-            return None;
-        }
-        self.plain(key, ANY)
-    }
-
-    /// All tables `[key.NAME]`, in the order of the file.
-    pub fn entries<T: Section>(&mut self, key: &'static str) -> Vec<Entry<T>> {
-        self.note(key, || KeyNote::new(key, Form::Entries(T::TYPE)));
-        self.describe_nested::<T>();
-        let node = self.values.get(key);
-        node.map_or_else(Vec::new, |node| self.nested_entries(key, node))
-    }
-
-    /// All tables `[[key]]`.
-    pub fn list<T: Section>(&mut self, key: &'static str) -> Vec<T> {
-        self.note(key, || KeyNote::new(key, Form::List(T::TYPE)));
-        self.describe_nested::<T>();
-        let Some(node) = self.values.get(key) else {
-            return Vec::new();
-        };
-        let Some(items) = node.get_ref().as_array() else {
-            let message = format!("`{key}` must be a list of tables, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_at(key), message);
-            error.help = Some(format!("write `[[{key}]]`, with two brackets on each side"));
-            return Vec::new();
-        };
-        let read = |item: &Node| match item.get_ref() {
-            DeValue::Table(values) => {
-                let place = Place {
-                    in_list: true,
-                    ..self.place.nested(key, item.span())
-                };
-                Table::read(self.report, values, place)
-            }
-            _ => {
-                let message = format!("each `{key}` must be a table, not {}", found(item));
-                self.report.error("wrong-type", &item.span(), message);
-                None
-            }
-        };
-        items.iter().filter_map(read).collect()
-    }
-
-    fn describe_nested<T: Section>(&mut self) {
-        if let Some(notes) = &mut self.notes {
-            Table::describe::<T>(notes);
-        }
-    }
-
-    fn nested<T: Section>(&mut self, key: &str, node: &Node) -> Option<T> {
-        let DeValue::Table(values) = node.get_ref() else {
-            wrong_type(node, key, "a table", self.report);
-            return None;
-        };
-        Table::read(self.report, values, self.place.nested(key, node.span()))
-    }
-
-    fn nested_entries<T: Section>(&mut self, key: &str, node: &Node) -> Vec<Entry<T>> {
-        let place = self.place.nested(key, node.span());
-        let example = format!("write `[{}.NAME]`, with a name of your choice", place.path);
-        let DeValue::Table(entries) = node.get_ref() else {
-            let message = format!("`{key}` must be tables with names, not {}", found(node));
-            let error = self.report.error("wrong-type", &self.key_at(key), message);
-            error.help = Some(example);
-            return Vec::new();
-        };
-        let mut all: Vec<_> = entries.iter().collect();
-        all.sort_by_key(|(name, _)| name.span().start);
-        let mut read = Vec::new();
-        let mut nameless = false;
-        for (name, node) in all {
-            let DeValue::Table(values) = node.get_ref() else {
-                // The next keys of a table without its name are the same mistake.
-                if !std::mem::replace(&mut nameless, true) {
-                    let (key, title) = (suggest::key(name.get_ref()), place.title());
-                    let message = format!("{key} must be a table, because {title} holds names");
-                    let error = self.report.error("wrong-type", &name.span(), message);
-                    error.help = Some(example.clone());
-                }
-                continue;
-            };
-            let place = place.nested(name.get_ref(), node.span());
-            if let Some(value) = Table::read(self.report, values, place) {
-                let at = self.report.span(&name.span());
-                read.push(Entry {
-                    name: name.get_ref().to_string(),
-                    at,
-                    value,
-                });
-            }
-        }
-        read
-    }
-
-    /// The variant that `key` names, read by its own reader. Ask for the common keys first: what is
-    /// unknown after this is looked for in the other variants.
-    pub fn choose<T>(&mut self, key: &'static str, variants: &[Variant<T>]) -> Option<T> {
-        self.asked.push(key);
-        if let Some(notes) = &mut self.notes {
-            for (word, read) in variants {
-                notes.open_variant(key, word);
-                let (mut report, nothing) = (Report::default(), DeTable::new());
-                read(&mut Table::new(
-                    &mut report,
-                    &nothing,
-                    Place::default(),
-                    Some(notes),
-                ));
-            }
-            notes.close_variants();
-            return None;
-        }
-        let words: Vec<_> = variants.iter().map(|v| v.0).collect();
-        let chosen = match self.values.get(key) {
-            Some(node) => word(node, key, &words, self.report),
-            None => {
-                self.missing
-                    .push((key, format!("write `{key} = …`, {}", one_of(&words))));
-                None
-            }
-        };
-        let Some(chosen) = chosen else {
-            // Without the kind nobody can say which keys are wrong.
-            self.asked
-                .extend(variants.iter().flat_map(|v| keys_of(v.1)));
-            return None;
-        };
-        let read = variants.iter().find(|v| v.0 == chosen)?.1;
-        let value = read(self);
-        self.refuse_keys_of_other_kinds(key, chosen, variants);
-        value
-    }
-
-    fn refuse_keys_of_other_kinds<T>(&mut self, kind: &str, chosen: &str, all: &[Variant<T>]) {
-        for (key, _) in self.unknown() {
-            let name = key.get_ref().as_ref();
-            let others = all.iter().filter(|v| keys_of(v.1).contains(&name));
-            let others: Vec<_> = others.map(|v| v.0).collect();
-            let mine = all
-                .iter()
-                .filter(|v| v.0 == chosen)
-                .flat_map(|v| keys_of(v.1));
-            let mine: Vec<_> = mine.collect();
-            let Some(known) = all.iter().flat_map(|v| keys_of(v.1)).find(|k| *k == name) else {
-                continue;
-            };
-            self.asked.push(known);
-            let chosen = suggest::text(chosen);
-            let message = format!("`{name}` does not go with `{kind} = {chosen}`");
-            let error = self.report.error("unknown-key", &key.span(), message);
-            let meant = suggest::nearest(name, mine.iter().copied());
-            self.missing.retain(|(key, _)| Some(*key) != meant);
-            let meant = meant
-                .map(|m| format!("did you mean `{m}`? "))
-                .unwrap_or_default();
-            error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
-        }
-    }
-
     fn unknown(&self) -> Vec<(&'r toml::Spanned<toml::de::DeString<'i>>, &'r Node<'i>)> {
         let asked = |key: &str| self.asked.contains(&key);
         self.values
@@ -448,14 +241,13 @@ impl<'r, 'i> Table<'r, 'i> {
             notes.rule(Rule { required, groups });
             return;
         }
-        let present: Vec<_> = groups
+        let mut present: Vec<_> = groups
             .iter()
             .filter_map(|group| group.iter().find(|key| self.has(key)))
             .map(|key| (*key, self.key_at(key)))
             .collect();
-        let mut order = present;
-        order.sort_by_key(|(_, at)| at.start);
-        match order.as_slice() {
+        present.sort_by_key(|(_, at)| at.start);
+        match present.as_slice() {
             [] if required => {
                 let keys = groups
                     .iter()
@@ -483,14 +275,4 @@ impl<'r, 'i> Table<'r, 'i> {
         let error = self.report.error(name, &at, message);
         error.help = (!help.is_empty()).then(|| help.to_owned());
     }
-}
-
-/// The keys that a variant's reader asks for.
-fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
-    let (mut report, nothing) = (Report::default(), DeTable::new());
-    let mut notes = Notes::default();
-    let mut table = Table::new(&mut report, &nothing, Place::default(), None);
-    table.notes = Some(&mut notes);
-    read(&mut table);
-    table.asked
 }

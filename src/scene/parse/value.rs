@@ -5,120 +5,15 @@ use glam::Vec3;
 use serde_json::{Value as Json, json};
 use toml::{Spanned, de::DeValue};
 
-use super::{report::Report, suggest};
+use super::{
+    range::{ANY, LIMIT, Range},
+    report::Report,
+    suggest,
+};
 use crate::scene::desc::At;
 
 /// A value in the tree with its positions.
 pub type Node<'i> = Spanned<DeValue<'i>>;
-
-/// Largest magnitude of any number: its cube is still finite in 32-bit floats.
-pub const LIMIT: f64 = 1e12;
-
-/// The numbers that a key takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// Smallest.
-    pub min: f64,
-    /// Largest.
-    pub max: f64,
-    /// Whether `min` itself is excluded.
-    pub above_min: bool,
-    /// Whether `max` itself is excluded.
-    pub below_max: bool,
-}
-
-/// Any finite number.
-pub const ANY: Range = range(-LIMIT, LIMIT);
-/// 0 or more.
-pub const FROM_0: Range = range(0.0, LIMIT);
-/// Above 0.
-pub const ABOVE_0: Range = Range {
-    above_min: true,
-    ..FROM_0
-};
-/// 0 to 1.
-pub const UNIT: Range = range(0.0, 1.0);
-
-/// `min` to `max`, both included.
-pub const fn range(min: f64, max: f64) -> Range {
-    Range {
-        min,
-        max,
-        above_min: false,
-        below_max: false,
-    }
-}
-
-impl Range {
-    /// The same without its upper end.
-    pub const fn below(self) -> Self {
-        Self {
-            below_max: true,
-            ..self
-        }
-    }
-
-    /// The same without its lower end.
-    pub const fn above(self) -> Self {
-        Self {
-            above_min: true,
-            ..self
-        }
-    }
-
-    fn contains(&self, x: f64) -> bool {
-        let low = if self.above_min {
-            x > self.min
-        } else {
-            x >= self.min
-        };
-        let high = if self.below_max {
-            x < self.max
-        } else {
-            x <= self.max
-        };
-        low && high
-    }
-
-    /// In words, such as `1 to 170` or `above 0`; empty for any number.
-    pub fn words(&self) -> String {
-        let low = self.min > -LIMIT;
-        let high = self.max < LIMIT;
-        match (low, high) {
-            (false, false) => String::new(),
-            (true, false) if self.above_min => format!("above {}", self.min),
-            (true, false) => format!("{} or more", self.min),
-            (false, true) => format!("at most {}", self.max),
-            (true, true) if self.above_min || self.below_max => {
-                let low = if self.above_min { "above" } else { "at least" };
-                let high = if self.below_max { "below" } else { "at most" };
-                format!("{low} {} and {high} {}", self.min, self.max)
-            }
-            (true, true) => format!("{} to {}", self.min, self.max),
-        }
-    }
-
-    fn schema(&self, kind: &str) -> Json {
-        let low = if self.above_min {
-            "exclusiveMinimum"
-        } else {
-            "minimum"
-        };
-        let high = if self.below_max {
-            "exclusiveMaximum"
-        } else {
-            "maximum"
-        };
-        let bound = |x: f64| {
-            if x.fract() == 0.0 {
-                json!(x as i64)
-            } else {
-                json!(x)
-            }
-        };
-        json!({ "type": kind, low: bound(self.min), high: bound(self.max) })
-    }
-}
 
 /// What a message calls the value, such as `fov_deg` or `eye[1]`.
 pub struct Named<'a> {
@@ -451,73 +346,4 @@ impl Value for Scale {
             }
         }
     }
-}
-
-/// Implements [`Value`] for an enum that is written as one of some words.
-macro_rules! words {
-    ($type:ident { $($word:literal => $variant:expr),+ $(,)? }) => {
-        impl Value for $type {
-            const WORDS: Option<(&'static str, &'static [&'static str])> =
-                Some((stringify!($type), &[$($word),+]));
-
-            fn expected() -> String {
-                const WORDS: &[&str] = &[$($word),+];
-                one_of(WORDS)
-            }
-            fn schema(_: &Range) -> Json {
-                json!({ "enum": [$($word),+] })
-            }
-            fn to_json(&self) -> Json {
-                $(if *self == $variant { return json!($word); })+
-                Json::Null
-            }
-            fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
-                match word(node, named.key, &[$($word),+], report)? {
-                    $($word => Some($variant),)+
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-
-use crate::scene::desc::{Method, ReflectionMode, ShadowMode, ToneMap};
-
-words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
-words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
-words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
-words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
-
-/// `"a", "b" or "c"`.
-pub fn one_of(words: &[&str]) -> String {
-    let quoted: Vec<_> = words.iter().map(|w| suggest::text(w)).collect();
-    match quoted.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-        _ => quoted.concat(),
-    }
-}
-
-/// One of `words`, or a message with the nearest.
-pub fn word(
-    node: &Node,
-    key: &str,
-    words: &[&'static str],
-    report: &mut Report,
-) -> Option<&'static str> {
-    let Some(written) = node.get_ref().as_str() else {
-        wrong_type(node, key, &one_of(words), report);
-        return None;
-    };
-    let known = words.iter().copied().find(|w| *w == written);
-    if known.is_none() {
-        let message = format!(
-            "`{key}` must be {}, not {}",
-            one_of(words),
-            suggest::text(written)
-        );
-        let help = suggest::nearest(written, words.iter().copied());
-        report.error("unknown-word", &node.span(), message).help =
-            help.map(|w| format!("did you mean {}?", suggest::text(w)));
-    }
-    known
 }

@@ -223,3 +223,11 @@ fn moved_instances_are_found_where_they_are() {
     let outside = |n: &[CwBvhNode]| [&n[..1], &n[trees.top_range.end..]].concat();
     assert!(outside(&before) == outside(&trees.nodes));
 }
+
+#[test]
+fn trees_deeper_than_the_stack_are_refused() {
+    let node = [CwBvhNode::default()];
+    assert!(check_nodes(&node, STACK_SIZE, LIMIT).is_ok());
+    let refused = check_nodes(&node, STACK_SIZE + 1, LIMIT).unwrap_err();
+    assert_eq!(refused.name, "geometry-too-deep");
+}

@@ -1,0 +1,260 @@
+//! Where a glTF file may reach and how much it may cost: paths, images, random damage.
+
+mod gltf_kit;
+
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
+
+use gltf_kit::{Doc, Folder, load_scene, one_error, png, rich, scene};
+use reflet::world::load::{LoadOptions, load};
+use serde_json::{Value, json};
+
+#[test]
+fn uris_cannot_leave_the_allowed_folders() {
+    let (outside, root) = (Folder::new(), Folder::new());
+    let secret = outside.write("secret.bin", [0; 64]);
+    let secret = secret.to_str().expect("UTF-8");
+    let up = format!(
+        "../{}/secret.bin",
+        outside.0.file_name().expect("name").to_string_lossy()
+    );
+    fs::create_dir(root.0.join("deep")).expect("folder");
+    let mut uris = vec![
+        secret.to_owned(),
+        up.clone(),
+        format!("deep/../{up}"),
+        format!("./{up}"),
+        up.replace("../", "%2e%2e/"),
+        up.replace("../", "..%2F"),
+        up.replace("../", "..\\"),
+        up.replace("../", "..%5C"),
+        format!("file://{secret}"),
+        format!("FILE:{secret}"),
+        "http://example.org/a.bin".into(),
+        "https:a.bin".into(),
+        "ftp://example.org/a".into(),
+        "c:/windows/a.bin".into(),
+        "javascript:0".into(),
+        "%2Fetc/passwd".into(),
+        "/dev/zero".into(),
+        "//host/share/a.bin".into(),
+        "\\\\host\\share".into(),
+        "../".repeat(100) + "etc/passwd",
+        "a\0b".into(),
+        "a%00b".into(),
+        String::new(),
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&outside.0, root.0.join("link")).expect("link");
+        std::os::unix::fs::symlink(secret, root.0.join("link.bin")).expect("link");
+        uris.extend(["link/secret.bin".into(), "link.bin".into()]);
+    }
+    for uri in &uris {
+        let mut doc = Doc::triangle();
+        doc.json["buffers"][0]["uri"] = uri.as_str().into();
+        root.write("m.gltf", serde_json::to_vec(&doc.json).expect("JSON"));
+        let (name, message) = one_error(load_scene(&scene(&root.0, "m.gltf")));
+        assert_eq!(name, "path-escape", "buffer {uri:?}: {message}");
+
+        let mut doc = rich();
+        doc.json["images"] = json!([{"uri": uri}]);
+        root.write("m.glb", doc.glb());
+        let errors = load_scene(&scene(&root.0, "m.glb")).expect_err(uri);
+        assert!(
+            errors.iter().all(|e| e.name == "path-escape"),
+            "image {uri:?}: {errors:#?}"
+        );
+
+        // Names in scene text are not percent-decoded: there such a code is just an odd name.
+        let errors = load_scene(&scene(&root.0, uri)).expect_err(uri);
+        let expected = if uri.contains('%') {
+            "file-not-found"
+        } else {
+            "path-escape"
+        };
+        assert_eq!(errors[0].name, expected, "scene {uri:?}: {errors:#?}");
+    }
+    for (uri, expected) in [
+        ("%ff%fe.bin", "uri-broken"),
+        (".", "not-a-file"),
+        ("deep", "not-a-file"),
+    ] {
+        let mut doc = Doc::triangle();
+        doc.json["buffers"][0]["uri"] = uri.into();
+        root.write("m.gltf", serde_json::to_vec(&doc.json).expect("JSON"));
+        assert_eq!(
+            one_error(load_scene(&scene(&root.0, "m.gltf"))).0,
+            expected,
+            "{uri}"
+        );
+    }
+    // Inside the allowed folders `..` is fine.
+    let doc = Doc::triangle();
+    root.write("buffer.bin", &doc.bin);
+    let mut json = doc.json;
+    json["buffers"][0]["uri"] = "../buffer.bin".into();
+    root.write("deep/m.gltf", serde_json::to_vec(&json).expect("JSON"));
+    assert!(load_scene(&scene(&root.0, "deep/m.gltf")).is_ok());
+}
+
+/// Loads a file with this image and gives the error's name.
+fn image_error(image: &[u8]) -> &'static str {
+    let mut doc = Doc::triangle();
+    let texture = doc.texture(image);
+    doc.add(
+        "materials",
+        json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}),
+    );
+    doc.primitive("material", 0.into());
+    let start = Instant::now();
+    let (name, message) = doc.error();
+    assert!(message.starts_with("image 0"), "{message}");
+    assert!(start.elapsed() < Duration::from_secs(2), "{message}");
+    name
+}
+
+#[test]
+fn image_bombs_are_stopped_at_the_header() {
+    let good = png(4, 4, [1, 2, 3, 4]);
+    let sized = |width: u32, height: u32| {
+        let mut bytes = good.clone();
+        bytes[16..20].copy_from_slice(&width.to_be_bytes());
+        bytes[20..24].copy_from_slice(&height.to_be_bytes());
+        bytes
+    };
+    for (width, height) in [(100_000, 100_000), (16385, 1), (0, 4), (u32::MAX, u32::MAX)] {
+        assert_eq!(
+            image_error(&sized(width, height)),
+            "image-too-large",
+            "{width} × {height}"
+        );
+    }
+    assert_eq!(image_error(&sized(8, 8)), "image-broken", "wrong checksum");
+    // One pixel over the JPEG limit of this loader, in an otherwise endless header.
+    let jpeg = [
+        &[0xFF, 0xD8, 0xFF, 0xC0, 0, 17, 8, 0x40, 0x01, 0x40, 0x01, 3][..],
+        &[0; 9],
+    ]
+    .concat();
+    assert_eq!(image_error(&jpeg), "image-too-large");
+    for (bytes, expected) in [
+        (&good[..good.len() / 2], "image-broken"),
+        (&good[..20], "image-broken"),
+        (&[0xFF, 0xD8, 0xFF][..], "image-broken"),
+        (&[0xFF, 0xD8, 0xFF, 0xDA, 0, 2][..], "image-broken"),
+        (b"RIFF\0\0\0\0WEBPVP8 ", "image-unsupported"),
+        (b"<svg></svg>", "image-unsupported"),
+    ] {
+        assert_eq!(image_error(bytes), expected, "{bytes:?}");
+    }
+}
+
+#[test]
+fn all_images_together_have_a_budget() {
+    let folder = Folder::new();
+    folder.write("m.glb", rich().glb()); // 4 × 4 pixels, twice: 128 bytes
+    let desc = scene(&folder.0, "m.glb");
+    for (image_budget_bytes, max_texture_px, expected) in [
+        (128, 4, None),
+        (127, 4, Some("image-budget")),
+        (128, 3, Some("image-too-large")),
+    ] {
+        let options = LoadOptions {
+            image_budget_bytes,
+            max_texture_px,
+            ..LoadOptions::default()
+        };
+        assert_eq!(load(&desc, &options).err().map(|e| e[0].name), expected);
+    }
+    let options = LoadOptions {
+        max_file_bytes: 100,
+        ..LoadOptions::default()
+    };
+    assert_eq!(one_error(load(&desc, &options)).0, "file-too-large");
+}
+
+/// xorshift64*, so that every run sees the same files.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize % end
+    }
+}
+
+/// Every number in the JSON, for mutations that the parser lets through.
+fn numbers(value: &mut Value) -> Vec<&mut Value> {
+    match value {
+        Value::Number(_) => vec![value],
+        Value::Array(list) => list.iter_mut().flat_map(numbers).collect(),
+        Value::Object(map) => map.values_mut().flat_map(numbers).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn mutated_files_never_panic() {
+    let (doc, folder, mut random) = (rich(), Folder::new(), Random(0x5EED));
+    let good = doc.glb();
+    let values = [
+        0u64,
+        1,
+        2,
+        3,
+        7,
+        255,
+        5121,
+        5126,
+        65536,
+        1 << 24,
+        1 << 31,
+        1 << 32,
+        1 << 63,
+        u64::MAX,
+    ];
+    let (mut loaded, mut slowest) = (0, Duration::ZERO);
+    for round in 0..2000 {
+        let bytes = if round % 2 == 0 {
+            let mut bytes = good.clone();
+            for _ in 0..=random.below(4) {
+                let at = random.below(bytes.len());
+                bytes[at] = random.below(256) as u8;
+            }
+            bytes
+        } else {
+            let mut doc = doc.clone();
+            for _ in 0..=random.below(2) {
+                let mut all = numbers(&mut doc.json);
+                let at = random.below(all.len());
+                *all[at] = values[random.below(values.len())].into();
+            }
+            doc.glb()
+        };
+        folder.write("m.glb", &bytes);
+        let start = Instant::now();
+        match load_scene(&scene(&folder.0, "m.glb")) {
+            Ok(_) => loaded += 1,
+            Err(errors) => {
+                let internal = errors.iter().any(|e| e.name == "internal");
+                assert!(!internal, "round {round} panicked: {errors:#?}");
+            }
+        }
+        slowest = slowest.max(start.elapsed());
+        assert!(
+            start.elapsed() < Duration::from_secs(2),
+            "round {round} took {:?}",
+            start.elapsed()
+        );
+    }
+    println!("2000 mutations: {loaded} load, slowest {slowest:?}");
+    assert!(
+        (100..1900).contains(&loaded),
+        "mutations should sometimes do harm: {loaded} load"
+    );
+}
