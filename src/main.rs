@@ -1,4 +1,5 @@
-//! Entry point: arguments in, exit code out (0; 1 internal, 2 usage, 3 scene, 4 no usable GPU).
+//! Entry point: arguments in, exit code out (0; 1 internal, 2 usage, 3 scene,
+//! 4 no usable GPU, 6 a comparison crossed a threshold).
 
 use std::{env, panic, process::ExitCode};
 

@@ -318,6 +318,38 @@ fn one_pixel_and_a_broken_shader_of_ones_own() {
     assert!(!folder.join("c.png").exists());
 }
 
+#[test]
+fn the_schema_and_the_manual_are_printed() {
+    let folder = folder("manual");
+    let [schema, _] = exits(&folder, &["schema"], 0);
+    let schema: serde_json::Value = serde_json::from_str(&schema).expect("JSON");
+    assert!(schema["properties"]["reflection"].is_object());
+    let [manual, _] = exits(&folder, &["manual"], 0);
+    assert!(manual.contains("threshold_u"));
+}
+
+#[test]
+fn comparing_a_picture_with_itself_passes_and_a_crossed_threshold_exits_with_6() {
+    let folder = folder("compare");
+    for (name, value) in [("a.png", 10_u8), ("b.png", 240)] {
+        let picture = image::RgbImage::from_pixel(32, 32, image::Rgb([value; 3]));
+        picture.save(folder.join(name)).expect("temporary picture");
+    }
+    exits(
+        &folder,
+        &["compare", "a.png", "a.png", "--max-flip", "0.01"],
+        0,
+    );
+    let [out, _] = exits(
+        &folder,
+        &["compare", "a.png", "b.png", "--max-flip", "0.01"],
+        6,
+    );
+    assert!(out.contains("FAILED"), "{out}");
+    let [_, error] = exits(&folder, &["compare", "a.png", "gone.png"], 2);
+    assert!(error.contains("gone.png"), "{error}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_reader_that_leaves_early_is_no_error() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::scene::desc::Method;
+use crate::{bench::compare::CompareArgs, scene::desc::Method};
 
 /// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
 /// traced only where that fails.
@@ -25,6 +25,12 @@ pub enum Command {
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in metres, memory; needs no GPU
     Info(InfoArgs),
+    /// Judge a picture against a reference
+    Compare(CompareArgs),
+    /// Print the JSON Schema of scene text, for editors
+    Schema,
+    /// Print the manual of scene text, as Markdown
+    Manual,
 }
 
 /// Where the scene comes from and what is changed in it.
@@ -47,6 +53,7 @@ pub struct RenderArgs {
     /// Picture to write: .png (tone-mapped) or .exr (linear radiance)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// What is changed in it
     #[command(flatten)]
     pub from: SceneArgs,
     /// Width and height in pixels, each 1 to 16384
@@ -81,6 +88,7 @@ pub struct RenderArgs {
 pub struct CheckArgs {
     /// Scene file
     pub scene: PathBuf,
+    /// What is changed in it
     #[command(flatten)]
     pub from: SceneArgs,
 }
@@ -90,6 +98,7 @@ pub struct CheckArgs {
 pub struct InfoArgs {
     /// Scene file; without one, the built-in atrium
     pub scene: Option<PathBuf>,
+    /// What is changed in it
     #[command(flatten)]
     pub from: SceneArgs,
     /// Print JSON

@@ -7,6 +7,11 @@ use std::{
 
 use clap::Parser as _;
 
+use crate::{
+    bench::compare::{CompareArgs, compare},
+    scene::{manual::manual, schema::schema},
+};
+
 pub mod aov;
 pub mod cli;
 pub mod error;
@@ -29,6 +34,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Render(args) => render::render(&args),
         Command::Check(args) => check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Compare(args) => run_compare(&args),
+        Command::Schema => print_json(&schema()),
+        Command::Manual => print_out(&manual()),
     }
 }
 
@@ -40,6 +48,20 @@ fn check(args: &CheckArgs) -> Result<(), AppError> {
         n => format!(", {n} warnings"),
     };
     print_out(&format!("{}: ok{warnings}\n", loaded.name))
+}
+
+fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
+    let comparison = compare(args).map_err(|diagnostic| AppError::Picture(vec![*diagnostic]))?;
+    print_out(&if args.json {
+        comparison.to_json()
+    } else {
+        comparison.to_string()
+    })?;
+    if comparison.passed() {
+        Ok(())
+    } else {
+        Err(AppError::Threshold)
+    }
 }
 
 /// Writes to standard output. A reader that has seen enough (`reflet manual | head`) is no error.

@@ -1,5 +1,5 @@
 //! Small glTF files made in code, and their loading, for the tests beside.
-#![allow(dead_code)] // each test file uses its own part
+#![allow(dead_code, reason = "not every test uses every helper")] // each test file uses its own part
 
 use std::{
     fs,

@@ -94,6 +94,9 @@ impl Sandbox {
     }
 
     /// Reads a file that [`Sandbox::resolve`] gave, up to the size cap.
+    ///
+    /// # Errors
+    /// The file cannot be read or is larger than the cap.
     pub fn read(&self, path: &Path) -> Result<Vec<u8>, Fault> {
         let unreadable =
             |e: std::io::Error| Fault::new("file-unreadable", format!("cannot be read: {e}"));
