@@ -170,7 +170,7 @@ impl Notes {
 }
 
 /// Most bytes that one file's geometry may decode to.
-const GEOMETRY_BUDGET_BYTES: u64 = 4 << 30;
+const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
 /// Most errors that are listed for one file.
 const MAX_ERRORS: usize = 20;
