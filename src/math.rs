@@ -77,3 +77,21 @@ impl Bounds {
         }))
     }
 }
+
+/// Linear light of an sRGB value, both 0 to 1 (IEC 61966-2-1).
+pub fn linear_from_srgb(v: f32) -> f32 {
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// sRGB value of linear light, both 0 to 1 (IEC 61966-2-1).
+pub fn srgb_from_linear(v: f32) -> f32 {
+    if v <= 0.003_130_8 {
+        v * 12.92
+    } else {
+        1.055 * v.powf(1.0 / 2.4) - 0.055
+    }
+}

@@ -1,1 +1,17 @@
-//! wgpu without opinions.
+//! wgpu without opinions: device, shaders, bindings by name, timings, readback. Knows no scene.
+
+pub mod bind;
+pub mod context;
+mod naga_types;
+pub mod pipeline;
+pub mod readback;
+pub mod reflect;
+pub mod shader;
+pub mod timer;
+
+pub use bind::GroupLayout;
+pub use context::{Gpu, GpuError, GpuOptions};
+pub use pipeline::{Checks, Shader};
+pub use reflect::{ShaderModuleInfo, check};
+pub use shader::{ShaderError, ShaderLibrary, ShaderSource};
+pub use timer::Timer;

@@ -1,12 +1,16 @@
 //! The scene as people write it: plain data, its defaults, and its manual.
 //!
 //! Every field's comment says meaning, unit, range and what more of it does; `docs/scene.md` and
-//! `reflet schema` are generated from these comments, so this file *is* the manual.
+//! `reflet schema` are generated from these comments, so this file *is* the manual. A key that has
+//! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
+
+mod light;
 
 use std::path::PathBuf;
 
 use glam::{Mat4, Quat, Vec3};
 
+pub use self::light::{LightDesc, LightKind, ShadowMode};
 use super::diagnostic::Span;
 
 /// A named table such as `[camera.main]`, in file order.
@@ -29,7 +33,9 @@ pub struct At<T> {
     pub at: Span,
 }
 
-/// A whole scene file. `version = 1` is required; every other key has a default.
+/// Tables may be left out, and may stand in any order.
+///
+/// - `version`: version of the scene text; this manual describes 1.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SceneDesc {
     /// Folder that relative file names start from (the scene file's own).
@@ -55,15 +61,15 @@ pub struct SceneDesc {
 /// `[camera.NAME]`
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDesc {
-    /// Position, metres.
+    /// Position, meters.
     pub eye: Vec3,
-    /// The point looked at, metres; must differ from `eye`.
+    /// The point looked at, meters; must differ from `eye`.
     pub target: Vec3,
     /// Direction that is up in the picture.
     pub up: Vec3,
     /// Vertical field of view, degrees, 1 to 170. More shows more and shrinks everything.
     pub fov_deg: f32,
-    /// Nearest visible distance, metres, above 0. There is no far plane.
+    /// Nearest visible distance, meters, above 0. There is no far plane.
     pub near_m: f32,
 }
 
@@ -102,15 +108,15 @@ pub struct MaterialDesc {
     pub base_color_texture: Option<At<String>>,
     /// Procedural checker in place of a base color texture.
     pub checker: Option<CheckerDesc>,
-    /// 0 (dielectric) to 1 (metal). Default 0.
+    /// Metalness, 0 to 1: 0 is a dielectric, 1 a metal. Default 0.
     pub metallic: Option<f32>,
-    /// Perceptual roughness, 0 (polished) to 1 (matte). Default 1.
+    /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
     pub roughness: Option<f32>,
     /// Image file: green = roughness, blue = metallic, both multiplied with the numbers above.
     pub metallic_roughness_texture: Option<At<String>>,
     /// Tangent-space normal map (glTF convention, green is up).
     pub normal_texture: Option<At<String>>,
-    /// Strength of the normal map, 0 (flat) to 4. Default 1.
+    /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made. Default 1.
     pub normal_scale: Option<f32>,
     /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
     pub emission: Option<Vec3>,
@@ -124,7 +130,7 @@ pub struct MaterialDesc {
     pub alpha_cutoff: Option<f32>,
     /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
     pub double_sided: Option<bool>,
-    /// `"none"`, `"auto"` or `"mirror"`. Default `"auto"`.
+    /// How it takes part in reflections. Default `"auto"`.
     pub reflection: Option<ReflectionMode>,
     /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
     /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
@@ -136,7 +142,7 @@ pub struct MaterialDesc {
 pub struct CheckerDesc {
     /// The two linear colors, each three numbers 0 to 1.
     pub colors: [Vec3; 2],
-    /// Edge of one cell, metres in object space, above 0.
+    /// Edge of one cell, meters in object space, above 0.
     pub size_m: f32,
 }
 
@@ -145,7 +151,8 @@ pub struct CheckerDesc {
 pub struct ModelDesc {
     /// Where the geometry comes from.
     pub source: ModelSource,
-    /// For shapes: the name of a `[material.NAME]`.
+    /// For shapes: the name of a `[material.NAME]`. For files: tables `[model.NAME.material.M]`,
+    /// each overriding the file's material `M`, or all of them as `"*"`.
     pub material: Option<At<String>>,
     /// For files: `[model.NAME.material.M]` overrides of the file's materials by name.
     pub overrides: Vec<Entry<MaterialDesc>>,
@@ -162,40 +169,40 @@ pub enum ModelSource {
     Shape(ShapeDesc),
 }
 
-/// `shape = { kind = "…" }`, centred on the origin unless said; curved ones are tessellated.
+/// `shape = { kind = "…" }`, centered on the origin unless said; curved ones are tessellated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShapeDesc {
     /// `"plane"`: in XZ, facing +Y.
     Plane {
-        /// Edge lengths along X and Z, metres, above 0. Default [1, 1].
+        /// Edge lengths along X and Z, meters, above 0. Default [1, 1].
         size: [f32; 2],
     },
     /// `"box"`
     Box {
-        /// Edge lengths, metres, above 0. Default [1, 1, 1].
+        /// Edge lengths, meters, above 0. Default [1, 1, 1].
         size: Vec3,
     },
     /// `"sphere"`
     Sphere {
-        /// Metres, above 0. Default 0.5.
+        /// Radius, meters, above 0. Default 0.5.
         radius: f32,
         /// Divisions around, 3 to 4096; half as many from pole to pole. More is rounder. Default 128.
         segments: u32,
     },
     /// `"cylinder"`: axis Y, standing on y = 0, with caps.
     Cylinder {
-        /// Metres, above 0. Default 0.5.
+        /// Radius, meters, above 0. Default 0.5.
         radius: f32,
-        /// Metres, above 0. Default 1.
+        /// Height, meters, above 0. Default 1.
         height: f32,
         /// Divisions around, 3 to 4096. Default 64.
         segments: u32,
     },
     /// `"cone"`: axis Y, standing on y = 0, with a cap below.
     Cone {
-        /// Radius of the foot, metres, above 0. Default 0.5.
+        /// Radius of the foot, meters, above 0. Default 0.5.
         radius: f32,
-        /// Metres, above 0. Default 1.
+        /// Height, meters, above 0. Default 1.
         height: f32,
         /// Divisions around, 3 to 4096. Default 64.
         segments: u32,
@@ -235,12 +242,12 @@ pub enum InstanceMaterialDesc {
 pub enum PlacementDesc {
     /// Scale first, then rotate, then translate.
     Trs {
-        /// Metres.
+        /// Where the model's origin goes, meters.
         translation: Vec3,
-        /// `rotation_deg = [x, y, z]` turns about X, then Y, then Z (fixed axes), or
-        /// `rotation_quat = [x, y, z, w]`, normalized when read.
+        /// - `rotation_deg`: degrees about X, then Y, then Z, all fixed axes.
+        /// - `rotation_quat`: the same as a quaternion x, y, z, w; normalized when read.
         rotation: Quat,
-        /// One number or three; not 0. Negative mirrors.
+        /// Factor on the model's size, one number or three; not 0. Negative mirrors.
         scale: Vec3,
     },
     /// `matrix`: 16 numbers, column by column; the last row must be 0 0 0 1.
@@ -250,77 +257,22 @@ pub enum PlacementDesc {
 /// `repeat = { count = [8, 1, 2], step = [3, 0, 8] }`: copies at `translation + index * step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepeatDesc {
-    /// Copies along X, Y and Z, each 1 or more, at most 100 000 together.
+    /// Copies along X, Y and Z, each 1 to 100000, and at most 100000 together.
     pub count: [u32; 3],
-    /// Distance between neighbours, metres.
+    /// Distance between neighbors, meters.
     pub step: Vec3,
 }
 
-/// How a light's shadows are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum ShadowMode {
-    /// `"map"`: depth maps (cube maps for point lights), filtered.
-    #[default]
-    Map,
-    /// `"ray"`: one shadow ray through the same trees as reflections; exact, hard edged.
-    Ray,
-    /// `"none"`: shines through everything.
-    None,
-}
-
-/// `kind` of a light with what only that kind has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightKind {
-    /// `"point"`: shines everywhere from `position`.
-    Point {
-        /// Metres.
-        position: Vec3,
-        /// `intensity_cd`: luminous intensity, candela, 0 or more.
-        intensity_cd: f32,
-    },
-    /// `"spot"`: a cone from `position`.
-    Spot {
-        /// Metres.
-        position: Vec3,
-        /// `direction` of the beam, or towards `target`.
-        direction: Vec3,
-        /// Candela, 0 or more.
-        intensity_cd: f32,
-        /// Half angle that is fully lit, degrees, 0 to `outer_deg`. Default 0.
-        inner_deg: f32,
-        /// Half angle where it ends, degrees, above 0 and below 90. Default 45.
-        outer_deg: f32,
-    },
-    /// `"directional"`: parallel light, like the sun.
-    Directional {
-        /// Direction in which the light travels.
-        direction: Vec3,
-        /// `intensity_lux`: illuminance on a facing surface, 0 or more.
-        intensity_lux: f32,
-    },
-}
-
-/// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightDesc {
-    /// `kind = "point" | "spot" | "directional"` and its keys.
-    pub kind: LightKind,
-    /// Linear color, three numbers 0 or more. Default white.
-    pub color: Vec3,
-    /// `"map"`, `"ray"` or `"none"`. Default `"map"`.
-    pub shadow: ShadowMode,
-    /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper. Default 1024.
-    pub shadow_px: u32,
-}
-
 /// `[environment]`: `color` for all directions, or the gradient `zenith`, `horizon`, `ground`.
+///
+/// - `color`: linear radiance in all directions, three numbers 0 or more.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct EnvironmentDesc {
-    /// Linear radiance straight up; or `color`. Default black.
+    /// Linear radiance straight up, 0 or more. Default black.
     pub zenith: Vec3,
-    /// Linear radiance at the horizon; or `color`. Default black.
+    /// Linear radiance at the horizon, 0 or more. Default black.
     pub horizon: Vec3,
-    /// Linear radiance straight down; or `color`. Default black.
+    /// Linear radiance straight down, 0 or more. Default black.
     pub ground: Vec3,
 }
 
@@ -339,7 +291,7 @@ pub enum Method {
 /// `[reflection]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionDesc {
-    /// `"ssr"`, `"rt"` or `"hybrid"`. Default `"hybrid"`.
+    /// How reflections are found. Default `"hybrid"`.
     pub method: Method,
     /// Length of a reflection ray in U, above 0. More reaches further. Default 16.
     pub ray_length_u: f32,
@@ -352,11 +304,11 @@ pub struct ReflectionDesc {
     pub steps: u32,
     /// `"auto"` materials reflect below this roughness, 0 to 1. Default 0.2.
     pub roughness_cutoff: f32,
-    /// U in metres, above 0. Default: the diagonal of the static bounding box / 16.
+    /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
     pub unit_m: Option<f32>,
     /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
     pub fade: bool,
-    /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 (off) to 16. Default 0.
+    /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
     pub blur_px: f32,
 }
 
@@ -397,7 +349,7 @@ pub struct ImageDesc {
     pub samples: u32,
     /// Exposure in stops, -20 to 20; +1 doubles the brightness. Default 0.
     pub exposure_ev: f32,
-    /// `"none"`, `"neutral"` or `"aces"`; EXR output is never tone-mapped. Default `"neutral"`.
+    /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
 }
 

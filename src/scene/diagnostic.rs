@@ -1,5 +1,10 @@
 //! Messages for people: where in which file, what was expected, what to do.
 
+mod json;
+mod render;
+
+pub use render::render_all;
+
 use std::{
     ops::Range,
     path::{Path, PathBuf},
@@ -52,7 +57,60 @@ pub struct Diagnostic {
     pub related: Option<(Span, String)>,
 }
 
+/// A place in a text for people: lines and columns count from 1, columns in characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Character in the line, from 1.
+    pub column: usize,
+}
+
+impl Source {
+    /// Line and column of a byte offset; an offset past the end means the end.
+    pub fn place(&self, offset: usize) -> Place {
+        let offset = self.text.floor_char_boundary(offset);
+        let before = &self.text[..offset];
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        Place {
+            line: 1 + before.bytes().filter(|&b| b == b'\n').count(),
+            column: 1 + before[line_start..].chars().count(),
+        }
+    }
+}
+
 impl Diagnostic {
+    /// An error at a place in a text.
+    pub fn at(name: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            name,
+            message: message.into(),
+            span,
+            file: None,
+            help: None,
+            related: None,
+        }
+    }
+
+    /// The same message with what to do.
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// The same message with a second place and what is there.
+    pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
+        self.related = Some((span, note.into()));
+        self
+    }
+
+    /// The same message as a warning.
+    pub fn warning(mut self) -> Self {
+        self.severity = Severity::Warning;
+        self
+    }
+
     /// An error in a file that has no text positions (glTF, images).
     pub fn in_file(name: &'static str, file: &Path, message: impl Into<String>) -> Self {
         Self {

@@ -2,4 +2,6 @@
 
 pub mod desc;
 pub mod diagnostic;
+pub mod manual;
 pub mod parse;
+pub mod schema;

@@ -1,1 +1,134 @@
-//! SceneDesc text reader.
+//! Scene text to [`SceneDesc`]: TOML 1.1, walked with the position of every value, so that all
+//! mistakes of a file are reported at once.
+
+mod names;
+mod notes;
+mod range;
+mod read;
+mod report;
+mod set;
+mod suggest;
+mod syntax;
+mod table;
+mod value;
+mod words;
+
+use std::{fs::File, io::Read as _, path::Path};
+
+use toml::de::{DeTable, DeValue};
+
+pub use self::notes::{Form, KeyNote, Notes, Rule, SectionNote, VariantNote};
+use self::{
+    report::Report,
+    table::{Place, Table},
+    value::Node,
+};
+use super::{
+    desc::SceneDesc,
+    diagnostic::{Diagnostic, Source, Span},
+};
+
+/// Largest scene file, bytes. Geometry belongs in glTF files.
+pub const MOST_BYTES: u64 = 16 << 20;
+
+/// The scene and warnings, or all messages, errors and warnings alike.
+pub type Parsed = Result<(SceneDesc, Vec<Diagnostic>), Vec<Diagnostic>>;
+
+/// Reads a scene file; `overrides` are `path=value` texts that are laid over it, as `--set` takes.
+///
+/// # Errors
+/// A file that cannot be read, is larger than [`MOST_BYTES`] or is not UTF-8 gives one message;
+/// otherwise as [`parse`].
+pub fn load(path: &Path, overrides: &[String]) -> Parsed {
+    let refuse = |name, message: String| vec![Diagnostic::in_file(name, path, message)];
+    let unreadable = |e: std::io::Error| {
+        let mut error =
+            Diagnostic::in_file("unreadable-file", path, format!("cannot be read: {e}"));
+        if e.kind() == std::io::ErrorKind::NotFound {
+            error.message = "the scene file does not exist".into();
+            error.help = Some("check the path; it starts from the folder you are in".into());
+        }
+        vec![error]
+    };
+    if path.is_dir() {
+        let message = "a folder was given where a scene file is expected";
+        return Err(refuse("unreadable-file", message.into()));
+    }
+    let file = File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        let most = MOST_BYTES >> 20;
+        let mut error = refuse(
+            "file-too-large",
+            format!("a scene may have at most {most} MiB"),
+        );
+        error[0].help = Some("geometry belongs in glTF files, named by `file`".into());
+        return Err(error);
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => parse(&text, path, overrides),
+        Err(e) => Err(vec![not_utf8(path, e)]),
+    }
+}
+
+fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
+    let start = error.utf8_error().valid_up_to();
+    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+    // The valid part keeps its length; the first wrong bytes show as one replacement character.
+    let source = Source {
+        path: path.to_owned(),
+        text,
+    };
+    let span = Span {
+        source: Some(source.into()),
+        range: start..start + '\u{FFFD}'.len_utf8(),
+    };
+    let message = "a scene must be UTF-8 text, and this byte is not";
+    Diagnostic::at("not-utf8", span, message).help("save the file as UTF-8 in your editor")
+}
+
+/// Reads scene text. `path` is what messages call it, and its folder is where relative file names
+/// start; `overrides` are `path=value` texts that are laid over it.
+///
+/// # Errors
+/// All mistakes of the text, in its order, at most 100.
+pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
+    let mut report = Report::default();
+    report.add_source(path, text);
+    let bases: Vec<_> = overrides
+        .iter()
+        .map(|o| report.add_source(Path::new("--set"), o))
+        .collect();
+    let (root, shadows) = syntax::parse(text, &mut report);
+    let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    for (text, base) in overrides.iter().zip(bases) {
+        set::apply(&mut root, text, base, &mut report);
+    }
+    let nothing = DeTable::new();
+    let table = root.get_ref().as_table().unwrap_or(&nothing);
+    let mut scene =
+        Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+    scene.folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    if shadows.is_empty() {
+        names::check(&scene, table, &mut report);
+    }
+    report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
+    if report.has("unsupported-version") {
+        // In another version other keys may be right.
+        report.retain(|d| d.name == "unsupported-version");
+    }
+    match report.finish() {
+        (messages, false) => Ok((scene, messages)),
+        (messages, true) => Err(messages),
+    }
+}
+
+/// Every table and key that the readers ask for, the whole file first.
+pub fn notes() -> Notes {
+    let mut notes = Notes::default();
+    Table::describe::<SceneDesc>(&mut notes);
+    notes
+}

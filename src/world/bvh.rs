@@ -1,1 +1,379 @@
-//! bvh
+//! The trees that rays traverse: built on the CPU, packed into two buffers for the GPU.
+//!
+//! Node buffer, 80 bytes (5 × `vec4u`) each, with absolute child and primitive indices:
+//!
+//! | nodes | what |
+//! |---|---|
+//! | 0 | root of the static tree, world space |
+//! | [`Trees::top_range`] | top level: its root first, then a list of instance ids in leaf order |
+//! | … | the other nodes of the static tree, then the mesh trees in object space |
+//!
+//! Primitives of a node index the triangle buffer; those of a top-level node, marked with
+//! [`TOP_LEVEL`], index the node buffer in `u32` words, where the ids of instances stand.
+//! An empty tree is a node without children, so both roots can always be traversed.
+//!
+//! The layout of a node is that of Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on
+//! GPUs Through Compressed Wide BVHs" (HPG 2017), except that a child's minima and maxima stand
+//! side by side per axis; see [`CwBvhNode`].
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec3};
+use obvhs::aabb::Aabb;
+pub use obvhs::cwbvh::node::CwBvhNode;
+use rayon::prelude::*;
+
+use super::{Material, Mesh, World};
+use crate::scene::diagnostic::Diagnostic;
+
+mod oracle;
+mod placement;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use oracle::{Oracle, Ray, RayHit};
+use placement::{Placement, error, too_large};
+use tree::Tree;
+
+/// Node index of the static tree's root.
+pub const STATIC_ROOT: u32 = 0;
+/// Node index of the top level's root.
+pub const TOP_ROOT: u32 = 1;
+/// Set in a node's `primitive_base_idx` where its primitives are instances, not triangles.
+pub const TOP_LEVEL: u32 = 1 << 31;
+/// No instance, or no tree.
+pub const NONE: u32 = u32::MAX;
+
+/// Flag: hits ask `alpha_passes` first.
+pub const ALPHA_TESTED: u32 = 1;
+/// Flag: the back is seen.
+pub const DOUBLE_SIDED: u32 = 2;
+/// Flag: clockwise is the front, because a mirroring transform was baked in.
+pub const FLIPPED: u32 = 4;
+
+/// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
+pub const STACK_SIZE: u32 = 24;
+
+/// Farthest coordinate that trees hold, metres: areas and reciprocals stay finite in f32.
+pub const MAX_REACH_M: f32 = 1e15;
+/// Words of a node.
+const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
+
+/// A triangle as traversal reads it, 48 bytes (3 × `vec4u`).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TraceTriangle {
+    /// Vertex 0; world space in the static tree, object space in mesh trees.
+    pub base: [f32; 3],
+    /// Index of its instance; [`NONE`] in mesh trees.
+    pub instance: u32,
+    /// Vertex 1 − vertex 0.
+    pub edge1: [f32; 3],
+    /// Index in its mesh.
+    pub triangle: u32,
+    /// Vertex 2 − vertex 0.
+    pub edge2: [f32; 3],
+    /// [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`]; 0 in mesh trees, where the instance decides.
+    pub flags: u32,
+}
+
+/// What traversal reads of an instance, 64 bytes (4 × `vec4`).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct TraceInstance {
+    /// xyz: rows of the inverse's linear part L; w: the world translation T of the placement, by
+    /// component. `object = L (world − T)`, which keeps its precision far from the origin.
+    pub object_from_world: [[f32; 4]; 3],
+    /// Root of its mesh tree; [`NONE`] where it is part of the static tree.
+    pub tree_root: u32,
+    /// [`ALPHA_TESTED`] and [`DOUBLE_SIDED`] of its material. Object space keeps its winding, so
+    /// [`FLIPPED`] is never set.
+    pub trace_flags: u32,
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
+/// All trees of a world, as the GPU reads them.
+#[derive(Clone, Debug)]
+pub struct Trees {
+    /// See the module's table; never empty.
+    pub nodes: Vec<CwBvhNode>,
+    /// In leaf order; never empty (a world without triangles has one that no leaf names).
+    pub triangles: Vec<TraceTriangle>,
+    /// Parallel to [`World::instances`].
+    pub instances: Vec<TraceInstance>,
+    /// The nodes that [`Trees::update_top_level`] rewrites.
+    pub top_range: Range<usize>,
+    /// Triangles in the static tree.
+    pub static_triangles: usize,
+    /// Instances in the top level, as indices into [`World::instances`].
+    pub top_instances: Vec<u32>,
+}
+
+impl Trees {
+    /// Builds all trees; neither buffer exceeds `device_limit_bytes`.
+    ///
+    /// # Errors
+    /// Geometry past that limit, or past [`MAX_REACH_M`].
+    pub fn build(world: &World, device_limit_bytes: u64) -> Result<Self, Box<Diagnostic>> {
+        let placement = Placement::within(world, device_limit_bytes)?;
+        let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
+        let static_triangles = triangles.len();
+        let mesh_trees: Vec<_> = placement
+            .meshes
+            .par_iter()
+            .map(|mesh| mesh_tree(&world.meshes[*mesh]))
+            .collect::<Result<_, _>>()?;
+
+        let reserved = top_capacity(placement.top.len()) + placement.top.len().div_ceil(NODE_WORDS);
+        let (static_need, mut mesh_need) = (static_tree.stack_need, 0);
+        let mut nodes = static_tree.nodes;
+        tree::rebase(&mut nodes, reserved as u32, 0);
+        nodes.splice(1..1, (0..reserved).map(|_| CwBvhNode::default()));
+        let mut roots = vec![NONE; world.meshes.len()];
+        for (mesh, (mut tree, mesh_triangles)) in placement.meshes.iter().zip(mesh_trees) {
+            roots[*mesh] = nodes.len() as u32;
+            tree::rebase(&mut tree.nodes, nodes.len() as u32, triangles.len() as u32);
+            nodes.append(&mut tree.nodes);
+            triangles.extend(mesh_triangles);
+            mesh_need = mesh_need.max(tree.stack_need);
+        }
+        if triangles.is_empty() {
+            triangles.push(TraceTriangle::zeroed());
+        }
+
+        let mut in_top = vec![false; world.instances.len()];
+        for i in &placement.top {
+            in_top[*i as usize] = true;
+        }
+        let instances = world.instances.iter().zip(in_top).map(|(i, in_top)| {
+            let root = if in_top { roots[i.mesh] } else { NONE };
+            TraceInstance::new(&i.world_from_object, &world.materials[i.material], root)
+        });
+        let mut trees = Self {
+            instances: instances.collect(),
+            nodes,
+            triangles,
+            top_range: 1..1 + reserved,
+            static_triangles,
+            top_instances: placement.top,
+        };
+        // Instances are entered with the top level's entries still on the stack.
+        let need = static_need.max(trees.rebuild_top_level(world) + mesh_need);
+        check_nodes(&trees.nodes, need, device_limit_bytes)?;
+        Ok(trees)
+    }
+
+    /// Rebuilds the top level after instances of it moved: rewrites their records in
+    /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances whose transform is not
+    /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
+    pub fn update_top_level(&mut self, world: &World) {
+        self.rebuild_top_level(world);
+    }
+
+    /// Returns how many stack entries the new top level needs.
+    fn rebuild_top_level(&mut self, world: &World) -> u32 {
+        let mut ids = Vec::with_capacity(self.top_instances.len());
+        let mut boxes = Vec::with_capacity(self.top_instances.len());
+        for id in &self.top_instances {
+            let instance = &world.instances[*id as usize];
+            let record = &mut self.instances[*id as usize];
+            let transform = &instance.world_from_object;
+            *record = TraceInstance::new(
+                transform,
+                &world.materials[instance.material],
+                record.tree_root,
+            );
+            let bounds = world.meshes[instance.mesh].bounds.transformed(transform);
+            let rows_finite = record
+                .object_from_world
+                .as_flattened()
+                .iter()
+                .all(|x| x.is_finite());
+            if rows_finite && within_reach(bounds.min, bounds.max) {
+                // Corners were rounded when transformed: keep the box conservative.
+                let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
+                ids.push(*id);
+                boxes.push(Aabb::new(
+                    (bounds.min - slack).into(),
+                    (bounds.max + slack).into(),
+                ));
+            }
+        }
+        let mut tree = Tree::build(&boxes);
+        let list = 1 + top_capacity(self.top_instances.len());
+        tree::rebase(
+            &mut tree.nodes,
+            TOP_ROOT,
+            TOP_LEVEL | (list * NODE_WORDS) as u32,
+        );
+        self.nodes[1..1 + tree.nodes.len()].copy_from_slice(&tree.nodes);
+        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.nodes[list..self.top_range.end]);
+        for (word, primitive) in words.iter_mut().zip(&tree.order) {
+            *word = ids[*primitive as usize];
+        }
+        tree.stack_need
+    }
+}
+
+impl TraceInstance {
+    fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
+        // Inverted in f64, so that only its storage rounds.
+        let inverse = oracle::in_f64(world_from_object)
+            .matrix3
+            .inverse()
+            .as_mat3();
+        let row = |k: usize| {
+            inverse
+                .row(k)
+                .extend(world_from_object.translation[k])
+                .to_array()
+        };
+        Self {
+            object_from_world: [row(0), row(1), row(2)],
+            tree_root,
+            trace_flags: material_flags(material),
+            padding: [0; 2],
+        }
+    }
+}
+
+fn material_flags(material: &Material) -> u32 {
+    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
+    flag(material.alpha_cutoff.is_some(), ALPHA_TESTED) | flag(material.double_sided, DOUBLE_SIDED)
+}
+
+/// Nodes kept for a top level over `instances`: every inner node has at least two children.
+fn top_capacity(instances: usize) -> usize {
+    instances.max(1)
+}
+
+/// Refuses trees past the buffer limit or deeper than the traversal's stack.
+fn check_nodes(nodes: &[CwBvhNode], stack_need: u32, limit: u64) -> Result<(), Box<Diagnostic>> {
+    let node_bytes = size_of_val(nodes) as u64;
+    if node_bytes > limit {
+        return Err(too_large("the nodes of its trees", node_bytes, limit));
+    }
+    if stack_need > STACK_SIZE {
+        return Err(error(
+            "geometry-too-deep",
+            "the scene's triangles differ so much in size that their tree is deeper than rays can follow",
+            "remove far outliers or tiny, stacked triangles",
+        ));
+    }
+    Ok(())
+}
+
+/// Corners of a mesh's triangle.
+fn corners(mesh: &Mesh, triangle: u32) -> [Vec3; 3] {
+    mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize])
+}
+
+/// Corners in world space: transformed in f64 and rounded once, so that triangles which share a
+/// vertex still share it.
+fn world_corners(world: &World, instance: u32, triangle: u32) -> [Vec3; 3] {
+    let placed = &world.instances[instance as usize];
+    let transform = oracle::in_f64(&placed.world_from_object);
+    corners(&world.meshes[placed.mesh], triangle)
+        .map(|p| transform.transform_point3(p.as_dvec3()).as_vec3())
+}
+
+fn bounding_box(corners: [Vec3; 3]) -> Aabb {
+    Aabb::from_points(&corners.map(Into::into))
+}
+
+/// Whether a ray can hit it at all.
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    (b - a).cross(c - a) != Vec3::ZERO
+}
+
+fn trace_triangle([a, b, c]: [Vec3; 3], instance: u32, triangle: u32, flags: u32) -> TraceTriangle {
+    TraceTriangle {
+        base: a.to_array(),
+        instance,
+        edge1: (b - a).to_array(),
+        triangle,
+        edge2: (c - a).to_array(),
+        flags,
+    }
+}
+
+fn within_reach(min: Vec3, max: Vec3) -> bool {
+    // Written so that NaN is not within.
+    min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
+}
+
+fn too_far(what: &str) -> Box<Diagnostic> {
+    error(
+        "too-far",
+        &format!("{what} reaches further than {MAX_REACH_M:e} m from the origin"),
+        "make its translation and scale smaller",
+    )
+}
+
+fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
+    let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|t| has_area(corners(mesh, *t)))
+        .collect();
+    let boxes: Vec<_> = ids
+        .iter()
+        .map(|t| bounding_box(corners(mesh, *t)))
+        .collect();
+    if !boxes
+        .iter()
+        .all(|b| within_reach(b.min.into(), b.max.into()))
+    {
+        return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
+    }
+    let tree = Tree::build(&boxes);
+    let triangles = tree
+        .order
+        .iter()
+        .map(|p| ids[*p as usize])
+        .map(|t| trace_triangle(corners(mesh, t), NONE, t, 0))
+        .collect();
+    Ok((tree, triangles))
+}
+
+fn static_tree(
+    world: &World,
+    baked: &[u32],
+) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
+    let (ids, boxes): (Vec<_>, Vec<_>) = baked
+        .par_iter()
+        .flat_map(|i| {
+            let mesh = &world.meshes[world.instances[*i as usize].mesh];
+            (0..mesh.triangles.len() as u32)
+                .into_par_iter()
+                .map(move |t| ((*i, t), world_corners(world, *i, t)))
+        })
+        .filter(|(_, corners)| has_area(*corners))
+        .map(|(id, corners)| (id, bounding_box(corners)))
+        .unzip();
+    let far = |b: &Aabb| !within_reach(b.min.into(), b.max.into());
+    if let Some(bad) = boxes.par_iter().position_first(far) {
+        let name = &world.instances[ids[bad].0 as usize].name;
+        return Err(too_far(&format!("instance \"{name}\"")));
+    }
+    let tree = Tree::build(&boxes);
+    drop(boxes);
+    let flags: Vec<u32> = world
+        .instances
+        .iter()
+        .map(|i| {
+            let mirrors = oracle::in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
+            material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
+        })
+        .collect();
+    let triangles = tree
+        .order
+        .par_iter()
+        .map(|p| {
+            let (i, t) = ids[*p as usize];
+            trace_triangle(world_corners(world, i, t), i, t, flags[i as usize])
+        })
+        .collect();
+    Ok((tree, triangles))
+}

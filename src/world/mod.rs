@@ -145,6 +145,20 @@ impl Default for Material {
     }
 }
 
+impl Material {
+    /// Base color, metallic-roughness, normal, occlusion and emission textures, in the order in
+    /// which the shaders know them.
+    pub fn slots(&self) -> [Option<TextureRef>; 5] {
+        [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.occlusion_texture,
+            self.emission_texture,
+        ]
+    }
+}
+
 /// How a material samples a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureRef {

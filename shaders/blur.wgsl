@@ -1,0 +1,42 @@
+// Blur: one direction of the paper's Gaussian over the combined reflection, kept inside reflective
+// pixels of about the same orientation so that nothing bleeds over their edges.
+
+#import gbuffer
+
+struct Params {
+    direction: vec2i,
+    sigma_px: f32,
+    pad: u32,
+}
+
+@group(2) @binding(4) var cause: texture_2d<u32>;
+@group(2) @binding(5) var source: texture_2d<f32>;
+@group(2) @binding(6) var blurred: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(7) var<uniform> params: Params;
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    let center = textureLoad(source, id.xy, 0);
+    let why = textureLoad(cause, id.xy, 0).x;
+    if (why == 0u || why == 8u) {
+        textureStore(blurred, id.xy, center);
+        return;
+    }
+    let normal = unpack_unit(textureLoad(surface, id.xy, 0).y);
+    var sum = vec3f(0.0);
+    var weights = 0.0;
+    let reach = i32(ceil(3.0 * params.sigma_px));
+    for (var k = -reach; k <= reach; k++) {
+        let at = vec2i(id.xy) + params.direction * k;
+        if (any(at < vec2i(0)) || any(at >= vec2i(frame.size))) { continue; }
+        let other = textureLoad(cause, at, 0).x;
+        if (other == 0u || other == 8u) { continue; }
+        let x = f32(k) / params.sigma_px;
+        let alike = saturate(dot(normal, unpack_unit(textureLoad(surface, at, 0).y)) * 10.0 - 9.0);
+        let w = exp(-0.5 * x * x) * alike;
+        sum += textureLoad(source, at, 0).xyz * w;
+        weights += w;
+    }
+    textureStore(blurred, id.xy, vec4f(sum / max(weights, 1e-6), 1.0));
+}

@@ -1,0 +1,49 @@
+// Compose: diffuse and specular of the view, with the reflection in place of the mirror term; adds
+// the picture to the sub-frames before it.
+
+#import gbuffer
+#import cause
+
+override HAS_REFLECTIONS: bool = true;
+
+struct Params {
+    sample: u32, // 0 for the first sub-frame
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+@group(2) @binding(4) var radiance: texture_2d<f32>;
+@group(2) @binding(5) var specular: texture_2d<f32>;
+@group(2) @binding(6) var reflection: texture_2d<f32>;
+@group(2) @binding(7) var cause: texture_2d<u32>;
+@group(2) @binding(8) var hit: texture_2d<u32>;
+@group(2) @binding(9) var previous: texture_2d<f32>;
+@group(2) @binding(10) var color: texture_storage_2d<rgba32float, write>;
+@group(2) @binding(11) var<uniform> params: Params;
+
+// The paper's attenuation: a reflection loses itself in the environment towards the ray's length.
+fn faded(pixel: vec2u, s: Surface, direction: vec3f, found: vec3f) -> vec3f {
+    if (frame.fade == 0u) { return found; }
+    let at = textureLoad(hit, pixel, 0);
+    if (at.y == NONE) { return found; }
+    let rest = saturate(1.0 - bitcast<f32>(at.x) / frame.ray_length_m);
+    return mix(environment(mirror_direction(direction, s)), found, rest);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    var out = textureLoad(radiance, id.xy, 0).xyz + textureLoad(specular, id.xy, 0).xyz;
+    if (HAS_REFLECTIONS) {
+        let why = textureLoad(cause, id.xy, 0).x;
+        if (why != CAUSE_NOT_REFLECTIVE && why != CAUSE_ROUGH) {
+            let s = load_surface(id.xy);
+            let direction = normalize(s.position - frame.eye);
+            let found = faded(id.xy, s, direction, textureLoad(reflection, id.xy, 0).xyz);
+            out += fresnel(s, dot(s.normal, -direction)) * found;
+        }
+    }
+    if (params.sample > 0u) { out += textureLoad(previous, id.xy, 0).xyz; }
+    textureStore(color, id.xy, vec4f(out, 1.0));
+}

@@ -1,0 +1,319 @@
+// Ray traversal: the nearest hit, or any hit, in the static tree and the top level.
+//
+// The buffers are packed by src/world/bvh.rs, whose module comment is the layout. The including
+// shader declares:
+//   nodes: array<vec4u>        5 to a node
+//   triangles: array<vec4u>    3 to a TraceTriangle
+//   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
+//   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
+//
+// Nearest hits pass single-sided triangles from behind; any hit is blocked by either side.
+// Intervals are open: t_min < t < t_max. Directions may have any length but 0; t counts in them.
+
+// Whether the scene has a static tree, a top level, and cut-outs; without them their code is dropped.
+override HAS_STATIC: bool = true;
+override HAS_TOP_LEVEL: bool = true;
+override HAS_CUTOUT: bool = true;
+// Whether visited_nodes and tested_triangles are counted.
+override COUNT_VISITS: bool = false;
+
+const STATIC_ROOT = 0u;
+const TOP_ROOT = 1u;
+const TOP_LEVEL = 0x80000000u;
+const NO_INSTANCE = 0xffffffffu;
+const ALPHA_TESTED = 1u;
+const DOUBLE_SIDED = 2u;
+const FLIPPED = 4u;
+// Trees that need more are refused when built; a push past the end is dropped all the same, so
+// that nothing is written outside.
+const STACK_SIZE = 24u;
+// Ends a traversal that broken input would keep going; real rays visit some hundred nodes.
+const MAX_STEPS = 65536u;
+// The group of one node that is a root: the highest slot, no siblings.
+const ROOT_GROUP = 0x80000000u;
+
+struct Hit {
+    // In lengths of the direction; t_max for a miss.
+    t: f32,
+    // NO_INSTANCE for a miss.
+    instance: u32,
+    // Index in the mesh of the instance.
+    triangle: u32,
+    // Weights of vertex 1 and vertex 2, inside the triangle.
+    bary: vec2f,
+}
+
+// Counted since the invocation started, with COUNT_VISITS.
+var<private> visited_nodes: u32 = 0u;
+var<private> tested_triangles: u32 = 0u;
+
+fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
+    return traverse(origin, direction, t_min, t_max, false);
+}
+
+fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
+    return traverse(origin, direction, t_min, t_max, true).instance != NO_INSTANCE;
+}
+
+struct TraversalRay {
+    origin: vec3f,
+    direction: vec3f,
+    inverse: vec3f,
+    // 7 − the octant of the direction in each byte: XORed into a child's slot, it sorts by distance.
+    octant4: u32,
+}
+
+fn traversal_ray(origin: vec3f, direction: vec3f) -> TraversalRay {
+    let size = abs(direction);
+    // A finite stand-in for 1 / 0; over any distance it bends the ray by less than rounding does.
+    let smallest = max(max(size.x, max(size.y, size.z)) * 1e-12, 1e-30);
+    let positive = direction >= vec3f(0.0);
+    let safe = select(-max(size, vec3f(smallest)), max(size, vec3f(smallest)), positive);
+    let bits = select(vec3u(0u), vec3u(0x04040404u, 0x02020202u, 0x01010101u), positive);
+    return TraversalRay(origin, direction, 1.0 / safe, bits.x | bits.y | bits.z);
+}
+
+struct NodeVisit {
+    // First child, and its hit children in the high byte over its mask of inner children.
+    children: vec2u,
+    // First primitive, and the hit ones in the low 24 bits.
+    primitives: vec2u,
+}
+
+// Where the ray crosses the planes of a node's grid: near and far side per axis.
+struct GridRay {
+    step: vec3f,
+    near: vec3f,
+    far: vec3f,
+    t_min: f32,
+    t_max: f32,
+}
+
+fn child_hit(grid: GridRay, near_planes: vec3u, far_planes: vec3u, shift: u32) -> bool {
+    let near = vec3f((near_planes >> vec3u(shift)) & vec3u(0xffu)) * grid.step + grid.near;
+    let far = vec3f((far_planes >> vec3u(shift)) & vec3u(0xffu)) * grid.step + grid.far;
+    return max(max(near.x, near.y), max(near.z, grid.t_min))
+        <= min(min(far.x, far.y), min(far.z, grid.t_max));
+}
+
+// The hit ones of four children, as bits: inner children from 24 up by order of visit, primitives
+// from 0 up (Ylitie et al. 2017, listing 1).
+fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32, octant4: u32) -> u32 {
+    let inner4 = ((slots & (slots << 1u)) & 0x10101010u) >> 4u;
+    let index4 = (slots ^ (octant4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
+    let bits4 = (slots >> 5u) & 0x07070707u;
+    var hits = 0u;
+    if child_hit(grid, near_planes, far_planes, 0u) {
+        hits |= (bits4 & 0xffu) << (index4 & 31u);
+    }
+    if child_hit(grid, near_planes, far_planes, 8u) {
+        hits |= ((bits4 >> 8u) & 0xffu) << ((index4 >> 8u) & 31u);
+    }
+    if child_hit(grid, near_planes, far_planes, 16u) {
+        hits |= ((bits4 >> 16u) & 0xffu) << ((index4 >> 16u) & 31u);
+    }
+    if child_hit(grid, near_planes, far_planes, 24u) {
+        hits |= (bits4 >> 24u) << ((index4 >> 24u) & 31u);
+    }
+    return hits;
+}
+
+fn visit_node(index: u32, ray: TraversalRay, t_min: f32, t_max: f32) -> NodeVisit {
+    let at = index * 5u;
+    let head = nodes[at];
+    let links = nodes[at + 1u];
+    let x = nodes[at + 2u];
+    let y = nodes[at + 3u];
+    let z = nodes[at + 4u];
+
+    let exponents = (vec3u(head.w) >> vec3u(0u, 8u, 16u)) & vec3u(0xffu);
+    let step = bitcast<vec3f>(exponents << vec3u(23u)) * ray.inverse;
+    let first = (bitcast<vec3f>(head.xyz) - ray.origin) * ray.inverse;
+    // Rounding in `first` and in each plane is proportional to these; widening by it makes the
+    // test conservative, so that no ray slips between boxes that touch.
+    let slack = (abs(first) + 255.0 * abs(step)) * 2.4e-7;
+    let grid = GridRay(step, first - slack, first + slack, t_min, t_max);
+
+    let x_pair = select(x.zwxy, x, ray.inverse.x >= 0.0);
+    let y_pair = select(y.zwxy, y, ray.inverse.y >= 0.0);
+    let z_pair = select(z.zwxy, z, ray.inverse.z >= 0.0);
+    let hits = hit_children(grid, vec3u(x_pair.x, y_pair.x, z_pair.x),
+            vec3u(x_pair.z, y_pair.z, z_pair.z), links.z, ray.octant4)
+        | hit_children(grid, vec3u(x_pair.y, y_pair.y, z_pair.y),
+            vec3u(x_pair.w, y_pair.w, z_pair.w), links.w, ray.octant4);
+    return NodeVisit(
+        vec2u(links.x, (hits & 0xff000000u) | (head.w >> 24u)),
+        vec2u(links.y, hits & 0x00ffffffu),
+    );
+}
+
+// Tests one triangle and updates the nearest hit. `inside` is the instance whose object space the
+// ray is in.
+fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
+        any_side: bool, best: ptr<function, Hit>) {
+    let a = triangles[index * 3u];
+    let b = triangles[index * 3u + 1u];
+    let c = triangles[index * 3u + 2u];
+    let edge1 = bitcast<vec3f>(b.xyz);
+    let edge2 = bitcast<vec3f>(c.xyz);
+    // Möller and Trumbore 1997.
+    let p = cross(ray.direction, edge2);
+    let det = dot(edge1, p);
+    let flat = abs(det) < 1e-36;
+    let inverse_det = 1.0 / select(det, 1.0, flat);
+    let s = ray.origin - bitcast<vec3f>(a.xyz);
+    let q = cross(s, edge1);
+    let bary = vec2f(dot(s, p), dot(ray.direction, q)) * inverse_det;
+    let t = dot(edge2, q) * inverse_det;
+    let outside = max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0);
+    if flat || !(outside <= 0.01) || t <= t_min || t >= (*best).t {
+        return;
+    }
+    // What rounding can make of a weight: neighbors overlap by it, so that no ray passes between.
+    let longest = max(dot(edge1, edge1), dot(edge2, edge2));
+    let size = length(s) * length(ray.direction) * sqrt(longest);
+    if outside > 2.4e-7 * size * abs(inverse_det) {
+        return;
+    }
+    var instance = a.w;
+    var flags = c.w;
+    if HAS_TOP_LEVEL && inside != NO_INSTANCE {
+        instance = inside;
+        flags = inside_flags;
+    }
+    let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
+    if !any_side && !front && (flags & DOUBLE_SIDED) == 0u {
+        return;
+    }
+    let positive = max(bary, vec2f(0.0));
+    let clamped = positive / max(positive.x + positive.y, 1.0);
+    if HAS_CUTOUT && (flags & ALPHA_TESTED) != 0u {
+        if !alpha_passes(instance, b.w, clamped) {
+            return;
+        }
+    }
+    *best = Hit(t, instance, b.w, clamped);
+}
+
+// Groups to visit later: first those of the top level, then those of the tree being traversed.
+var<private> stack: array<vec2u, STACK_SIZE>;
+
+// Traversal state of one tree. A group is the first child of a node and its hit children, marked in
+// bits 24 to 31 of y; it stands for those still to visit.
+struct Cursor {
+    group: vec2u,
+    primitives: vec2u,
+    // Entries of the stack in use.
+    depth: u32,
+}
+
+// Visits the next node of the group, keeping its siblings for later.
+fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) {
+    var group = (*cursor).group;
+    let bit = firstLeadingBit(group.y);
+    let slot = ((bit - 24u) ^ ray.octant4) & 7u;
+    let node = group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 0xffu);
+    group.y &= ~(1u << bit);
+    if group.y >= 0x01000000u && (*cursor).depth < STACK_SIZE {
+        stack[(*cursor).depth] = group;
+        (*cursor).depth++;
+    }
+    let visit = visit_node(node, ray, t_min, t_max);
+    (*cursor).group = visit.children;
+    (*cursor).primitives = visit.primitives;
+    if COUNT_VISITS {
+        visited_nodes++;
+    }
+}
+
+// Takes the next primitive of the last visited node.
+fn next_primitive(cursor: ptr<function, Cursor>) -> u32 {
+    let bit = firstLeadingBit((*cursor).primitives.y);
+    (*cursor).primitives.y &= ~(1u << bit);
+    return (*cursor).primitives.x + bit;
+}
+
+// Traverses one tree of triangles; uses the stack from `base` up.
+fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
+        any_side: bool, base: u32, best: ptr<function, Hit>) {
+    var cursor = Cursor(vec2u(root, ROOT_GROUP), vec2u(0u), base);
+    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+        descend(&cursor, ray, t_min, (*best).t);
+        while cursor.primitives.y != 0u {
+            test_triangle(next_primitive(&cursor), ray, t_min, inside, inside_flags, any_side, best);
+            if COUNT_VISITS {
+                tested_triangles++;
+            }
+        }
+        if any_side && (*best).instance != NO_INSTANCE {
+            return;
+        }
+        if cursor.group.y < 0x01000000u {
+            if cursor.depth == base {
+                return;
+            }
+            cursor.depth--;
+            cursor.group = stack[cursor.depth];
+        }
+    }
+}
+
+// The next instance whose box is hit, or NO_INSTANCE when there are no more.
+fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
+    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+        if (*cursor).primitives.y != 0u {
+            let word = next_primitive(cursor) & ~TOP_LEVEL;
+            return nodes[word >> 2u][word & 3u];
+        }
+        if (*cursor).group.y < 0x01000000u {
+            if (*cursor).depth == 0u {
+                break;
+            }
+            (*cursor).depth--;
+            (*cursor).group = stack[(*cursor).depth];
+        }
+        descend(cursor, ray, t_min, t_max);
+    }
+    return NO_INSTANCE;
+}
+
+// The static tree first, as if it were an instance at the origin; then those of the top level.
+fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any_side: bool) -> Hit {
+    var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0));
+    var top = Cursor(vec2u(TOP_ROOT, ROOT_GROUP), vec2u(0u), 0u);
+    let world_ray = traversal_ray(origin, direction);
+    var ray = world_ray;
+    var root = STATIC_ROOT;
+    var inside = NO_INSTANCE;
+    var inside_flags = 0u;
+    var in_tree = HAS_STATIC;
+    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+        if in_tree {
+            traverse_tree(root, ray, t_min, inside, inside_flags, any_side, top.depth, &best);
+        }
+        if !HAS_TOP_LEVEL || (any_side && best.instance != NO_INSTANCE) {
+            break;
+        }
+        inside = next_instance(&top, world_ray, t_min, best.t);
+        if inside == NO_INSTANCE {
+            break;
+        }
+        inside_flags = instances[inside].trace_flags;
+        root = instances[inside].tree_root;
+        ray = object_ray(inside, origin, direction);
+        in_tree = true;
+    }
+    return best;
+}
+
+// The ray in an instance's object space; t means the same there.
+fn object_ray(instance: u32, origin: vec3f, direction: vec3f) -> TraversalRay {
+    let x = instances[instance].object_from_world[0];
+    let y = instances[instance].object_from_world[1];
+    let z = instances[instance].object_from_world[2];
+    let offset = origin - vec3f(x.w, y.w, z.w);
+    return traversal_ray(
+        vec3f(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset)),
+        vec3f(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)),
+    );
+}

@@ -1,0 +1,72 @@
+// Group 0: what one frame has in common: the camera, the lights, the environment, the shadow maps.
+
+struct Frame {
+    clip_from_world: mat4x4f,
+    eye: vec3f,
+    near_m: f32,
+    forward: vec3f,
+    pixel_spread: f32, // radians that one pixel spans; ray cones start with it
+    right: vec3f, // half the width of the picture at distance 1
+    ray_length_m: f32,
+    up: vec3f, // half its height
+    roughness_cutoff: f32,
+    size: vec2f, // pixels
+    jitter: vec2f, // pixels, -0.5 to 0.5
+    zenith: vec3f,
+    light_count: u32,
+    horizon: vec3f,
+    bounces: u32,
+    ground: vec3f,
+    fade: u32,
+}
+
+struct Light {
+    position: vec3f,
+    kind: u32, // 0 point, 1 spot, 2 directional
+    direction: vec3f, // in which it shines
+    shadow: u32, // 0 none, 1 map, 2 ray
+    color: vec3f, // candela or lux per channel
+    range_m: f32, // 0: endless
+    spot_scale: f32,
+    spot_offset: f32,
+    layer: u32, // of its shadow map
+    texel: f32, // world size of a shadow texel: at distance 1, or anywhere for directional
+    clip_from_world: mat4x4f,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> lights: array<Light, 64>;
+@group(0) @binding(2) var shadow_cubes: texture_depth_cube_array;
+@group(0) @binding(3) var shadow_maps: texture_depth_2d_array;
+@group(0) @binding(4) var shadow_sampler: sampler_comparison;
+
+const PI: f32 = 3.14159265358979;
+const NONE: u32 = 0xffffffffu;
+
+// Not normalized: its length along `forward` is 1, so that t along it is linear view depth.
+fn pixel_ray(pixel: vec2f) -> vec3f {
+    let ndc = (pixel + frame.jitter) / frame.size * 2.0 - 1.0;
+    return frame.forward + frame.right * ndc.x - frame.up * ndc.y;
+}
+
+fn environment(direction: vec3f) -> vec3f {
+    let y = clamp(direction.y, -1.0, 1.0);
+    return frame.horizon
+        + (frame.zenith - frame.horizon) * max(y, 0.0)
+        + (frame.ground - frame.horizon) * max(-y, 0.0);
+}
+
+// Mean of a clamped cosine lobe around +Y under a clamped cosine lobe at `c` = cos of the angle
+// between them: 2/(3π) ((π − θ) cos θ + sin θ).
+fn lobe_overlap(c: f32) -> f32 {
+    let cosine = clamp(c, -1.0, 1.0);
+    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    return (2.0 / (3.0 * PI)) * ((PI - acos(cosine)) * cosine + sine);
+}
+
+// Irradiance / π of `environment` on a surface with this normal, in closed form.
+fn ambient(normal: vec3f) -> vec3f {
+    return frame.horizon
+        + (frame.zenith - frame.horizon) * lobe_overlap(normal.y)
+        + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
+}

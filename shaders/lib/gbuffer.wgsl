@@ -1,0 +1,34 @@
+// The resolved surface of each pixel, as the surface pass wrote it.
+
+#import frame
+#import pack
+#import shade
+
+@group(2) @binding(0) var view_depth: texture_2d<f32>; // metres along the view direction; FAR: sky
+@group(2) @binding(1) var surface: texture_2d<u32>;
+@group(2) @binding(2) var base_color: texture_2d<f32>;
+@group(2) @binding(3) var emission: texture_2d<f32>;
+
+const FAR: f32 = 1e30;
+
+fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
+    return frame.eye + pixel_ray(vec2f(pixel) + 0.5) * depth_m;
+}
+
+fn load_surface(pixel: vec2u) -> Surface {
+    var s: Surface;
+    let bits = textureLoad(surface, pixel, 0);
+    let base = textureLoad(base_color, pixel, 0);
+    let roughness_metallic = unpack2x16float(bits.z);
+    s.position = position_at(pixel, textureLoad(view_depth, pixel, 0).x);
+    s.normal = unpack_unit(bits.x);
+    s.geometric_normal = unpack_unit(bits.y);
+    s.base_color = base.xyz;
+    s.occlusion = base.w;
+    s.roughness = roughness_metallic.x;
+    s.metallic = roughness_metallic.y;
+    s.reflectivity = unpack2x16float(bits.w).x;
+    s.reflection = bits.w >> 16u;
+    s.emission = textureLoad(emission, pixel, 0).xyz;
+    return s;
+}

@@ -1,0 +1,84 @@
+// Group 1: the scene's geometry, trees, materials and textures.
+
+struct Instance {
+    world_from_object: mat3x4f, // three rows
+    object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: the placement's translation
+    tree_root: u32, // of its mesh, for the top level; NONE: part of the static tree
+    trace_flags: u32, // see bvh.wgsl
+    vertex_base: u32,
+    index_base: u32, // into mesh_data, three a triangle
+    uv1_base: u32, // into mesh_data, two a vertex; NONE: no second coordinates
+    material: u32,
+    flags: u32, // FLAG_*
+    pad: u32,
+}
+
+const FLAG_COLORS: u32 = 1u;
+const FLAG_MIRRORED: u32 = 2u; // the transform turns front into back
+
+struct Vertex {
+    position: vec3f,
+    normal: u32, // octahedral, 2 × snorm16
+    uv: vec2f,
+    tangent: u32, // octahedral 16 + 15 bits, lowest bit: handedness
+    color: u32, // unorm8 × 4, linear
+}
+
+struct TextureUse {
+    row_u: vec3f, // u' = dot(row_u, (u, v, 1))
+    layer: u32, // in its pool; NONE: no texture
+    row_v: vec3f,
+    bits: u32, // 0-1 pool, 2 sRGB, 3 uv set, 4-5 wrap u, 6-7 wrap v (0 repeat, 1 clamp, 2 mirror), 8 nearest
+    texels: vec2f, // size of the source image, for nearest
+    pad: vec2f,
+}
+
+struct Material {
+    base_color: vec4f,
+    emission: vec3f,
+    metallic: f32,
+    roughness: f32,
+    reflectivity: f32,
+    normal_scale: f32,
+    occlusion_strength: f32,
+    checker_a: vec3f,
+    checker_size_m: f32, // 0: no checker
+    checker_b: vec3f,
+    alpha_cutoff: f32, // below 0: opaque
+    reflection: u32, // 0 none, 1 auto, 2 mirror
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+    textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
+}
+
+@group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
+@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
+@group(1) @binding(2) var<storage, read> instances: array<Instance>;
+@group(1) @binding(3) var<storage, read> vertices: array<Vertex>;
+@group(1) @binding(4) var<storage, read> mesh_data: array<u32>;
+@group(1) @binding(5) var<storage, read> materials: array<Material>;
+@group(1) @binding(6) var pool_0: texture_2d_array<f32>;
+@group(1) @binding(7) var pool_0_srgb: texture_2d_array<f32>;
+@group(1) @binding(8) var pool_1: texture_2d_array<f32>;
+@group(1) @binding(9) var pool_1_srgb: texture_2d_array<f32>;
+@group(1) @binding(10) var pool_2: texture_2d_array<f32>;
+@group(1) @binding(11) var pool_2_srgb: texture_2d_array<f32>;
+@group(1) @binding(12) var sampler_rr: sampler;
+@group(1) @binding(13) var sampler_rc: sampler;
+@group(1) @binding(14) var sampler_cr: sampler;
+@group(1) @binding(15) var sampler_cc: sampler;
+
+fn to_world(i: u32, p: vec3f) -> vec3f {
+    return vec4f(p, 1.0) * instances[i].world_from_object;
+}
+
+fn direction_to_world(i: u32, d: vec3f) -> vec3f {
+    return vec4f(d, 0.0) * instances[i].world_from_object;
+}
+
+// Normals go with the inverse transpose.
+fn normal_to_world(i: u32, n: vec3f) -> vec3f {
+    let rows = instances[i].object_from_world;
+    return rows[0].xyz * n.x + rows[1].xyz * n.y + rows[2].xyz * n.z;
+}

@@ -1,0 +1,131 @@
+// Light on a surface: one function for raster pixels, screen hits and traced hits.
+
+#import frame
+#import surface
+#import shadow
+
+struct Shade {
+    diffuse: vec3f, // view-independent: emission, lights and environment, what screen space may reuse
+    specular: vec3f, // of the lights and, where nothing is traced, of the environment
+}
+
+fn f0(s: Surface) -> vec3f {
+    return mix(vec3f(s.reflectivity), s.base_color, s.metallic);
+}
+
+// Reflectance at grazing angles; below 2 % at normal incidence it is taken as occlusion of the
+// specular lobe (Lagarde & de Rousiers 2014, 3.2), so a reflectivity of 0 has no specular at all.
+fn f90(f: vec3f) -> f32 {
+    return saturate(50.0 * dot(f, vec3f(1.0 / 3.0)));
+}
+
+// Schlick 1994.
+fn fresnel(s: Surface, cosine: f32) -> vec3f {
+    let f = f0(s);
+    let x = 1.0 - saturate(cosine);
+    let x2 = x * x;
+    return f + (vec3f(f90(f)) - f) * (x2 * x2 * x);
+}
+
+fn is_reflector(s: Surface) -> bool {
+    return s.reflection == 2u || (s.reflection == 1u && s.roughness < frame.roughness_cutoff);
+}
+
+// Diffuse albedo: what the specular coat leaves, on average over the hemisphere, so that it does
+// not depend on the view. The cosine-weighted mean of Schlick's curve is F0 + (F90 - F0) / 21.
+fn diffuse_albedo(s: Surface) -> vec3f {
+    let f = vec3f(s.reflectivity);
+    let coat = f.x + (f90(f) - f.x) / 21.0;
+    return s.base_color * (1.0 - s.metallic) * (1.0 - coat);
+}
+
+// Environment through a rough lobe: Karis 2014, "Physically Based Shading on Mobile".
+fn environment_specular(s: Surface, view: vec3f) -> vec3f {
+    let nv = saturate(dot(s.normal, view));
+    let r = s.roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    let ab = vec2f(-1.04, 1.04) * a + r.zw;
+    let f = f0(s);
+    let direction = reflect(-view, s.normal);
+    let radiance = mix(environment(direction), ambient(s.normal), s.roughness);
+    return max(f * ab.x + vec3f(f90(f)) * ab.y, vec3f(0.0)) * radiance * s.occlusion;
+}
+
+// GGX with the height-correlated Smith term (Heitz 2014), times cos θ.
+fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
+    let h = normalize(view + to_light);
+    let nl = saturate(dot(s.normal, to_light));
+    let nv = max(dot(s.normal, view), 1e-3);
+    let nh = saturate(dot(s.normal, h));
+    let alpha = max(s.roughness * s.roughness, 2e-3);
+    let a2 = alpha * alpha;
+    let d = nh * nh * (a2 - 1.0) + 1.0;
+    let visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
+    return fresnel(s, dot(view, h)) * (a2 / (PI * d * d) * visibility * nl);
+}
+
+// Irradiance per unit cosine and the direction a light comes from, without shadow.
+struct Incoming {
+    to_light: vec3f,
+    distance_m: f32,
+    color: vec3f,
+}
+
+fn incoming(i: u32, position: vec3f) -> Incoming {
+    var r: Incoming;
+    if (lights[i].kind == 2u) {
+        r.to_light = -lights[i].direction;
+        r.distance_m = 1e30;
+        r.color = lights[i].color;
+        return r;
+    }
+    let offset = lights[i].position - position;
+    let d2 = max(dot(offset, offset), 1e-4); // a surface closer than 1 cm is lit as from 1 cm
+    r.distance_m = sqrt(d2);
+    r.to_light = offset / r.distance_m;
+    r.color = lights[i].color / d2;
+    if (lights[i].range_m > 0.0) {
+        // KHR_lights_punctual, "Range Property".
+        let x = r.distance_m / lights[i].range_m;
+        r.color *= saturate(1.0 - x * x * x * x);
+    }
+    if (lights[i].kind == 1u) {
+        // KHR_lights_punctual, "Inner and Outer Cone Angles".
+        let cone = saturate(-dot(lights[i].direction, r.to_light) * lights[i].spot_scale + lights[i].spot_offset);
+        r.color *= cone * cone;
+    }
+    return r;
+}
+
+fn shade(s: Surface, view: vec3f) -> Shade {
+    var out: Shade;
+    let albedo = diffuse_albedo(s);
+    out.diffuse = s.emission + albedo * ambient(s.normal) * s.occlusion;
+    out.specular = vec3f(0.0);
+    if (!is_reflector(s)) { out.specular = environment_specular(s, view); }
+    let has_specular = s.metallic > 0.0 || s.reflectivity > 0.0;
+    for (var i = 0u; i < frame.light_count; i++) {
+        let l = incoming(i, s.position);
+        let nl = dot(s.normal, l.to_light);
+        if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
+            continue;
+        }
+        let lit = l.color * light_visibility(i, s.position, s.geometric_normal, l.to_light, l.distance_m);
+        out.diffuse += albedo * lit * (nl / PI);
+        if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
+    }
+    return out;
+}
+
+// Mirror direction that stays above the surface even where the shading normal leans.
+fn mirror_direction(direction: vec3f, s: Surface) -> vec3f {
+    let r = reflect(direction, s.normal);
+    let height = dot(r, s.geometric_normal);
+    return normalize(r + s.geometric_normal * max(0.01 - height, 0.0));
+}
+
+// Off the surface by more than the error of a hit there.
+fn ray_origin(position: vec3f, geometric_normal: vec3f) -> vec3f {
+    let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), distance(position, frame.eye)));
+    return position + geometric_normal * (size * 4e-5 + 1e-6);
+}

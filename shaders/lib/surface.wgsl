@@ -1,0 +1,210 @@
+// The one function that turns (instance, triangle, barycentrics, footprint) into a surface, for
+// raster pixels and traced hits alike: that is why no seam shows between them.
+
+#import frame
+#import pack
+#import scene
+#import texture
+
+override HAS_NORMAL_MAPS: bool = true;
+override HAS_TEXTURES: bool = true;
+override HAS_CHECKERS: bool = true;
+
+struct Surface {
+    position: vec3f,
+    geometric_normal: vec3f, // towards the viewer
+    normal: vec3f, // shading normal, on the same side
+    base_color: vec3f,
+    metallic: f32,
+    emission: vec3f,
+    roughness: f32,
+    reflectivity: f32,
+    occlusion: f32,
+    reflection: u32, // 0 none, 1 auto, 2 mirror
+}
+
+struct Corner {
+    p: array<vec3f, 3>,
+    index: array<u32, 3>,
+}
+
+fn corners(instance: u32, triangle: u32) -> Corner {
+    var c: Corner;
+    let base = instances[instance].index_base + triangle * 3u;
+    for (var k = 0u; k < 3u; k++) {
+        c.index[k] = mesh_data[base + k];
+        c.p[k] = vertices[instances[instance].vertex_base + c.index[k]].position;
+    }
+    return c;
+}
+
+fn mix3(a: vec2f, b: vec2f, c: vec2f, bary: vec2f) -> vec2f {
+    return a * (1.0 - bary.x - bary.y) + b * bary.x + c * bary.y;
+}
+
+fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
+    let base = instances[instance].uv1_base;
+    if (second && base != NONE) {
+        let at = base + index * 2u;
+        return vec2f(bitcast<f32>(mesh_data[at]), bitcast<f32>(mesh_data[at + 1u]));
+    }
+    return vertices[instances[instance].vertex_base + index].uv;
+}
+
+// Texture coordinates of a slot at a point, and the width of a world-space `footprint` in them.
+struct SlotUv {
+    uv: vec2f,
+    footprint: f32,
+}
+
+fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, area2_world: f32, footprint_m: f32) -> SlotUv {
+    let second = (slot.bits & 8u) != 0u;
+    var uv: array<vec2f, 3>;
+    for (var k = 0u; k < 3u; k++) {
+        let raw = vec3f(uv_corner(instance, index[k], second), 1.0);
+        uv[k] = vec2f(dot(slot.row_u, raw), dot(slot.row_v, raw));
+    }
+    let e1 = uv[1] - uv[0];
+    let e2 = uv[2] - uv[0];
+    // Ray-cone level of detail: Akenine-Möller et al. 2021, "Improved Shader and Texture Level of
+    // Detail Using Ray Cones", with the square root of the area ratio as texel density.
+    let density = sqrt(abs(e1.x * e2.y - e1.y * e2.x) / max(area2_world, 1e-20));
+    return SlotUv(mix3(uv[0], uv[1], uv[2], bary), footprint_m * density);
+}
+
+fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
+    let slot = materials[material].textures[0];
+    var alpha = materials[material].base_color.w;
+    if (HAS_TEXTURES && slot.layer != NONE) {
+        let at = slot_uv(slot, instance, index, bary, area2, footprint_m);
+        alpha *= sample_slot(slot, at.uv, at.footprint).w;
+    }
+    if ((instances[instance].flags & FLAG_COLORS) != 0u) {
+        alpha *= vertex_color(instance, index, bary).w;
+    }
+    return alpha;
+}
+
+fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
+    let base = instances[instance].vertex_base;
+    return unpack4x8unorm(vertices[base + index[0]].color) * (1.0 - bary.x - bary.y)
+        + unpack4x8unorm(vertices[base + index[1]].color) * bary.x
+        + unpack4x8unorm(vertices[base + index[2]].color) * bary.y;
+}
+
+// Whether a cut-out surface is solid here. The finest level: coverage must not depend on who asks.
+fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
+    let material = instances[instance].material;
+    let c = corners(instance, triangle);
+    return material_alpha(material, instance, c.index, bary, 0.0, 1.0) >= materials[material].alpha_cutoff;
+}
+
+fn tri_wave_integral(x: f32) -> f32 {
+    let h = fract(x * 0.5) - 0.5;
+    return 1.0 - 2.0 * abs(h);
+}
+
+// Box-filtered 3D checker; the small shift keeps faces that lie on a cell border stable.
+fn checker(p: vec3f, width: f32) -> f32 {
+    let w = max(width, 1e-4);
+    let q = p + 1e-3;
+    var product = 1.0;
+    for (var axis = 0; axis < 3; axis++) {
+        product *= 2.0 * (tri_wave_integral(q[axis] + w * 0.5) - tri_wave_integral(q[axis] - w * 0.5)) / w;
+    }
+    return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
+}
+
+// `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
+fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
+    var s: Surface;
+    let flags = instances[instance].flags;
+    let c = corners(instance, triangle);
+    let p0 = to_world(instance, c.p[0]);
+    let e1 = to_world(instance, c.p[1]) - p0;
+    let e2 = to_world(instance, c.p[2]) - p0;
+    s.position = p0 + e1 * bary.x + e2 * bary.y;
+    let cross_world = cross(e1, e2);
+    let area2 = max(length(cross_world), 1e-20);
+    var ng = cross_world / area2;
+    if ((flags & FLAG_MIRRORED) != 0u) { ng = -ng; }
+    let behind = dot(ng, direction) > 0.0;
+    let footprint = cone_m / max(abs(dot(ng, direction)), 0.05);
+
+    let base = instances[instance].vertex_base;
+    var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
+    var n_object = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        n_object += unpack_unit(vertices[base + c.index[k]].normal) * weights[k];
+    }
+    var n = normal_to_world(instance, n_object);
+    n = select(ng, normalize(n), dot(n, n) > 1e-20);
+
+    let m = instances[instance].material;
+    s.base_color = materials[m].base_color.xyz;
+    s.metallic = materials[m].metallic;
+    s.roughness = materials[m].roughness;
+    s.reflectivity = materials[m].reflectivity;
+    s.emission = materials[m].emission;
+    s.occlusion = 1.0;
+    s.reflection = materials[m].reflection;
+    if ((flags & FLAG_COLORS) != 0u) {
+        s.base_color *= vertex_color(instance, c.index, bary).xyz;
+    }
+    if (HAS_CHECKERS && materials[m].checker_size_m > 0.0) {
+        let size = materials[m].checker_size_m;
+        let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z;
+        let scale = sqrt(length(cross(c.p[1] - c.p[0], c.p[2] - c.p[0])) / area2);
+        s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, checker(p_object / size, footprint * scale / size));
+    }
+    if (HAS_TEXTURES) {
+        for (var k = 0u; k < 5u; k++) {
+            let slot = materials[m].textures[k];
+            if (slot.layer == NONE) { continue; }
+            let at = slot_uv(slot, instance, c.index, bary, area2, footprint);
+            let texel = sample_slot(slot, at.uv, at.footprint);
+            switch k {
+                case 0u: { s.base_color *= texel.xyz; }
+                case 1u: {
+                    s.roughness *= texel.y;
+                    s.metallic *= texel.z;
+                }
+                case 2u: {
+                    if (HAS_NORMAL_MAPS) {
+                        n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale);
+                    }
+                }
+                case 3u: { s.occlusion = 1.0 + materials[m].occlusion_strength * (texel.x - 1.0); }
+                default: { s.emission *= texel.xyz; }
+            }
+        }
+    }
+    if (behind) {
+        n = -n;
+        ng = -ng;
+    }
+    // Interpolated or mapped normals may tip over the edge of a silhouette triangle.
+    let below = dot(n, ng);
+    if (below < 0.0) { n = normalize(n - 2.0 * below * ng); }
+    s.normal = n;
+    s.geometric_normal = ng;
+    return s;
+}
+
+// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3).
+fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: f32) -> vec3f {
+    let base = instances[instance].vertex_base;
+    var t_object = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        t_object += unpack_unit(vertices[base + index[k]].tangent & 0xfffffffeu) * weights[k];
+    }
+    let sign = select(-1.0, 1.0, (vertices[base + index[0]].tangent & 1u) != 0u);
+    let t = direction_to_world(instance, t_object);
+    if (dot(t, t) < 1e-20) { return n; }
+    let mirrored = select(1.0, -1.0, (instances[instance].flags & FLAG_MIRRORED) != 0u);
+    let tangent = normalize(t);
+    let bitangent = cross(n, tangent) * sign * mirrored;
+    let v = (texel * 2.0 - 1.0) * vec3f(scale, scale, 1.0);
+    let mapped = tangent * v.x + bitangent * v.y + n * v.z;
+    return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12);
+}

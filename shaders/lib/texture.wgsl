@@ -1,0 +1,56 @@
+// Texture look-ups by material slot: pools by size class, wrap modes, level of detail.
+
+#import scene
+
+override POOLS: u32 = 63u; // bit 2k: pool k is used linear, bit 2k + 1: as sRGB
+override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
+
+fn fold_mirror(x: f32) -> f32 {
+    let m = abs(x) % 2.0;
+    return select(m, 2.0 - m, m > 1.0);
+}
+
+// `texture_2d_array` with the sampler that wraps as asked. A mirrored axis is folded into [0, 1]
+// first; there clamping equals mirroring, texel for texel.
+fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, clamps: u32) -> vec4f {
+    if ((WRAPS & 1u) != 0u && clamps == 0u) {
+        return textureSampleLevel(t, sampler_rr, uv, layer, lod);
+    }
+    if ((WRAPS & 2u) != 0u && clamps == 2u) {
+        return textureSampleLevel(t, sampler_rc, uv, layer, lod);
+    }
+    if ((WRAPS & 4u) != 0u && clamps == 1u) {
+        return textureSampleLevel(t, sampler_cr, uv, layer, lod);
+    }
+    if ((WRAPS & 8u) != 0u && clamps == 3u) {
+        return textureSampleLevel(t, sampler_cc, uv, layer, lod);
+    }
+    return vec4f(1.0);
+}
+
+fn pool_px(bits: u32) -> f32 {
+    return f32(512u << (bits & 3u)); // the size classes of textures.rs
+}
+
+// `uv` are already transformed; `footprint` is the width of the ray cone in uv units.
+fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32) -> vec4f {
+    var uv = uv_in;
+    let wrap_u = (slot.bits >> 4u) & 3u;
+    let wrap_v = (slot.bits >> 6u) & 3u;
+    if (wrap_u == 2u) { uv.x = fold_mirror(uv.x); }
+    if (wrap_v == 2u) { uv.y = fold_mirror(uv.y); }
+    let clamps = u32(wrap_u != 0u) | (u32(wrap_v != 0u) << 1u);
+    var lod = max(log2(max(footprint * pool_px(slot.bits), 1e-6)), 0.0);
+    if ((slot.bits & 256u) != 0u && footprint * max(slot.texels.x, slot.texels.y) < 1.0) {
+        uv = (floor(uv * slot.texels) + 0.5) / slot.texels;
+        lod = 0.0;
+    }
+    let pool = slot.bits & 7u; // pool and sRGB
+    if ((POOLS & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
+    if ((POOLS & 2u) != 0u && pool == 4u) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
+    if ((POOLS & 4u) != 0u && pool == 1u) { return sample_wrapped(pool_1, uv, slot.layer, lod, clamps); }
+    if ((POOLS & 8u) != 0u && pool == 5u) { return sample_wrapped(pool_1_srgb, uv, slot.layer, lod, clamps); }
+    if ((POOLS & 16u) != 0u && pool == 2u) { return sample_wrapped(pool_2, uv, slot.layer, lod, clamps); }
+    if ((POOLS & 32u) != 0u && pool == 6u) { return sample_wrapped(pool_2_srgb, uv, slot.layer, lod, clamps); }
+    return vec4f(1.0);
+}

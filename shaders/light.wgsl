@@ -1,0 +1,22 @@
+// Light: view-independent radiance (emission, diffuse), apart from the specular of this view.
+
+#import gbuffer
+
+@group(2) @binding(4) var radiance: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var specular: texture_storage_2d<rgba16float, write>;
+
+const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    var lit: Shade;
+    if (textureLoad(view_depth, id.xy, 0).x < FAR) {
+        let s = load_surface(id.xy);
+        lit = shade(s, normalize(frame.eye - s.position));
+    } else {
+        lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
+    }
+    textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));
+    textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+}

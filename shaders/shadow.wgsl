@@ -1,0 +1,38 @@
+// Shadow: depth from one light, into a cube face or a flat map.
+
+#import frame
+#import surface
+
+struct Params {
+    clip_from_world: mat4x4f,
+}
+
+@group(2) @binding(0) var<uniform> params: Params;
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) ids: vec2u,
+    @location(1) bary: vec2f,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varying {
+    var out: Varying;
+    let corner = vertex % 3u;
+    let index = mesh_data[instances[instance].index_base + vertex];
+    let p = to_world(instance, vertices[instances[instance].vertex_base + index].position);
+    out.clip = params.clip_from_world * vec4f(p, 1.0);
+    out.ids = vec2u(instance, vertex / 3u);
+    out.bary = vec2f(f32(corner == 1u), f32(corner == 2u));
+    return out;
+}
+
+@vertex
+fn vertex_opaque(@location(0) position: vec3f, @builtin(instance_index) instance: u32) -> @builtin(position) vec4f {
+    return params.clip_from_world * vec4f(to_world(instance, position), 1.0);
+}
+
+@fragment
+fn fragment(in: Varying) {
+    if (!alpha_passes(in.ids.x, in.ids.y, in.bary)) { discard; }
+}

@@ -1,0 +1,45 @@
+// Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
+
+#import gbuffer
+
+@group(2) @binding(4) var<storage, read> rays: array<u32>;
+@group(2) @binding(5) var<storage, read> counters: array<u32, 16>;
+@group(2) @binding(6) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
+
+const DARKEST: f32 = 1.0 / 255.0; // below it a bounce cannot be seen
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ray = (group.y * groups.x + group.x) * 64u + lane;
+    if (ray >= counters[15]) { return; }
+    let pixel = vec2u(rays[ray] & 0xffffu, rays[ray] >> 16u);
+    let first = load_surface(pixel);
+    var direction = normalize(first.position - frame.eye);
+    var cone_m = frame.pixel_spread * distance(first.position, frame.eye);
+    var origin = ray_origin(first.position, first.geometric_normal);
+    direction = mirror_direction(direction, first);
+
+    var color = vec3f(0.0);
+    var throughput = vec3f(1.0);
+    var found = vec4u(0u, NONE, NONE, 0u);
+    for (var bounce = 0u; bounce < frame.bounces; bounce++) {
+        let h = trace_nearest(origin, direction, 0.0, frame.ray_length_m);
+        if (h.instance == NONE) {
+            color += throughput * environment(direction);
+            break;
+        }
+        if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        cone_m += frame.pixel_spread * h.t;
+        let s = surface_at(h.instance, h.triangle, h.bary, direction, cone_m);
+        let lit = shade(s, -direction);
+        color += throughput * (lit.diffuse + lit.specular);
+        if (!is_reflector(s)) { break; }
+        throughput *= fresnel(s, dot(s.normal, -direction));
+        if (max(throughput.x, max(throughput.y, throughput.z)) < DARKEST) { break; }
+        origin = ray_origin(s.position, s.geometric_normal);
+        direction = mirror_direction(direction, s);
+    }
+    textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0));
+    textureStore(hit, pixel, found);
+}

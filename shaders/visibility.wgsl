@@ -1,0 +1,34 @@
+// Visibility: rasterizes depth and ids (instance, triangle), nothing else. Vertices are pulled, so
+// the triangle's number is known without the optional primitive-index feature.
+
+#import frame
+#import surface
+
+override CUTOUT: bool = false; // this pipeline draws cut-out materials
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    @location(0) @interpolate(flat) ids: vec2u,
+    @location(1) bary: vec2f,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varying {
+    var out: Varying;
+    let triangle = vertex / 3u;
+    let corner = vertex % 3u;
+    let index = mesh_data[instances[instance].index_base + vertex];
+    let p = to_world(instance, vertices[instances[instance].vertex_base + index].position);
+    out.clip = frame.clip_from_world * vec4f(p, 1.0);
+    out.ids = vec2u(instance, triangle);
+    out.bary = vec2f(f32(corner == 1u), f32(corner == 2u));
+    return out;
+}
+
+@fragment
+fn fragment(in: Varying) -> @location(0) vec2u {
+    if (CUTOUT) {
+        if (!alpha_passes(in.ids.x, in.ids.y, in.bary)) { discard; }
+    }
+    return in.ids;
+}

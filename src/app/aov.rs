@@ -1,0 +1,161 @@
+//! How intermediate pictures look as PNG: depth as gray, directions and codes as colors.
+
+use crate::render::{
+    Plane, PlaneData,
+    cause::{Cause, Source},
+};
+
+/// Sources by their number in the `source` plane.
+const SOURCES: [Source; 5] = [
+    Source::NotReflective,
+    Source::Screen,
+    Source::Traced,
+    Source::None,
+    Source::Rough,
+];
+
+/// A plane as RGBA, 8 bits a channel.
+pub fn view(plane: &Plane) -> Vec<u8> {
+    let stride = plane.channels.len().max(1);
+    match &plane.data {
+        PlaneData::U32(codes) => opaque(codes.chunks_exact(stride).map(|codes| {
+            let code = codes[0];
+            match plane.name {
+                "cause" => Cause::from_number(code).map_or([255; 3], Cause::color),
+                "source" => SOURCES
+                    .get(code as usize)
+                    .map_or([255; 3], |source| source.color()),
+                _ => hashed(codes),
+            }
+        })),
+        PlaneData::F32(values) => match plane.channels {
+            [_] => opaque(grays(values).into_iter().map(|gray| [gray; 3])),
+            ["X", "Y", "Z"] => opaque(
+                values
+                    .chunks_exact(stride)
+                    .map(|direction| [0, 1, 2].map(|axis| byte(direction[axis] * 0.5 + 0.5))),
+            ),
+            channels => {
+                let encode = if *channels == ["R", "G", "B"] {
+                    srgb
+                } else {
+                    |v| v
+                };
+                opaque(values.chunks_exact(stride).map(|value| {
+                    [0, 1, 2].map(|axis| byte(encode(value.get(axis).copied().unwrap_or(0.0))))
+                }))
+            }
+        },
+    }
+}
+
+fn opaque(colors: impl Iterator<Item = [u8; 3]>) -> Vec<u8> {
+    colors.flat_map(|[r, g, b]| [r, g, b, 255]).collect()
+}
+
+/// A steady color for ids without names, never near black; black where there is none. Neighbors
+/// differ: the multiplier is 2^32 divided by the golden ratio.
+fn hashed(ids: &[u32]) -> [u8; 3] {
+    if ids[0] == u32::MAX {
+        return [0; 3];
+    }
+    let bits = ids.iter().fold(1_u32, |bits, id| {
+        bits.wrapping_add(*id).wrapping_mul(0x9E37_79B9)
+    });
+    [24, 16, 8].map(|shift| 64 + (bits >> shift & 0xFF) as u8 / 4 * 3)
+}
+
+/// Finite values from the smallest (white) to the largest (black); anything else is black.
+fn grays(values: &[f32]) -> Vec<u8> {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    let (min, max) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), value| {
+        (min.min(value), max.max(value))
+    });
+    let span = if max > min { max - min } else { 1.0 };
+    let gray = |value: f32| byte(1.0 - (value - min) / span);
+    values
+        .iter()
+        .map(|&value| if value.is_finite() { gray(value) } else { 0 })
+        .collect()
+}
+
+fn byte(value: f32) -> u8 {
+    // A NaN becomes 0 in the cast.
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// The sRGB transfer function, IEC 61966-2-1.
+fn srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(name: &'static str, channels: &'static [&'static str], data: PlaneData) -> Plane {
+        Plane {
+            name,
+            channels,
+            data,
+        }
+    }
+
+    #[test]
+    fn sources_are_blue_and_pink_and_ids_are_seen() {
+        for (number, source) in SOURCES.into_iter().enumerate() {
+            assert_eq!(source as usize, number);
+        }
+        let pixels = |plane: &Plane| -> Vec<[u8; 3]> {
+            let view = view(plane);
+            view.chunks(4)
+                .map(|texel| [texel[0], texel[1], texel[2]])
+                .collect()
+        };
+        let source = pixels(&plane(
+            "source",
+            &["source"],
+            PlaneData::U32(vec![1, 2, 99]),
+        ));
+        let [blue, pink, unknown] = source[..] else {
+            panic!("three pixels")
+        };
+        assert!(blue[2] > 200 && blue[0] < 100);
+        assert!(pink[0] > 200 && pink[1] < 150);
+        assert_eq!(unknown, [255; 3]);
+        let data = PlaneData::U32(vec![0, 0, 0, 1, u32::MAX, u32::MAX]);
+        let ids = pixels(&plane("ids", &["instance", "triangle"], data));
+        assert!(
+            ids[0] != ids[1] && ids[0][0] >= 64 && ids[2] == [0; 3],
+            "{ids:?}"
+        );
+    }
+
+    #[test]
+    fn depth_spans_white_to_black_and_the_sky_is_black() {
+        let depth = PlaneData::F32(vec![1.0, 3.0, 5.0, f32::INFINITY, f32::NAN]);
+        let view = view(&plane("depth", &["Z"], depth));
+        let reds: Vec<u8> = view.iter().step_by(4).copied().collect();
+        assert_eq!(reds, [255, 128, 0, 0, 0]);
+    }
+
+    #[test]
+    fn directions_are_shifted_and_colors_are_encoded() {
+        let direction = plane(
+            "normal",
+            &["X", "Y", "Z"],
+            PlaneData::F32(vec![0.0, 1.0, -1.0]),
+        );
+        assert_eq!(view(&direction), [128, 255, 0, 255]);
+        let color = plane(
+            "emission",
+            &["R", "G", "B"],
+            PlaneData::F32(vec![0.0, 0.214, 7.0]),
+        );
+        assert_eq!(view(&color), [0, 127, 255, 255]);
+    }
+}

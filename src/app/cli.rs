@@ -1,0 +1,162 @@
+//! The command line: its words, its ranges and its help.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::scene::desc::Method;
+
+/// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
+/// traced only where that fails.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "reflet", version, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to a PNG or EXR file
+    Render(RenderArgs),
+    /// Read a scene and everything it refers to, and report every problem; needs no GPU
+    Check(CheckArgs),
+    /// Print what a scene holds: counts, sizes in metres, memory; needs no GPU
+    Info(InfoArgs),
+}
+
+/// Where the scene comes from and what is changed in it.
+#[derive(Clone, Debug, Args)]
+pub struct SceneArgs {
+    /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
+    #[arg(long, value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+    /// Folder to search for models and textures after the scene's own; repeatable. The folders of
+    /// REFLET_ASSETS come last
+    #[arg(long, value_name = "DIR")]
+    pub assets: Vec<PathBuf>,
+}
+
+/// `render`
+#[derive(Clone, Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// Picture to write: .png (tone-mapped) or .exr (linear radiance)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Width and height in pixels, each 1 to 16384
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// How reflections are found
+    #[arg(long)]
+    pub method: Option<MethodArg>,
+    /// Which camera of the scene; without it `main`, else the first
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Sub-frames averaged, 1 to 4096
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub samples: Option<u32>,
+    /// Intermediate pictures to write too, such as depth,normal,source,cause: layers of an EXR,
+    /// or OUT.NAME.png beside a PNG
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub aov: Vec<String>,
+    /// Read the shaders from a folder instead of the built-in ones
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Print pass times, shares by source and cause, rays and memory
+    #[arg(long, value_name = "FORM")]
+    pub stats: Option<StatsForm>,
+}
+
+/// `check`
+#[derive(Clone, Debug, Args)]
+pub struct CheckArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub from: SceneArgs,
+}
+
+/// `info`
+#[derive(Clone, Debug, Args)]
+pub struct InfoArgs {
+    /// Scene file; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How statistics are printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StatsForm {
+    /// One JSON object on standard output
+    Json,
+    /// A table
+    Text,
+}
+
+/// `--method`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MethodArg {
+    /// Screen space only
+    Ssr,
+    /// Ray tracing only
+    Rt,
+    /// Screen space first, ray traced where that fails
+    Hybrid,
+}
+
+impl From<MethodArg> for Method {
+    fn from(method: MethodArg) -> Self {
+        match method {
+            MethodArg::Ssr => Self::Ssr,
+            MethodArg::Rt => Self::Rt,
+            MethodArg::Hybrid => Self::Hybrid,
+        }
+    }
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']);
+    let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
+    match pair {
+        Some(size) if size.iter().all(|side| (1..=16384).contains(side)) => Ok(size),
+        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_are_two_numbers_in_range() {
+        assert_eq!(parse_size("1280x720"), Ok([1280, 720]));
+        assert_eq!(parse_size("1X1"), Ok([1, 1]));
+        for bad in ["0x5", "16385x1"] {
+            assert!(parse_size(bad).expect_err(bad).contains("1 to 16384"));
+        }
+        for bad in ["", "5", "5x", "-1x5", "1x2x3", "99999999999x1"] {
+            assert!(parse_size(bad).expect_err(bad).contains("WIDTHxHEIGHT"));
+        }
+    }
+}

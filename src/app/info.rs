@@ -1,0 +1,227 @@
+//! `info`: what a scene holds, in counts, metres and bytes.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::{
+    cli::InfoArgs,
+    error::AppError,
+    print_json, print_out,
+    scene::{LoadedScene, load_scene},
+    stats::mebibytes,
+};
+use crate::{
+    render::{
+        plan::{Dropped, Plan, can_reflect},
+        textures::places,
+    },
+    scene::desc::LightKind,
+    world::{World, bvh::Trees},
+};
+
+/// What `info --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Info {
+    /// The scene file, or the built-in atrium.
+    pub scene: String,
+    /// Names of the cameras; the first is the default.
+    pub cameras: Vec<String>,
+    /// Unique meshes.
+    pub meshes: usize,
+    /// Triangles of the unique meshes: what is stored.
+    pub triangles_stored: usize,
+    /// Triangles over all instances: what is seen.
+    pub triangles_placed: usize,
+    /// Placements of meshes.
+    pub instances: usize,
+    /// Placements that may move.
+    pub instances_dynamic: usize,
+    /// Materials.
+    pub materials: usize,
+    /// Materials that reflect at this scene's roughness cut-off.
+    pub materials_reflective: usize,
+    /// Materials with an alpha cut-out.
+    pub materials_cut_out: usize,
+    /// Images.
+    pub textures: usize,
+    /// Lights: point, spot, directional.
+    pub lights: [usize; 3],
+    /// Smallest and largest corner of the static bounds, metres; `None` for an empty scene.
+    pub bounds_m: Option<[[f32; 3]; 2]>,
+    /// U, metres.
+    pub unit_m: f32,
+    /// Length of a reflection ray, metres.
+    pub ray_length_m: f32,
+    /// The threshold T, metres.
+    pub threshold_m: f32,
+    /// Vertices and indices as loaded, bytes.
+    pub geometry_bytes: u64,
+    /// Images with their mip levels, bytes.
+    pub texture_bytes: u64,
+    /// Trees that rays are traced through, bytes.
+    pub tree_bytes: u64,
+    /// Most reflections in a row that this scene can show.
+    pub bounces: u32,
+    /// What rendering leaves out, and why that changes nothing.
+    pub left_out: Vec<Dropped>,
+    /// Warnings that loading printed.
+    pub warnings: usize,
+    /// Every file that was read.
+    pub files: Vec<String>,
+}
+
+/// Prints what a scene holds.
+///
+/// # Errors
+/// [`AppError::Scene`] when it cannot be loaded.
+pub fn info(args: &InfoArgs) -> Result<(), AppError> {
+    let loaded = load_scene(args.scene.as_deref(), &args.from, &[])?;
+    let info = gather(&loaded)?;
+    if args.json {
+        print_json(&info)
+    } else {
+        print_out(&table(&info))
+    }
+}
+
+/// Counts and measures a loaded scene.
+///
+/// # Errors
+/// [`AppError::Scene`] when its trees cannot be built.
+pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
+    let world = &loaded.world;
+    let reflection = &loaded.desc.reflection;
+    let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
+    let num_lights = |wanted: fn(&LightKind) -> bool| {
+        let lights = world.lights.iter();
+        lights.filter(|light| wanted(&light.desc.kind)).count()
+    };
+    let bounds = world.static_bounds();
+    let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
+    let trees =
+        Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?;
+    let plan = Plan::of(world, &trees, &places(&world.textures), reflection);
+    let materials = world.materials.iter();
+    let cutoff = reflection.roughness_cutoff;
+    Ok(Info {
+        scene: loaded.name.clone(),
+        cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),
+        meshes: world.meshes.len(),
+        triangles_stored: (0..world.meshes.len()).map(num_triangles).sum(),
+        triangles_placed: world.instances.iter().map(|i| num_triangles(i.mesh)).sum(),
+        instances: world.instances.len(),
+        instances_dynamic: world.instances.iter().filter(|i| i.dynamic).count(),
+        materials: world.materials.len(),
+        materials_reflective: materials
+            .clone()
+            .filter(|material| can_reflect(material, cutoff))
+            .count(),
+        materials_cut_out: materials.filter(|m| m.alpha_cutoff.is_some()).count(),
+        textures: world.textures.len(),
+        lights: [
+            num_lights(|kind| matches!(kind, LightKind::Point { .. })),
+            num_lights(|kind| matches!(kind, LightKind::Spot { .. })),
+            num_lights(|kind| matches!(kind, LightKind::Directional { .. })),
+        ],
+        bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
+        unit_m,
+        ray_length_m: reflection.ray_length_u * unit_m,
+        threshold_m: reflection.threshold_u * unit_m,
+        geometry_bytes: geometry_bytes(world),
+        texture_bytes: texture_bytes(world),
+        tree_bytes: (size_of_val(trees.nodes.as_slice())
+            + size_of_val(trees.triangles.as_slice())
+            + size_of_val(trees.instances.as_slice())) as u64,
+        bounces: plan.bounces,
+        left_out: plan.dropped,
+        warnings: loaded.num_warnings,
+        files: world
+            .files
+            .iter()
+            .map(|f| f.display().to_string())
+            .collect(),
+    })
+}
+
+fn geometry_bytes(world: &World) -> u64 {
+    let meshes = world.meshes.iter();
+    let sizes = meshes.map(|mesh| {
+        size_of_val(mesh.positions.as_slice())
+            + size_of_val(mesh.normals.as_slice())
+            + size_of_val(mesh.tangents.as_slice())
+            + size_of_val(mesh.uv0.as_slice())
+            + size_of_val(mesh.uv1.as_slice())
+            + size_of_val(mesh.colors.as_slice())
+            + size_of_val(mesh.triangles.as_slice())
+    });
+    sizes.sum::<usize>() as u64
+}
+
+fn texture_bytes(world: &World) -> u64 {
+    // All mip levels together are 4/3 of the largest.
+    let textures = world.textures.iter();
+    textures
+        .map(|texture| texture.rgba.len() as u64 * 4 / 3)
+        .sum()
+}
+
+fn table(info: &Info) -> String {
+    let mut out = String::new();
+    let mut line = |label: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "{label:<12}{value}");
+    };
+    line("scene", info.scene.clone());
+    line("cameras", info.cameras.join(", "));
+    line(
+        "triangles",
+        format!(
+            "{} placed, {} stored in {} meshes",
+            info.triangles_placed, info.triangles_stored, info.meshes
+        ),
+    );
+    line(
+        "instances",
+        format!("{}, {} dynamic", info.instances, info.instances_dynamic),
+    );
+    line(
+        "materials",
+        format!(
+            "{}, {} reflective, {} cut out",
+            info.materials, info.materials_reflective, info.materials_cut_out
+        ),
+    );
+    line("textures", info.textures.to_string());
+    let [point, spot, directional] = info.lights;
+    line(
+        "lights",
+        format!("{point} point, {spot} spot, {directional} directional"),
+    );
+    let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
+    let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {
+        format!("{} to {} m", corner(min), corner(max))
+    });
+    line("bounds", bounds);
+    line("U", format!("{:.4} m", info.unit_m));
+    line("ray length", format!("{:.3} m", info.ray_length_m));
+    line("threshold", format!("{:.4} m", info.threshold_m));
+    line(
+        "memory",
+        format!(
+            "geometry {}, trees {}, textures {}",
+            mebibytes(info.geometry_bytes),
+            mebibytes(info.tree_bytes),
+            mebibytes(info.texture_bytes)
+        ),
+    );
+    line("bounces", info.bounces.to_string());
+    for dropped in &info.left_out {
+        line("left out", format!("{}: {}", dropped.what, dropped.why));
+    }
+    line("warnings", info.warnings.to_string());
+    for file in &info.files {
+        line("file", file.clone());
+    }
+    out
+}

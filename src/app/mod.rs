@@ -1,0 +1,69 @@
+//! The commands: from the command line to files, text and an exit code.
+
+use std::{
+    ffi::OsString,
+    io::{self, Write as _},
+};
+
+use clap::Parser as _;
+
+pub mod aov;
+pub mod cli;
+pub mod error;
+pub mod info;
+pub mod output;
+pub mod render;
+pub mod scene;
+pub mod stats;
+
+use cli::{CheckArgs, Cli, Command};
+pub use error::AppError;
+
+/// Runs one command line; help and usage errors of the parser print and exit by themselves.
+///
+/// # Errors
+/// Whatever the command says.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
+    let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
+    match cli.command {
+        Command::Render(args) => render::render(&args),
+        Command::Check(args) => check(&args),
+        Command::Info(args) => info::info(&args),
+    }
+}
+
+fn check(args: &CheckArgs) -> Result<(), AppError> {
+    let loaded = scene::load_scene(Some(&args.scene), &args.from, &[])?;
+    let warnings = match loaded.num_warnings {
+        0 => String::new(),
+        1 => ", 1 warning".to_owned(),
+        n => format!(", {n} warnings"),
+    };
+    print_out(&format!("{}: ok{warnings}\n", loaded.name))
+}
+
+/// Writes to standard output. A reader that has seen enough (`reflet manual | head`) is no error.
+///
+/// # Errors
+/// [`AppError::Internal`] for anything else that stops the writing.
+pub fn print_out(text: &str) -> Result<(), AppError> {
+    let mut out = io::stdout().lock();
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let written = write!(out, "{text}{end}").and_then(|()| out.flush());
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(AppError::Internal(
+            format!("cannot write to standard output: {error}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a value to standard output as JSON.
+///
+/// # Errors
+/// As [`print_out`].
+pub fn print_json(value: &impl serde::Serialize) -> Result<(), AppError> {
+    let json = serde_json::to_string_pretty(value)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    print_out(&json)
+}

@@ -1,0 +1,78 @@
+//! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
+
+use std::{
+    env,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    cli::SceneArgs,
+    error::{AppError, print_diagnostics},
+};
+use crate::{
+    scene::{desc::SceneDesc, parse},
+    world::{
+        World,
+        load::{self, LoadOptions},
+    },
+};
+
+/// Environment variable with asset folders, separated as in `PATH`.
+pub const ASSETS_ENV: &str = "REFLET_ASSETS";
+
+/// The scene that is built into the binary.
+const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+
+/// A scene as written and as loaded.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// What messages call it.
+    pub name: String,
+    /// As written, after overrides.
+    pub desc: SceneDesc,
+    /// As loaded.
+    pub world: World,
+    /// How many warnings were printed.
+    pub num_warnings: usize,
+}
+
+/// Reads and loads a scene, and prints its warnings to standard error.
+///
+/// # Errors
+/// [`AppError::Scene`] with every error that was found.
+pub fn load_scene(
+    path: Option<&Path>,
+    from: &SceneArgs,
+    overrides: &[String],
+) -> Result<LoadedScene, AppError> {
+    let overrides = [from.set.as_slice(), overrides].concat();
+    let read = match path {
+        Some(path) => parse::load(path, &overrides),
+        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
+    };
+    let (desc, mut warnings) = read.map_err(AppError::Scene)?;
+    let options = LoadOptions {
+        assets: asset_folders(&from.assets),
+        ..LoadOptions::default()
+    };
+    let world = load::load(&desc, &options)
+        .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
+    warnings.extend(world.warnings.iter().cloned());
+    print_diagnostics(&warnings);
+    Ok(LoadedScene {
+        name: path.map_or_else(
+            || "the built-in atrium".to_owned(),
+            |path| path.display().to_string(),
+        ),
+        desc,
+        world,
+        num_warnings: warnings.len(),
+    })
+}
+
+/// The folders of `--assets`, then those of the environment.
+fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+    let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
+    let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
+    given.iter().cloned().chain(listed).collect()
+}

@@ -1,0 +1,175 @@
+//! Statistics of a picture: a table for people, JSON for machines.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::{
+    gpu::Gpu,
+    render::stats::{FrameStats, Share},
+};
+
+/// What `--stats` prints: the frame's numbers, what they were measured on, and what follows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Adapter, driver and API.
+    pub adapter: String,
+    /// Whether the adapter is the CPU.
+    pub software: bool,
+    /// The frame's own numbers.
+    #[serde(flatten)]
+    pub frame: FrameStats,
+    /// Sum of the passes, milliseconds; 0 without timestamps.
+    pub passes_total_ms: f64,
+    /// Whether that sum and `frame_ms` differ by more than 10 %.
+    pub times_disagree: bool,
+    /// Rays a second of the trace pass, where it was timed.
+    pub rays_per_s: Option<f64>,
+}
+
+impl Report {
+    /// The frame's numbers with the adapter they came from.
+    pub fn new(gpu: &Gpu, frame: FrameStats) -> Self {
+        let info = &gpu.adapter_info;
+        let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
+        Self {
+            adapter: format!("{}, {}, {}", info.name, driver.trim(), info.backend),
+            software: gpu.is_software(),
+            passes_total_ms: frame.passes_total_ms(),
+            times_disagree: frame.times_disagree(),
+            rays_per_s: frame.rays_per_s(),
+            frame,
+        }
+    }
+
+    /// The table that `--stats text` prints.
+    pub fn table(&self) -> String {
+        let frame = &self.frame;
+        let mut out = String::new();
+        let mut line = |label: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(out, "{label:<12}{value}");
+        };
+        let software = if self.software { " (software)" } else { "" };
+        line("adapter", format!("{}{software}", self.adapter));
+        let [width, height] = frame.size;
+        let samples = frame.samples;
+        line("picture", format!("{width} x {height}, samples {samples}"));
+        line("trees", time("built on the CPU", frame.tree_ms));
+        for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
+            line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
+        }
+        line("", time("submit to done", frame.frame_ms));
+        if frame.passes_ms.is_empty() {
+            line(
+                "",
+                "passes are not timed: this adapter has no timestamps".to_owned(),
+            );
+        } else if self.times_disagree {
+            line("", time("note: the passes add up to", self.passes_total_ms));
+        }
+        let shares = &frame.shares;
+        let reflective = 100.0 * shares.reflective as f64 / shares.pixels.max(1) as f64;
+        line("reflective", format!("{reflective:.1} % of all pixels"));
+        line("source", list(&shares.sources));
+        line("cause", list(&shares.causes));
+        line("rays", self.rays());
+        let total: u64 = frame.bytes.iter().map(|(_, bytes)| bytes).sum();
+        line("memory", mebibytes(total));
+        for (class, bytes) in &frame.bytes {
+            line("", format!("{class:<26}{:>14}", mebibytes(*bytes)));
+        }
+        out
+    }
+
+    fn rays(&self) -> String {
+        let rays = self.frame.rays;
+        match self.rays_per_s {
+            Some(per_s) => format!("{rays}, {:.2} M rays/s", per_s * 1e-6),
+            None => rays.to_string(),
+        }
+    }
+}
+
+fn time(what: &str, ms: f64) -> String {
+    format!("{what:<26}{ms:>11.3} ms")
+}
+
+fn list(shares: &[Share]) -> String {
+    let seen = shares.iter().filter(|share| share.pixels > 0);
+    let texts: Vec<String> = seen
+        .map(|share| format!("{} {:.1} %", share.name, share.percent))
+        .collect();
+    if texts.is_empty() {
+        "no reflective pixels".to_owned()
+    } else {
+        texts.join(", ")
+    }
+}
+
+/// Bytes for people.
+pub fn mebibytes(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / (1024.0 * 1024.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{render::stats::Shares, scene::desc::Method};
+
+    fn report() -> Report {
+        let mut counters = [0; 10];
+        counters[1] = 200; // hit
+        counters[2] = 50; // hidden
+        Report {
+            adapter: "llvmpipe".to_owned(),
+            software: true,
+            frame: FrameStats {
+                size: [100, 10],
+                samples: 1,
+                method: Method::Hybrid,
+                unit_m: 1.0,
+                tree_ms: 0.5,
+                passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],
+                frame_ms: 4.1,
+                shares: Shares::new(&counters, [100, 10]),
+                rays: 50,
+                bytes: vec![("textures".to_owned(), 3 << 19)],
+            },
+            passes_total_ms: 4.0,
+            times_disagree: false,
+            rays_per_s: Some(1.25e6),
+        }
+    }
+
+    #[test]
+    fn the_table_has_adapter_times_shares_and_memory() {
+        let mut report = report();
+        let text = report.table();
+        for part in [
+            "adapter     llvmpipe (software)\n",
+            "passes      ssr                             1.500 ms\n",
+            "reflective  25.0 % of all pixels\n",
+            "source      screen 80.0 %, traced 20.0 %\n",
+            "cause       hit 80.0 %, hidden 20.0 %\n",
+            "rays        50, 1.25 M rays/s\n",
+            "memory      1.5 MiB\n",
+        ] {
+            assert!(text.contains(part), "{part:?} in\n{text}");
+        }
+        assert!(!text.contains("note:"));
+        report.times_disagree = true;
+        assert!(report.table().contains("note: the passes add up to"));
+        report.frame.passes_ms.clear();
+        assert!(report.table().contains("no timestamps"));
+    }
+
+    #[test]
+    fn json_is_one_flat_object() {
+        let json = serde_json::to_value(report()).expect("plain data");
+        assert_eq!(json["method"], "hybrid");
+        assert_eq!(json["shares"]["sources"][0]["name"], "screen");
+        assert_eq!(json["passes_ms"][1][0], "trace");
+        assert_eq!(json["rays_per_s"], 1.25e6);
+    }
+}

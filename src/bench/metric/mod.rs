@@ -1,0 +1,124 @@
+//! Image × image → error, pure: every metric over the whole frame and inside a mask.
+
+pub mod error;
+pub mod flip;
+pub mod hits;
+pub mod mask;
+pub mod ssim;
+pub mod temporal;
+
+use serde::Serialize;
+
+use super::picture::Pair;
+use mask::Mask;
+
+/// Every metric of one pair over one region.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scores {
+    /// Pixels of the region.
+    pub area_px: usize,
+    /// Region over frame, 0 to 1.
+    pub area_share: f64,
+    /// Mean structural similarity, 1 is equal; none where the frame is under 11 × 11 pixels.
+    pub ssim: Option<f64>,
+    /// Mean FLIP, 0 is equal, at most 1.
+    pub flip_mean: f64,
+    /// FLIP that 95 % of the pixels do not exceed.
+    pub flip_p95: f64,
+    /// FLIP that 99 % of the pixels do not exceed.
+    pub flip_p99: f64,
+    /// Peak signal-to-noise ratio of the display values, dB; infinite (JSON: null) when equal.
+    pub psnr_db: f64,
+    /// Mean of (a − r)² / (r + 0.01)² in linear light.
+    pub rel_mse: f64,
+    /// The same without the 0.1 % of pixels that err most.
+    pub rel_mse_trimmed: f64,
+    /// Largest difference of a channel, display code values from 0 to 255.
+    pub max_difference: f64,
+}
+
+/// The per-pixel errors of one pair, from which any region is scored.
+#[derive(Clone, Debug)]
+pub struct Maps {
+    /// SSIM of every fully covered window.
+    pub ssim: Option<ssim::SsimMap>,
+    /// FLIP of every pixel.
+    pub flip: Vec<f32>,
+    /// Differences of display values and of linear light.
+    pub error: error::ErrorMap,
+}
+
+impl Maps {
+    /// Computes all metrics of the pair.
+    pub fn of(pair: &Pair) -> Self {
+        let test = pair.test().display();
+        let reference = pair.reference().display();
+        let (width, height) = (pair.test().width(), pair.test().height());
+        let ((ssim, error), flip) = rayon::join(
+            || {
+                let ssim = ssim::SsimMap::of_display(width, height, &test, &reference);
+                (ssim, error::ErrorMap::of(pair, &test, &reference))
+            },
+            || flip::flip_map(width, height, &test, &reference),
+        );
+        Self { ssim, flip, error }
+    }
+
+    /// Scores the whole frame, or what lies inside `mask` (of the same size).
+    ///
+    /// SSIM inside a mask is the mean over windows centered in it; a mask eroded by
+    /// [`mask::ERODE_PX`] therefore holds only windows that lie wholly in the original one.
+    ///
+    /// # Panics
+    /// When the mask has another size or is empty.
+    pub fn scores(&self, mask: Option<&Mask>) -> Scores {
+        let pixels = self.flip.len();
+        if let Some(mask) = mask {
+            assert_eq!(mask.inside().len(), pixels, "the mask has another size");
+            assert!(mask.area() > 0, "the mask is empty");
+        }
+        let area_px = mask.map_or(pixels, Mask::area);
+        let mut flip = select(&self.flip, mask);
+        let [flip_p95, flip_p99] = [0.95, 0.99].map(|p| percentile(&mut flip, p));
+        let error = self.error.pool(mask);
+        Scores {
+            area_px,
+            area_share: area_px as f64 / pixels as f64,
+            ssim: self.ssim.as_ref().and_then(|map| map.mean(mask)),
+            flip_mean: mean(&flip),
+            flip_p95,
+            flip_p99,
+            psnr_db: error.psnr_db,
+            rel_mse: error.rel_mse,
+            rel_mse_trimmed: error.rel_mse_trimmed,
+            max_difference: error.max_difference,
+        }
+    }
+}
+
+/// The values inside the mask, or all.
+fn select<T: Copy>(values: &[T], mask: Option<&Mask>) -> Vec<T> {
+    match mask {
+        None => values.to_vec(),
+        Some(mask) => values
+            .iter()
+            .zip(mask.inside())
+            .filter_map(|(v, inside)| inside.then_some(*v))
+            .collect(),
+    }
+}
+
+/// Arithmetic mean; NaN of nothing.
+fn mean(values: &[f32]) -> f64 {
+    values.iter().copied().map(f64::from).sum::<f64>() / values.len() as f64
+}
+
+/// The value that the share `p` (0 to 1) of `values` does not exceed, interpolated linearly
+/// between ranks (definition 7 of Hyndman and Fan 1996, NumPy's default). Reorders `values`.
+fn percentile(values: &mut [f32], p: f64) -> f64 {
+    let rank = p * (values.len() - 1) as f64;
+    let (_, low, above) = values.select_nth_unstable_by(rank.floor() as usize, f32::total_cmp);
+    let low = f64::from(*low);
+    let high = above.iter().copied().min_by(f32::total_cmp);
+    high.map_or(low, |high| low + rank.fract() * (f64::from(high) - low))
+}

@@ -1,0 +1,87 @@
+//! Flicker: how much a sequence changes from frame to frame otherwise than its reference.
+
+use crate::bench::picture::{Pair, PictureError};
+
+/// Sums over a sequence, two frames in memory at a time.
+///
+/// The ratio is mean |Δtest − Δref| over mean |Δref|, where Δ is a frame less the one before,
+/// per channel of display code values.
+#[derive(Clone, Debug, Default)]
+pub struct Temporal {
+    previous: Option<Frame>,
+    difference: f64,
+    reference: f64,
+    pairs: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Frame {
+    size: [usize; 2],
+    test: Vec<[f32; 3]>,
+    reference: Vec<[f32; 3]>,
+}
+
+impl Temporal {
+    /// No frames yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the next frame of both sequences.
+    ///
+    /// # Errors
+    /// When its size differs from the frames before; the frame is then not added.
+    pub fn push(&mut self, pair: &Pair) -> Result<(), PictureError> {
+        let frame = Frame {
+            size: [pair.test().width(), pair.test().height()],
+            test: pair.test().display(),
+            reference: pair.reference().display(),
+        };
+        if let Some(previous) = &self.previous {
+            if previous.size != frame.size {
+                return Err(PictureError::Size {
+                    first: frame.size,
+                    second: previous.size,
+                });
+            }
+            let (difference, reference) = change(previous, &frame);
+            self.difference += difference;
+            self.reference += reference;
+            self.pairs += 1;
+        }
+        self.previous = Some(frame);
+        Ok(())
+    }
+
+    /// The ratio so far; none before two frames. 0 when the test changes exactly as the reference
+    /// does, so also when both stand still; infinite when only the test changes.
+    pub fn ratio(&self) -> Option<f64> {
+        match (self.pairs, self.difference) {
+            (0, _) => None,
+            (_, 0.0) => Some(0.0),
+            _ => Some(self.difference / self.reference),
+        }
+    }
+}
+
+/// Sums over all channels of |Δtest − Δref| and |Δref|.
+fn change(before: &Frame, after: &Frame) -> (f64, f64) {
+    let test = before
+        .test
+        .as_flattened()
+        .iter()
+        .zip(after.test.as_flattened());
+    let reference = before
+        .reference
+        .as_flattened()
+        .iter()
+        .zip(after.reference.as_flattened());
+    test.zip(reference)
+        .fold((0.0, 0.0), |(difference, total), ((t0, t1), (r0, r1))| {
+            let moved = f64::from(r1 - r0);
+            (
+                difference + (f64::from(t1 - t0) - moved).abs(),
+                total + moved.abs(),
+            )
+        })
+}

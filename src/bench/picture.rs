@@ -1,0 +1,288 @@
+//! A picture held to be judged: finite, non-negative colors and how they are encoded.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+/// How the numbers of a [`Picture`] relate to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// sRGB code values from 0 to 255; pictures with 16 bits keep their fractions.
+    Display,
+    /// Linear radiance, 1 is the white of the display; may exceed 1.
+    Linear,
+}
+
+/// An RGB picture whose every number is finite and not negative.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    width: usize,
+    height: usize,
+    encoding: Encoding,
+    pixels: Vec<[f32; 3]>,
+}
+
+/// Why numbers are no picture, or two pictures no pair.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PictureError {
+    /// No pixels, or not width × height of them.
+    Shape {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+        /// Pixels given.
+        pixels: usize,
+    },
+    /// Pixels that hold NaN, an infinity or a negative number.
+    Value {
+        /// How many pixels.
+        count: usize,
+        /// The first of them: column, row.
+        first: [usize; 2],
+        /// What it holds.
+        value: f32,
+    },
+    /// Two pictures (or a picture and a mask) of different sizes.
+    Size {
+        /// Size of the first, pixels.
+        first: [usize; 2],
+        /// Size of the second, pixels.
+        second: [usize; 2],
+    },
+}
+
+impl fmt::Display for PictureError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Shape {
+                width,
+                height,
+                pixels,
+            } => write!(
+                f,
+                "{pixels} pixels given for a picture of {width} × {height}"
+            ),
+            Self::Value {
+                count,
+                first: [x, y],
+                value,
+            } => write!(
+                f,
+                "{count} {} NaN, an infinity or a negative number, the first at column {x}, row \
+                 {y}: {value}",
+                if *count == 1 {
+                    "pixel holds"
+                } else {
+                    "pixels hold"
+                }
+            ),
+            Self::Size {
+                first: [a, b],
+                second: [c, d],
+            } => write!(
+                f,
+                "the sizes differ: {a} × {b} against {c} × {d} pixels; metrics compare pixel with \
+                 pixel and never resample"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for PictureError {}
+
+impl Picture {
+    /// Checks `pixels` (row by row from the top left) and wraps them.
+    ///
+    /// # Errors
+    /// When there are no pixels, not `width * height`, or one is NaN, infinite or negative.
+    pub fn new(
+        width: usize,
+        height: usize,
+        encoding: Encoding,
+        pixels: Vec<[f32; 3]>,
+    ) -> Result<Self, PictureError> {
+        if pixels.is_empty() || width.checked_mul(height) != Some(pixels.len()) {
+            return Err(PictureError::Shape {
+                width,
+                height,
+                pixels: pixels.len(),
+            });
+        }
+        check_values(width, &pixels, |v| v.is_finite() && v >= 0.0)?;
+        Ok(Self {
+            width,
+            height,
+            encoding,
+            pixels,
+        })
+    }
+
+    /// An 8-bit sRGB picture from tightly packed RGB bytes.
+    ///
+    /// # Errors
+    /// When `rgb` is not `3 * width * height` bytes.
+    pub fn from_rgb8(width: usize, height: usize, rgb: &[u8]) -> Result<Self, PictureError> {
+        let (pixels, rest) = rgb.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(PictureError::Shape {
+                width,
+                height,
+                pixels: pixels.len(),
+            });
+        }
+        let pixels = pixels.iter().map(|p| p.map(f32::from)).collect();
+        Self::new(width, height, Encoding::Display, pixels)
+    }
+
+    /// Pixels across.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Pixels down.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// How the numbers relate to light.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// The numbers as given, row by row from the top left.
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.pixels
+    }
+
+    /// sRGB code values from 0 to 255, not rounded. Linear light is clamped at 1 and encoded with
+    /// the sRGB transfer function (IEC 61966-2-1); there is no other tone mapping.
+    pub fn display(&self) -> Vec<[f32; 3]> {
+        match self.encoding {
+            Encoding::Display => self.pixels.clone(),
+            Encoding::Linear => self
+                .pixels
+                .par_iter()
+                .map(|p| p.map(|v| 255.0 * srgb_from_linear(v)))
+                .collect(),
+        }
+    }
+
+    /// Linear light. Code values are decoded with the sRGB transfer function.
+    pub fn linear(&self) -> Vec<[f32; 3]> {
+        match self.encoding {
+            Encoding::Linear => self.pixels.clone(),
+            Encoding::Display => {
+                let table: Vec<f32> = (0..=255)
+                    .map(|code| linear_from_srgb(code as f32 / 255.0))
+                    .collect();
+                let decode = |v: f32| {
+                    if v.fract() == 0.0 && v <= 255.0 {
+                        table[v as usize]
+                    } else {
+                        linear_from_srgb(v / 255.0)
+                    }
+                };
+                self.pixels.iter().map(|p| p.map(decode)).collect()
+            }
+        }
+    }
+
+    /// The largest channel of every pixel as a weight, for masks. Code values count as data
+    /// (255 is 1), not as color.
+    pub fn weights(&self) -> Vec<f32> {
+        let scale = match self.encoding {
+            Encoding::Display => 255.0,
+            Encoding::Linear => 1.0,
+        };
+        let largest = |p: &[f32; 3]| p[0].max(p[1]).max(p[2]);
+        self.pixels.iter().map(|p| largest(p) / scale).collect()
+    }
+
+    /// Pixels with a channel over display white, which display metrics cannot see.
+    pub fn over_white(&self) -> usize {
+        match self.encoding {
+            Encoding::Display => 0,
+            Encoding::Linear => self
+                .pixels
+                .iter()
+                .filter(|p| p.iter().any(|v| *v > 1.0))
+                .count(),
+        }
+    }
+}
+
+/// Finds pixels with a value that `valid` refuses.
+pub(super) fn check_values<const N: usize>(
+    width: usize,
+    pixels: &[[f32; N]],
+    valid: impl Fn(f32) -> bool,
+) -> Result<(), PictureError> {
+    let bad = |p: &[f32; N]| p.iter().copied().find(|v| !valid(*v));
+    let mut found = pixels
+        .iter()
+        .enumerate()
+        .filter_map(|(i, p)| bad(p).map(|v| (i, v)));
+    match found.next() {
+        None => Ok(()),
+        Some((i, value)) => Err(PictureError::Value {
+            count: 1 + found.count(),
+            first: [i % width, i / width],
+            value,
+        }),
+    }
+}
+
+/// A test picture and its reference, of one size.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a> {
+    test: &'a Picture,
+    reference: &'a Picture,
+}
+
+impl<'a> Pair<'a> {
+    /// Pairs two pictures.
+    ///
+    /// # Errors
+    /// When their sizes differ.
+    pub fn new(test: &'a Picture, reference: &'a Picture) -> Result<Self, PictureError> {
+        let size = |p: &Picture| [p.width, p.height];
+        if size(test) != size(reference) {
+            return Err(PictureError::Size {
+                first: size(test),
+                second: size(reference),
+            });
+        }
+        Ok(Self { test, reference })
+    }
+
+    /// The picture under test.
+    pub fn test(&self) -> &'a Picture {
+        self.test
+    }
+
+    /// What it should be.
+    pub fn reference(&self) -> &'a Picture {
+        self.reference
+    }
+}
+
+/// The sRGB transfer function, IEC 61966-2-1, clamped at 1.
+fn srgb_from_linear(v: f32) -> f32 {
+    if v >= 1.0 {
+        1.0 // exactly white, which single precision would miss
+    } else if v <= 0.003_130_8 {
+        12.92 * v
+    } else {
+        1.055 * v.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+/// The inverse of the sRGB transfer function, IEC 61966-2-1; input and output from 0 to 1.
+fn linear_from_srgb(v: f32) -> f32 {
+    if v <= 0.040_45 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
+}

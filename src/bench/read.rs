@@ -1,0 +1,307 @@
+//! Reads PNG and OpenEXR files as pictures to be judged.
+
+use std::{
+    fs,
+    io::{Cursor, Read},
+    path::Path,
+};
+
+use exr::prelude::{MetaData, ReadChannels, ReadLayers};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+
+use super::{
+    file_error,
+    picture::{Encoding, Picture},
+};
+use crate::scene::diagnostic::Diagnostic;
+
+/// Most numbers (pixels × channels of all layers) that are decoded from one file.
+pub const MAX_SAMPLES: usize = 1 << 27;
+/// Longest file read, bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
+/// A picture and what was decided to get it.
+#[derive(Clone, Debug)]
+pub struct Reading {
+    /// The picture.
+    pub picture: Picture,
+    /// Sentences for the report, such as what became of alpha.
+    pub notes: Vec<String>,
+}
+
+/// Reads a PNG (1 to 16 bits, gray or color, as sRGB) or an OpenEXR file (linear light; R, G, B
+/// or a gray channel). Alpha is composited over black.
+///
+/// # Errors
+/// When the file is missing, not a regular file, too large, of another format, damaged, or holds
+/// NaN, infinite or negative pixels.
+pub fn read_picture(path: &Path) -> Result<Reading, Box<Diagnostic>> {
+    let bytes = read_bytes(path)?;
+    if bytes.starts_with(PNG_MAGIC) {
+        read_png(path, &bytes)
+    } else if bytes.starts_with(EXR_MAGIC) {
+        read_exr(path, &bytes)
+    } else {
+        let message = if bytes.is_empty() {
+            "the file is empty; expected a PNG or OpenEXR picture"
+        } else {
+            "neither a PNG nor an OpenEXR file (judged by its first bytes, not its name)"
+        };
+        Err(unreadable(
+            path,
+            message,
+            "write the picture as .png or .exr",
+        ))
+    }
+}
+
+/// An error about a file that holds no picture.
+fn unreadable(path: &Path, message: impl Into<String>, help: &str) -> Box<Diagnostic> {
+    file_error("unreadable-picture", path, message, help)
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Box<Diagnostic>> {
+    let failed = |e: std::io::Error| {
+        unreadable(
+            path,
+            format!("cannot be read: {e}"),
+            "check the path and its permissions",
+        )
+    };
+    // A pipe would block and a device never end, so the kind is checked before opening.
+    let kind = fs::metadata(path).map_err(failed)?;
+    if !kind.is_file() {
+        return Err(unreadable(
+            path,
+            "not a regular file",
+            "name a .png or .exr file",
+        ));
+    }
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(failed)?;
+    file.take(MAX_FILE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(unreadable(
+            path,
+            "longer than 1 GiB",
+            "compare smaller pictures",
+        ));
+    }
+    Ok(bytes)
+}
+
+fn too_large(path: &Path, samples: Option<usize>) -> Result<(), Box<Diagnostic>> {
+    if samples.is_some_and(|n| n <= MAX_SAMPLES) {
+        return Ok(());
+    }
+    Err(unreadable(
+        path,
+        format!("its header asks for more than the {MAX_SAMPLES} numbers that are read at most"),
+        "crop or scale both pictures",
+    ))
+}
+
+fn finish(
+    path: &Path,
+    size: [usize; 2],
+    encoding: Encoding,
+    pixels: Vec<[f32; 3]>,
+    notes: Vec<String>,
+) -> Result<Reading, Box<Diagnostic>> {
+    let picture = Picture::new(size[0], size[1], encoding, pixels).map_err(|e| {
+        let help = "no error can be computed from such pixels; repair the picture";
+        file_error("bad-pixels", path, e.to_string(), help)
+    })?;
+    Ok(Reading { picture, notes })
+}
+
+fn read_png(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
+    let damaged = |e: image::ImageError| {
+        unreadable(
+            path,
+            format!("the PNG is damaged: {e}"),
+            "write the picture again",
+        )
+    };
+    let decoder = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png)
+        .into_decoder()
+        .map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let pixels = (width as usize).checked_mul(height as usize);
+    too_large(path, pixels.and_then(|n| n.checked_mul(4)))?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let deep = decoded.color().bytes_per_pixel() / decoded.color().channel_count() > 1;
+    let has_alpha = decoded.color().has_alpha();
+    let rgba: Vec<[f32; 4]> = if deep {
+        let data = decoded.into_rgba16().into_raw();
+        data.as_chunks::<4>()
+            .0
+            .iter()
+            .map(|p| p.map(|v| f32::from(v) / 257.0))
+            .collect()
+    } else {
+        let data = decoded.into_rgba8().into_raw();
+        data.as_chunks::<4>()
+            .0
+            .iter()
+            .map(|p| p.map(f32::from))
+            .collect()
+    };
+    let mut notes = Vec::new();
+    let clear = if has_alpha {
+        rgba.iter().filter(|p| p[3] < 255.0).count()
+    } else {
+        0
+    };
+    if clear > 0 {
+        notes.push(format!(
+            "{}: {clear} pixels are not opaque; code values were multiplied by alpha (over black)",
+            path.display()
+        ));
+    }
+    if deep {
+        notes.push(format!(
+            "{}: 16 bits; FLIP sees it rounded to 8, the other metrics do not",
+            path.display()
+        ));
+    }
+    let over_black = |[r, g, b, a]: &[f32; 4]| {
+        if *a < 255.0 {
+            [r, g, b].map(|v| v * (a / 255.0))
+        } else {
+            [*r, *g, *b]
+        }
+    };
+    let pixels = rgba.iter().map(over_black).collect();
+    finish(
+        path,
+        [width as usize, height as usize],
+        Encoding::Display,
+        pixels,
+        notes,
+    )
+}
+
+fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
+    let damaged = |e: exr::error::Error| {
+        unreadable(
+            path,
+            format!("the OpenEXR file cannot be decoded: {e}"),
+            "write it again",
+        )
+    };
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(damaged)?;
+    let samples = meta.headers.iter().try_fold(0_usize, |sum, header| {
+        let pixels = header.layer_size.0.checked_mul(header.layer_size.1)?;
+        sum.checked_add(pixels.checked_mul(header.channels.list.len())?)
+    });
+    too_large(path, samples)?;
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(damaged)?;
+    let window = image.attributes.display_window;
+    let mut channels = Vec::new();
+    for layer in &image.layer_data {
+        if layer.size != window.size || layer.attributes.layer_position != window.position {
+            return Err(unreadable(
+                path,
+                "its data window is not its display window, so it is unclear which pixels match",
+                "write the whole frame, uncropped",
+            ));
+        }
+        for channel in &layer.channel_data.list {
+            let name = channel.name.to_string();
+            let name = match &layer.attributes.layer_name {
+                Some(layer) if !name.contains('.') => format!("{layer}.{name}"),
+                _ => name,
+            };
+            channels.push((name, &channel.sample_data));
+        }
+    }
+    let chosen = choose_channels(&channels).map_err(|message| {
+        unreadable(
+            path,
+            message,
+            "write a file with the channels R, G, B or with one gray channel",
+        )
+    })?;
+    let planes = chosen.map(|i| channels[i].1);
+    let mut pixels = vec![[0.0; 3]; window.size.area()];
+    for (c, plane) in planes.into_iter().enumerate() {
+        for (pixel, value) in pixels.iter_mut().zip(plane.values_as_f32()) {
+            pixel[c] = value;
+        }
+    }
+    let size = [window.size.0, window.size.1];
+    finish(
+        path,
+        size,
+        Encoding::Linear,
+        pixels,
+        exr_notes(path, &channels),
+    )
+}
+
+fn exr_notes<T>(path: &Path, channels: &[(String, T)]) -> Vec<String> {
+    let file = path.display();
+    let mut notes = vec![format!(
+        "{file}: linear; SSIM, FLIP, PSNR and the maximum difference see it clamped at 1 and sRGB \
+         encoded, relMSE as it is"
+    )];
+    if channels.iter().any(|(name, _)| split(name).1 == "A") {
+        notes.push(format!(
+            "{file}: alpha is left out (OpenEXR colors are premultiplied, so they lie over black)"
+        ));
+    }
+    notes
+}
+
+/// Layer and channel of a name such as `light.R`.
+fn split(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// The channels of R, G and B: of the layer without a name, or of the only layer there is.
+fn choose_channels<T>(channels: &[(String, T)]) -> Result<[usize; 3], String> {
+    let mut layers: Vec<&str> = channels.iter().map(|(name, _)| split(name).0).collect();
+    layers.sort_unstable();
+    layers.dedup();
+    let find = |layer: &str, channel: &str| {
+        channels
+            .iter()
+            .position(|(name, _)| split(name) == (layer, channel))
+    };
+    let color = |layer: &str| {
+        let [r, g, b] = ["R", "G", "B"].map(|c| find(layer, c));
+        let gray = find(layer, "Y").map(|y| [y; 3]);
+        Some([r?, g?, b?]).or(gray)
+    };
+    if let Some(chosen) = color("") {
+        return Ok(chosen);
+    }
+    let colored: Vec<[usize; 3]> = layers.iter().filter_map(|layer| color(layer)).collect();
+    let data: Vec<usize> = (0..channels.len())
+        .filter(|i| split(&channels[*i].0).1 != "A")
+        .collect();
+    match (colored[..].as_ref(), data[..].as_ref()) {
+        ([only], _) => Ok(*only),
+        ([], [only]) => Ok([*only; 3]),
+        _ => {
+            let names: Vec<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
+            Err(format!(
+                "it is unclear which channels are the picture: {}",
+                names.join(", ")
+            ))
+        }
+    }
+}

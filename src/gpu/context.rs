@@ -1,0 +1,382 @@
+//! The device: which adapter is taken, what is asked of it, and how its errors reach people.
+
+use std::{
+    env, fmt,
+    sync::{Arc, Mutex, PoisonError},
+    time::Duration,
+};
+
+use super::shader::ShaderError;
+
+/// Environment variable that names the adapter, as `--adapter` does.
+pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
+
+/// Largest buffer that is asked for: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
+const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
+
+/// Largest picture side that is asked for.
+const MAX_TEXTURE_SIDE: u32 = 16384;
+
+/// How long to wait for submitted work before calling the GPU hung. Software drivers are slow.
+const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(600);
+
+/// What can go wrong between here and the GPU.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GpuError {
+    /// No adapter can be used; the text says what to install or what to choose.
+    NoAdapter(String),
+    /// Something is larger than this adapter or Reflet allows.
+    Limit {
+        /// What is too large, such as `triangle buffer`.
+        what: String,
+        /// Its size.
+        wanted: u64,
+        /// The largest size that works.
+        limit: u64,
+        /// Unit of both, such as `bytes`.
+        unit: &'static str,
+    },
+    /// A shader does not assemble or validate.
+    Shader(ShaderError),
+    /// A name is bound that a shader does not declare, or the reverse.
+    Binding(String),
+    /// GPU memory ran out while doing the named thing.
+    OutOfMemory(String),
+    /// wgpu refused a call: a bug in Reflet.
+    Validation(String),
+    /// The device stopped working or did not answer.
+    Lost(String),
+}
+
+impl fmt::Display for GpuError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAdapter(text) => f.write_str(text),
+            Self::Limit {
+                what,
+                wanted,
+                limit,
+                unit,
+            } => write!(
+                f,
+                "{what} needs {wanted} {unit}, but this adapter allows {limit}"
+            ),
+            Self::Shader(error) => error.fmt(f),
+            Self::Binding(text) => f.write_str(text),
+            Self::OutOfMemory(what) => write!(
+                f,
+                "the GPU ran out of memory: {what}; try a smaller --size or fewer textures"
+            ),
+            Self::Validation(text) => write!(f, "the GPU refused a command: {text}"),
+            Self::Lost(text) => write!(f, "the GPU stopped working: {text}"),
+        }
+    }
+}
+
+impl std::error::Error for GpuError {}
+
+impl From<ShaderError> for GpuError {
+    fn from(error: ShaderError) -> Self {
+        Self::Shader(error)
+    }
+}
+
+/// How to choose the adapter.
+#[derive(Clone, Debug, Default)]
+pub struct GpuOptions {
+    /// Part of the adapter's name, any case. `None` takes [`ADAPTER_ENV`], else the fastest kind.
+    pub adapter_filter: Option<String>,
+}
+
+/// An open device and what is known about it.
+#[derive(Debug)]
+pub struct Gpu {
+    /// Name, driver and kind of the adapter.
+    pub adapter_info: wgpu::AdapterInfo,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its only queue.
+    pub queue: wgpu::Queue,
+    /// What the device was opened with: the defaults, with larger buffers and textures.
+    pub limits: wgpu::Limits,
+    /// Optional features that are on: timestamps and the primitive index, where present.
+    pub features: wgpu::Features,
+    /// The first error nobody was waiting for.
+    fault: Arc<Mutex<Option<GpuError>>>,
+}
+
+impl Gpu {
+    /// Opens the adapter that the options name, else the fastest kind that opens: discrete,
+    /// integrated, virtual, software.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] when none exists, none matches or none opens.
+    pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
+        let descriptor = wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        };
+        let instance = wgpu::Instance::new(descriptor.with_env());
+        let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        let filter = options
+            .adapter_filter
+            .clone()
+            .or_else(|| env::var(ADAPTER_ENV).ok())
+            .filter(|name| !name.trim().is_empty());
+
+        let mut refusals = Vec::new();
+        for adapter in choose(found, filter.as_deref())? {
+            match Self::open(&adapter) {
+                Ok(gpu) => return Ok(gpu),
+                Err(reason) => refusals.push(format!("{}: {reason}", adapter.get_info().name)),
+            }
+        }
+        Err(GpuError::NoAdapter(format!(
+            "no adapter can run Reflet ({}); update the graphics driver",
+            refusals.join("; ")
+        )))
+    }
+
+    fn open(adapter: &wgpu::Adapter) -> Result<Self, wgpu::RequestDeviceError> {
+        let offered = adapter.limits();
+        let limits = wgpu::Limits {
+            max_storage_buffer_binding_size: offered
+                .max_storage_buffer_binding_size
+                .min(MAX_BUFFER_BYTES),
+            max_buffer_size: offered.max_buffer_size.min(MAX_BUFFER_BYTES),
+            max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
+            ..wgpu::Limits::default()
+        };
+        let wanted = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
+            | wgpu::Features::PRIMITIVE_INDEX;
+        let features = adapter.features() & wanted;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+                label: Some("reflet"),
+                required_features: features,
+                required_limits: limits.clone(),
+                ..Default::default()
+            }))?;
+        let fault = Arc::new(Mutex::new(None));
+        let keep = fault.clone();
+        device.on_uncaptured_error(Arc::new(move |error| {
+            record(&keep, from_wgpu("a command outside any check", error));
+        }));
+        let keep = fault.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                record(&keep, GpuError::Lost(message));
+            }
+        });
+        Ok(Self {
+            adapter_info: adapter.get_info(),
+            device,
+            queue,
+            limits,
+            features,
+            fault,
+        })
+    }
+
+    /// Whether all work runs on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.adapter_info.device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Runs `create` and turns what wgpu says about it into an error that names `what`.
+    ///
+    /// # Errors
+    /// Whatever wgpu reports: validation, memory, internal.
+    pub fn scoped<T>(&self, what: &str, create: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let scopes = [
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|filter| self.device.push_error_scope(filter));
+        let made = create();
+        let mut first = None;
+        // Scopes are a stack: the last one pushed is popped first.
+        for scope in scopes.into_iter().rev() {
+            first = first.or(pollster::block_on(scope.pop()));
+        }
+        match first {
+            Some(error) => Err(from_wgpu(what, error)),
+            None => Ok(made),
+        }
+    }
+
+    /// Submits one encoder's commands.
+    ///
+    /// # Errors
+    /// A refused command or a lost device, now or since the last check.
+    pub fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<wgpu::SubmissionIndex, GpuError> {
+        let index = self.scoped("submitting commands", || {
+            self.queue.submit([encoder.finish()])
+        })?;
+        self.check()?;
+        Ok(index)
+    }
+
+    /// Waits until all submitted work is done.
+    ///
+    /// # Errors
+    /// A lost or silent device, or any error that nobody was waiting for.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let polled = self.device.poll(wgpu::PollType::Wait {
+            submission_index: None,
+            timeout: Some(SUBMISSION_TIMEOUT),
+        });
+        self.check()?;
+        polled.map(drop).map_err(|error| {
+            GpuError::Lost(format!(
+                "no answer within {} s ({error})",
+                SUBMISSION_TIMEOUT.as_secs()
+            ))
+        })
+    }
+
+    /// The first error that nobody was waiting for, if any. It stays: the device is not usable.
+    ///
+    /// # Errors
+    /// That error.
+    pub fn check(&self) -> Result<(), GpuError> {
+        let fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
+        fault.clone().map_or(Ok(()), Err)
+    }
+
+    /// Largest storage buffer that can be created and bound whole, bytes.
+    pub fn largest_storage_buffer(&self) -> u64 {
+        let binding = self.limits.max_storage_buffer_binding_size;
+        self.limits.max_buffer_size.min(binding)
+    }
+
+    /// Whether a storage buffer named `what` of `bytes` can be created and bound whole.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] naming it.
+    pub fn check_buffer_size(&self, what: &str, bytes: u64) -> Result<(), GpuError> {
+        within(what, bytes, self.largest_storage_buffer(), "bytes")
+    }
+
+    /// Whether a 2D texture named `what` of this many pixels can be created.
+    ///
+    /// # Errors
+    /// [`GpuError::Limit`] naming it.
+    pub fn check_texture_size(&self, what: &str, width: u32, height: u32) -> Result<(), GpuError> {
+        let limit = self.limits.max_texture_dimension_2d;
+        within(
+            what,
+            width.max(height).into(),
+            limit.into(),
+            "pixels a side",
+        )
+    }
+}
+
+fn within(what: &str, wanted: u64, limit: u64, unit: &'static str) -> Result<(), GpuError> {
+    if wanted <= limit {
+        return Ok(());
+    }
+    Err(GpuError::Limit {
+        what: what.to_owned(),
+        wanted,
+        limit,
+        unit,
+    })
+}
+
+/// The adapters to try, best first.
+fn choose(
+    mut adapters: Vec<wgpu::Adapter>,
+    filter: Option<&str>,
+) -> Result<Vec<wgpu::Adapter>, GpuError> {
+    if adapters.is_empty() {
+        return Err(GpuError::NoAdapter(install_advice().to_owned()));
+    }
+    if let Some(filter) = filter {
+        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        adapters.retain(|adapter| name_matches(&adapter.get_info().name, filter));
+        if adapters.is_empty() {
+            return Err(GpuError::NoAdapter(format!(
+                "no adapter is named like \"{filter}\"; this machine has: {}",
+                names.join(", ")
+            )));
+        }
+    }
+    adapters.sort_by_key(|adapter| speed_rank(adapter.get_info().device_type));
+    Ok(adapters)
+}
+
+fn name_matches(name: &str, filter: &str) -> bool {
+    name.to_lowercase().contains(&filter.trim().to_lowercase())
+}
+
+fn speed_rank(kind: wgpu::DeviceType) -> u32 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+fn install_advice() -> &'static str {
+    if cfg!(target_os = "linux") {
+        "no graphics adapter found: install the Vulkan loader and a driver \
+         (Debian/Ubuntu: apt-get install libvulkan1 mesa-vulkan-drivers; \
+         the latter also renders without a GPU)"
+    } else if cfg!(windows) {
+        "no graphics adapter found: install a graphics driver with DirectX 12 or Vulkan"
+    } else {
+        "no graphics adapter found: a Metal or Vulkan driver is needed"
+    }
+}
+
+fn record(fault: &Mutex<Option<GpuError>>, error: GpuError) {
+    let mut fault = fault.lock().unwrap_or_else(PoisonError::into_inner);
+    fault.get_or_insert(error);
+}
+
+fn from_wgpu(what: &str, error: wgpu::Error) -> GpuError {
+    match error {
+        wgpu::Error::OutOfMemory { .. } => GpuError::OutOfMemory(what.to_owned()),
+        wgpu::Error::Validation { description, .. } | wgpu::Error::Internal { description, .. } => {
+            GpuError::Validation(format!("{what}: {description}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_adapter_says_what_to_install() {
+        let error = choose(Vec::new(), Some("anything")).expect_err("nothing to choose from");
+        assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
+    }
+
+    #[test]
+    fn software_comes_last_and_names_match_in_any_case() {
+        assert!(speed_rank(wgpu::DeviceType::Cpu) > speed_rank(wgpu::DeviceType::Other));
+        assert!(
+            speed_rank(wgpu::DeviceType::DiscreteGpu) < speed_rank(wgpu::DeviceType::VirtualGpu)
+        );
+        assert!(name_matches("NVIDIA H200", " h2"));
+        assert!(!name_matches("llvmpipe", "nvidia"));
+    }
+
+    #[test]
+    fn limits_name_what_is_too_large() {
+        let error = within("triangle buffer", 10, 8, "bytes").expect_err("10 > 8");
+        assert_eq!(
+            error.to_string(),
+            "triangle buffer needs 10 bytes, but this adapter allows 8"
+        );
+        assert_eq!(within("triangle buffer", 8, 8, "bytes"), Ok(()));
+    }
+}

@@ -1,0 +1,171 @@
+//! Shader modules and compute pipelines on the device, made inside error scopes.
+
+use naga::valid::Capabilities;
+
+use super::{
+    bind::{GroupLayout, over_limits},
+    context::{Gpu, GpuError},
+    reflect::{self, Binding, ShaderModuleInfo},
+    shader::{ShaderError, ShaderLibrary, ShaderSource},
+};
+
+/// Which run-time checks wgpu adds to a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Checks {
+    /// Every index is bounded and every loop ends.
+    All,
+    /// No bounds checks and no loop bounding, but only for text that was built into this
+    /// program; for anything else this is [`Checks::All`]. The caller must have validated every
+    /// index that the shader reads from buffers.
+    NoneIfEmbedded,
+}
+
+/// A checked shader on the device.
+#[derive(Clone, Debug)]
+pub struct Shader {
+    /// What it declares.
+    pub info: ShaderModuleInfo,
+    /// The module.
+    pub module: wgpu::ShaderModule,
+}
+
+impl Shader {
+    /// Loads, checks and creates the shader `name`.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] pointing at the author's line, or what wgpu says.
+    pub fn new(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        name: &str,
+        checks: Checks,
+    ) -> Result<Self, GpuError> {
+        Self::from_source(gpu, &library.source(name)?, checks)
+    }
+
+    /// Checks and creates assembled text.
+    ///
+    /// # Errors
+    /// As [`Shader::new`].
+    pub fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
+        let capabilities: Capabilities = reflect::capabilities(gpu.features);
+        let info = reflect::check(source, capabilities)?;
+        let module = gpu.scoped(&format!("shader {}", source.file), || {
+            create_module(gpu, source, checks)
+        })?;
+        Ok(Self { info, module })
+    }
+
+    /// A pipeline layout over these groups; group numbers are positions.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] when the shader or the groups exceed `Limits::default()`.
+    pub fn pipeline_layout(
+        &self,
+        gpu: &Gpu,
+        groups: &[&GroupLayout],
+    ) -> Result<wgpu::PipelineLayout, GpuError> {
+        let bindings: Vec<&[Binding]> = groups.iter().map(|g| g.bindings.as_slice()).collect();
+        let problems = over_limits(&bindings, &wgpu::Limits::default());
+        if !problems.is_empty() {
+            return Err(ShaderError::new(&self.info.file, problems.join("; ")).into());
+        }
+        let layouts: Vec<_> = groups.iter().map(|group| Some(&group.layout)).collect();
+        gpu.scoped(&format!("pipeline layout of {}", self.info.name), || {
+            gpu.device
+                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some(&self.info.name),
+                    bind_group_layouts: &layouts,
+                    immediate_size: 0,
+                })
+        })
+    }
+
+    /// A compute pipeline from `entry` with values for its overrides.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] for an unknown entry point or override or exceeded limits, or what
+    /// wgpu says.
+    pub fn compute_pipeline(
+        &self,
+        gpu: &Gpu,
+        entry: &str,
+        groups: &[&GroupLayout],
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let compute = self.info.entry_point(entry);
+        if compute.is_none_or(|found| found.stage != wgpu::ShaderStages::COMPUTE) {
+            let message = format!("has no compute entry point `{entry}`");
+            return Err(ShaderError::new(&self.info.file, message).into());
+        }
+        self.check_constants(constants)?;
+        let layout = self.pipeline_layout(gpu, groups)?;
+        let label = format!("{}.{entry}", self.info.name);
+        gpu.scoped(&format!("pipeline {label}"), || {
+            gpu.device
+                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(&label),
+                    layout: Some(&layout),
+                    module: &self.module,
+                    entry_point: Some(entry),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants,
+                        ..Default::default()
+                    },
+                    cache: None,
+                })
+        })
+    }
+
+    /// Whether every constant is an override of this shader and none without a default is left.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] naming the first that does not fit.
+    pub fn check_constants(&self, constants: &[(&str, f64)]) -> Result<(), GpuError> {
+        let overrides = &self.info.overrides;
+        let refuse = |message| Err(ShaderError::new(&self.info.file, message).into());
+        for (key, _) in constants {
+            if overrides.iter().all(|known| known.key != *key) {
+                let known: Vec<&str> = overrides.iter().map(|o| o.key.as_str()).collect();
+                return refuse(format!(
+                    "has no override `{key}`; it has: {}",
+                    known.join(", ")
+                ));
+            }
+        }
+        let is_set = |key: &str| constants.iter().any(|(given, _)| *given == key);
+        match overrides.iter().find(|o| !o.optional && !is_set(&o.key)) {
+            Some(missing) => refuse(format!(
+                "override `{}` has no default and got no value",
+                missing.name
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+fn create_module(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> wgpu::ShaderModule {
+    let descriptor = wgpu::ShaderModuleDescriptor {
+        label: Some(&source.name),
+        source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
+    };
+    if checks == Checks::All || !source.embedded {
+        return gpu.device.create_shader_module(descriptor);
+    }
+    let unbounded = wgpu::ShaderRuntimeChecks {
+        bounds_checks: false,
+        force_loop_bounding: false,
+        ..wgpu::ShaderRuntimeChecks::checked()
+    };
+    #[expect(
+        unsafe_code,
+        reason = "bounds checks and loop bounds cost a quarter of the tracing speed; the text is \
+                  ours, and the caller validated every index"
+    )]
+    // SAFETY: `source.embedded` says that the text was compiled into this program, and
+    // `Checks::NoneIfEmbedded` makes the caller answer for the buffers it reads.
+    unsafe {
+        gpu.device
+            .create_shader_module_trusted(descriptor, unbounded)
+    }
+}

@@ -1,0 +1,394 @@
+//! Checks shaders with naga before any driver sees them, and lists what they declare.
+
+use std::{error::Error, sync::Arc};
+
+use naga::{
+    AddressSpace, Handle, ImageClass, Module, ScalarKind, Span, StorageAccess, TypeInner,
+    front::wgsl,
+    proc::Layouter,
+    valid::{Capabilities, ModuleInfo, ValidationFlags, Validator},
+};
+
+use super::{
+    naga_types::{stage_of, storage_access, storage_format, view_dimension},
+    shader::{ShaderError, ShaderSource},
+};
+
+/// What a checked shader declares.
+#[derive(Clone, Debug)]
+pub struct ShaderModuleInfo {
+    /// Its name, such as `ssr`.
+    pub name: String,
+    /// Its file, for messages.
+    pub file: Arc<str>,
+    /// Its entry points, in the order of the text.
+    pub entry_points: Vec<EntryPoint>,
+    /// The bindings that some entry point uses, by group and then number.
+    pub bindings: Vec<Binding>,
+    /// Pipeline-overridable constants.
+    pub overrides: Vec<Override>,
+    /// Every struct, imported ones too.
+    pub structs: Vec<StructLayout>,
+}
+
+/// A function that a pipeline can start at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EntryPoint {
+    /// Name of the function.
+    pub name: String,
+    /// Exactly one stage.
+    pub stage: wgpu::ShaderStages,
+    /// Threads of a workgroup; zeros outside compute.
+    pub workgroup_size: [u32; 3],
+}
+
+/// A resource that a shader wants.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// `@group`.
+    pub group: u32,
+    /// `@binding`.
+    pub binding: u32,
+    /// Name of the variable.
+    pub name: String,
+    /// What must be bound.
+    pub ty: wgpu::BindingType,
+    /// The stages that use it.
+    pub visibility: wgpu::ShaderStages,
+    /// File and line of its declaration, for messages.
+    pub declared_at: String,
+}
+
+/// A constant that is set when a pipeline is made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Override {
+    /// Key in a pipeline's constants: the `@id`, else the name.
+    pub key: String,
+    /// Name of the constant.
+    pub name: String,
+    /// Whether it has a default.
+    pub optional: bool,
+}
+
+/// How a struct lies in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StructLayout {
+    /// Its name.
+    pub name: String,
+    /// Bytes, padding included.
+    pub size: u32,
+    /// Its members, in order.
+    pub fields: Vec<FieldLayout>,
+}
+
+/// How a member of a struct lies in it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FieldLayout {
+    /// Its name.
+    pub name: String,
+    /// Bytes from the start of the struct.
+    pub offset: u32,
+    /// Bytes, without the padding that follows; one element for a runtime-sized array.
+    pub size: u32,
+}
+
+impl ShaderModuleInfo {
+    /// The entry point of that name.
+    pub fn entry_point(&self, name: &str) -> Option<&EntryPoint> {
+        self.entry_points.iter().find(|entry| entry.name == name)
+    }
+
+    /// The struct of that name.
+    pub fn layout_of(&self, name: &str) -> Option<&StructLayout> {
+        self.structs.iter().find(|layout| layout.name == name)
+    }
+}
+
+/// The naga capabilities of a device with these optional features; `Features::empty()` is what
+/// every device has.
+pub fn capabilities(features: wgpu::Features) -> Capabilities {
+    let mut capabilities = Capabilities::CUBE_ARRAY_TEXTURES
+        | Capabilities::MULTISAMPLED_SHADING
+        | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+    capabilities.set(
+        Capabilities::PRIMITIVE_INDEX,
+        features.contains(wgpu::Features::PRIMITIVE_INDEX),
+    );
+    capabilities
+}
+
+/// Parses and validates a shader and lists what it declares. Needs no GPU.
+///
+/// # Errors
+/// The first thing that naga does not accept, at the line that the author edited.
+pub fn check(
+    source: &ShaderSource,
+    capabilities: Capabilities,
+) -> Result<ShaderModuleInfo, ShaderError> {
+    let module = wgsl::parse_str(&source.text).map_err(|error| parse_error(source, &error))?;
+    let info = Validator::new(ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map_err(|error| validation_error(source, &error))?;
+    let mut layouter = Layouter::default();
+    layouter
+        .update(module.to_ctx())
+        .map_err(|error| ShaderError::new(&source.file, error.to_string()))?;
+    Reflection {
+        source,
+        module: &module,
+        info: &info,
+        layouter: &layouter,
+    }
+    .reflect()
+}
+
+fn parse_error(source: &ShaderSource, error: &wgsl::ParseError) -> ShaderError {
+    let mut placed = at_first_place(source, error.message(), error.labels());
+    placed.notes.extend(error.notes().map(str::to_owned));
+    placed
+}
+
+fn validation_error(
+    source: &ShaderSource,
+    error: &naga::WithSpan<naga::valid::ValidationError>,
+) -> ShaderError {
+    let mut message = error.as_inner().to_string();
+    let mut cause = error.as_inner().source();
+    while let Some(inner) = cause {
+        message = format!("{message}: {inner}");
+        cause = inner.source();
+    }
+    let labels = error.spans().map(|(span, label)| (*span, label.as_str()));
+    at_first_place(source, &message, labels)
+}
+
+/// naga's labels: the first one with a place says where, the others become notes.
+fn at_first_place<'a>(
+    source: &ShaderSource,
+    message: &str,
+    labels: impl Iterator<Item = (Span, &'a str)>,
+) -> ShaderError {
+    let mut error = ShaderError::new(&source.file, message);
+    for (span, label) in labels {
+        let place = span.to_range().and_then(|range| source.locate(range));
+        let label = label.trim();
+        match place {
+            Some(place) if error.location.is_none() => {
+                error.location = Some(place);
+                if !label.is_empty() && !message.contains(label) {
+                    error.notes.push(label.to_owned());
+                }
+            }
+            Some(at) => {
+                let at = format!("{}:{}:{}", at.file, at.line, at.column);
+                error.notes.push(format!("{label} ({at})"));
+            }
+            None if label.is_empty() => {}
+            None => error.notes.push(label.to_owned()),
+        }
+    }
+    error
+}
+
+/// A validated module on its way to a [`ShaderModuleInfo`].
+struct Reflection<'a> {
+    source: &'a ShaderSource,
+    module: &'a Module,
+    info: &'a ModuleInfo,
+    layouter: &'a Layouter,
+}
+
+impl Reflection<'_> {
+    fn reflect(&self) -> Result<ShaderModuleInfo, ShaderError> {
+        let mut entry_points = Vec::new();
+        for entry in &self.module.entry_points {
+            entry_points.push(EntryPoint {
+                name: entry.name.clone(),
+                stage: stage_of(entry.stage).ok_or_else(|| {
+                    let message = format!("entry point `{}` has an unsupported stage", entry.name);
+                    ShaderError::new(&self.source.file, message)
+                })?,
+                workgroup_size: entry.workgroup_size,
+            });
+        }
+        let overrides = self.module.overrides.iter().map(|(_, value)| {
+            let name = value.name.clone().unwrap_or_default();
+            Override {
+                key: value.id.map_or(name.clone(), |id| id.to_string()),
+                name,
+                optional: value.init.is_some(),
+            }
+        });
+        Ok(ShaderModuleInfo {
+            name: self.source.name.clone(),
+            file: self.source.file.clone(),
+            bindings: self.bindings(&entry_points)?,
+            entry_points,
+            overrides: overrides.collect(),
+            structs: self.structs(),
+        })
+    }
+
+    fn structs(&self) -> Vec<StructLayout> {
+        let types = self.module.types.iter();
+        types
+            .filter_map(|(_, ty)| match (&ty.name, &ty.inner) {
+                (Some(name), TypeInner::Struct { members, span }) => Some(StructLayout {
+                    name: name.clone(),
+                    size: *span,
+                    fields: members
+                        .iter()
+                        .map(|member| FieldLayout {
+                            name: member.name.clone().unwrap_or_default(),
+                            offset: member.offset,
+                            size: self.layouter[member.ty].size,
+                        })
+                        .collect(),
+                }),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn bindings(&self, entry_points: &[EntryPoint]) -> Result<Vec<Binding>, ShaderError> {
+        let mut bindings = Vec::new();
+        for (handle, global) in self.module.global_variables.iter() {
+            let Some(slot) = global.binding else { continue };
+            let name = global.name.clone().unwrap_or_default();
+            let users = entry_points.iter().enumerate();
+            let visibility = users
+                .filter(|(index, _)| !self.info.get_entry_point(*index)[handle].is_empty())
+                .fold(wgpu::ShaderStages::NONE, |all, (_, entry)| {
+                    all | entry.stage
+                });
+            if visibility.is_empty() {
+                continue;
+            }
+            let span = self.module.global_variables.get_span(handle);
+            let at = span.to_range().and_then(|range| self.source.locate(range));
+            let ty = self.binding_type(handle).map_err(|message| ShaderError {
+                location: at.clone(),
+                ..ShaderError::new(&self.source.file, format!("`{name}`: {message}"))
+            })?;
+            bindings.push(Binding {
+                group: slot.group,
+                binding: slot.binding,
+                name,
+                ty,
+                visibility,
+                declared_at: at.map_or_else(
+                    || self.source.file.to_string(),
+                    |at| format!("{}:{}", at.file, at.line),
+                ),
+            });
+        }
+        bindings.sort_by_key(|binding| (binding.group, binding.binding));
+        Ok(bindings)
+    }
+
+    fn binding_type(
+        &self,
+        handle: Handle<naga::GlobalVariable>,
+    ) -> Result<wgpu::BindingType, String> {
+        let global = &self.module.global_variables[handle];
+        let buffer = |ty| wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: wgpu::BufferSize::new(self.layouter[global.ty].size.into()),
+        };
+        match (global.space, &self.module.types[global.ty].inner) {
+            (AddressSpace::Uniform, _) => Ok(buffer(wgpu::BufferBindingType::Uniform)),
+            (AddressSpace::Storage { access }, _) => Ok(buffer(wgpu::BufferBindingType::Storage {
+                read_only: !access.contains(StorageAccess::STORE),
+            })),
+            (_, &TypeInner::Sampler { comparison }) => Ok(wgpu::BindingType::Sampler(
+                self.sampler_type(handle, comparison),
+            )),
+            (
+                _,
+                &TypeInner::Image {
+                    dim,
+                    arrayed,
+                    class,
+                },
+            ) => self.texture_type(handle, view_dimension(dim, arrayed), class),
+            _ => Err("this kind of resource is not supported".to_owned()),
+        }
+    }
+
+    fn texture_type(
+        &self,
+        handle: Handle<naga::GlobalVariable>,
+        view_dimension: wgpu::TextureViewDimension,
+        class: ImageClass,
+    ) -> Result<wgpu::BindingType, String> {
+        let sampled = |sample_type, multisampled| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled,
+        };
+        match class {
+            ImageClass::Depth { multi } => Ok(sampled(wgpu::TextureSampleType::Depth, multi)),
+            ImageClass::Sampled { kind, multi } => match kind {
+                ScalarKind::Uint => Ok(sampled(wgpu::TextureSampleType::Uint, multi)),
+                ScalarKind::Sint => Ok(sampled(wgpu::TextureSampleType::Sint, multi)),
+                // Only loaded, never sampled: then r32float and the like fit too.
+                _ => Ok(sampled(
+                    wgpu::TextureSampleType::Float {
+                        filterable: self.pairs().any(|(image, _)| image == handle),
+                    },
+                    multi,
+                )),
+            },
+            ImageClass::Storage { format, access } => Ok(wgpu::BindingType::StorageTexture {
+                access: storage_access(access),
+                format: storage_format(format)
+                    .ok_or_else(|| format!("{format:?} is no storage format of core WebGPU"))?,
+                view_dimension,
+            }),
+            ImageClass::External => Err("external textures are not supported".to_owned()),
+        }
+    }
+
+    /// A sampler filters unless it reads a depth texture, which WebGPU never filters without
+    /// comparing.
+    fn sampler_type(
+        &self,
+        handle: Handle<naga::GlobalVariable>,
+        comparison: bool,
+    ) -> wgpu::SamplerBindingType {
+        let is_depth = |image: Handle<naga::GlobalVariable>| {
+            let ty = self.module.global_variables[image].ty;
+            matches!(
+                self.module.types[ty].inner,
+                TypeInner::Image {
+                    class: ImageClass::Depth { .. },
+                    ..
+                }
+            )
+        };
+        if comparison {
+            wgpu::SamplerBindingType::Comparison
+        } else if self
+            .pairs()
+            .any(|(image, s)| s == handle && is_depth(image))
+        {
+            wgpu::SamplerBindingType::NonFiltering
+        } else {
+            wgpu::SamplerBindingType::Filtering
+        }
+    }
+
+    /// Every texture with every sampler it is sampled through.
+    fn pairs(
+        &self,
+    ) -> impl Iterator<Item = (Handle<naga::GlobalVariable>, Handle<naga::GlobalVariable>)> {
+        (0..self.module.entry_points.len())
+            .flat_map(|index| &self.info.get_entry_point(index).sampling_set)
+            .map(|key| (key.image, key.sampler))
+    }
+}
+
+#[cfg(test)]
+#[path = "reflect_tests.rs"]
+mod tests;

@@ -1,0 +1,388 @@
+//! Shader text: where it comes from, how `#import` is resolved, and how errors point at the
+//! line that the author edited.
+
+use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
+
+/// `(path below shaders/, text)` of every shader, made by `build.rs`.
+const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
+
+/// A place in a file that a person edited.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// The file, such as `shaders/lib/bvh.wgsl`.
+    pub file: Arc<str>,
+    /// From 1.
+    pub line: u32,
+    /// From 1, in bytes; 0 where only the line is known.
+    pub column: u32,
+    /// The text of that line.
+    pub text: String,
+    /// How many bytes of the line are meant, at least 1.
+    pub length: u32,
+}
+
+/// Why a shader cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShaderError {
+    /// The shader or folder, where there is no better place.
+    pub file: Arc<str>,
+    /// What is wrong and what was expected.
+    pub message: String,
+    /// Where, if it is a place in a file.
+    pub location: Option<Location>,
+    /// What else the compiler had to say.
+    pub notes: Vec<String>,
+}
+
+impl ShaderError {
+    pub(crate) fn new(file: &Arc<str>, message: impl Into<String>) -> Self {
+        Self {
+            file: file.clone(),
+            message: message.into(),
+            location: None,
+            notes: Vec::new(),
+        }
+    }
+}
+
+impl fmt::Display for ShaderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.location {
+            None => write!(f, "{}: {}", self.file, self.message)?,
+            Some(at) => {
+                write!(f, "{}:{}", at.file, at.line)?;
+                if at.column > 0 {
+                    write!(f, ":{}", at.column)?;
+                }
+                let number = at.line.to_string();
+                // Tabs keep their width, so that the caret stays under its word.
+                let lead: String = at
+                    .text
+                    .get(..at.column.saturating_sub(1) as usize)
+                    .unwrap_or("")
+                    .chars()
+                    .map(|c| if c == '\t' { '\t' } else { ' ' })
+                    .collect();
+                write!(f, ": {}\n{number} | {}", self.message, at.text)?;
+                if at.column > 0 {
+                    let gap = " ".repeat(number.len());
+                    let marks = "^".repeat(at.length.max(1) as usize);
+                    write!(f, "\n{gap} | {lead}{marks}")?;
+                }
+            }
+        }
+        self.notes
+            .iter()
+            .try_for_each(|note| write!(f, "\n  note: {note}"))
+    }
+}
+
+impl std::error::Error for ShaderError {}
+
+/// A shader with all its imports, ready to be checked.
+#[derive(Clone, Debug)]
+pub struct ShaderSource {
+    /// The name it was asked for, such as `ssr`.
+    pub name: String,
+    /// Its own file, for messages.
+    pub file: Arc<str>,
+    /// The whole WGSL text.
+    pub text: String,
+    /// Whether all of it is the text that was built into this program.
+    pub embedded: bool,
+    /// For every line of `text`: the file and the line in it.
+    lines: Vec<(Arc<str>, u32)>,
+}
+
+impl ShaderSource {
+    /// The place that a byte range of [`ShaderSource::text`] came from.
+    pub fn locate(&self, range: std::ops::Range<usize>) -> Option<Location> {
+        let before = self.text.get(..range.start)?;
+        let index = before.matches('\n').count();
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let text = self.text[start..].lines().next().unwrap_or("");
+        let (file, line) = self.lines.get(index)?.clone();
+        let column = range.start - start;
+        let rest = text.len().saturating_sub(column).max(1);
+        Some(Location {
+            file,
+            line,
+            column: column as u32 + 1,
+            text: text.to_owned(),
+            length: range.len().clamp(1, rest) as u32,
+        })
+    }
+}
+
+/// All shaders of a folder: passes at the top, shared code in `lib/`.
+#[derive(Clone, Debug)]
+pub struct ShaderLibrary {
+    /// What file names start with in messages.
+    root: String,
+    /// Text by path below the root, such as `lib/bvh.wgsl`.
+    files: BTreeMap<String, Cow<'static, str>>,
+    embedded: bool,
+}
+
+impl ShaderLibrary {
+    /// The shaders that were built into this program.
+    pub fn embedded() -> Self {
+        Self {
+            root: "shaders".to_owned(),
+            files: EMBEDDED
+                .iter()
+                .map(|&(path, text)| (path.to_owned(), Cow::Borrowed(text)))
+                .collect(),
+            embedded: true,
+        }
+    }
+
+    /// The `.wgsl` files of a folder and of its `lib/`, read now.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be read, or holds no shader.
+    pub fn from_dir(path: &Path) -> Result<Self, ShaderError> {
+        let root = path.display().to_string();
+        let mut files = BTreeMap::new();
+        for folder in ["", "lib/"] {
+            let dir = path.join(folder);
+            if !folder.is_empty() && !dir.exists() {
+                continue;
+            }
+            let entries = fs::read_dir(&dir).map_err(|error| unreadable(&dir, &error))?;
+            for entry in entries {
+                let file = entry.map_err(|error| unreadable(&dir, &error))?.path();
+                let name = file.file_name().and_then(|name| name.to_str());
+                if let Some(name) = name.filter(|name| name.ends_with(".wgsl")) {
+                    let text = fs::read_to_string(&file).map_err(|e| unreadable(&file, &e))?;
+                    files.insert(format!("{folder}{name}"), Cow::Owned(text));
+                }
+            }
+        }
+        if files.is_empty() {
+            return Err(ShaderError::new(
+                &root.into(),
+                "no .wgsl files here; --shaders wants a copy of Reflet's shaders folder",
+            ));
+        }
+        Ok(Self {
+            root,
+            files,
+            embedded: false,
+        })
+    }
+
+    #[cfg(test)]
+    pub(crate) fn from_texts(texts: &[(&str, &str)]) -> Self {
+        Self {
+            root: "shaders".to_owned(),
+            files: texts
+                .iter()
+                .map(|&(path, text)| (path.to_owned(), Cow::Owned(text.to_owned())))
+                .collect(),
+            embedded: false,
+        }
+    }
+
+    /// Names of all shaders that are not libraries, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files
+            .keys()
+            .filter(|path| !path.contains('/'))
+            .filter_map(|path| path.strip_suffix(".wgsl"))
+    }
+
+    /// Names of all importable libraries, sorted.
+    pub fn lib_names(&self) -> impl Iterator<Item = &str> {
+        self.files
+            .keys()
+            .filter_map(|path| path.strip_prefix("lib/")?.strip_suffix(".wgsl"))
+    }
+
+    /// `NAME.wgsl` with every import put in its place, once.
+    ///
+    /// # Errors
+    /// Unknown shader, unknown import, an import that is not a plain name, a cycle.
+    pub fn source(&self, name: &str) -> Result<ShaderSource, ShaderError> {
+        self.assemble(name, &format!("{name}.wgsl"))
+    }
+
+    /// `lib/NAME.wgsl` on its own with its imports, so that a test can check it alone.
+    ///
+    /// # Errors
+    /// As [`ShaderLibrary::source`].
+    pub fn lib_source(&self, name: &str) -> Result<ShaderSource, ShaderError> {
+        self.assemble(name, &format!("lib/{name}.wgsl"))
+    }
+
+    fn assemble(&self, name: &str, path: &str) -> Result<ShaderSource, ShaderError> {
+        let file: Arc<str> = format!("{}/{path}", self.root).into();
+        if !self.files.contains_key(path) {
+            return Err(ShaderError::new(&file, "no such shader"));
+        }
+        let mut assembly = Assembly {
+            library: self,
+            text: String::new(),
+            lines: Vec::new(),
+            open: Vec::new(),
+            done: Vec::new(),
+        };
+        assembly.include(path)?;
+        Ok(ShaderSource {
+            name: name.to_owned(),
+            file,
+            text: assembly.text,
+            embedded: self.embedded,
+            lines: assembly.lines,
+        })
+    }
+}
+
+/// A shader being put together.
+struct Assembly<'a> {
+    library: &'a ShaderLibrary,
+    text: String,
+    lines: Vec<(Arc<str>, u32)>,
+    /// Paths whose inclusion has begun, outermost first.
+    open: Vec<String>,
+    /// Paths that are in the text already.
+    done: Vec<String>,
+}
+
+impl Assembly<'_> {
+    fn include(&mut self, path: &str) -> Result<(), ShaderError> {
+        let file: Arc<str> = format!("{}/{path}", self.library.root).into();
+        let text = self.library.files[path].clone();
+        self.open.push(path.to_owned());
+        for (index, line) in text.lines().enumerate() {
+            if let Some(rest) = line.trim_start().strip_prefix("#import") {
+                let location = Location {
+                    file: file.clone(),
+                    line: index as u32 + 1,
+                    column: 0,
+                    text: line.to_owned(),
+                    length: 1,
+                };
+                self.import(rest, location)?;
+            } else {
+                self.text.push_str(line);
+                self.text.push('\n');
+                self.lines.push((file.clone(), index as u32 + 1));
+            }
+        }
+        self.open.pop();
+        self.done.push(path.to_owned());
+        Ok(())
+    }
+
+    fn import(&mut self, rest: &str, location: Location) -> Result<(), ShaderError> {
+        let refuse = |message: String| {
+            Err(ShaderError {
+                file: location.file.clone(),
+                message,
+                location: Some(location.clone()),
+                notes: Vec::new(),
+            })
+        };
+        let name = rest.split("//").next().unwrap_or("").trim();
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if name.is_empty() || !rest.starts_with([' ', '\t']) || !name.chars().all(is_name) {
+            return refuse(format!(
+                "expected `#import NAME` with the name of a file in lib/, found `{name}`"
+            ));
+        }
+        let path = format!("lib/{name}.wgsl");
+        if let Some(first) = self.open.iter().position(|open| *open == path) {
+            let mut circle = self.open[first..].to_vec();
+            circle.push(path);
+            return refuse(format!("import cycle: {}", circle.join(" -> ")));
+        }
+        if self.done.contains(&path) {
+            return Ok(());
+        }
+        if !self.library.files.contains_key(&path) {
+            let known: Vec<&str> = self.library.lib_names().collect();
+            return refuse(format!(
+                "no lib/{name}.wgsl; lib/ has: {}",
+                known.join(", ")
+            ));
+        }
+        self.include(&path)
+    }
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> ShaderError {
+    ShaderError::new(
+        &path.display().to_string().into(),
+        format!("cannot read: {error}"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_import_comes_once_and_lines_map_back() {
+        let library = ShaderLibrary::from_texts(&[
+            (
+                "pass.wgsl",
+                "// pass\n#import b // shared\n#import a\nfn main() {}\n",
+            ),
+            ("lib/a.wgsl", "const A = 1;\n"),
+            ("lib/b.wgsl", "#import a\nconst B = A;\n"),
+        ]);
+        let source = library.source("pass").expect("assembles");
+        assert_eq!(
+            source.text,
+            "// pass\nconst A = 1;\nconst B = A;\nfn main() {}\n"
+        );
+        for (word, file, line) in [
+            ("A = 1", "shaders/lib/a.wgsl", 1),
+            ("B =", "shaders/lib/b.wgsl", 2),
+            ("main", "shaders/pass.wgsl", 4),
+        ] {
+            let start = source.text.find(word).expect("present");
+            let place = source.locate(start..start + 1).expect("inside");
+            assert_eq!((&*place.file, place.line), (file, line), "{word}");
+        }
+    }
+
+    #[test]
+    fn bad_imports_say_where_and_why() {
+        let library = ShaderLibrary::from_texts(&[
+            ("cycle.wgsl", "#import a\n"),
+            ("missing.wgsl", "\n#import ssr\n"),
+            ("path.wgsl", "#import ../secret\n"),
+            ("ssr.wgsl", ""),
+            ("lib/a.wgsl", "#import b\n"),
+            ("lib/b.wgsl", "#import a\n"),
+        ]);
+        let says = |name: &str| library.source(name).expect_err("refused").to_string();
+        assert_eq!(
+            says("cycle"),
+            "shaders/lib/b.wgsl:1: import cycle: lib/a.wgsl -> lib/b.wgsl -> lib/a.wgsl\n1 | #import a"
+        );
+        assert_eq!(
+            says("missing"),
+            "shaders/missing.wgsl:2: no lib/ssr.wgsl; lib/ has: a, b\n2 | #import ssr"
+        );
+        assert!(says("path").contains("expected `#import NAME`"));
+        assert_eq!(says("nowhere"), "shaders/nowhere.wgsl: no such shader");
+    }
+
+    #[test]
+    fn a_folder_without_shaders_is_refused() {
+        let dir = std::env::temp_dir().join(format!("reflet-no-shaders-{}", std::process::id()));
+        let error = ShaderLibrary::from_dir(&dir).expect_err("missing");
+        assert!(error.to_string().contains("cannot read"));
+        fs::create_dir_all(&dir).expect("temporary folder");
+        let error = ShaderLibrary::from_dir(&dir).expect_err("empty");
+        assert!(error.to_string().contains("no .wgsl files"));
+        fs::write(dir.join("x.wgsl"), "const X = 1;").expect("temporary file");
+        let library = ShaderLibrary::from_dir(&dir).expect("one shader");
+        assert_eq!(library.names().collect::<Vec<_>>(), ["x"]);
+        assert!(!library.source("x").expect("assembles").embedded);
+        fs::remove_dir_all(&dir).expect("clean up");
+    }
+}

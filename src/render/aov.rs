@@ -1,0 +1,265 @@
+//! AOVs: quantities of the frame as planes, decoded from the intermediate textures.
+
+use glam::{Vec2, Vec3};
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    scene::desc::CameraDesc,
+};
+
+use super::{Plane, PlaneData, Renderer, cause::Cause, targets::Target, types::NONE};
+
+/// A quantity that can be written beside the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aov {
+    /// Metres along the view direction; infinite where nothing is.
+    Depth,
+    /// World-space shading normal.
+    Normal,
+    /// Linear base color.
+    BaseColor,
+    /// Perceptual roughness, metallic, reflectivity.
+    Material,
+    /// Linear emitted radiance.
+    Emission,
+    /// View-independent radiance.
+    Radiance,
+    /// View-dependent radiance of lights and environment.
+    Specular,
+    /// Radiance along the mirror ray.
+    Reflection,
+    /// Fresnel-weighted reflectance of reflective pixels, mean over the channels.
+    Reflectance,
+    /// Where the reflection came from.
+    Source,
+    /// Why.
+    Cause,
+    /// Distance along the mirror ray to what it met, metres; infinite where nothing was.
+    HitDistance,
+    /// Instance and triangle that the mirror ray met.
+    HitIds,
+    /// Instance and triangle seen.
+    Ids,
+}
+
+const RGB: &[&str] = &["R", "G", "B"];
+const FAR: f32 = 1e29;
+
+impl Aov {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::Depth,
+        Self::Normal,
+        Self::BaseColor,
+        Self::Material,
+        Self::Emission,
+        Self::Radiance,
+        Self::Specular,
+        Self::Reflection,
+        Self::Reflectance,
+        Self::Source,
+        Self::Cause,
+        Self::HitDistance,
+        Self::HitIds,
+        Self::Ids,
+    ];
+
+    /// Name on the command line and in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::BaseColor => "base_color",
+            Self::Material => "material",
+            Self::Emission => "emission",
+            Self::Radiance => "radiance",
+            Self::Specular => "specular",
+            Self::Reflection => "reflection",
+            Self::Reflectance => "reflectance",
+            Self::Source => "source",
+            Self::Cause => "cause",
+            Self::HitDistance => "hit_distance",
+            Self::HitIds => "hit_ids",
+            Self::Ids => "ids",
+        }
+    }
+
+    /// The AOV of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|aov| aov.name() == name)
+    }
+
+    /// Reads the plane of the last picture.
+    ///
+    /// # Errors
+    /// What reading back says.
+    pub fn plane(
+        self,
+        gpu: &Gpu,
+        renderer: &Renderer,
+        camera: &CameraDesc,
+    ) -> Result<Plane, GpuError> {
+        let (channels, data) = match self {
+            Self::Depth => (
+                &["Z"][..],
+                far_to_infinity(renderer.read(gpu, Target::ViewDepth)?),
+            ),
+            Self::BaseColor => (RGB, rgb(renderer, gpu, Target::BaseColor)?),
+            Self::Emission => (RGB, rgb(renderer, gpu, Target::Emission)?),
+            Self::Radiance => (RGB, rgb(renderer, gpu, Target::Radiance)?),
+            Self::Specular => (RGB, rgb(renderer, gpu, Target::Specular)?),
+            Self::Reflection => (RGB, rgb(renderer, gpu, Target::Reflection)?),
+            Self::Normal | Self::Material | Self::Reflectance => {
+                self.surface(gpu, renderer, camera)?
+            }
+            Self::Cause => (
+                &["cause"][..],
+                PlaneData::U32(renderer.read(gpu, Target::Cause)?),
+            ),
+            Self::Source => {
+                let causes: Vec<u32> = renderer.read(gpu, Target::Cause)?;
+                let source = |c: u32| Cause::from_number(c).map_or(0, |c| c.source() as u32);
+                (
+                    &["source"][..],
+                    PlaneData::U32(causes.into_iter().map(source).collect()),
+                )
+            }
+            Self::HitDistance => {
+                let hits = hits(gpu, renderer)?;
+                let distance = |h: [u32; 4]| {
+                    if h[1] == NONE {
+                        f32::INFINITY
+                    } else {
+                        f32::from_bits(h[0])
+                    }
+                };
+                (
+                    &["Z"][..],
+                    PlaneData::F32(hits.into_iter().map(distance).collect()),
+                )
+            }
+            Self::HitIds => {
+                let hits = hits(gpu, renderer)?;
+                let ids = hits.into_iter().flat_map(|h| [h[1], h[2]]);
+                (&["instance", "triangle"][..], PlaneData::U32(ids.collect()))
+            }
+            Self::Ids => (
+                &["instance", "triangle"][..],
+                PlaneData::U32(renderer.read(gpu, Target::Ids)?),
+            ),
+        };
+        Ok(Plane {
+            name: self.name(),
+            channels,
+            data,
+        })
+    }
+
+    fn surface(
+        self,
+        gpu: &Gpu,
+        renderer: &Renderer,
+        camera: &CameraDesc,
+    ) -> Result<(&'static [&'static str], PlaneData), GpuError> {
+        let packed: Vec<[u32; 4]> = renderer.read(gpu, Target::Surface)?;
+        let depths: Vec<f32> = renderer.read(gpu, Target::ViewDepth)?;
+        let seen = packed
+            .iter()
+            .zip(&depths)
+            .map(|(p, d)| (*d < FAR).then_some(*p));
+        Ok(match self {
+            Self::Normal => {
+                let normals =
+                    seen.flat_map(|p| p.map_or(Vec3::ZERO, |p| unpack_unit(p[0])).to_array());
+                (&["X", "Y", "Z"], PlaneData::F32(normals.collect()))
+            }
+            Self::Material => {
+                let values = seen.flat_map(|p| {
+                    p.map_or([0.0; 3], |p| [half(p[2]), half(p[2] >> 16), half(p[3])])
+                });
+                (
+                    &["roughness", "metallic", "reflectivity"],
+                    PlaneData::F32(values.collect()),
+                )
+            }
+            _ => (
+                &["Y"],
+                PlaneData::F32(reflectance(gpu, renderer, camera, &packed, &depths)?),
+            ),
+        })
+    }
+}
+
+/// Schlick's reflectance at each reflective pixel as compose weights it, 0 elsewhere.
+fn reflectance(
+    gpu: &Gpu,
+    renderer: &Renderer,
+    camera: &CameraDesc,
+    packed: &[[u32; 4]],
+    depths: &[f32],
+) -> Result<Vec<f32>, GpuError> {
+    let causes: Vec<u32> = renderer.read(gpu, Target::Cause)?;
+    let base: Vec<[u16; 4]> = renderer.read(gpu, Target::BaseColor)?;
+    let size = renderer.targets().size;
+    let view = super::view::View::new(camera, size);
+    let at = |i: usize| {
+        let reflects = causes[i] != Cause::NotReflective as u32 && causes[i] != Cause::Rough as u32;
+        if !reflects || depths[i] >= FAR {
+            return 0.0;
+        }
+        let [x, y] = [i as u32 % size[0], i as u32 / size[0]].map(|v| v as f32 + 0.5);
+        let ndc = Vec2::new(x / size[0] as f32, y / size[1] as f32) * 2.0 - 1.0;
+        let ray = (view.forward + view.right * ndc.x - view.up * ndc.y).normalize();
+        let cosine = -unpack_unit(packed[i][0]).dot(ray);
+        let (metallic, reflectivity) = (half(packed[i][2] >> 16), half(packed[i][3]));
+        let f0 = Vec3::from_array([0, 1, 2].map(|c| half(u32::from(base[i][c]))));
+        let f0 = Vec3::splat(reflectivity).lerp(f0, metallic);
+        let f90 = (50.0 * f0.element_sum() / 3.0).clamp(0.0, 1.0);
+        let fresnel = f0 + (Vec3::splat(f90) - f0) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5);
+        fresnel.element_sum() / 3.0
+    };
+    Ok((0..causes.len()).map(at).collect())
+}
+
+/// What the mirror rays met; nothing where the frame has no reflections.
+fn hits(gpu: &Gpu, renderer: &Renderer) -> Result<Vec<[u32; 4]>, GpuError> {
+    let mut hits: Vec<[u32; 4]> = renderer.read(gpu, Target::Hit)?;
+    if !renderer.plan().reflections {
+        hits.fill([0, NONE, NONE, 0]);
+    }
+    Ok(hits)
+}
+
+fn far_to_infinity(depths: Vec<f32>) -> PlaneData {
+    PlaneData::F32(
+        depths
+            .into_iter()
+            .map(|d| if d < FAR { d } else { f32::INFINITY })
+            .collect(),
+    )
+}
+
+fn rgb(renderer: &Renderer, gpu: &Gpu, target: Target) -> Result<PlaneData, GpuError> {
+    let halves: Vec<[u16; 4]> = renderer.read(gpu, target)?;
+    let rgb = halves.into_iter().flat_map(|p| [p[0], p[1], p[2]]);
+    Ok(PlaneData::F32(rgb.map(|h| half(u32::from(h))).collect()))
+}
+
+/// The 16-bit float in the low half.
+fn half(bits: u32) -> f32 {
+    half::f16::from_bits(bits as u16).to_f32()
+}
+
+/// Undoes the octahedral map of `shaders/lib/pack.wgsl`.
+fn unpack_unit(bits: u32) -> Vec3 {
+    let snorm = |b: u32| (f32::from(b as u16 as i16) / 32767.0).max(-1.0);
+    let (x, y) = (snorm(bits), snorm(bits >> 16));
+    let z = 1.0 - x.abs() - y.abs();
+    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
+    let n = if z >= 0.0 {
+        Vec3::new(x, y, z)
+    } else {
+        Vec3::new((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y), z)
+    };
+    n.normalize_or_zero()
+}

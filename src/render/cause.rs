@@ -1,0 +1,124 @@
+//! Why a pixel's reflection is what it is, and where it came from.
+
+use serde::Serialize;
+
+/// The outcome of the screen-space march at one pixel; the numbers are those of
+/// `shaders/lib/cause.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u32)]
+pub enum Cause {
+    /// Nothing there, or nothing that reflects.
+    NotReflective = 0,
+    /// Crossed a surface at most T behind the stored depth.
+    Hit = 1,
+    /// Crossed more than T behind it.
+    Hidden = 2,
+    /// Met a surface from behind.
+    BackFace = 3,
+    /// Met another reflector.
+    Reflector = 4,
+    /// Left the picture.
+    OffScreen = 5,
+    /// Ran out of steps.
+    Steps = 6,
+    /// Reached its length without meeting anything.
+    None = 7,
+    /// Rougher than the cut-off.
+    Rough = 8,
+    /// Method `rt`: was not marched.
+    Unmarched = 9,
+}
+
+/// Where a pixel's reflection came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// Not a reflective pixel.
+    NotReflective,
+    /// Found on screen.
+    Screen,
+    /// Ray traced (left black by method `ssr`).
+    Traced,
+    /// The environment: nothing in reach.
+    None,
+    /// The environment: too rough.
+    Rough,
+}
+
+impl Cause {
+    /// All causes; the index is the number.
+    pub const ALL: [Self; 10] = [
+        Self::NotReflective,
+        Self::Hit,
+        Self::Hidden,
+        Self::BackFace,
+        Self::Reflector,
+        Self::OffScreen,
+        Self::Steps,
+        Self::None,
+        Self::Rough,
+        Self::Unmarched,
+    ];
+
+    /// The cause with this number.
+    pub fn from_number(number: u32) -> Option<Self> {
+        Self::ALL.get(number as usize).copied()
+    }
+
+    /// Name in reports and file names.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotReflective => "not_reflective",
+            Self::Hit => "hit",
+            Self::Hidden => "hidden",
+            Self::BackFace => "back_face",
+            Self::Reflector => "reflector",
+            Self::OffScreen => "off_screen",
+            Self::Steps => "steps",
+            Self::None => "none",
+            Self::Rough => "rough",
+            Self::Unmarched => "unmarched",
+        }
+    }
+
+    /// Where such a pixel's reflection comes from.
+    pub const fn source(self) -> Source {
+        match self {
+            Self::NotReflective => Source::NotReflective,
+            Self::Hit => Source::Screen,
+            Self::None => Source::None,
+            Self::Rough => Source::Rough,
+            _ => Source::Traced,
+        }
+    }
+
+    /// Color in the `cause` picture, sRGB.
+    pub const fn color(self) -> [u8; 3] {
+        match self {
+            Self::NotReflective => [24, 24, 24],
+            Self::Hit => [70, 130, 255],
+            Self::Hidden => [230, 60, 60],
+            Self::BackFace => [250, 160, 40],
+            Self::Reflector => [240, 220, 70],
+            Self::OffScreen => [250, 90, 200],
+            Self::Steps => [150, 70, 220],
+            Self::None => [80, 200, 120],
+            Self::Rough => [130, 130, 130],
+            Self::Unmarched => [255, 150, 200],
+        }
+    }
+}
+
+impl Source {
+    /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
+    pub const fn color(self) -> [u8; 3] {
+        match self {
+            Self::NotReflective => [24, 24, 24],
+            Self::Screen => [60, 110, 255],
+            Self::Traced => [255, 110, 190],
+            Self::None => [80, 200, 120],
+            Self::Rough => [130, 130, 130],
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Which draws cannot touch a picture.
+
+use glam::{Mat4, Vec3};
+
+use crate::math::Bounds;
+
+/// Whether a box lies wholly outside one of the planes of a clip volume (left, right, top, bottom,
+/// behind). Depth is reversed and may be infinite, so there is no far plane to miss.
+pub fn outside(clip_from_world: &Mat4, bounds: &Bounds) -> bool {
+    if bounds.is_empty() {
+        return true;
+    }
+    let corners: [_; 8] = std::array::from_fn(|i| {
+        let pick = |bit: usize, low: f32, high: f32| if i & bit == 0 { low } else { high };
+        let corner = Vec3::new(
+            pick(1, bounds.min.x, bounds.max.x),
+            pick(2, bounds.min.y, bounds.max.y),
+            pick(4, bounds.min.z, bounds.max.z),
+        );
+        *clip_from_world * corner.extend(1.0)
+    });
+    corners.iter().all(|c| c.x > c.w)
+        || corners.iter().all(|c| c.x < -c.w)
+        || corners.iter().all(|c| c.y > c.w)
+        || corners.iter().all(|c| c.y < -c.w)
+        || corners.iter().all(|c| c.z > c.w)
+}

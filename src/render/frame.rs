@@ -1,0 +1,197 @@
+//! The frame: which passes run, in which order. Read this first.
+
+use std::time::Instant;
+
+use glam::Vec2;
+
+use crate::{
+    gpu::{Gpu, GpuError, readback, timer::sum_by_name},
+    math::Bounds,
+    scene::desc::CameraDesc,
+    world::World,
+};
+
+use super::{
+    RenderError, RenderOptions, Renderer,
+    lights::lights,
+    pass::Dispatch,
+    passes::{blur, compact, compose, ssr, tone},
+    recorder::Recorder,
+    renderer::Reflections,
+    stats::{FrameStats, Shares},
+    types::Frame,
+    view::{View, jitter},
+};
+
+impl Renderer {
+    /// Renders one picture into the targets. The lights of `world` may have moved since the last
+    /// one; their number and shadow modes may not have changed.
+    ///
+    /// # Errors
+    /// A lost device or exhausted memory.
+    pub fn render(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let started = Instant::now();
+        let samples = self.options.image.samples;
+        let view = View::new(camera, self.options.image.size);
+        let mut passes_ms = Vec::new();
+        for sample in 0..samples {
+            passes_ms.extend(self.sub_frame(gpu, world, &view, sample)?);
+        }
+        gpu.wait()?;
+        let frame_ms = started.elapsed().as_secs_f64() * 1e3;
+        Ok(self.stats(gpu, sum_by_name(passes_ms), frame_ms)?)
+    }
+
+    /// One sub-frame, pass by pass; milliseconds of each.
+    fn sub_frame(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        view: &View,
+        sample: u32,
+    ) -> Result<Vec<(String, f64)>, GpuError> {
+        let jitter = jitter(sample, self.options.image.samples);
+        let bounds = self
+            .scene
+            .draws
+            .iter()
+            .fold(Bounds::EMPTY, |all, d| all.union(d.bounds));
+        let (block, shadow_views) = lights(&world.lights, self.maps.sizes, &bounds);
+        self.buffers
+            .set(gpu, &self.frame(world, view, jitter), &block);
+
+        let Self {
+            targets,
+            scene,
+            maps,
+            ..
+        } = self;
+        let mut recorder = Recorder::new(gpu, &self.timer, &self.shared, self.options.image.size);
+        let r = &mut recorder;
+        if sample == 0 {
+            self.shadow.record(r, maps, scene, &shadow_views);
+        }
+        self.visibility
+            .record(r, targets, scene, &view.clip_from_world(jitter));
+        self.surface.record(r, &Dispatch::PerPixel);
+        self.light.record(r, &Dispatch::PerPixel);
+        if let Some(reflections) = &self.reflections {
+            reflections.record(r, &self.options, self.unit_m);
+        }
+        let compose = &self.compose[sample as usize % 2];
+        compose.set_params(
+            gpu,
+            &compose::Params {
+                sample,
+                pad0: 0,
+                pad1: 0,
+                pad2: 0,
+            },
+        );
+        compose.record(r, &Dispatch::PerPixel);
+        if sample + 1 == self.options.image.samples {
+            self.tone
+                .set_params(gpu, &tone::Params::new(&self.options.image));
+            self.tone.record(r, &Dispatch::PerPixel);
+        }
+        recorder.finish()
+    }
+
+    fn frame(&self, world: &World, view: &View, jitter: Vec2) -> Frame {
+        let settings = &self.options.reflection;
+        let environment = &world.environment;
+        Frame {
+            clip_from_world: view.clip_from_world(jitter).to_cols_array_2d(),
+            eye: view.eye.to_array(),
+            near_m: view.near_m,
+            forward: view.forward.to_array(),
+            pixel_spread: view.pixel_spread(),
+            right: view.right.to_array(),
+            ray_length_m: settings.ray_length_u * self.unit_m,
+            up: view.up.to_array(),
+            roughness_cutoff: settings.roughness_cutoff,
+            size: view.size.map(|v| v as f32),
+            jitter: jitter.to_array(),
+            zenith: environment.zenith.to_array(),
+            light_count: world.lights.len() as u32,
+            horizon: environment.horizon.to_array(),
+            bounces: self.plan.bounces,
+            ground: environment.ground.to_array(),
+            fade: u32::from(settings.fade),
+        }
+    }
+
+    fn stats(
+        &self,
+        gpu: &Gpu,
+        passes_ms: Vec<(String, f64)>,
+        frame_ms: f64,
+    ) -> Result<FrameStats, GpuError> {
+        let counters: Vec<u32> = match &self.reflections {
+            Some(r) => readback::read_buffer(gpu, &r.list.counters)?,
+            None => vec![0; 16],
+        };
+        let mut bytes: Vec<(String, u64)> = Vec::new();
+        let named = |(name, size): (&str, u64)| (name.to_owned(), size);
+        bytes.extend(self.scene.report().into_iter().map(named));
+        bytes.push(("shadow_maps".to_owned(), self.maps.bytes));
+        bytes.extend(
+            self.targets
+                .report()
+                .into_iter()
+                .map(|(n, b)| (format!("target_{n}"), b)),
+        );
+        if let Some(r) = &self.reflections {
+            bytes.push(("ray_list".to_owned(), r.list.rays.size()));
+        }
+        Ok(FrameStats {
+            size: self.options.image.size,
+            samples: self.options.image.samples,
+            method: self.options.reflection.method,
+            unit_m: self.unit_m,
+            tree_ms: self.tree_ms,
+            shares: Shares::new(&counters, self.options.image.size),
+            rays: counters[compact::RAY_COUNTER],
+            passes_ms,
+            frame_ms,
+            bytes,
+        })
+    }
+}
+
+impl Reflections {
+    /// The reflections of one sub-frame.
+    fn record(&self, r: &mut Recorder<'_>, options: &RenderOptions, unit_m: f32) {
+        let settings = &options.reflection;
+        r.encoder().clear_buffer(&self.list.counters, 0, None);
+        self.ssr
+            .set_params(r.gpu, &ssr::Params::new(settings, unit_m));
+        self.ssr.record(r, &Dispatch::PerPixel);
+        self.compact.record(r, &Dispatch::PerPixel);
+        if let Some(traced) = &self.trace {
+            traced.arguments.record(r, &Dispatch::Once);
+            traced
+                .trace
+                .record(r, &Dispatch::Indirect(&self.list.arguments));
+        }
+        if let Some(blur) = &self.blur {
+            for (pass, direction) in blur.iter().zip([[1, 0], [0, 1]]) {
+                let sigma_px = settings.blur_px;
+                pass.set_params(
+                    r.gpu,
+                    &blur::Params {
+                        direction,
+                        sigma_px,
+                        pad: 0,
+                    },
+                );
+                pass.record(r, &Dispatch::PerPixel);
+            }
+        }
+    }
+}

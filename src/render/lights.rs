@@ -1,0 +1,217 @@
+//! World lights → the lights' uniform block and the views from which shadow maps are drawn.
+
+use bytemuck::Zeroable;
+use glam::{Mat4, Vec3, Vec4, camera::rh};
+
+use crate::{
+    math::Bounds,
+    scene::desc::{LightKind, ShadowMode},
+    world::{Light, MAX_LIGHTS},
+};
+
+use super::types::{GpuLight, LightBlock};
+
+/// Near plane of shadow maps; `cube_visibility` in `shaders/lib/shadow.wgsl` divides by it too.
+pub const SHADOW_NEAR_M: f32 = 0.01;
+
+/// One picture that the shadow pass draws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowView {
+    /// Whether it is a face of a cube map, else a flat map.
+    pub cube: bool,
+    /// Array layer; cubes have six each.
+    pub layer: u32,
+    /// World to clip, reversed depth.
+    pub clip_from_world: Mat4,
+}
+
+/// Map sizes and numbers, which change only when lights come or go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShadowSizes {
+    /// Edge of every cube face, pixels: the largest that a point light asks for.
+    pub cube_px: u32,
+    /// Cube maps.
+    pub cubes: u32,
+    /// Edge of every flat map, pixels: the largest that a light asks for.
+    pub map_px: u32,
+    /// Flat maps.
+    pub maps: u32,
+}
+
+impl ShadowSizes {
+    /// What these lights ask for.
+    pub fn of(lights: &[Light]) -> Self {
+        let mut sizes = Self::default();
+        for light in lights.iter().filter(|l| l.desc.shadow == ShadowMode::Map) {
+            if matches!(light.desc.kind, LightKind::Point { .. }) {
+                sizes.cubes += 1;
+                sizes.cube_px = sizes.cube_px.max(light.desc.shadow_px);
+            } else {
+                sizes.maps += 1;
+                sizes.map_px = sizes.map_px.max(light.desc.shadow_px);
+            }
+        }
+        sizes
+    }
+}
+
+/// The uniform block and the shadow views of one frame. `bounds` hold everything that casts.
+pub fn lights(
+    lights: &[Light],
+    sizes: ShadowSizes,
+    bounds: &Bounds,
+) -> (LightBlock, Vec<ShadowView>) {
+    let mut block = LightBlock::zeroed();
+    let mut views = Vec::new();
+    let (mut cubes, mut maps) = (0, 0);
+    for (light, out) in lights.iter().take(MAX_LIGHTS).zip(&mut block.lights) {
+        *out = gpu_light(light);
+        if light.desc.shadow != ShadowMode::Map {
+            continue;
+        }
+        if let LightKind::Point { position, .. } = light.desc.kind {
+            out.layer = cubes;
+            out.texel = 2.0 / sizes.cube_px as f32;
+            views.extend(
+                cube_faces(position)
+                    .into_iter()
+                    .zip(6 * cubes..)
+                    .map(|(clip, layer)| ShadowView {
+                        cube: true,
+                        layer,
+                        clip_from_world: clip,
+                    }),
+            );
+            cubes += 1;
+        } else {
+            let (clip, texel) = flat_view(&light.desc.kind, sizes.map_px, bounds);
+            out.layer = maps;
+            out.texel = texel;
+            out.clip_from_world = clip.to_cols_array_2d();
+            views.push(ShadowView {
+                cube: false,
+                layer: maps,
+                clip_from_world: clip,
+            });
+            maps += 1;
+        }
+    }
+    (block, views)
+}
+
+fn gpu_light(light: &Light) -> GpuLight {
+    let mut out = GpuLight::zeroed();
+    let intensity = match light.desc.kind {
+        LightKind::Point {
+            position,
+            intensity_cd,
+        } => {
+            out.position = position.to_array();
+            intensity_cd
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            intensity_cd,
+            inner_deg,
+            outer_deg,
+        } => {
+            out.kind = 1;
+            out.position = position.to_array();
+            out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
+            // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
+            let outer = outer_deg.to_radians().cos();
+            let inner = inner_deg.to_radians().cos();
+            out.spot_scale = 1.0 / (inner - outer).max(1e-3);
+            out.spot_offset = -outer * out.spot_scale;
+            intensity_cd
+        }
+        LightKind::Directional {
+            direction,
+            intensity_lux,
+        } => {
+            out.kind = 2;
+            out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
+            intensity_lux
+        }
+    };
+    out.color = (light.desc.color * intensity).to_array();
+    out.range_m = light.range_m.unwrap_or(0.0);
+    out.shadow = match light.desc.shadow {
+        ShadowMode::None => 0,
+        ShadowMode::Map => 1,
+        ShadowMode::Ray => 2,
+    };
+    out
+}
+
+/// Clip matrix with these axes: x to the right, y up, depth near / distance along `forward`.
+fn frustum(position: Vec3, forward: Vec3, right: Vec3, up: Vec3) -> Mat4 {
+    let row = |axis: Vec3| axis.extend(-axis.dot(position));
+    Mat4::from_cols(row(right), row(up), Vec4::W * SHADOW_NEAR_M, row(forward)).transpose()
+}
+
+/// The six faces in the order and orientation of cube maps (Vulkan 1.3, "Cube Map Face Selection").
+fn cube_faces(position: Vec3) -> [Mat4; 6] {
+    const X: Vec3 = Vec3::X;
+    const Y: Vec3 = Vec3::Y;
+    const Z: Vec3 = Vec3::Z;
+    [
+        (X, -Z, Y),
+        (-X, Z, Y),
+        (Y, X, -Z),
+        (-Y, X, Z),
+        (Z, X, Y),
+        (-Z, -X, Y),
+    ]
+    .map(|(forward, right, up)| frustum(position, forward, right, up))
+}
+
+/// The view of a spot or directional light, and the world size of a texel (at distance 1 for spots).
+fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
+    match *kind {
+        LightKind::Spot {
+            position,
+            direction,
+            outer_deg,
+            ..
+        } => {
+            let half = (outer_deg + 1.0).min(89.0).to_radians();
+            let forward = direction.normalize_or(Vec3::NEG_Y);
+            let projection =
+                rh::proj::directx::perspective_infinite_reverse(2.0 * half, 1.0, SHADOW_NEAR_M);
+            let view = rh::view::look_to_mat4(position, forward, forward.any_orthonormal_vector());
+            (projection * view, 2.0 * half.tan() / px as f32)
+        }
+        LightKind::Directional { direction, .. } => {
+            parallel_view(direction.normalize_or(Vec3::NEG_Y), px, bounds)
+        }
+        LightKind::Point { .. } => (Mat4::IDENTITY, 0.0),
+    }
+}
+
+/// An orthographic view along `forward` that holds all of `bounds`, a texel to spare on each side.
+fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
+    let right = forward.any_orthonormal_vector();
+    let up = right.cross(forward);
+    let axes = glam::Mat3::from_cols(right, up, forward).transpose();
+    let around = bounds.transformed(&glam::Affine3A::from_mat3(axes));
+    let (center, extent) = (
+        around.center(),
+        (around.max - around.min).max(Vec3::splat(1e-3)),
+    );
+    let edge = extent.x.max(extent.y) * (1.0 + 4.0 / px as f32);
+    let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);
+    let clip = Mat4::from_cols(
+        row(right, 2.0 / edge, -2.0 * center.x / edge),
+        row(up, 2.0 / edge, -2.0 * center.y / edge),
+        row(
+            forward,
+            -1.0 / extent.z,
+            1.0 + (center.z - 0.5 * extent.z) / extent.z,
+        ),
+        Vec4::W,
+    )
+    .transpose();
+    (clip, edge / px as f32)
+}

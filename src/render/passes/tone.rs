@@ -1,0 +1,40 @@
+//! Tone: linear radiance to display color.
+
+use crate::{
+    render::{pass::Pass, targets::Target, types::gpu_struct},
+    scene::desc::ImageDesc,
+};
+
+/// See `shaders/tone.wgsl`; `color` is the sum of the last sub-frame.
+pub const PASS: Pass = Pass {
+    name: "tone",
+    reads: &[Target::ColorEven, Target::ColorOdd],
+    writes: &[Target::Display],
+    params: Some(Params::LAYOUT),
+};
+
+gpu_struct! {
+    /// Of the curve.
+    pub struct Params = "Params" {
+        /// Exposure over the number of sub-frames.
+        scale: f32,
+        /// 0 none, 1 neutral, 2 ACES.
+        curve: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+    }
+}
+
+impl Params {
+    /// Of the scene's settings.
+    pub fn new(image: &ImageDesc) -> Self {
+        Self {
+            scale: image.exposure_ev.exp2() / image.samples as f32,
+            curve: image.tone_map as u32,
+            pad0: 0,
+            pad1: 0,
+        }
+    }
+}

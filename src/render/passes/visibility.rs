@@ -1,0 +1,179 @@
+//! Visibility: rasterizes depth and ids, nothing else.
+
+use crate::{
+    gpu::{Gpu, GpuError, Shader},
+    render::{
+        cull::outside,
+        pass::{Pass, Shared, known},
+        recorder::Recorder,
+        scene::{Draw, DrawClass, GpuScene},
+        targets::{Target, Targets},
+    },
+};
+
+/// See `shaders/visibility.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "visibility",
+    reads: &[],
+    writes: &[Target::RasterDepth, Target::Ids],
+    params: None,
+};
+
+/// The pass: a pipeline for each class of draws in use.
+#[derive(Debug)]
+pub struct Visibility {
+    pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
+}
+
+impl Visibility {
+    /// Builds the pipelines that `draws` need.
+    ///
+    /// # Errors
+    /// What the shader or wgpu refuses.
+    pub fn new(
+        gpu: &Gpu,
+        shader: &Shader,
+        shared: &Shared,
+        draws: &[Draw],
+        constants: &[(&'static str, f64)],
+    ) -> Result<Self, GpuError> {
+        let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
+        for draw in draws {
+            if pipelines.iter().all(|(class, _)| *class != draw.class) {
+                pipelines.push((
+                    draw.class,
+                    pipeline(gpu, shader, shared, draw.class, constants)?,
+                ));
+            }
+        }
+        Ok(Self { pipelines })
+    }
+
+    /// Records the pass.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        targets: &Targets,
+        scene: &GpuScene,
+        clip_from_world: &glam::Mat4,
+    ) {
+        let views = (targets.view(Target::Ids), targets.view(Target::RasterDepth));
+        let (Some(ids), Some(depth)) = views else {
+            return;
+        };
+        recorder.pass(PASS.name, |encoder, recording| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some(PASS.name),
+                color_attachments: &[Some(cleared_ids(ids))],
+                depth_stencil_attachment: Some(cleared_depth(depth)),
+                timestamp_writes: recording.render(PASS.name),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &recording.shared.groups[0], &[]);
+            pass.set_bind_group(1, &recording.shared.groups[1], &[]);
+            for (class, pipeline) in &self.pipelines {
+                pass.set_pipeline(pipeline);
+                for draw in scene.draws.iter().filter(|d| d.class == *class) {
+                    if !outside(clip_from_world, &draw.bounds) {
+                        pass.draw(
+                            0..draw.indices.len() as u32,
+                            draw.instance..draw.instance + 1,
+                        );
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// The ids, cleared to "sky".
+fn cleared_ids(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(NO_IDS),
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+/// A reversed depth attachment, cleared to infinitely far.
+pub fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: wgpu::LoadOp::Clear(0.0),
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+/// Nearer (larger) depth wins.
+pub fn reversed_depth(format: wgpu::TextureFormat) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// "Sky": all bits set in both ids.
+const NO_IDS: wgpu::Color = wgpu::Color {
+    r: u32::MAX as f64,
+    g: u32::MAX as f64,
+    b: 0.0,
+    a: 0.0,
+};
+
+fn pipeline(
+    gpu: &Gpu,
+    shader: &Shader,
+    shared: &Shared,
+    class: DrawClass,
+    constants: &[(&'static str, f64)],
+) -> Result<wgpu::RenderPipeline, GpuError> {
+    let layout = shader.pipeline_layout(gpu, &[&shared.layouts[0], &shared.layouts[1]])?;
+    let mut constants = known(shader, constants);
+    constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
+    let compilation_options = wgpu::PipelineCompilationOptions {
+        constants: &constants,
+        ..Default::default()
+    };
+    gpu.scoped("visibility pipeline", || {
+        gpu.device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(PASS.name),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &shader.module,
+                    entry_point: Some("vertex"),
+                    compilation_options: compilation_options.clone(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState {
+                    front_face: if class.mirrored {
+                        wgpu::FrontFace::Cw
+                    } else {
+                        wgpu::FrontFace::Ccw
+                    },
+                    cull_mode: (!class.double_sided).then_some(wgpu::Face::Back),
+                    ..Default::default()
+                },
+                depth_stencil: Some(reversed_depth(Target::RasterDepth.format())),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &shader.module,
+                    entry_point: Some("fragment"),
+                    compilation_options,
+                    targets: &[Some(Target::Ids.format().into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+    })
+}

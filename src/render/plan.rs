@@ -1,0 +1,233 @@
+//! What a scene needs, and what is therefore left out: model no more than the scene uses.
+
+use glam::Vec3;
+use serde::Serialize;
+
+use crate::{
+    scene::desc::{ReflectionDesc, ReflectionMode, ShadowMode},
+    world::{Material, World, Wrap, bvh::Trees},
+};
+
+use super::textures::Place;
+
+/// One thing that was left out, and why that changes nothing.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Dropped {
+    /// What.
+    pub what: &'static str,
+    /// Why.
+    pub why: String,
+}
+
+/// What the frame contains; each flag is a pipeline constant or a pass that is recorded or not.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Plan {
+    /// Some material can reflect: march, trace and blur passes exist.
+    pub reflections: bool,
+    /// Some geometry stands in the static tree.
+    pub static_tree: bool,
+    /// Some instance is traced through the top level.
+    pub top_level: bool,
+    /// Some material is cut out.
+    pub cutouts: bool,
+    /// Some material has a normal map.
+    pub normal_maps: bool,
+    /// Some material has a texture.
+    pub textures: bool,
+    /// Some material has a checker.
+    pub checkers: bool,
+    /// Some light casts its shadow by rays.
+    pub shadow_rays: bool,
+    /// Most reflections in a row.
+    pub bounces: u32,
+    /// Texture pools in use, a bit for each linear and sRGB view.
+    pub pools: u32,
+    /// Wrap mode pairs in use.
+    pub wraps: u32,
+    /// What was left out.
+    pub dropped: Vec<Dropped>,
+}
+
+/// Whether a material can reflect at all, so that its pixels are worth marching.
+pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
+    let has_specular = material.reflectivity > 0.0 || material.metallic > 0.0;
+    let smooth = material.metallic_roughness_texture.is_some() || material.roughness < cutoff;
+    has_specular
+        && match material.reflection {
+            ReflectionMode::None => false,
+            ReflectionMode::Mirror => true,
+            ReflectionMode::Auto => smooth,
+        }
+}
+
+impl Plan {
+    /// Everything a scene may use: the plan that drops nothing, to compare against.
+    pub fn general(settings: &ReflectionDesc) -> Self {
+        Self {
+            reflections: true,
+            static_tree: true,
+            top_level: true,
+            cutouts: true,
+            normal_maps: true,
+            textures: true,
+            checkers: true,
+            shadow_rays: true,
+            bounces: settings.bounces,
+            pools: 63,
+            wraps: 15,
+            dropped: Vec::new(),
+        }
+    }
+
+    /// What this scene needs.
+    pub fn of(world: &World, trees: &Trees, places: &[Place], settings: &ReflectionDesc) -> Self {
+        let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
+        used.sort_unstable();
+        used.dedup();
+        let materials = || used.iter().map(|&m| &world.materials[m]);
+        let (pools, wraps) = samplers(world, &used, places);
+        let reflections = materials().any(|m| can_reflect(m, settings.roughness_cutoff));
+        let lone = reflections && !reflectors_see_each_other(world, settings.roughness_cutoff);
+        let mut plan = Self {
+            reflections,
+            static_tree: trees.static_triangles > 0,
+            top_level: !trees.top_instances.is_empty(),
+            cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
+            normal_maps: materials().any(|m| m.normal_texture.is_some()),
+            textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
+            checkers: materials().any(|m| m.checker.is_some()),
+            shadow_rays: world
+                .lights
+                .iter()
+                .any(|l| l.desc.shadow == ShadowMode::Ray),
+            bounces: if lone { 1 } else { settings.bounces },
+            pools,
+            wraps,
+            dropped: Vec::new(),
+        };
+        plan.explain(settings);
+        plan
+    }
+
+    fn explain(&mut self, settings: &ReflectionDesc) {
+        let mut drop = |unused: bool, what, why: &str| {
+            if unused {
+                let why = why.to_owned();
+                self.dropped.push(Dropped { what, why });
+            }
+        };
+        drop(
+            !self.reflections,
+            "reflection passes",
+            "no material can reflect",
+        );
+        drop(!self.static_tree, "static tree", "nothing stands still");
+        drop(
+            !self.top_level,
+            "top level",
+            "nothing is dynamic and no static mesh is shared",
+        );
+        drop(!self.cutouts, "alpha tests", "no material is cut out");
+        drop(!self.textures, "textures", "no material has one");
+        drop(
+            self.textures && !self.normal_maps,
+            "normal maps",
+            "no material has one",
+        );
+        drop(!self.checkers, "checkers", "no material has one");
+        drop(!self.shadow_rays, "shadow rays", "no light asks for them");
+        drop(
+            self.reflections && self.bounces < settings.bounces,
+            "bounces after the first",
+            "no reflector can see another",
+        );
+    }
+
+    /// Values for the shaders' overrides, by name.
+    pub fn constants(&self) -> Vec<(&'static str, f64)> {
+        let flag = |on: bool| f64::from(u8::from(on));
+        vec![
+            ("HAS_REFLECTIONS", flag(self.reflections)),
+            ("HAS_STATIC", flag(self.static_tree)),
+            ("HAS_TOP_LEVEL", flag(self.top_level)),
+            ("HAS_CUTOUT", flag(self.cutouts)),
+            ("HAS_NORMAL_MAPS", flag(self.normal_maps)),
+            ("HAS_TEXTURES", flag(self.textures)),
+            ("HAS_CHECKERS", flag(self.checkers)),
+            ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
+            ("POOLS", f64::from(self.pools)),
+            ("WRAPS", f64::from(self.wraps)),
+        ]
+    }
+}
+
+/// Which pools and wrap pairs the used materials sample, as the shader's bit masks.
+fn samplers(world: &World, used: &[usize], places: &[Place]) -> (u32, u32) {
+    let (mut pools, mut wraps) = (0, 0);
+    for &m in used {
+        for slot in world.materials[m].slots().into_iter().flatten() {
+            let srgb = u32::from(world.textures[slot.texture].srgb);
+            pools |= 1 << (2 * places[slot.texture].pool + srgb);
+            let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
+            wraps |= match clamps {
+                [false, false] => 1,
+                [false, true] => 2,
+                [true, false] => 4,
+                [true, true] => 8,
+            };
+        }
+    }
+    (pools, wraps)
+}
+
+/// Most (plane, vertex) pairs that are looked at before the answer is "perhaps".
+const MAX_PAIRS: usize = 1 << 22;
+
+/// Whether a ray from one reflector may meet another (or the same one): conservative, true unless
+/// every reflector vertex lies on or behind the plane of every reflector triangle, from the sides
+/// that can be seen.
+fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
+    let mut planes: Vec<(Vec3, f32, bool)> = Vec::new();
+    let mut points: Vec<Vec3> = Vec::new();
+    let scale = world.unit_m() * 16.0;
+    for instance in &world.instances {
+        let material = &world.materials[instance.material];
+        if !can_reflect(material, cutoff) {
+            continue;
+        }
+        if instance.dynamic {
+            return true;
+        }
+        let mesh = &world.meshes[instance.mesh];
+        let place = |i: u32| {
+            instance
+                .world_from_object
+                .transform_point3(mesh.positions[i as usize])
+        };
+        let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(place);
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let normal = if mirrored { -normal } else { normal };
+            let plane = (normal, normal.dot(a), material.double_sided);
+            let known = |p: &&(Vec3, f32, bool)| {
+                p.0.dot(normal) > 0.999_999
+                    && (p.1 - plane.1).abs() < 1e-5 * scale
+                    && p.2 == plane.2
+            };
+            if planes.iter().rev().take(64).find(known).is_none() {
+                planes.push(plane);
+            }
+            points.extend([a, b, c]);
+            if planes.len() * points.len() > MAX_PAIRS {
+                return true;
+            }
+        }
+    }
+    planes.iter().any(|&(normal, offset, double_sided)| {
+        points.iter().any(|p| {
+            let height = normal.dot(*p) - offset;
+            height > 1e-4 * scale || (double_sided && height < -1e-4 * scale)
+        })
+    })
+}

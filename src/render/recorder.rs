@@ -1,0 +1,116 @@
+//! Records passes one after another and times them: by GPU timestamps, or, on software adapters,
+//! whose timestamps say little, by waiting for each pass on the CPU.
+
+use std::time::Instant;
+
+use crate::gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
+
+use super::pass::Shared;
+
+/// One sub-frame being recorded.
+pub struct Recorder<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// Groups 0 and 1.
+    pub shared: &'a Shared,
+    /// Pixels of the picture.
+    pub size: [u32; 2],
+    timer: &'a Timer,
+    encoder: wgpu::CommandEncoder,
+    /// Milliseconds of each pass that was waited for; `None` with real timestamps.
+    waited: Option<Vec<(String, f64)>>,
+    fault: Option<GpuError>,
+}
+
+impl<'a> Recorder<'a> {
+    /// Starts a sub-frame.
+    pub fn new(gpu: &'a Gpu, timer: &'a Timer, shared: &'a Shared, size: [u32; 2]) -> Self {
+        Self {
+            gpu,
+            shared,
+            size,
+            timer,
+            encoder: encoder(gpu),
+            waited: gpu.is_software().then(Vec::new),
+            fault: None,
+        }
+    }
+
+    /// The encoder, for what needs no time.
+    pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        &mut self.encoder
+    }
+
+    /// Records a pass called `name`; passes of one name are added up.
+    pub fn pass(
+        &mut self,
+        name: &str,
+        record: impl FnOnce(&mut wgpu::CommandEncoder, &Recording<'a>),
+    ) {
+        let context = Recording {
+            timer: self.waited.is_none().then_some(self.timer),
+            shared: self.shared,
+        };
+        record(&mut self.encoder, &context);
+        if self.waited.is_some() && self.fault.is_none() {
+            self.fault = self.wait(name).err();
+        }
+    }
+
+    fn wait(&mut self, name: &str) -> Result<(), GpuError> {
+        let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu));
+        let started = Instant::now();
+        self.gpu.submit(recorded)?;
+        self.gpu.wait()?;
+        let ms = started.elapsed().as_secs_f64() * 1e3;
+        if let Some(waited) = &mut self.waited {
+            waited.push((name.to_owned(), ms));
+        }
+        Ok(())
+    }
+
+    /// Submits what is left, waits, and gives the time of each pass in the order of the frame.
+    ///
+    /// # Errors
+    /// The first thing the GPU refused.
+    pub fn finish(mut self) -> Result<Vec<(String, f64)>, GpuError> {
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        self.timer.resolve(&mut self.encoder);
+        self.gpu.submit(self.encoder)?;
+        match self.waited {
+            Some(waited) => {
+                self.gpu.wait()?;
+                Ok(sum_by_name(waited))
+            }
+            None => self.timer.read(self.gpu),
+        }
+    }
+}
+
+/// What a pass needs while it records.
+pub struct Recording<'a> {
+    /// `None` where the recorder waits instead.
+    timer: Option<&'a Timer>,
+    /// Groups 0 and 1.
+    pub shared: &'a Shared,
+}
+
+impl Recording<'_> {
+    /// Timestamp writes of a compute pass.
+    pub fn compute(&self, name: &str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        self.timer?.compute(name)
+    }
+
+    /// Timestamp writes of a render pass.
+    pub fn render(&self, name: &str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.timer?.render(name)
+    }
+}
+
+fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
+    let label = Some("frame");
+    gpu.device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor { label })
+}

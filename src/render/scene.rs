@@ -1,0 +1,423 @@
+//! World → GPU: buffers, texture pools and the list of draws; group 1 of every shader.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, cast_slice};
+use glam::{Affine3A, Vec3, Vec4};
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    math::Bounds,
+    world::{
+        Material, Mesh, TextureRef, World, Wrap,
+        bvh::{CwBvhNode, TraceTriangle, Trees},
+    },
+};
+
+use super::{
+    plan::can_reflect,
+    textures::{Place, Pools},
+    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, GpuVertex, NONE},
+};
+
+/// How a draw is rasterized.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawClass {
+    /// Tests alpha.
+    pub cutout: bool,
+    /// Shows backs.
+    pub double_sided: bool,
+    /// Its transform turns front into back.
+    pub mirrored: bool,
+}
+
+/// One instance's draw.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    /// Index of the instance.
+    pub instance: u32,
+    /// Its part of `mesh_data`.
+    pub indices: Range<u32>,
+    /// First vertex.
+    pub vertex_base: i32,
+    /// World bounds.
+    pub bounds: Bounds,
+    /// How.
+    pub class: DrawClass,
+}
+
+/// A scene on the GPU.
+#[derive(Debug)]
+pub struct GpuScene {
+    /// Tree nodes.
+    pub nodes: wgpu::Buffer,
+    /// Triangles in leaf order.
+    pub triangles: wgpu::Buffer,
+    /// Parallel to [`World::instances`].
+    pub instances: wgpu::Buffer,
+    /// Attributes of all meshes; also the vertex buffer.
+    pub vertices: wgpu::Buffer,
+    /// Indices and second texture coordinates; also the index buffer.
+    pub mesh_data: wgpu::Buffer,
+    /// Parallel to [`World::materials`].
+    pub materials: wgpu::Buffer,
+    /// Images.
+    pub pools: Pools,
+    /// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
+    pub samplers: [wgpu::Sampler; 4],
+    /// One per instance that has triangles.
+    pub draws: Vec<Draw>,
+    records: Vec<GpuInstance>,
+}
+
+/// Where a mesh lies in the shared buffers.
+#[derive(Clone, Copy)]
+struct MeshPlace {
+    vertex_base: u32,
+    index_base: u32,
+    index_count: u32,
+    uv1_base: u32,
+    has_colors: bool,
+}
+
+impl GpuScene {
+    /// Uploads a world and its trees.
+    ///
+    /// # Errors
+    /// A buffer past the adapter's limit, by name, or what wgpu says.
+    pub fn new(gpu: &Gpu, world: &World, trees: &Trees, cutoff: f32) -> Result<Self, GpuError> {
+        let (vertices, mesh_data, places) = geometry(gpu, &world.meshes)?;
+        let pools = Pools::new(gpu, world)?;
+        let materials: Vec<GpuMaterial> = world
+            .materials
+            .iter()
+            .map(|m| gpu_material(m, world, &pools.places, cutoff))
+            .collect();
+        let records = records(world, trees, &places);
+        let storage = wgpu::BufferUsages::STORAGE;
+        Ok(Self {
+            nodes: buffer(gpu, "tree nodes", &trees.nodes, storage)?,
+            triangles: buffer(gpu, "tree triangles", &trees.triangles, storage)?,
+            instances: buffer(gpu, "instances", &records, storage)?,
+            vertices,
+            mesh_data,
+            materials: buffer(gpu, "materials", &materials, storage)?,
+            samplers: samplers(gpu),
+            draws: draws(world, &places),
+            pools,
+            records,
+        })
+    }
+
+    /// Uploads the poses of a world whose instances moved, and the top level over them.
+    pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees) {
+        for ((record, instance), traced) in self
+            .records
+            .iter_mut()
+            .zip(&world.instances)
+            .zip(&trees.instances)
+        {
+            record.world_from_object = rows(&instance.world_from_object);
+            record.object_from_world = traced.object_from_world;
+        }
+        for draw in &mut self.draws {
+            let instance = &world.instances[draw.instance as usize];
+            draw.bounds = world.meshes[instance.mesh]
+                .bounds
+                .transformed(&instance.world_from_object);
+        }
+        gpu.queue
+            .write_buffer(&self.instances, 0, cast_slice(&self.records));
+        let range = trees.top_range.clone();
+        if !range.is_empty() {
+            let offset = (range.start * size_of::<CwBvhNode>()) as u64;
+            gpu.queue
+                .write_buffer(&self.nodes, offset, cast_slice(&trees.nodes[range]));
+        }
+    }
+
+    /// The resource with this name in group 1, if there is one.
+    pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
+        let view = |pool: usize, srgb: usize| {
+            Some(wgpu::BindingResource::TextureView(
+                &self.pools.views[pool][srgb],
+            ))
+        };
+        let sampler = |i: usize| Some(wgpu::BindingResource::Sampler(&self.samplers[i]));
+        match name {
+            "nodes" => Some(self.nodes.as_entire_binding()),
+            "triangles" => Some(self.triangles.as_entire_binding()),
+            "instances" => Some(self.instances.as_entire_binding()),
+            "vertices" => Some(self.vertices.as_entire_binding()),
+            "mesh_data" => Some(self.mesh_data.as_entire_binding()),
+            "materials" => Some(self.materials.as_entire_binding()),
+            "pool_0" => view(0, 0),
+            "pool_0_srgb" => view(0, 1),
+            "pool_1" => view(1, 0),
+            "pool_1_srgb" => view(1, 1),
+            "pool_2" => view(2, 0),
+            "pool_2_srgb" => view(2, 1),
+            "sampler_rr" => sampler(0),
+            "sampler_rc" => sampler(1),
+            "sampler_cr" => sampler(2),
+            "sampler_cc" => sampler(3),
+            _ => None,
+        }
+    }
+
+    /// Name and bytes of each buffer and texture class.
+    pub fn report(&self) -> Vec<(&'static str, u64)> {
+        vec![
+            ("tree_nodes", self.nodes.size()),
+            ("tree_triangles", self.triangles.size()),
+            ("instances", self.instances.size()),
+            ("vertices", self.vertices.size()),
+            ("mesh_data", self.mesh_data.size()),
+            ("materials", self.materials.size()),
+            ("texture_pools", self.pools.bytes),
+        ]
+    }
+}
+
+/// A filled buffer, never of zero size.
+fn buffer<T: Pod>(
+    gpu: &Gpu,
+    name: &str,
+    data: &[T],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, GpuError> {
+    let bytes: &[u8] = cast_slice(data);
+    let size = (bytes.len().max(size_of::<T>()).max(16) as u64).next_multiple_of(16);
+    gpu.check_buffer_size(name, size)?;
+    let buffer = gpu.scoped(name, || {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(name),
+            size,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    })?;
+    gpu.queue.write_buffer(&buffer, 0, bytes);
+    Ok(buffer)
+}
+
+fn geometry(
+    gpu: &Gpu,
+    meshes: &[Mesh],
+) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshPlace>), GpuError> {
+    let mut vertices: Vec<GpuVertex> = Vec::new();
+    let mut data: Vec<u32> = Vec::new();
+    let mut places = Vec::with_capacity(meshes.len());
+    for mesh in meshes {
+        let place = MeshPlace {
+            vertex_base: vertices.len() as u32,
+            index_base: data.len() as u32,
+            index_count: 3 * mesh.triangles.len() as u32,
+            uv1_base: if mesh.uv1.is_empty() {
+                NONE
+            } else {
+                (data.len() + 3 * mesh.triangles.len()) as u32
+            },
+            has_colors: !mesh.colors.is_empty(),
+        };
+        data.extend(mesh.triangles.iter().flatten());
+        data.extend(
+            mesh.uv1
+                .iter()
+                .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
+        );
+        vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
+        places.push(place);
+    }
+    let storage = wgpu::BufferUsages::STORAGE;
+    Ok((
+        buffer(
+            gpu,
+            "vertices",
+            &vertices,
+            storage | wgpu::BufferUsages::VERTEX,
+        )?,
+        buffer(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
+        places,
+    ))
+}
+
+fn vertex(mesh: &Mesh, i: usize) -> GpuVertex {
+    let tangent = mesh
+        .tangents
+        .get(i)
+        .copied()
+        .unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
+    let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
+    GpuVertex {
+        position: mesh.positions[i].to_array(),
+        normal: pack_unit(mesh.normals[i]),
+        uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
+        tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
+        color: u32::from_le_bytes(
+            color
+                .to_array()
+                .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8),
+        ),
+    }
+}
+
+/// Octahedral map, two signed 16-bit numbers; `unpack_unit` in `shaders/lib/pack.wgsl` undoes it.
+fn pack_unit(n: Vec3) -> u32 {
+    let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-20);
+    let wrap = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
+    let [x, y] = if p.z >= 0.0 {
+        [p.x, p.y]
+    } else {
+        [wrap(p.x, p.y), wrap(p.y, p.x)]
+    };
+    let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    snorm(x) | snorm(y) << 16
+}
+
+fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
+    let m = transform.matrix3;
+    let t = transform.translation;
+    [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
+}
+
+fn records(world: &World, trees: &Trees, places: &[MeshPlace]) -> Vec<GpuInstance> {
+    let record =
+        |(instance, traced): (&crate::world::Instance, &crate::world::bvh::TraceInstance)| {
+            let place = places[instance.mesh];
+            let class = class_of(
+                &world.materials[instance.material],
+                &instance.world_from_object,
+            );
+            let flag = |on: bool, bit: u32| if on { bit } else { 0 };
+            GpuInstance {
+                world_from_object: rows(&instance.world_from_object),
+                object_from_world: traced.object_from_world,
+                tree_root: traced.tree_root,
+                trace_flags: traced.trace_flags,
+                vertex_base: place.vertex_base,
+                index_base: place.index_base,
+                uv1_base: place.uv1_base,
+                material: instance.material as u32,
+                flags: flag(class.mirrored, FLAG_MIRRORED) | flag(place.has_colors, FLAG_COLORS),
+                pad: 0,
+            }
+        };
+    world
+        .instances
+        .iter()
+        .zip(&trees.instances)
+        .map(record)
+        .collect()
+}
+
+fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
+    DrawClass {
+        cutout: material.alpha_cutoff.is_some(),
+        double_sided: material.double_sided,
+        mirrored: transform.matrix3.determinant() < 0.0,
+    }
+}
+
+fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
+    let draw = |(i, instance): (usize, &crate::world::Instance)| {
+        let place = places[instance.mesh];
+        (place.index_count > 0).then(|| Draw {
+            instance: i as u32,
+            indices: place.index_base..place.index_base + place.index_count,
+            vertex_base: place.vertex_base as i32,
+            bounds: world.meshes[instance.mesh]
+                .bounds
+                .transformed(&instance.world_from_object),
+            class: class_of(
+                &world.materials[instance.material],
+                &instance.world_from_object,
+            ),
+        })
+    };
+    world
+        .instances
+        .iter()
+        .enumerate()
+        .filter_map(draw)
+        .collect()
+}
+
+fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> GpuMaterial {
+    let slot =
+        |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, places));
+    let checker = m.checker;
+    let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
+    GpuMaterial {
+        base_color: m.base_color.to_array(),
+        emission: m.emission.to_array(),
+        metallic: m.metallic,
+        roughness: m.roughness,
+        reflectivity: m.reflectivity,
+        normal_scale: m.normal_scale,
+        occlusion_strength: m.occlusion_strength,
+        checker_a: color(0),
+        checker_size_m: checker.map_or(0.0, |c| c.size_m),
+        checker_b: color(1),
+        alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
+        // What cannot reflect is not a reflective pixel, whatever the scene calls it.
+        reflection: if can_reflect(m, cutoff) {
+            m.reflection as u32
+        } else {
+            0
+        },
+        pad0: 0,
+        pad1: 0,
+        pad2: 0,
+        textures: m.slots().map(slot),
+    }
+}
+
+const NO_TEXTURE: GpuTextureUse = GpuTextureUse {
+    row_u: [0.0; 3],
+    layer: NONE,
+    row_v: [0.0; 3],
+    bits: 0,
+    texels: [1.0; 2],
+    pad: [0.0; 2],
+};
+
+fn texture_use(slot: &TextureRef, world: &World, places: &[Place]) -> GpuTextureUse {
+    let texture = &world.textures[slot.texture];
+    let place = places[slot.texture];
+    let wrap = |w: Wrap| match w {
+        Wrap::Repeat => 0,
+        Wrap::Clamp => 1,
+        Wrap::Mirror => 2,
+    };
+    GpuTextureUse {
+        row_u: slot.transform[0].to_array(),
+        layer: place.layer,
+        row_v: slot.transform[1].to_array(),
+        bits: place.pool
+            | u32::from(texture.srgb) << 2
+            | (slot.uv_set & 1) << 3
+            | wrap(slot.wrap[0]) << 4
+            | wrap(slot.wrap[1]) << 6
+            | u32::from(slot.nearest) << 8,
+        texels: [texture.width as f32, texture.height as f32],
+        pad: [0.0; 2],
+    }
+}
+
+fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
+    use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
+    [[R, R], [R, C], [C, R], [C, C]].map(|[u, v]| {
+        gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("texture sampler"),
+            address_mode_u: u,
+            address_mode_v: v,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        })
+    })
+}
+
+const _: () = assert!(size_of::<TraceTriangle>() == 48 && size_of::<CwBvhNode>() == 80);

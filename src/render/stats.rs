@@ -1,0 +1,129 @@
+//! What a frame cost and where its reflections came from.
+
+use serde::Serialize;
+
+use crate::scene::desc::Method;
+
+use super::cause::{Cause, Source};
+
+/// Pixels by cause, and what follows from them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Shares {
+    /// Pixels of the picture.
+    pub pixels: u64,
+    /// Pixels that reflect.
+    pub reflective: u64,
+    /// Pixels of each cause but `not_reflective`, with their percentage of the reflective ones.
+    pub causes: Vec<Share>,
+    /// The same by source: screen + traced + none + rough = 100 %.
+    pub sources: Vec<Share>,
+}
+
+/// One class of reflective pixels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Of the cause or source.
+    pub name: &'static str,
+    /// Count.
+    pub pixels: u64,
+    /// Of the reflective pixels.
+    pub percent: f64,
+}
+
+impl Shares {
+    /// From the counters of the compact pass.
+    pub fn new(counters: &[u32], size: [u32; 2]) -> Self {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let count = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
+        let reflecting = || {
+            Cause::ALL
+                .into_iter()
+                .filter(|c| *c != Cause::NotReflective)
+        };
+        let reflective: u64 = reflecting().map(count).sum();
+        let share = |name, pixels: u64| Share {
+            name,
+            pixels,
+            percent: if reflective == 0 {
+                0.0
+            } else {
+                100.0 * pixels as f64 / reflective as f64
+            },
+        };
+        let source = |name, source: Source| {
+            share(
+                name,
+                reflecting()
+                    .filter(|c| c.source() == source)
+                    .map(count)
+                    .sum(),
+            )
+        };
+        Self {
+            pixels,
+            reflective,
+            causes: reflecting().map(|c| share(c.name(), count(c))).collect(),
+            sources: vec![
+                source("screen", Source::Screen),
+                source("traced", Source::Traced),
+                source("none", Source::None),
+                source("rough", Source::Rough),
+            ],
+        }
+    }
+}
+
+/// One rendered picture in numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameStats {
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Sub-frames.
+    pub samples: u32,
+    /// How reflections were found.
+    #[serde(serialize_with = "method_name")]
+    pub method: Method,
+    /// The length U, metres.
+    pub unit_m: f32,
+    /// Building all trees on the CPU, milliseconds.
+    pub tree_ms: f64,
+    /// GPU time of each pass over all sub-frames, milliseconds; empty without timestamps.
+    pub passes_ms: Vec<(String, f64)>,
+    /// From the first submission to the last pixel done, milliseconds.
+    pub frame_ms: f64,
+    /// Of the last sub-frame.
+    pub shares: Shares,
+    /// Rays traced from pixels in the last sub-frame, without further bounces.
+    pub rays: u32,
+    /// Bytes of every buffer and texture class.
+    pub bytes: Vec<(String, u64)>,
+}
+
+impl FrameStats {
+    /// Sum of the passes, milliseconds.
+    pub fn passes_total_ms(&self) -> f64 {
+        self.passes_ms.iter().map(|(_, ms)| ms).sum()
+    }
+
+    /// Whether the passes' sum and the time from submission to done differ by more than 10 %; then
+    /// neither should be quoted alone.
+    pub fn times_disagree(&self) -> bool {
+        !self.passes_ms.is_empty()
+            && (self.passes_total_ms() - self.frame_ms).abs() > 0.1 * self.frame_ms
+    }
+
+    /// Rays a second of the trace pass, if it was timed.
+    pub fn rays_per_s(&self) -> Option<f64> {
+        let (_, ms) = self.passes_ms.iter().find(|(name, _)| name == "trace")?;
+        (*ms > 0.0 && self.rays > 0)
+            .then(|| f64::from(self.rays) * f64::from(self.samples) / (ms * 1e-3))
+    }
+}
+
+fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match method {
+        Method::Ssr => "ssr",
+        Method::Rt => "rt",
+        Method::Hybrid => "hybrid",
+    })
+}

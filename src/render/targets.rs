@@ -1,0 +1,197 @@
+//! The one table of intermediate textures.
+
+use std::collections::HashMap;
+
+use crate::gpu::{Gpu, GpuError};
+
+/// An intermediate texture; its snake_case name is its name in the shaders and on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// Hardware depth of the visibility pass.
+    RasterDepth,
+    /// Instance and triangle.
+    Ids,
+    /// Metres along the view direction; 1e30 is sky.
+    ViewDepth,
+    /// Packed normals, roughness, metallic, reflectivity, reflection mode.
+    Surface,
+    /// Linear base color; w: occlusion.
+    BaseColor,
+    /// Linear emitted radiance.
+    Emission,
+    /// View-independent radiance.
+    Radiance,
+    /// View-dependent radiance of lights and environment.
+    Specular,
+    /// Radiance along the mirror ray.
+    Reflection,
+    /// The reflection, blurred in one direction.
+    Blurred,
+    /// Why; see [`super::cause::Cause`].
+    Cause,
+    /// Distance (bits of an f32), instance and triangle that the mirror ray met.
+    Hit,
+    /// Sum of the sub-frames, even ones.
+    ColorEven,
+    /// Sum of the sub-frames, odd ones.
+    ColorOdd,
+    /// Tone-mapped.
+    Display,
+}
+
+use wgpu::TextureFormat as F;
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Self; 15] = [
+        Self::RasterDepth,
+        Self::Ids,
+        Self::ViewDepth,
+        Self::Surface,
+        Self::BaseColor,
+        Self::Emission,
+        Self::Radiance,
+        Self::Specular,
+        Self::Reflection,
+        Self::Blurred,
+        Self::Cause,
+        Self::Hit,
+        Self::ColorEven,
+        Self::ColorOdd,
+        Self::Display,
+    ];
+
+    /// Name in the shaders.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::RasterDepth => "raster_depth",
+            Self::Ids => "ids",
+            Self::ViewDepth => "view_depth",
+            Self::Surface => "surface",
+            Self::BaseColor => "base_color",
+            Self::Emission => "emission",
+            Self::Radiance => "radiance",
+            Self::Specular => "specular",
+            Self::Reflection => "reflection",
+            Self::Blurred => "blurred",
+            Self::Cause => "cause",
+            Self::Hit => "hit",
+            Self::ColorEven => "color_even",
+            Self::ColorOdd => "color_odd",
+            Self::Display => "display",
+        }
+    }
+
+    /// Pixel format.
+    pub const fn format(self) -> F {
+        match self {
+            Self::RasterDepth => F::Depth32Float,
+            Self::Ids => F::Rg32Uint,
+            Self::ViewDepth => F::R32Float,
+            Self::Surface | Self::Hit => F::Rgba32Uint,
+            Self::BaseColor
+            | Self::Emission
+            | Self::Radiance
+            | Self::Specular
+            | Self::Reflection
+            | Self::Blurred => F::Rgba16Float,
+            Self::Cause => F::R32Uint,
+            Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
+            Self::Display => F::Rgba8Unorm,
+        }
+    }
+
+    /// Bytes a pixel.
+    pub fn pixel_bytes(self) -> u64 {
+        u64::from(self.format().block_copy_size(None).unwrap_or(4))
+    }
+
+    fn usage(self) -> wgpu::TextureUsages {
+        let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        match self {
+            Self::RasterDepth | Self::Ids => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            _ => read | wgpu::TextureUsages::STORAGE_BINDING,
+        }
+    }
+}
+
+/// The textures of one picture size.
+#[derive(Debug)]
+pub struct Targets {
+    /// Pixels.
+    pub size: [u32; 2],
+    textures: HashMap<Target, (wgpu::Texture, wgpu::TextureView)>,
+}
+
+/// Most bytes that the intermediate textures of one picture may take.
+pub const MAX_TARGET_BYTES: u64 = 6 << 30;
+
+impl Targets {
+    /// Makes all textures; those that are not `needed` are one pixel, so that they can be bound.
+    ///
+    /// # Errors
+    /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        needed: impl Fn(Target) -> bool,
+    ) -> Result<Self, GpuError> {
+        gpu.check_texture_size("the picture", size[0], size[1])?;
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let full = Target::ALL.into_iter().filter(|t| needed(*t));
+        let bytes = full.map(|t| t.pixel_bytes() * pixels).sum();
+        if bytes > MAX_TARGET_BYTES {
+            return Err(GpuError::Limit {
+                what: format!("a picture of {}x{}", size[0], size[1]),
+                wanted: bytes,
+                limit: MAX_TARGET_BYTES,
+                unit: "bytes of intermediate textures",
+            });
+        }
+        let textures = gpu.scoped("intermediate textures", || {
+            let make = |target: Target| {
+                let [width, height] = if needed(target) { size } else { [1, 1] };
+                let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(target.name()),
+                    size: wgpu::Extent3d {
+                        width,
+                        height,
+                        depth_or_array_layers: 1,
+                    },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format: target.format(),
+                    usage: target.usage(),
+                    view_formats: &[],
+                });
+                let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+                (target, (texture, view))
+            };
+            Target::ALL.into_iter().map(make).collect()
+        })?;
+        Ok(Self { size, textures })
+    }
+
+    /// The texture, if this frame writes it.
+    pub fn texture(&self, target: Target) -> Option<&wgpu::Texture> {
+        let (texture, _) = self.textures.get(&target)?;
+        ([texture.width(), texture.height()] == self.size).then_some(texture)
+    }
+
+    /// Its view.
+    pub fn view(&self, target: Target) -> Option<&wgpu::TextureView> {
+        self.textures.get(&target).map(|(_, view)| view)
+    }
+
+    /// Name and bytes of each.
+    pub fn report(&self) -> Vec<(&'static str, u64)> {
+        let bytes = |target: Target| {
+            let pixels = |t: &wgpu::Texture| u64::from(t.width()) * u64::from(t.height());
+            self.textures
+                .get(&target)
+                .map_or(0, |(t, _)| target.pixel_bytes() * pixels(t))
+        };
+        Target::ALL.iter().map(|&t| (t.name(), bytes(t))).collect()
+    }
+}

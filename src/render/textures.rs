@@ -1,0 +1,267 @@
+//! Texture pools: images of about one size share a 2D array, resampled to the array's size so that
+//! hardware wrapping and mips stay right.
+
+use image::{RgbaImage, imageops::FilterType};
+use rayon::prelude::*;
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    world::{Texture, World},
+};
+
+/// Edge of each pool's images, pixels; `pool_px` in `shaders/lib/texture.wgsl` is the same series.
+pub const POOL_PX: [u32; 3] = [512, 1024, 2048];
+
+/// Where a texture of the world lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Index into [`POOL_PX`].
+    pub pool: u32,
+    /// Layer of its array.
+    pub layer: u32,
+}
+
+/// All images of a scene on the GPU.
+#[derive(Debug)]
+pub struct Pools {
+    /// Per pool: its linear view and its sRGB view.
+    pub views: Vec<[wgpu::TextureView; 2]>,
+    /// Parallel to [`World::textures`].
+    pub places: Vec<Place>,
+    /// Bytes of all pools with their mips.
+    pub bytes: u64,
+    /// Names of images that were larger than the largest pool.
+    pub reduced: Vec<String>,
+}
+
+impl Pools {
+    /// Uploads every texture of the world.
+    ///
+    /// # Errors
+    /// More images of a size than an array has layers, or what wgpu says.
+    pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
+        let places = places(&world.textures);
+        let nearest = magnified_nearest(world);
+        let mut pools = Self {
+            views: Vec::new(),
+            places,
+            bytes: 0,
+            reduced: Vec::new(),
+        };
+        let largest = POOL_PX[POOL_PX.len() - 1];
+        for texture in &world.textures {
+            if texture.width.max(texture.height) > largest {
+                pools.reduced.push(texture.name.clone());
+            }
+        }
+        for (pool, &px) in POOL_PX.iter().enumerate() {
+            let members: Vec<usize> = (0..world.textures.len())
+                .filter(|&i| pools.places[i].pool == pool as u32)
+                .collect();
+            let array = pools.array(gpu, px, members.len() as u32)?;
+            for batch in members.chunks(4) {
+                let chains: Vec<Vec<Vec<u8>>> = batch
+                    .par_iter()
+                    .map(|&i| mip_chain(&world.textures[i], px, nearest[i]))
+                    .collect();
+                for (&i, chain) in batch.iter().zip(&chains) {
+                    upload(gpu, &array, pools.places[i].layer, px, chain);
+                }
+                // Staging memory is freed once its copies are done.
+                gpu.queue.submit([]);
+                gpu.wait()?;
+            }
+            pools.views.push(views(&array));
+        }
+        Ok(pools)
+    }
+
+    fn array(&mut self, gpu: &Gpu, px: u32, layers: u32) -> Result<wgpu::Texture, GpuError> {
+        let limit = gpu.limits.max_texture_array_layers;
+        if layers > limit {
+            return Err(GpuError::Limit {
+                what: format!("the pool of {px}x{px} textures"),
+                wanted: layers.into(),
+                limit: limit.into(),
+                unit: "images",
+            });
+        }
+        // A pool without images is one texel, so that its binding exists.
+        let (edge, mips) = if layers == 0 {
+            (1, 1)
+        } else {
+            (px, px.ilog2() + 1)
+        };
+        let layers = layers.max(1);
+        self.bytes += (0..mips)
+            .map(|m| 4 * u64::from(layers) * u64::from(edge >> m).pow(2))
+            .sum::<u64>();
+        gpu.scoped("texture pool", || {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("texture pool"),
+                size: wgpu::Extent3d {
+                    width: edge,
+                    height: edge,
+                    depth_or_array_layers: layers,
+                },
+                mip_level_count: mips,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
+            })
+        })
+    }
+}
+
+/// The smallest pool that keeps every pixel, else the largest; layers in order.
+pub fn places(textures: &[Texture]) -> Vec<Place> {
+    let mut next = [0; POOL_PX.len()];
+    let place = |texture: &Texture| {
+        let edge = texture.width.max(texture.height);
+        let pool = POOL_PX
+            .iter()
+            .position(|&px| edge <= px)
+            .unwrap_or(POOL_PX.len() - 1);
+        next[pool] += 1;
+        Place {
+            pool: pool as u32,
+            layer: next[pool] - 1,
+        }
+    };
+    textures.iter().map(place).collect()
+}
+
+/// Which textures some material magnifies without filtering: their texels must stay sharp.
+fn magnified_nearest(world: &World) -> Vec<bool> {
+    let mut nearest = vec![false; world.textures.len()];
+    for material in &world.materials {
+        for slot in material.slots().into_iter().flatten() {
+            nearest[slot.texture] |= slot.nearest;
+        }
+    }
+    nearest
+}
+
+fn views(array: &wgpu::Texture) -> [wgpu::TextureView; 2] {
+    [
+        wgpu::TextureFormat::Rgba8Unorm,
+        wgpu::TextureFormat::Rgba8UnormSrgb,
+    ]
+    .map(|format| {
+        array.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(format),
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        })
+    })
+}
+
+fn upload(gpu: &Gpu, array: &wgpu::Texture, layer: u32, px: u32, chain: &[Vec<u8>]) {
+    for (mip, bytes) in chain.iter().enumerate() {
+        let edge = px >> mip;
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: array,
+                mip_level: mip as u32,
+                origin: wgpu::Origin3d {
+                    x: 0,
+                    y: 0,
+                    z: layer,
+                },
+                aspect: wgpu::TextureAspect::All,
+            },
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * edge),
+                rows_per_image: Some(edge),
+            },
+            wgpu::Extent3d {
+                width: edge,
+                height: edge,
+                depth_or_array_layers: 1,
+            },
+        );
+    }
+}
+
+/// The image at `px` × `px` and every halving of it.
+fn mip_chain(texture: &Texture, px: u32, nearest: bool) -> Vec<Vec<u8>> {
+    let base = if (texture.width, texture.height) == (px, px) {
+        texture.rgba.clone()
+    } else {
+        resampled(texture, px, nearest)
+    };
+    let mut chain = vec![base];
+    let mut edge = px;
+    while edge > 1 {
+        let next = halved(&chain[chain.len() - 1], edge, texture.srgb);
+        chain.push(next);
+        edge /= 2;
+    }
+    chain
+}
+
+fn resampled(texture: &Texture, px: u32, nearest: bool) -> Vec<u8> {
+    let filter = if nearest {
+        FilterType::Nearest
+    } else {
+        FilterType::Triangle
+    };
+    RgbaImage::from_raw(texture.width, texture.height, texture.rgba.clone())
+        .map(|image| image::imageops::resize(&image, px, px, filter).into_raw())
+        .unwrap_or_else(|| vec![255; (px * px * 4) as usize])
+}
+
+/// Each pixel the mean of four; colors are averaged as light, not as sRGB codes.
+fn halved(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
+    let edge = edge as usize;
+    let half = edge / 2;
+    let mut out = Vec::with_capacity(half * half * 4);
+    let tables = srgb.then(SrgbTables::get);
+    for y in 0..half {
+        for x in 0..half {
+            let first = (2 * y * edge + 2 * x) * 4;
+            for c in 0..4 {
+                let at =
+                    [first, first + 4, first + edge * 4, first + edge * 4 + 4].map(|i| rgba[i + c]);
+                out.push(match tables {
+                    Some(tables) if c < 3 => tables.mean(at),
+                    _ => ((at.iter().map(|&v| u32::from(v)).sum::<u32>() + 2) / 4) as u8,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// sRGB codes to 16-bit light and back.
+struct SrgbTables {
+    light: [u16; 256],
+    code: Vec<u8>,
+}
+
+impl SrgbTables {
+    fn get() -> &'static Self {
+        static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
+        TABLES.get_or_init(|| {
+            let light = std::array::from_fn(|i| {
+                (crate::math::linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
+            });
+            let code = (0..=4095u32)
+                .map(|i| (crate::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8)
+                .collect();
+            Self { light, code }
+        })
+    }
+
+    fn mean(&self, codes: [u8; 4]) -> u8 {
+        let sum: u32 = codes
+            .iter()
+            .map(|&c| u32::from(self.light[c as usize]))
+            .sum();
+        self.code[(sum / 64).min(4095) as usize]
+    }
+}

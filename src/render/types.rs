@@ -1,0 +1,233 @@
+//! Every struct that Rust and the shaders share, declared once; a test compares each with naga's
+//! layout of the WGSL struct of the same name.
+
+use bytemuck::{Pod, Zeroable};
+
+/// What a shared struct looks like from Rust.
+#[derive(Clone, Copy, Debug)]
+pub struct StructSpec {
+    /// Name of the WGSL struct.
+    pub name: &'static str,
+    /// Bytes.
+    pub size: usize,
+    /// Name, offset and bytes of each field, in order.
+    pub fields: &'static [(&'static str, usize, usize)],
+}
+
+/// Declares a struct shared with the shaders: `repr(C)`, plain bytes, and its layout for the test.
+macro_rules! gpu_struct {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident = $wgsl:literal {
+        $($(#[$field_meta:meta])* $field:ident: $ty:ty,)*
+    }) => {
+        $(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        $vis struct $name {
+            $($(#[$field_meta])* pub $field: $ty,)*
+        }
+
+        impl $name {
+            /// The struct as the shaders must declare it.
+            pub const LAYOUT: $crate::render::types::StructSpec = $crate::render::types::StructSpec {
+                name: $wgsl,
+                size: size_of::<$name>(),
+                fields: &[$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$ty>()),)*],
+            };
+        }
+    };
+}
+pub(crate) use gpu_struct;
+
+gpu_struct! {
+    /// What one frame has in common; see `shaders/lib/frame.wgsl`.
+    pub struct Frame = "Frame" {
+        /// World to clip, reversed and infinite depth, with this sub-frame's jitter.
+        clip_from_world: [[f32; 4]; 4],
+        /// Camera position, metres.
+        eye: [f32; 3],
+        /// Near plane, metres.
+        near_m: f32,
+        /// Unit view direction.
+        forward: [f32; 3],
+        /// Radians that one pixel spans.
+        pixel_spread: f32,
+        /// Half the picture's width at distance 1.
+        right: [f32; 3],
+        /// Longest reflection ray, metres.
+        ray_length_m: f32,
+        /// Half the picture's height at distance 1.
+        up: [f32; 3],
+        /// `auto` materials reflect below it.
+        roughness_cutoff: f32,
+        /// Pixels.
+        size: [f32; 2],
+        /// Sub-pixel shift, -0.5 to 0.5.
+        jitter: [f32; 2],
+        /// Radiance straight up.
+        zenith: [f32; 3],
+        /// Lights in use.
+        light_count: u32,
+        /// Radiance at the horizon.
+        horizon: [f32; 3],
+        /// Most reflections in a row.
+        bounces: u32,
+        /// Radiance straight down.
+        ground: [f32; 3],
+        /// 1: reflections fade along the ray.
+        fade: u32,
+    }
+}
+
+gpu_struct! {
+    /// A light; see `shaders/lib/frame.wgsl`.
+    pub struct GpuLight = "Light" {
+        /// Metres.
+        position: [f32; 3],
+        /// 0 point, 1 spot, 2 directional.
+        kind: u32,
+        /// In which it shines, unit length.
+        direction: [f32; 3],
+        /// 0 none, 1 map, 2 ray.
+        shadow: u32,
+        /// Candela or lux per channel.
+        color: [f32; 3],
+        /// Metres; 0 is endless.
+        range_m: f32,
+        /// Cone falloff: `saturate(cos * scale + offset)`.
+        spot_scale: f32,
+        /// See `spot_scale`.
+        spot_offset: f32,
+        /// Layer of its shadow map.
+        layer: u32,
+        /// World size of a shadow texel: at distance 1, or anywhere for directional lights.
+        texel: f32,
+        /// World to shadow map, for spot and directional lights.
+        clip_from_world: [[f32; 4]; 4],
+    }
+}
+
+gpu_struct! {
+    /// A placed mesh; see `shaders/lib/scene.wgsl`.
+    pub struct GpuInstance = "Instance" {
+        /// Three rows.
+        world_from_object: [[f32; 4]; 3],
+        /// Rows of the inverse's linear part; w: the translation of the placement.
+        object_from_world: [[f32; 4]; 3],
+        /// Root of its mesh's tree; `NONE` where it is part of the static tree.
+        tree_root: u32,
+        /// What traversal asks, from `world::bvh`.
+        trace_flags: u32,
+        /// First vertex.
+        vertex_base: u32,
+        /// First index in `mesh_data`.
+        index_base: u32,
+        /// First second texture coordinate in `mesh_data`; `NONE` without.
+        uv1_base: u32,
+        /// Index into the materials.
+        material: u32,
+        /// `FLAG_*`.
+        flags: u32,
+        /// Unused.
+        pad: u32,
+    }
+}
+
+/// [`GpuInstance::flags`]: the mesh has vertex colors.
+pub const FLAG_COLORS: u32 = 1;
+/// [`GpuInstance::flags`]: the transform turns front into back.
+pub const FLAG_MIRRORED: u32 = 2;
+
+gpu_struct! {
+    /// A vertex, 32 bytes.
+    pub struct GpuVertex = "Vertex" {
+        /// Object space.
+        position: [f32; 3],
+        /// Octahedral, 2 × snorm16.
+        normal: u32,
+        /// First texture coordinates.
+        uv: [f32; 2],
+        /// Octahedral; lowest bit: handedness.
+        tangent: u32,
+        /// unorm8 × 4, linear.
+        color: u32,
+    }
+}
+
+gpu_struct! {
+    /// How a material slot samples a texture.
+    pub struct GpuTextureUse = "TextureUse" {
+        /// u' = dot(row_u, (u, v, 1)).
+        row_u: [f32; 3],
+        /// Layer in its pool; `NONE` without a texture.
+        layer: u32,
+        /// v' likewise.
+        row_v: [f32; 3],
+        /// See the shader.
+        bits: u32,
+        /// Size of the source image.
+        texels: [f32; 2],
+        /// Unused.
+        pad: [f32; 2],
+    }
+}
+
+gpu_struct! {
+    /// A material; see `shaders/lib/scene.wgsl`.
+    pub struct GpuMaterial = "Material" {
+        /// Linear, alpha in w.
+        base_color: [f32; 4],
+        /// Linear radiance.
+        emission: [f32; 3],
+        /// 0 to 1.
+        metallic: f32,
+        /// Perceptual.
+        roughness: f32,
+        /// At normal incidence.
+        reflectivity: f32,
+        /// Of the normal map.
+        normal_scale: f32,
+        /// Of the occlusion map.
+        occlusion_strength: f32,
+        /// First checker color.
+        checker_a: [f32; 3],
+        /// 0: no checker.
+        checker_size_m: f32,
+        /// Second checker color.
+        checker_b: [f32; 3],
+        /// Below 0: opaque.
+        alpha_cutoff: f32,
+        /// 0 none, 1 auto, 2 mirror.
+        reflection: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
+        /// Base color, metallic-roughness, normal, occlusion, emission.
+        textures: [GpuTextureUse; 5],
+    }
+}
+
+/// "No such thing" in indices.
+pub const NONE: u32 = u32::MAX;
+
+/// Structs of the shared groups, for the layout test; each pass adds its own `Params`.
+pub const SHARED: &[StructSpec] = &[
+    Frame::LAYOUT,
+    GpuLight::LAYOUT,
+    GpuInstance::LAYOUT,
+    GpuVertex::LAYOUT,
+    GpuTextureUse::LAYOUT,
+    GpuMaterial::LAYOUT,
+];
+
+const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);
+
+/// The lights' uniform block, always full size.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct LightBlock {
+    /// Unused entries are zero.
+    pub lights: [GpuLight; crate::world::MAX_LIGHTS],
+}

@@ -1,0 +1,78 @@
+//! Camera → the frame's uniform block: projection, pixel rays, jitter.
+
+use glam::{Mat4, Vec2, Vec3, camera::rh};
+
+use crate::scene::desc::CameraDesc;
+
+/// A camera at a picture size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Metres.
+    pub eye: Vec3,
+    /// Unit view direction.
+    pub forward: Vec3,
+    /// Half the picture's width at distance 1.
+    pub right: Vec3,
+    /// Half the picture's height at distance 1.
+    pub up: Vec3,
+    /// Near plane, metres.
+    pub near_m: f32,
+    /// Vertical field of view, radians.
+    pub fov: f32,
+    /// Pixels.
+    pub size: [u32; 2],
+}
+
+impl View {
+    /// The view of a camera. An `up` along the view direction is replaced by another axis.
+    pub fn new(camera: &CameraDesc, size: [u32; 2]) -> Self {
+        let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
+        let side = forward.cross(camera.up);
+        let side = if side.length_squared() > 1e-12 * camera.up.length_squared().max(1e-30) {
+            side.normalize()
+        } else {
+            forward.any_orthonormal_vector()
+        };
+        let half = (camera.fov_deg.to_radians() * 0.5).tan();
+        let aspect = size[0] as f32 / size[1] as f32;
+        Self {
+            eye: camera.eye,
+            forward,
+            right: side * half * aspect,
+            up: side.cross(forward) * half,
+            near_m: camera.near_m,
+            fov: camera.fov_deg.to_radians(),
+            size,
+        }
+    }
+
+    /// World to clip: reversed, infinite depth; what lies at pixel + jitter lands on pixel.
+    pub fn clip_from_world(&self, jitter: Vec2) -> Mat4 {
+        let aspect = self.size[0] as f32 / self.size[1] as f32;
+        let projection =
+            rh::proj::directx::perspective_infinite_reverse(self.fov, aspect, self.near_m);
+        let view = rh::view::look_to_mat4(self.eye, self.forward, self.up.normalize());
+        let shift = Vec3::new(
+            -2.0 * jitter.x / self.size[0] as f32,
+            2.0 * jitter.y / self.size[1] as f32,
+            0.0,
+        );
+        Mat4::from_translation(shift) * projection * view
+    }
+
+    /// Radians that one pixel spans in the middle of the picture.
+    pub fn pixel_spread(&self) -> f32 {
+        2.0 * self.up.length() / self.size[1] as f32
+    }
+}
+
+/// Sub-pixel shift of sub-frame `index` of `count`; the last one is unshifted, so that AOVs, which
+/// come from it, are too. The R2 sequence (Roberts 2018) fills the pixel evenly for any count.
+pub fn jitter(index: u32, count: u32) -> Vec2 {
+    let k = f64::from(count - 1 - index.min(count - 1));
+    let wrapped = |step: f64| ((k * step + 0.5).fract() - 0.5) as f32;
+    Vec2::new(
+        wrapped(0.754_877_666_246_692_7),
+        wrapped(0.569_840_290_998_053_2),
+    )
+}

@@ -1,0 +1,185 @@
+//! The manual of the scene text, `docs/scene.md`: keys, types, ranges and defaults as the reader
+//! asks for them, meanings as `desc.rs` comments them.
+
+mod comments;
+
+use std::fmt::Write as _;
+
+use super::parse::{Form, KeyNote, SectionNote};
+
+/// A scene that shows most keys.
+pub const EXAMPLE: &str = include_str!("manual/example.toml");
+
+const INTRODUCTION: &str = include_str!("manual/introduction.md");
+
+/// The whole manual as Markdown.
+pub fn manual() -> String {
+    let mut out = INTRODUCTION.replace("EXAMPLE\n", EXAMPLE);
+    for section in &super::parse::notes().sections {
+        describe_section(&mut out, section);
+    }
+    out
+}
+
+/// The types of `desc.rs` that describe a table.
+fn types(section: &SectionNote) -> Vec<&'static str> {
+    [&[section.type_name], section.also].concat()
+}
+
+/// What a table is for.
+pub fn section_text(section: &SectionNote) -> &'static str {
+    comments::of_type(section.type_name).unwrap_or_default()
+}
+
+/// What a variant of a table is, `word` being its kind.
+pub fn variant_text(section: &SectionNote, word: &str) -> &'static str {
+    comments::of_word(&types(section), word).unwrap_or_default()
+}
+
+/// What a key means, with its words where it takes one of some.
+pub fn key_text(section: &SectionNote, word: Option<&str>, key: &KeyNote) -> String {
+    let text = comments::of_key(&types(section), word, key.name).unwrap_or_default();
+    let mut text = without_lead(text, key.name);
+    for word in key.words.iter().flat_map(|(_, words)| *words) {
+        let type_name = key.words.map_or("", |(name, _)| name);
+        let _ = write!(
+            text,
+            "\n{}",
+            comments::of_word(&[type_name], word).unwrap_or_default()
+        );
+    }
+    text
+}
+
+fn describe_section(out: &mut String, section: &SectionNote) {
+    let heading = section.heading;
+    let _ = match section.type_name {
+        "SceneDesc" => write!(out, "\n## {heading}\n"),
+        _ => write!(out, "\n## `{heading}`\n"),
+    };
+    let text = without_lead(section_text(section), heading);
+    if !text.is_empty() {
+        let _ = write!(out, "\n{text}\n");
+    }
+    if !section.keys.is_empty() {
+        describe_keys(out, section, None, &section.keys);
+    }
+    for variant in &section.variants {
+        let _ = write!(out, "\n### `{} = \"{}\"`\n", variant.key, variant.word);
+        let lead = format!("\"{}\"", variant.word);
+        let text = without_lead(variant_text(section, variant.word), &lead);
+        if !text.is_empty() {
+            let _ = write!(out, "\n{text}\n");
+        }
+        describe_keys(out, section, Some(variant.word), &variant.keys);
+    }
+}
+
+/// The comment without the code that it begins with, which the heading or the key already says.
+fn without_lead(text: &str, code: &str) -> String {
+    let rest = text
+        .strip_prefix(&format!("`{code}`"))
+        .filter(|r| !r.starts_with(','));
+    comments::sentence(rest.unwrap_or(text).trim_start_matches([':', '.', ' ']))
+}
+
+fn describe_keys(out: &mut String, section: &SectionNote, word: Option<&str>, keys: &[KeyNote]) {
+    out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
+    for key in keys {
+        let default = match &key.default {
+            Some(value) => format!("`{}`", value.to_string().replace(',', ", ")),
+            None if key.required => "required".into(),
+            None => String::new(),
+        };
+        let meaning = key_text(section, word, key).replace('\n', "<br>");
+        let cells = [format!("`{}`", key.name), value_text(key), default, meaning];
+        let cells = cells.map(|cell| cell.replace('|', "\\|"));
+        let _ = writeln!(out, "| {} |", cells.join(" | "));
+    }
+}
+
+/// Type and range of a key, in words.
+fn value_text(key: &KeyNote) -> String {
+    let form = |form: &Form| match form {
+        Form::Value(expected, _) if key.range.is_empty() => expected.clone(),
+        Form::Value(expected, _) => format!("{expected}, {}", key.range),
+        Form::Table(_) => "a table".into(),
+        Form::Entries(_) => "tables with names".into(),
+        Form::List(_) => "a list of tables".into(),
+    };
+    key.forms.iter().map(form).collect::<Vec<_>>().join(", or ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    #[test]
+    fn every_table_variant_and_key_has_its_comment() {
+        for section in &parse::notes().sections {
+            let name = section.type_name;
+            assert!(!section_text(section).is_empty(), "{name} has no comment");
+            let plain = section.keys.iter().map(|key| (None, key));
+            let of_variants = section.variants.iter().flat_map(|v| {
+                assert!(
+                    !variant_text(section, v.word).is_empty(),
+                    "{name} {}",
+                    v.word
+                );
+                v.keys.iter().map(|key| (Some(v.word), key))
+            });
+            for (word, key) in plain.chain(of_variants) {
+                let text = key_text(section, word, key);
+                assert!(!text.is_empty(), "`{}` of {name} has no comment", key.name);
+                assert!(
+                    !text.ends_with('\n'),
+                    "a word of `{}` has no comment",
+                    key.name
+                );
+            }
+        }
+    }
+
+    /// The prose of `desc.rs` repeats ranges and defaults for whoever reads the source.
+    #[test]
+    fn comments_agree_with_the_ranges_and_defaults_that_are_read() {
+        for section in &parse::notes().sections {
+            let plain = section.keys.iter().map(|key| (None, key));
+            let of_variants = section.variants.iter();
+            let of_variants = of_variants.flat_map(|v| v.keys.iter().map(|k| (Some(v.word), k)));
+            for (word, key) in plain.chain(of_variants) {
+                let text = key_text(section, word, key);
+                let place = format!("`{}` of {}: {text}", key.name, section.type_name);
+                let depends_on_another = key.name == "inner_deg";
+                if !depends_on_another {
+                    assert!(
+                        text.contains(&key.range),
+                        "{place}\nshould say {:?}",
+                        key.range
+                    );
+                }
+                if let Some((_, written)) = text.split_once("Default ") {
+                    let Some(default) = &key.default else {
+                        continue;
+                    };
+                    let default = default.to_string().replace(',', ", ");
+                    let by_name = ["white", "black"]
+                        .iter()
+                        .any(|color| written.starts_with(color));
+                    assert!(
+                        by_name || written.trim_start_matches('`').starts_with(&default),
+                        "{place}\nreads {default}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_example_has_no_mistake() {
+        let (scene, warnings) = parse::parse(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
+        assert_eq!(warnings, []);
+        assert_eq!(scene.instances.len(), 4);
+    }
+}

@@ -1,0 +1,133 @@
+//! Names that refer to other tables: all of them must exist, and names must be unique.
+
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+};
+
+use toml::de::DeTable;
+
+use super::{report::Report, suggest};
+use crate::scene::{
+    desc::{At, InstanceMaterialDesc, ModelSource, SceneDesc},
+    diagnostic::{Diagnostic, Span},
+};
+
+/// Names that are compared with one that refers to nothing.
+const MOST_SUGGESTED: usize = 1000;
+
+/// Tables that can be referred to, by name, with the place of the name.
+struct Names<'a> {
+    /// What they are, `model`.
+    kind: &'static str,
+    places: HashMap<&'a str, Range<usize>>,
+    /// The first of them in the order of the file, for suggestions.
+    first: Vec<&'a str>,
+    used: HashSet<&'a str>,
+}
+
+impl<'a> Names<'a> {
+    /// From the tree and not from what was read: a table with a mistake still has its name.
+    fn of(kind: &'static str, root: &'a DeTable) -> Self {
+        let table = root.get(kind).and_then(|node| node.get_ref().as_table());
+        let keys = table.into_iter().flat_map(|t| t.keys());
+        let mut keys: Vec<_> = keys.map(|k| (k.get_ref().as_ref(), k.span())).collect();
+        keys.sort_by_key(|(_, at)| at.start);
+        let first = keys
+            .iter()
+            .take(MOST_SUGGESTED)
+            .map(|(name, _)| *name)
+            .collect();
+        let places = keys.into_iter().collect();
+        Self {
+            kind,
+            places,
+            first,
+            used: HashSet::new(),
+        }
+    }
+
+    /// Reports a reference to nothing, with the nearest thing that it could mean.
+    fn refer(&mut self, to: &At<String>, report: &mut Report) {
+        if let Some((name, _)) = self.places.get_key_value(to.value.as_str()) {
+            self.used.insert(name);
+            return;
+        }
+        let (kind, name) = (self.kind, suggest::text(&to.value));
+        let message = format!("no {kind} is named {name}");
+        let mut error = Diagnostic::at("dangling-name", to.at.clone(), message);
+        if !report.is_full() {
+            if self.first.is_empty() {
+                error.help = Some(format!(
+                    "write a table `[{kind}.NAME]` and refer to its name"
+                ));
+            } else {
+                let lead = format!("the {kind}s are");
+                error.help = Some(suggest::hint(&to.value, &self.first, suggest::text, &lead));
+            }
+            if let Some(meant) = suggest::nearest(&to.value, self.first.iter().copied()) {
+                let note = format!("{} is defined here", suggest::text(meant));
+                error.related = Some((report.span(&self.places[meant]), note));
+            }
+        }
+        report.push(error);
+    }
+}
+
+/// Checks all references of the scene; `root` is the tree it was read from.
+pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+    let mut models = Names::of("model", root);
+    let mut materials = Names::of("material", root);
+    for model in &scene.models {
+        let is_shape = matches!(model.value.source, ModelSource::Shape(_));
+        if let (true, Some(name)) = (is_shape, &model.value.material) {
+            materials.refer(name, report);
+        }
+    }
+    let mut seen: HashMap<&str, &Span> = HashMap::new();
+    for instance in &scene.instances {
+        models.refer(&instance.model, report);
+        if let Some(InstanceMaterialDesc::Named(name)) = &instance.material {
+            materials.refer(name, report);
+        }
+        let Some(name) = &instance.name else { continue };
+        if let Some(first) = seen.get(name.as_str()) {
+            let message = format!("two instances are named {}", suggest::text(name));
+            let error = Diagnostic::at("duplicate-name", instance.at.clone(), message);
+            let note = "the first one is here";
+            report.push(
+                error
+                    .help("names of instances are unique")
+                    .related((*first).clone(), note),
+            );
+        } else {
+            seen.insert(name, &instance.at);
+        }
+    }
+    if report.errors() == 0 {
+        warn(scene, &materials, report);
+    }
+}
+
+/// What is allowed but hardly meant.
+fn warn(scene: &SceneDesc, materials: &Names, report: &mut Report) {
+    for material in &scene.materials {
+        if !materials.used.contains(material.name.as_str()) {
+            let message = format!(
+                "no model or instance uses {}",
+                suggest::text(&material.name)
+            );
+            report.push(Diagnostic::at("unused-material", material.at.clone(), message).warning());
+        }
+    }
+    if scene.models.is_empty() {
+        let message = "the scene has no model, so there is nothing to see";
+        let help = "write `[model.NAME]` with `file = \"….glb\"` or `shape = { kind = \"box\" }`";
+        let start = report.span(&(0..0));
+        report.push(
+            Diagnostic::at("empty-scene", start, message)
+                .help(help)
+                .warning(),
+        );
+    }
+}

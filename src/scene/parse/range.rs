@@ -1,0 +1,114 @@
+//! Ranges of numbers, in messages, in the manual and in the JSON Schema.
+
+use serde_json::{Value as Json, json};
+
+/// Largest magnitude of any number: its cube is still finite in 32-bit floats.
+pub const LIMIT: f64 = 1e12;
+
+/// The numbers that a key takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest.
+    pub min: f64,
+    /// Largest.
+    pub max: f64,
+    /// Whether `min` itself is excluded.
+    pub above_min: bool,
+    /// Whether `max` itself is excluded.
+    pub below_max: bool,
+}
+
+/// Any finite number.
+pub const ANY: Range = range(-LIMIT, LIMIT);
+/// 0 or more.
+pub const FROM_0: Range = range(0.0, LIMIT);
+/// Above 0.
+pub const ABOVE_0: Range = Range {
+    above_min: true,
+    ..FROM_0
+};
+/// 0 to 1.
+pub const UNIT: Range = range(0.0, 1.0);
+
+/// `min` to `max`, both included.
+pub const fn range(min: f64, max: f64) -> Range {
+    Range {
+        min,
+        max,
+        above_min: false,
+        below_max: false,
+    }
+}
+
+impl Range {
+    /// The same without its upper end.
+    pub const fn below(self) -> Self {
+        Self {
+            below_max: true,
+            ..self
+        }
+    }
+
+    /// The same without its lower end.
+    pub const fn above(self) -> Self {
+        Self {
+            above_min: true,
+            ..self
+        }
+    }
+
+    /// Whether the number is one of them.
+    pub fn contains(&self, x: f64) -> bool {
+        let low = if self.above_min {
+            x > self.min
+        } else {
+            x >= self.min
+        };
+        let high = if self.below_max {
+            x < self.max
+        } else {
+            x <= self.max
+        };
+        low && high
+    }
+
+    /// In words, such as `1 to 170` or `above 0`; empty for any number.
+    pub fn words(&self) -> String {
+        let low = self.min > -LIMIT;
+        let high = self.max < LIMIT;
+        match (low, high) {
+            (false, false) => String::new(),
+            (true, false) if self.above_min => format!("above {}", self.min),
+            (true, false) => format!("{} or more", self.min),
+            (false, true) => format!("at most {}", self.max),
+            (true, true) if self.above_min || self.below_max => {
+                let low = if self.above_min { "above" } else { "at least" };
+                let high = if self.below_max { "below" } else { "at most" };
+                format!("{low} {} and {high} {}", self.min, self.max)
+            }
+            (true, true) => format!("{} to {}", self.min, self.max),
+        }
+    }
+
+    /// JSON Schema of such a number; `kind` is `number` or `integer`.
+    pub fn schema(&self, kind: &str) -> Json {
+        let low = if self.above_min {
+            "exclusiveMinimum"
+        } else {
+            "minimum"
+        };
+        let high = if self.below_max {
+            "exclusiveMaximum"
+        } else {
+            "maximum"
+        };
+        let bound = |x: f64| {
+            if x.fract() == 0.0 {
+                json!(x as i64)
+            } else {
+                json!(x)
+            }
+        };
+        json!({ "type": kind, low: bound(self.min), high: bound(self.max) })
+    }
+}

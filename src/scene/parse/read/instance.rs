@@ -1,0 +1,137 @@
+//! Readers of instances: what stands where, and how often.
+
+use glam::{DMat4, DQuat, DVec4, EulerRot, Mat4, Quat, Vec3};
+
+use crate::scene::{
+    desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
+    parse::{
+        range::{ANY, range},
+        table::{Either, Section, Table},
+        value::Scale,
+    },
+};
+
+/// Most copies of one instance.
+const MOST_COPIES: u64 = 100_000;
+
+impl Section for InstanceDesc {
+    const TYPE: &'static str = "InstanceDesc";
+    const ALSO: &'static [&'static str] = &["PlacementDesc"];
+    const HEADING: &'static str = "[[instance]]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let name = t.find("name", ANY);
+        let model = t.need("model", ANY);
+        let placement = placement(t);
+        let dynamic = t.get("dynamic", ANY, false);
+        let repeat = t.table("repeat");
+        let material = t.name_or_table("material").map(|material| match material {
+            Either::Name(name) => InstanceMaterialDesc::Named(name),
+            Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
+        });
+        Some(Self {
+            name,
+            model: model?,
+            placement,
+            dynamic,
+            repeat,
+            material,
+            at: t.start(),
+        })
+    }
+}
+
+fn placement(t: &mut Table) -> PlacementDesc {
+    t.one_of(
+        false,
+        &[
+            &["matrix"],
+            &["translation", "rotation_deg", "rotation_quat", "scale"],
+        ],
+    );
+    t.one_of(false, &[&["rotation_deg"], &["rotation_quat"]]);
+    let translation = t.get("translation", ANY, Vec3::ZERO);
+    let euler = t.get("rotation_deg", ANY, Vec3::ZERO);
+    let quat = t.find::<[f32; 4]>("rotation_quat", ANY);
+    let Scale(scale) = t.get("scale", ANY, Scale(Vec3::ONE));
+    let matrix = t.find::<[f32; 16]>("matrix", ANY);
+    if let Some(columns) = matrix {
+        check_matrix(t, &columns);
+        return PlacementDesc::Matrix(Mat4::from_cols_array(&columns));
+    }
+    let volume = scale.as_dvec3().element_product().abs();
+    if t.has("scale") && volume < SMALLEST_VOLUME {
+        let message = match volume {
+            0.0 => "`scale` must not be 0",
+            _ => "`scale` is too small for 32-bit floats",
+        };
+        let help = "it would flatten the model; leave `scale` out for the model's own size";
+        t.refuse("singular", "scale", message, help);
+    }
+    PlacementDesc::Trs {
+        translation,
+        rotation: quat.map_or_else(|| turned(euler), |q| normalized(t, q)),
+        scale,
+    }
+}
+
+/// Turns about X, then Y, then Z; degrees.
+fn turned(euler_deg: Vec3) -> Quat {
+    // Whole turns are taken off while the number is still exact.
+    let reduced = euler_deg.as_dvec3() % 360.0;
+    let [x, y, z] = reduced.to_array().map(f64::to_radians);
+    DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
+}
+
+fn normalized(t: &mut Table, quat: [f32; 4]) -> Quat {
+    let quat = DVec4::from_array(quat.map(f64::from));
+    if quat.length() == 0.0 {
+        let message = "`rotation_quat` must not be zero";
+        let help = "write `[0, 0, 0, 1]` for no rotation";
+        t.refuse("zero-direction", "rotation_quat", message, help);
+        return Quat::IDENTITY;
+    }
+    DQuat::from_vec4(quat.normalize()).as_quat()
+}
+
+/// Scales whose volume is smaller have no inverse in 32-bit floats.
+const SMALLEST_VOLUME: f64 = 1e-30;
+
+fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
+    if [3, 7, 11, 15].map(|i| columns[i]) != [0.0, 0.0, 0.0, 1.0] {
+        let message = "the last row of `matrix` must be 0 0 0 1";
+        let help = "numbers go column by column: every fourth one is of the last row, and the \
+                    translation is numbers 13 to 15";
+        t.refuse("bad-matrix", "matrix", message, help);
+        return;
+    }
+    let matrix = DMat4::from_cols_array(&columns.map(f64::from));
+    if matrix.determinant().abs() < SMALLEST_VOLUME {
+        let message = "`matrix` is singular: it flattens the model";
+        t.refuse(
+            "singular",
+            "matrix",
+            message,
+            "its first three columns must span space",
+        );
+    }
+}
+
+impl Section for RepeatDesc {
+    const TYPE: &'static str = "RepeatDesc";
+    const HEADING: &'static str = "repeat = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let count: Option<[u32; 3]> = t.need("count", range(1.0, MOST_COPIES as f64));
+        let step = t.need("step", ANY);
+        let copies = count.map_or(1, |c| c.iter().map(|&n| u64::from(n)).product::<u64>());
+        if copies > MOST_COPIES {
+            let message = format!("`count` must be at most {MOST_COPIES} together, not {copies}");
+            t.refuse("out-of-range", "count", &message, "");
+        }
+        Some(Self {
+            count: count?,
+            step: step?,
+        })
+    }
+}

@@ -1,0 +1,97 @@
+//! Readers of lights.
+
+use glam::Vec3;
+
+use crate::scene::{
+    desc::{LightDesc, LightKind, ShadowMode},
+    parse::{
+        range::{ANY, FROM_0, range},
+        table::{Section, Table},
+    },
+};
+
+impl Section for LightDesc {
+    const TYPE: &'static str = "LightDesc";
+    const ALSO: &'static [&'static str] = &["LightKind"];
+    const HEADING: &'static str = "[light.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let color = t.get("color", FROM_0, Vec3::ONE);
+        let shadow = t.get("shadow", ANY, ShadowMode::default());
+        let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
+        let kind = t.choose(
+            "kind",
+            &[
+                ("point", point_light),
+                ("spot", spot_light),
+                ("directional", directional_light),
+            ],
+        );
+        Some(Self {
+            kind: kind?,
+            color,
+            shadow,
+            shadow_px,
+        })
+    }
+}
+
+fn point_light(t: &mut Table) -> Option<LightKind> {
+    let position = t.need("position", ANY);
+    let intensity_cd = t.need("intensity_cd", FROM_0);
+    Some(LightKind::Point {
+        position: position?,
+        intensity_cd: intensity_cd?,
+    })
+}
+
+fn spot_light(t: &mut Table) -> Option<LightKind> {
+    let position: Option<Vec3> = t.need("position", ANY);
+    t.one_of(true, &[&["direction"], &["target"]]);
+    let written: Option<Vec3> = t.find("direction", ANY);
+    let target: Option<Vec3> = t.find("target", ANY);
+    let key = if written.is_some() {
+        "direction"
+    } else {
+        "target"
+    };
+    let towards = written.or_else(|| Some(target? - position?));
+    let direction = direction(t, key, towards);
+    let intensity_cd = t.need("intensity_cd", FROM_0);
+    let inner_deg = t.get("inner_deg", range(0.0, 90.0).below(), 0.0);
+    let outer_deg = t.get("outer_deg", range(0.0, 90.0).below().above(), 45.0);
+    if t.clean() && inner_deg > outer_deg {
+        let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
+        t.refuse("out-of-range", "inner_deg", &message, "");
+    }
+    Some(LightKind::Spot {
+        position: position?,
+        direction: direction?,
+        intensity_cd: intensity_cd?,
+        inner_deg,
+        outer_deg,
+    })
+}
+
+fn directional_light(t: &mut Table) -> Option<LightKind> {
+    let written = t.need("direction", ANY);
+    let direction = direction(t, "direction", written);
+    let intensity_lux = t.need("intensity_lux", FROM_0);
+    Some(LightKind::Directional {
+        direction: direction?,
+        intensity_lux: intensity_lux?,
+    })
+}
+
+/// The unit vector along `towards`, or a message at `key`.
+fn direction(t: &mut Table, key: &str, towards: Option<Vec3>) -> Option<Vec3> {
+    let unit = towards?.as_dvec3().try_normalize().map(|d| d.as_vec3());
+    if unit.is_none() {
+        let message = match key {
+            "target" => "`target` must differ from `position`",
+            _ => "`direction` must not be zero",
+        };
+        t.refuse("zero-direction", key, message, "the light shines along it");
+    }
+    unit
+}

@@ -1,0 +1,121 @@
+//! Where messages are collected while a scene is read, and what turns byte ranges into places.
+
+use std::{ops::Range, path::Path, sync::Arc};
+
+use crate::scene::diagnostic::{Diagnostic, Severity, Source, Span};
+
+/// Errors kept per run; a file with more than these is not a scene with mistakes but something else.
+const MOST: usize = 100;
+
+/// Messages so far, and the texts they point into.
+///
+/// All texts share one range of positions: the file begins at 0, every `--set` text after the one
+/// before it. A tree node's range therefore says by itself where it was written.
+#[derive(Default)]
+pub struct Report {
+    sources: Vec<(usize, Arc<Source>)>,
+    list: Vec<Diagnostic>,
+    /// The last error beyond [`MOST`], only to be handed out.
+    surplus: Option<Diagnostic>,
+    left_out: usize,
+    errors: usize,
+}
+
+impl Report {
+    /// Adds a text and returns the position where it begins.
+    pub fn add_source(&mut self, path: &Path, text: &str) -> usize {
+        let base = self.end();
+        let (path, text) = (path.to_owned(), text.to_owned());
+        self.sources.push((base, Arc::new(Source { path, text })));
+        base
+    }
+
+    /// The first position after all texts; one is left between two, so that ends are unambiguous.
+    fn end(&self) -> usize {
+        let last = self.sources.last();
+        last.map_or(0, |(base, source)| base + source.text.len() + 1)
+    }
+
+    /// The place of a range of positions.
+    pub fn span(&self, at: &Range<usize>) -> Span {
+        let index = self.sources.partition_point(|(base, _)| *base <= at.start);
+        match self.sources.get(index.wrapping_sub(1)) {
+            Some((base, source)) => Span {
+                source: Some(Arc::clone(source)),
+                range: at.start - base..at.end.max(at.start) - base,
+            },
+            None => Span::default(),
+        }
+    }
+
+    /// Errors so far; equal counts before and after mean that nothing went wrong between.
+    pub fn errors(&self) -> usize {
+        self.errors
+    }
+
+    /// Whether further errors would only be counted, so that costly hints can be spared.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= MOST
+    }
+
+    /// Keeps a message.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        if diagnostic.severity == Severity::Error {
+            self.errors += 1;
+        }
+        if self.is_full() {
+            self.left_out += 1;
+        } else {
+            self.list.push(diagnostic);
+        }
+    }
+
+    /// Keeps an error at a range; returns it for `help` and `related`.
+    pub fn error(
+        &mut self,
+        name: &'static str,
+        at: &Range<usize>,
+        message: impl Into<String>,
+    ) -> &mut Diagnostic {
+        let diagnostic = Diagnostic::at(name, self.span(at), message);
+        self.errors += 1;
+        if self.is_full() {
+            self.left_out += 1;
+            return self.surplus.insert(diagnostic);
+        }
+        self.list.push(diagnostic);
+        let last = self.list.len() - 1;
+        &mut self.list[last]
+    }
+
+    /// Whether a message of that name is there.
+    pub fn has(&self, name: &str) -> bool {
+        self.list.iter().any(|d| d.name == name)
+    }
+
+    /// Drops messages, for what only follows from an earlier mistake.
+    pub fn retain(&mut self, keep: impl FnMut(&Diagnostic) -> bool) {
+        self.list.retain(keep);
+    }
+
+    /// All messages in the order of the text, file first; true if there were errors.
+    pub fn finish(mut self) -> (Vec<Diagnostic>, bool) {
+        let order = |d: &Diagnostic| {
+            let source = d.span.source.as_ref();
+            let index =
+                source.and_then(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            (index, d.span.range.start, d.span.range.end)
+        };
+        self.list.sort_by_cached_key(order);
+        let failed = self.errors > 0;
+        if self.left_out > 0 {
+            let message = format!("{} more messages are not shown", self.left_out);
+            let mut more = Diagnostic::at("too-many-errors", Span::default(), message);
+            if !failed {
+                more = more.warning();
+            }
+            self.list.push(more);
+        }
+        (self.list, failed)
+    }
+}

@@ -1,0 +1,211 @@
+//! `--set path=value`: one value of the tree replaced before it is read, so that its mistakes get
+//! the same messages, with the place in the text of the option.
+
+use std::ops::Range;
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use super::{report::Report, suggest, syntax, value::Node};
+
+/// Tables whose next name must exist already: a new one would most likely be a typing error.
+const NAMED: &[&str] = &["camera", "material", "model", "light"];
+
+/// One name of a path, at its position.
+struct Segment {
+    name: String,
+    at: Range<usize>,
+}
+
+/// Lays `text` over the tree; `base` is its position in the report.
+pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut Report) {
+    let Some(equals) = equals_sign(text) else {
+        let error = report.error("bad-set", &(base..base + text.len()), "`=` is missing");
+        error.help = Some("write path=value, such as `--set reflection.bounces=2`".into());
+        return;
+    };
+    let path = segments(&text[..equals], base);
+    let value = value(&text[equals + 1..], base + equals + 1, report);
+    let Some(path) = path.filter(|p| !p.is_empty()) else {
+        let message = "the path before `=` must be names with dots between";
+        let error = report.error("bad-set", &(base..base + equals.max(1)), message);
+        error.help = Some("such as `camera.main.fov_deg` or `instance.0.scale`".into());
+        return;
+    };
+    if let Some(value) = value {
+        put(root, &path, value, report);
+    }
+}
+
+/// The first `=` outside quotes.
+fn equals_sign(text: &str) -> Option<usize> {
+    let mut quote = None;
+    text.char_indices().find_map(|(i, c)| {
+        match (quote, c) {
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if open == c => quote = None,
+            (None, '=') => return Some(i),
+            _ => {}
+        }
+        None
+    })
+}
+
+/// The names of a path; TOML's own reader splits them, so quotes work as they do in a scene.
+fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
+    let line = format!("{path} = 0");
+    let table = DeTable::parse(&line).ok()?;
+    let mut segments = Vec::new();
+    let mut level = table.get_ref();
+    loop {
+        if level.len() != 1 {
+            return None;
+        }
+        let (key, node) = level.iter().next()?;
+        let at = key.span();
+        let name = key.get_ref().to_string();
+        segments.push(Segment {
+            name,
+            at: base + at.start..base + at.end,
+        });
+        match node.get_ref() {
+            DeValue::Table(next) => level = next,
+            _ => return Some(segments),
+        }
+    }
+}
+
+/// The value as TOML, or a bare word as text, since shells eat quotes.
+fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>> {
+    let trimmed = text.trim();
+    let start = base + (text.len() - text.trim_start().len());
+    let bare = |c: char| c.is_alphanumeric() || "_-./\\:* ".contains(c);
+    match DeValue::parse(trimmed) {
+        Ok(node) => Some(shift(node, start)),
+        Err(_) if !trimmed.is_empty() && trimmed.chars().all(bare) => {
+            let at = start..start + trimmed.len();
+            Some(Node::new(at, DeValue::String(trimmed.into())))
+        }
+        Err(error) => {
+            let at = error.span().unwrap_or(0..trimmed.len());
+            let found = trimmed.get(at.clone()).unwrap_or("");
+            let (message, help) = syntax::in_plain_words(found, error.message());
+            report
+                .error("bad-set", &(start + at.start..start + at.end), message)
+                .help = help;
+            None
+        }
+    }
+}
+
+/// The node with all its positions moved. The parser bounds the depth.
+fn shift(node: Node, by: usize) -> Node {
+    let move_by = |at: Range<usize>| at.start + by..at.end + by;
+    let at = move_by(node.span());
+    let value = match node.into_inner() {
+        DeValue::Array(items) => {
+            DeValue::Array(items.into_iter().map(|item| shift(item, by)).collect())
+        }
+        DeValue::Table(table) => {
+            let keys = table.into_iter().map(|(key, node)| {
+                let at = move_by(key.span());
+                (Spanned::new(at, key.into_inner()), shift(node, by))
+            });
+            DeValue::Table(keys.collect())
+        }
+        plain => plain,
+    };
+    Node::new(at, value)
+}
+
+fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut Report) {
+    let Some((last, above)) = path.split_last() else {
+        return;
+    };
+    let mut node = root;
+    for (depth, segment) in above.iter().enumerate() {
+        let named = depth == 1 && NAMED.contains(&above[0].name.as_str());
+        let new = if named {
+            New::Refused(&above[0].name)
+        } else {
+            New::Table
+        };
+        match step(node, segment, new, report) {
+            Some(next) => node = next,
+            None => return,
+        }
+    }
+    if let DeValue::Table(table) = node.get_mut() {
+        // Removed first, so that the key's position is the option's.
+        table.remove(last.name.as_str());
+        table.insert(
+            Spanned::new(last.at.clone(), last.name.clone().into()),
+            value,
+        );
+    } else if let Some(element) = step(node, last, New::Table, report) {
+        *element = value;
+    }
+}
+
+/// What to do where a path names what does not exist.
+enum New<'a> {
+    Table,
+    Refused(&'a str),
+}
+
+/// The child that a segment names.
+fn step<'t, 'i>(
+    node: &'t mut Node<'i>,
+    segment: &Segment,
+    new: New,
+    report: &mut Report,
+) -> Option<&'t mut Node<'i>> {
+    let name = segment.name.as_str();
+    match node.get_mut() {
+        DeValue::Table(table) => {
+            if let (false, New::Refused(kind)) = (table.contains_key(name), new) {
+                let names: Vec<_> = table.keys().map(|k| k.get_ref().as_ref()).collect();
+                let message = format!("no {kind} is named {}", suggest::text(name));
+                let help = suggest::hint(name, &names, suggest::text, "the names are");
+                report.error("dangling-name", &segment.at, message).help = Some(help);
+                return None;
+            }
+            let key = Spanned::new(segment.at.clone(), name.to_owned().into());
+            let empty = || Node::new(segment.at.clone(), DeValue::Table(DeTable::new()));
+            Some(table.entry(key).or_insert_with(empty))
+        }
+        DeValue::Array(items) => {
+            let name_of = |item: &Node<'_>| {
+                let name = item.get_ref().as_table()?.get("name")?;
+                Some(name.get_ref().as_str()?.to_owned())
+            };
+            let names: Vec<_> = items.iter().map(name_of).collect();
+            let named = names.iter().position(|n| n.as_deref() == Some(name));
+            let index = named.or_else(|| name.parse().ok());
+            let count = items.len();
+            let entry = index.and_then(|i| items.get_mut(i));
+            if entry.is_none() {
+                let words: Vec<_> = names.iter().flatten().map(String::as_str).collect();
+                let meant = suggest::nearest(name, words).map(suggest::text);
+                let help = "write an index, counted from 0, or the `name` of an instance".into();
+                let message = match index {
+                    Some(i) => format!("there is no index {i} in a list of {count}"),
+                    None => format!("nothing in the list is named {}", suggest::text(name)),
+                };
+                report.error("dangling-name", &segment.at, message).help =
+                    Some(meant.map_or(help, |m| format!("did you mean {m}?")));
+            }
+            entry
+        }
+        _ => {
+            let message = format!(
+                "{} cannot be set: what is before it has no keys",
+                suggest::key(name)
+            );
+            report.error("bad-set", &segment.at, message);
+            None
+        }
+    }
+}

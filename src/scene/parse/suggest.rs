@@ -1,0 +1,102 @@
+//! "Did you mean": the nearest of the words that were allowed.
+
+/// What other renderers and formats call our keys.
+const SYNONYMS: &[(&str, &[&str])] = &[
+    ("albedo", &["base_color"]),
+    ("color", &["base_color", "colors", "emission"]),
+    ("diffuse", &["base_color"]),
+    ("emissive", &["emission"]),
+    ("exposure", &["exposure_ev"]),
+    ("from", &["eye"]),
+    ("intensity", &["intensity_cd", "intensity_lux"]),
+    ("intensity_cd", &["intensity_lux"]),
+    ("intensity_lux", &["intensity_cd"]),
+    ("location", &["eye", "position", "translation"]),
+    ("look_at", &["target"]),
+    ("lookat", &["target"]),
+    ("max_bounces", &["bounces"]),
+    ("mesh", &["model", "file"]),
+    ("origin", &["eye", "position"]),
+    ("path", &["file"]),
+    ("position", &["eye", "translation"]),
+    ("resolution", &["size"]),
+    ("rotate", &["rotation_deg"]),
+    ("spp", &["samples"]),
+    ("tonemap", &["tone_map"]),
+    ("transform", &["matrix"]),
+    ("translate", &["translation"]),
+    ("type", &["kind", "shape"]),
+    ("uri", &["file"]),
+];
+
+/// The nearest of `words` to `typed`, if any is near.
+pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if typed.len() > 64 {
+        return None;
+    }
+    let lower = typed.to_lowercase().replace('-', "_");
+    let meant = SYNONYMS
+        .iter()
+        .find(|(word, _)| *word == lower)
+        .map_or(&[][..], |(_, m)| m);
+    let score = |word: &str| {
+        let is_stem = word
+            .strip_prefix(lower.as_str())
+            .is_some_and(|rest| rest.starts_with('_'));
+        if is_stem || meant.contains(&word) {
+            return 2.0;
+        }
+        let longest = lower.chars().count().max(word.chars().count()).max(1);
+        let edits = strsim::damerau_levenshtein(&lower, &word.to_lowercase());
+        let close = 1.0 - edits as f64 / longest as f64;
+        let alike = strsim::jaro_winkler(&lower, &word.to_lowercase());
+        if close >= 0.6 || alike >= 0.87 {
+            close + alike
+        } else {
+            0.0
+        }
+    };
+    let words = words.into_iter().filter(|word| word.len() <= 64);
+    let scored = words
+        .map(|word| (word, score(word)))
+        .filter(|(_, s)| *s > 0.0);
+    // The first of equals wins, so that the answer does not depend on how the maximum is folded.
+    scored
+        .fold(None, |best: Option<(&str, f64)>, next| match best {
+            Some(best) if best.1 >= next.1 => Some(best),
+            _ => Some(next),
+        })
+        .map(|(word, _)| word)
+}
+
+/// `did you mean …?`, else the list of what is allowed.
+pub fn hint(typed: &str, words: &[&str], quote: impl Fn(&str) -> String, lead: &str) -> String {
+    match nearest(typed, words.iter().copied()) {
+        Some(word) => format!("did you mean {}?", quote(word)),
+        None => {
+            const MOST: usize = 24;
+            let list: Vec<_> = words.iter().take(MOST).map(|w| quote(w)).collect();
+            let more = if words.len() > MOST { ", …" } else { "" };
+            format!("{lead} {}{more}", list.join(", "))
+        }
+    }
+}
+
+/// A key as it stands in messages.
+pub fn key(text: &str) -> String {
+    format!("`{}`", clip(text))
+}
+
+/// A text value as it stands in messages.
+pub fn text(text: &str) -> String {
+    format!("\"{}\"", clip(text).escape_debug())
+}
+
+/// User text of any length, cut to what fits a message.
+pub fn clip(text: &str) -> String {
+    if text.chars().count() <= 60 {
+        text.to_owned()
+    } else {
+        text.chars().take(59).chain(['…']).collect()
+    }
+}

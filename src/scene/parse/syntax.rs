@@ -1,0 +1,155 @@
+//! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
+
+use std::ops::Range;
+
+use toml::{Spanned, de::DeTable};
+
+use super::{report::Report, suggest};
+use crate::scene::diagnostic::{Diagnostic, Span};
+
+/// The part of a file that a syntax error makes doubtful: what is reported there may only follow
+/// from it.
+pub struct Shadow {
+    /// From the header of the table that the error is in, to the next header.
+    table: Range<usize>,
+    /// The line of the error.
+    line: usize,
+}
+
+impl Shadow {
+    /// Whether the message may only be a consequence.
+    pub fn hides(&self, message: &Diagnostic) -> bool {
+        let at = message.span.range.start;
+        let in_file = message
+            .span
+            .source
+            .as_ref()
+            .is_none_or(|s| s.path.as_os_str() != "--set");
+        let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
+        let doubtful = match message.name {
+            // What is missing may stand on the broken line.
+            "missing-key" => self.table.contains(&at),
+            _ => (self.line..self.table.end).contains(&at),
+        };
+        in_file && !syntax && doubtful
+    }
+}
+
+/// Parses as much as can be understood; mistakes go to the report.
+pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
+    let (root, mut errors) = DeTable::parse_recoverable(text);
+    let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
+    errors.sort_by_key(|error| place(error).start);
+    let mut shadows: Vec<Shadow> = Vec::new();
+    let mut line_end = None;
+    for error in &errors {
+        let at = place(error);
+        // A broken line gives one message, the first; a key that stands there twice is no break.
+        let same_line = line_end.is_some_and(|end| at.start <= end);
+        if same_line && error.message() != "duplicate key" {
+            continue;
+        }
+        if report.is_full() {
+            shadows.push(Shadow {
+                table: 0..text.len() + 1,
+                line: 0,
+            });
+            break;
+        }
+        explain(text, at.clone(), error.message(), report);
+        let start = text.floor_char_boundary(at.start);
+        let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
+        line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
+        shadows.push(Shadow {
+            table: table_around(text, line),
+            line,
+        });
+    }
+    (root, shadows)
+}
+
+fn explain(text: &str, at: Range<usize>, message: &str, report: &mut Report) {
+    if message == "duplicate key" {
+        let key = text.get(at.clone()).unwrap_or("");
+        let message = format!("{} is written twice", suggest::key(key));
+        let first = first_place(text, &at).map(|range| report.span(&range));
+        let error = report.error("duplicate-key", &at, message);
+        error.help = Some("remove one of the two, or give it another name".into());
+        error.related = first.map(|span: Span| (span, "it is first written here".into()));
+    } else if message.contains("recurs") {
+        let message = "arrays and tables are nested too deeply";
+        report.error("too-deep", &at, message).help = Some("a scene needs four levels".into());
+    } else {
+        let (message, help) = in_plain_words(text.get(at.clone()).unwrap_or(""), message);
+        report.error("toml-syntax", &at, message).help = help;
+    }
+}
+
+/// The parser's message, said for people where that helps: what is wrong, and what to do.
+pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
+    let unquoted = message.starts_with("string values must be quoted");
+    if unquoted && found.is_empty() {
+        return ("a value is missing after `=`".into(), None);
+    }
+    if unquoted {
+        let help = format!("write {}", suggest::text(found));
+        return (
+            format!("{} must be in quotes", suggest::key(found)),
+            Some(help),
+        );
+    }
+    if message.starts_with("invalid basic string, expected `\"`") {
+        return (
+            "the text in quotes does not end on its line".into(),
+            Some("add a `\"`".into()),
+        );
+    }
+    (format!("not TOML: {message}"), None)
+}
+
+/// The earlier line that has the same header, or the same key under the same header.
+fn first_place(text: &str, at: &Range<usize>) -> Option<Range<usize>> {
+    let line_start = text[..at.start].rfind('\n').map_or(0, |i| i + 1);
+    let key = text.get(at.clone())?;
+    let line = text[line_start..].lines().next()?.trim_start();
+    let header = |line: &str| -> String {
+        let inside = line.split_inclusive(']').next().unwrap_or("");
+        inside.chars().filter(|c| !c.is_whitespace()).collect()
+    };
+    let mut end = line_start;
+    for earlier in text[..line_start].split_inclusive('\n').rev() {
+        let start = end - earlier.len();
+        end = start;
+        let trimmed = earlier.trim_start();
+        let indent = start + earlier.len() - trimmed.len();
+        let is_header = trimmed.starts_with('[');
+        if line.starts_with('[') {
+            if is_header && header(trimmed) == header(line) {
+                let inside = trimmed.rfind(key)?;
+                return Some(indent + inside..indent + inside + key.len());
+            }
+        } else if is_header {
+            return None;
+        } else if let Some(rest) = trimmed.strip_prefix(key)
+            && rest.trim_start().starts_with(['=', '.'])
+        {
+            return Some(indent..indent + key.len());
+        }
+    }
+    None
+}
+
+/// From the last header at or before the line to the next one after it.
+fn table_around(text: &str, line: usize) -> Range<usize> {
+    let is_header = |at: &usize| text[*at..].trim_start_matches([' ', '\t']).starts_with('[');
+    let starts = |part: &str, base: usize| -> Vec<usize> {
+        part.match_indices('\n')
+            .map(|(i, _)| base + i + 1)
+            .collect()
+    };
+    let mut before = starts(&text[..line], 0);
+    before.insert(0, 0);
+    let first = before.into_iter().rev().find(is_header).unwrap_or(0);
+    let last = starts(&text[line..], line).into_iter().find(is_header);
+    first..last.unwrap_or(text.len() + 1)
+}

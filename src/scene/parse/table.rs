@@ -1,0 +1,278 @@
+//! The cursor that readers pull keys from. It remembers every key that was asked for, so that what
+//! was not asked for is an error, and, when run for the manual, describes each key instead.
+
+mod nested;
+mod variants;
+
+use std::ops::Range as Bytes;
+
+use toml::de::DeTable;
+
+use super::{
+    notes::{KeyNote, Notes, Rule},
+    range::Range,
+    report::Report,
+    suggest,
+    value::{Named, Node, Value},
+};
+use crate::scene::diagnostic::Span;
+
+pub use self::nested::Either;
+
+/// A description that is written as a table.
+pub trait Section: Sized {
+    /// Name of its type in `desc.rs`, where its manual stands.
+    const TYPE: &'static str;
+    /// Further types of `desc.rs` whose fields are keys of the same table.
+    const ALSO: &'static [&'static str] = &[];
+    /// How the table is written, such as `[camera.NAME]`.
+    const HEADING: &'static str;
+    /// Pulls every key; what is wrong goes to the report.
+    fn read(table: &mut Table) -> Option<Self>;
+}
+
+/// Where a table stands.
+#[derive(Clone, Default)]
+pub struct Place {
+    /// Its path, such as `camera.main`; empty for the whole file.
+    pub path: String,
+    /// Whether it is one of an array of tables.
+    pub in_list: bool,
+    /// Its header, or its braces.
+    pub at: Bytes<usize>,
+}
+
+impl Place {
+    /// How messages call the table, such as `[camera.main]`.
+    fn title(&self) -> String {
+        match (self.path.as_str(), self.in_list) {
+            ("", _) => "the scene".into(),
+            (path, true) => format!("`[[{}]]`", suggest::clip(path)),
+            (path, false) => format!("`[{}]`", suggest::clip(path)),
+        }
+    }
+
+    fn nested(&self, key: &str, at: Bytes<usize>) -> Self {
+        let dot = if self.path.is_empty() { "" } else { "." };
+        Self {
+            path: format!("{}{dot}{key}", self.path),
+            in_list: false,
+            at,
+        }
+    }
+}
+
+/// One table of the tree, being read.
+pub struct Table<'r, 'i> {
+    /// Where messages go.
+    pub report: &'r mut Report,
+    values: &'r DeTable<'i>,
+    place: Place,
+    asked: Vec<&'static str>,
+    /// Keys that should be there, and what to write; reported at the end, unless a wrong key
+    /// turns out to be meant.
+    missing: Vec<(&'static str, String)>,
+    errors_before: usize,
+    notes: Option<&'r mut Notes>,
+}
+
+impl<'r, 'i> Table<'r, 'i> {
+    /// Reads `values` as a `T`; every key that `T` did not ask for is an error.
+    pub fn read<T: Section>(
+        report: &'r mut Report,
+        values: &'r DeTable<'i>,
+        place: Place,
+    ) -> Option<T> {
+        let mut table = Table::new(report, values, place, None);
+        let value = T::read(&mut table);
+        table.refuse_unknown();
+        table.refuse_missing();
+        value
+    }
+
+    /// Runs `T`'s reader on nothing, to write down what it asks for.
+    pub fn describe<T: Section>(notes: &mut Notes) {
+        if notes.open(T::TYPE, T::ALSO, T::HEADING) {
+            let (mut report, nothing) = (Report::default(), DeTable::new());
+            T::read(&mut Table::new(
+                &mut report,
+                &nothing,
+                Place::default(),
+                Some(notes),
+            ));
+            notes.close();
+        }
+    }
+
+    fn new(
+        report: &'r mut Report,
+        values: &'r DeTable<'i>,
+        place: Place,
+        notes: Option<&'r mut Notes>,
+    ) -> Self {
+        let errors_before = report.errors();
+        let (asked, missing) = (Vec::new(), Vec::new());
+        Self {
+            report,
+            values,
+            place,
+            asked,
+            missing,
+            errors_before,
+            notes,
+        }
+    }
+
+    fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyNote) {
+        self.asked.push(key);
+        if let Some(notes) = &mut self.notes {
+            notes.add(note());
+        }
+    }
+
+    /// Whether the key is written.
+    pub fn has(&self, key: &str) -> bool {
+        self.values.contains_key(key)
+    }
+
+    /// Whether everything so far was right, so that comparing values makes sense; false when the
+    /// reader runs only to be described.
+    pub fn clean(&self) -> bool {
+        let unbroken = self.report.errors() == self.errors_before;
+        self.notes.is_none() && unbroken && self.missing.is_empty()
+    }
+
+    /// Where the table starts.
+    pub fn start(&self) -> Span {
+        self.report.span(&self.place.at)
+    }
+
+    /// Range of a key's value, else of the table.
+    fn value_at(&self, key: &str) -> Bytes<usize> {
+        self.values
+            .get(key)
+            .map_or(self.place.at.clone(), |node| node.span())
+    }
+
+    fn key_at(&self, key: &str) -> Bytes<usize> {
+        self.values
+            .get_key_value(key)
+            .map_or(self.place.at.clone(), |(k, _)| k.span())
+    }
+
+    /// The value of an optional key.
+    pub fn find<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
+        self.note(key, || KeyNote::value::<V>(key, range));
+        self.plain(key, range)
+    }
+
+    /// The value of a key with a default.
+    pub fn get<V: Value>(&mut self, key: &'static str, range: Range, default: V) -> V {
+        self.note(key, || {
+            KeyNote::value::<V>(key, range).default(default.to_json())
+        });
+        self.plain(key, range).unwrap_or(default)
+    }
+
+    /// The value of a key that must be there.
+    pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
+        self.note(key, || KeyNote::value::<V>(key, range).required());
+        if !self.has(key) {
+            let range = if V::RANGED {
+                range.words()
+            } else {
+                String::new()
+            };
+            let comma = if range.is_empty() { "" } else { ", " };
+            let help = format!("write `{key} = …`, {}{comma}{range}", V::expected());
+            self.missing.push((
+                key,
+                V::example().map_or(help, |e| format!("write `{key} = {e}`")),
+            ));
+        }
+        self.plain(key, range)
+    }
+
+    fn plain<V: Value>(&mut self, key: &str, range: Range) -> Option<V> {
+        let node = self.values.get(key)?;
+        V::read(node, &Named { key, range: &range }, self.report)
+    }
+
+    fn unknown(&self) -> Vec<(&'r toml::Spanned<toml::de::DeString<'i>>, &'r Node<'i>)> {
+        let asked = |key: &str| self.asked.contains(&key);
+        self.values
+            .iter()
+            .filter(|(key, _)| !asked(key.get_ref()))
+            .collect()
+    }
+
+    fn refuse_unknown(&mut self) {
+        for (key, _) in self.unknown() {
+            let name = key.get_ref().as_ref();
+            if self.report.is_full() {
+                self.report.error("unknown-key", &key.span(), "");
+                continue; // only counted
+            }
+            let message = format!(
+                "{} is not a key of {}",
+                suggest::key(name),
+                self.place.title()
+            );
+            let meant = suggest::nearest(name, self.asked.iter().copied());
+            self.missing.retain(|(key, _)| Some(*key) != meant);
+            let help = suggest::hint(name, &self.asked, suggest::key, "its keys are");
+            self.report.error("unknown-key", &key.span(), message).help = Some(help);
+        }
+    }
+
+    fn refuse_missing(&mut self) {
+        for (key, help) in std::mem::take(&mut self.missing) {
+            let message = format!("`{key}` is missing in {}", self.place.title());
+            self.report
+                .error("missing-key", &self.place.at, message)
+                .help = Some(help);
+        }
+    }
+
+    /// Keys of different groups exclude each other; with `required`, one group must be there.
+    pub fn one_of(&mut self, required: bool, groups: &[&[&'static str]]) {
+        if let Some(notes) = &mut self.notes {
+            let groups = groups.iter().map(|g| g.to_vec()).collect();
+            notes.rule(Rule { required, groups });
+            return;
+        }
+        let mut present: Vec<_> = groups
+            .iter()
+            .filter_map(|group| group.iter().find(|key| self.has(key)))
+            .map(|key| (*key, self.key_at(key)))
+            .collect();
+        present.sort_by_key(|(_, at)| at.start);
+        match present.as_slice() {
+            [] if required => {
+                let keys = groups
+                    .iter()
+                    .map(|g| format!("`{}`", g[0]))
+                    .collect::<Vec<_>>();
+                let message = format!("{} needs {}", self.place.title(), keys.join(" or "));
+                self.report.error("missing-key", &self.place.at, message);
+            }
+            [(first, first_at), rest @ ..] => {
+                for (key, at) in rest {
+                    let message = format!("`{key}` cannot be combined with `{first}`");
+                    let other = self.report.span(first_at);
+                    let error = self.report.error("conflicting-keys", at, message);
+                    error.help = Some(format!("remove `{key}` or `{first}`"));
+                    error.related = Some((other, format!("`{first}` is here")));
+                }
+            }
+            [] => {}
+        }
+    }
+
+    /// Reports something about the value of a key.
+    pub fn refuse(&mut self, name: &'static str, key: &str, message: &str, help: &str) {
+        let at = self.value_at(key);
+        let error = self.report.error(name, &at, message);
+        error.help = (!help.is_empty()).then(|| help.to_owned());
+    }
+}

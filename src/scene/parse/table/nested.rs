@@ -1,0 +1,158 @@
+//! Tables inside tables: single, by name, in lists, or in place of a name.
+
+use toml::de::DeValue;
+
+use super::{Place, Section, Table};
+use crate::scene::{
+    desc::{At, Entry},
+    parse::{
+        notes::{Form, KeyNote},
+        range::ANY,
+        suggest,
+        value::{Node, found, wrong_type},
+    },
+};
+
+/// A name, or a table in its place.
+pub enum Either<T> {
+    /// The name.
+    Name(At<String>),
+    /// What the table says.
+    Nested(T),
+}
+
+impl Table<'_, '_> {
+    /// A table right of `key =`, or `[….key]`.
+    pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
+        self.note(key, || KeyNote::new(key, Form::Table(T::TYPE)));
+        self.describe_nested::<T>();
+        let node = self.values.get(key)?;
+        self.nested(key, node)
+    }
+
+    /// A name, or a table in its place.
+    pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
+        self.note(key, || {
+            KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
+        });
+        self.describe_nested::<T>();
+        let node = self.values.get(key)?;
+        match node.get_ref() {
+            DeValue::Table(_) => self.nested(key, node).map(Either::Nested),
+            _ => self.name(key, node).map(Either::Name),
+        }
+    }
+
+    /// A name, or tables `[….key.NAME]` in its place.
+    pub fn name_or_entries<T: Section>(
+        &mut self,
+        key: &'static str,
+    ) -> Option<Either<Vec<Entry<T>>>> {
+        self.note(key, || {
+            KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
+        });
+        self.describe_nested::<T>();
+        let node = self.values.get(key)?;
+        match node.get_ref() {
+            DeValue::Table(_) => Some(Either::Nested(self.nested_entries(key, node))),
+            _ => self.name(key, node).map(Either::Name),
+        }
+    }
+
+    fn name(&mut self, key: &'static str, node: &Node) -> Option<At<String>> {
+        if !node.get_ref().is_str() {
+            wrong_type(node, key, "a name in quotes or a table", self.report);
+            return None;
+        }
+        self.plain(key, ANY)
+    }
+
+    /// All tables `[key.NAME]`, in the order of the file.
+    pub fn entries<T: Section>(&mut self, key: &'static str) -> Vec<Entry<T>> {
+        self.note(key, || KeyNote::new(key, Form::Entries(T::TYPE)));
+        self.describe_nested::<T>();
+        let node = self.values.get(key);
+        node.map_or_else(Vec::new, |node| self.nested_entries(key, node))
+    }
+
+    /// All tables `[[key]]`.
+    pub fn list<T: Section>(&mut self, key: &'static str) -> Vec<T> {
+        self.note(key, || KeyNote::new(key, Form::List(T::TYPE)));
+        self.describe_nested::<T>();
+        let Some(node) = self.values.get(key) else {
+            return Vec::new();
+        };
+        let Some(items) = node.get_ref().as_array() else {
+            let message = format!("`{key}` must be a list of tables, not {}", found(node));
+            let error = self.report.error("wrong-type", &self.key_at(key), message);
+            error.help = Some(format!("write `[[{key}]]`, with two brackets on each side"));
+            return Vec::new();
+        };
+        let read = |item: &Node| match item.get_ref() {
+            DeValue::Table(values) => {
+                let place = Place {
+                    in_list: true,
+                    ..self.place.nested(key, item.span())
+                };
+                Table::read(self.report, values, place)
+            }
+            _ => {
+                let message = format!("each `{key}` must be a table, not {}", found(item));
+                self.report.error("wrong-type", &item.span(), message);
+                None
+            }
+        };
+        items.iter().filter_map(read).collect()
+    }
+
+    fn describe_nested<T: Section>(&mut self) {
+        if let Some(notes) = &mut self.notes {
+            Table::describe::<T>(notes);
+        }
+    }
+
+    fn nested<T: Section>(&mut self, key: &str, node: &Node) -> Option<T> {
+        let DeValue::Table(values) = node.get_ref() else {
+            wrong_type(node, key, "a table", self.report);
+            return None;
+        };
+        Table::read(self.report, values, self.place.nested(key, node.span()))
+    }
+
+    fn nested_entries<T: Section>(&mut self, key: &str, node: &Node) -> Vec<Entry<T>> {
+        let place = self.place.nested(key, node.span());
+        let example = format!("write `[{}.NAME]`, with a name of your choice", place.path);
+        let DeValue::Table(entries) = node.get_ref() else {
+            let message = format!("`{key}` must be tables with names, not {}", found(node));
+            let error = self.report.error("wrong-type", &self.key_at(key), message);
+            error.help = Some(example);
+            return Vec::new();
+        };
+        let mut all: Vec<_> = entries.iter().collect();
+        all.sort_by_key(|(name, _)| name.span().start);
+        let mut read = Vec::new();
+        let mut nameless = false;
+        for (name, node) in all {
+            let DeValue::Table(values) = node.get_ref() else {
+                // The next keys of a table without its name are the same mistake.
+                if !std::mem::replace(&mut nameless, true) {
+                    let (key, title) = (suggest::key(name.get_ref()), place.title());
+                    let message = format!("{key} must be a table, because {title} holds names");
+                    let error = self.report.error("wrong-type", &name.span(), message);
+                    error.help = Some(example.clone());
+                }
+                continue;
+            };
+            let place = place.nested(name.get_ref(), node.span());
+            if let Some(value) = Table::read(self.report, values, place) {
+                let at = self.report.span(&name.span());
+                read.push(Entry {
+                    name: name.get_ref().to_string(),
+                    at,
+                    value,
+                });
+            }
+        }
+        read
+    }
+}

@@ -1,0 +1,91 @@
+//! Tables with a `kind` that decides about their other keys.
+
+use toml::de::DeTable;
+
+use super::{Place, Table};
+use crate::scene::parse::{
+    notes::Notes,
+    report::Report,
+    suggest,
+    words::{one_of, word},
+};
+
+/// Reader of one variant of a table with a `kind`.
+pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);
+
+impl Table<'_, '_> {
+    /// The variant that `key` names, read by its own reader. Ask for the common keys first: what is
+    /// unknown after this is looked for in the other variants.
+    pub fn choose<T>(&mut self, key: &'static str, variants: &[Variant<T>]) -> Option<T> {
+        self.asked.push(key);
+        if let Some(notes) = &mut self.notes {
+            for (word, read) in variants {
+                notes.open_variant(key, word);
+                let (mut report, nothing) = (Report::default(), DeTable::new());
+                read(&mut Table::new(
+                    &mut report,
+                    &nothing,
+                    Place::default(),
+                    Some(notes),
+                ));
+            }
+            notes.close_variants();
+            return None;
+        }
+        let words: Vec<_> = variants.iter().map(|v| v.0).collect();
+        let chosen = match self.values.get(key) {
+            Some(node) => word(node, key, &words, self.report),
+            None => {
+                self.missing
+                    .push((key, format!("write `{key} = …`, {}", one_of(&words))));
+                None
+            }
+        };
+        let Some(chosen) = chosen else {
+            // Without the kind nobody can say which keys are wrong.
+            self.asked
+                .extend(variants.iter().flat_map(|v| keys_of(v.1)));
+            return None;
+        };
+        let read = variants.iter().find(|v| v.0 == chosen)?.1;
+        let value = read(self);
+        self.refuse_keys_of_other_kinds(key, chosen, variants);
+        value
+    }
+
+    fn refuse_keys_of_other_kinds<T>(&mut self, kind: &str, chosen: &str, all: &[Variant<T>]) {
+        for (key, _) in self.unknown() {
+            let name = key.get_ref().as_ref();
+            let others = all.iter().filter(|v| keys_of(v.1).contains(&name));
+            let others: Vec<_> = others.map(|v| v.0).collect();
+            let mine = all
+                .iter()
+                .filter(|v| v.0 == chosen)
+                .flat_map(|v| keys_of(v.1));
+            let mine: Vec<_> = mine.collect();
+            let Some(known) = all.iter().flat_map(|v| keys_of(v.1)).find(|k| *k == name) else {
+                continue;
+            };
+            self.asked.push(known);
+            let chosen = suggest::text(chosen);
+            let message = format!("`{name}` does not go with `{kind} = {chosen}`");
+            let error = self.report.error("unknown-key", &key.span(), message);
+            let meant = suggest::nearest(name, mine.iter().copied());
+            self.missing.retain(|(key, _)| Some(*key) != meant);
+            let meant = meant
+                .map(|m| format!("did you mean `{m}`? "))
+                .unwrap_or_default();
+            error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
+        }
+    }
+}
+
+/// The keys that a variant's reader asks for.
+fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
+    let (mut report, nothing) = (Report::default(), DeTable::new());
+    let mut notes = Notes::default();
+    let mut table = Table::new(&mut report, &nothing, Place::default(), None);
+    table.notes = Some(&mut notes);
+    read(&mut table);
+    table.asked
+}

@@ -1,0 +1,349 @@
+//! Reads one value: its type, its range, and what it should have been if it is wrong. The same
+//! implementations describe the value in the JSON Schema and in the manual.
+
+use glam::Vec3;
+use serde_json::{Value as Json, json};
+use toml::{Spanned, de::DeValue};
+
+use super::{
+    range::{ANY, LIMIT, Range},
+    report::Report,
+    suggest,
+};
+use crate::scene::desc::At;
+
+/// A value in the tree with its positions.
+pub type Node<'i> = Spanned<DeValue<'i>>;
+
+/// What a message calls the value, such as `fov_deg` or `eye[1]`.
+pub struct Named<'a> {
+    /// The key.
+    pub key: &'a str,
+    /// Range of its numbers.
+    pub range: &'a Range,
+}
+
+/// A type that stands right of `=`.
+pub trait Value: Sized {
+    /// Whether it consists of numbers, to which a range applies.
+    const RANGED: bool = false;
+    /// For one of some words: the enum's name in `desc.rs`, and the words.
+    const WORDS: Option<(&'static str, &'static [&'static str])> = None;
+    /// What is expected, such as `three numbers`.
+    fn expected() -> String;
+    /// The only value there is, if so.
+    fn example() -> Option<String> {
+        None
+    }
+    /// JSON Schema of the value.
+    fn schema(range: &Range) -> Json;
+    /// The value as in scene text, for defaults.
+    fn to_json(&self) -> Json;
+    /// Reads it, or reports why not.
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self>;
+}
+
+/// What a node is, with an article, for `not …`.
+pub fn found(node: &Node) -> String {
+    match node.get_ref() {
+        DeValue::String(s) => format!("the text {}", suggest::text(s)),
+        DeValue::Integer(i) => format!("the number {i}"),
+        DeValue::Float(f) => format!("the number {f}"),
+        DeValue::Boolean(b) => format!("{b}"),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(items) => match items.len() {
+            1 => "an array of 1 value".into(),
+            n => format!("an array of {n} values"),
+        },
+        DeValue::Table(_) => "a table".into(),
+    }
+}
+
+/// A number as it is written.
+fn digits(node: &Node) -> String {
+    found(node).replace("the number ", "")
+}
+
+/// Reports a value of another type.
+pub fn wrong_type(node: &Node, key: &str, expected: &str, report: &mut Report) {
+    let message = format!("`{key}` must be {expected}, not {}", found(node));
+    report.error("wrong-type", &node.span(), message);
+}
+
+/// Integers and floats alike, whole or not; `None` and a message for anything else.
+fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Option<f64> {
+    let x = match node.get_ref() {
+        DeValue::Integer(i) => match i128::from_str_radix(i.as_str(), i.radix()) {
+            Ok(x) => x as f64,
+            Err(_) => f64::MAX, // more digits than any range allows
+        },
+        DeValue::Float(f) => f.as_str().parse().unwrap_or(f64::MAX),
+        _ => {
+            wrong_type(node, named.key, expected, report);
+            return None;
+        }
+    };
+    let (key, at) = (named.key, node.span());
+    if !x.is_finite() {
+        let message = format!("`{key}` must be a finite number, not {}", digits(node));
+        report.error("not-finite", &at, message);
+        return None;
+    }
+    // The value that is kept has 32 bits, and 1e-60 is not above 0 there.
+    if !named.range.contains(x) || !named.range.contains(f64::from(x as f32)) {
+        let words = match named.range.words() {
+            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
+            words => words,
+        };
+        let message = format!("`{key}` must be {words}, not {}", digits(node));
+        report.error("out-of-range", &at, message);
+        return None;
+    }
+    Some(x)
+}
+
+impl Value for f32 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "a number".into()
+    }
+    fn schema(range: &Range) -> Json {
+        range.schema("number")
+    }
+    fn to_json(&self) -> Json {
+        // Through text, so that 0.1 stays 0.1.
+        let shortest: f64 = self.to_string().parse().unwrap_or(f64::from(*self));
+        if shortest.fract() == 0.0 {
+            json!(shortest as i64)
+        } else {
+            json!(shortest)
+        }
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        number(node, named, &Self::expected(), report).map(|x| x as f32)
+    }
+}
+
+impl Value for u32 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "a whole number".into()
+    }
+    fn schema(range: &Range) -> Json {
+        range.schema("integer")
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let x = number(node, named, &Self::expected(), report)?;
+        if x.fract() != 0.0 {
+            wrong_type(node, named.key, &Self::expected(), report);
+            return None;
+        }
+        Some(x as u32)
+    }
+}
+
+impl Value for bool {
+    fn expected() -> String {
+        "true or false".into()
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "type": "boolean" })
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let value = node.get_ref().as_bool();
+        if value.is_none() {
+            wrong_type(node, named.key, &Self::expected(), report);
+        }
+        value
+    }
+}
+
+impl Value for String {
+    fn expected() -> String {
+        "text in quotes".into()
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "type": "string", "minLength": 1 })
+    }
+    fn to_json(&self) -> Json {
+        json!(self)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref().as_str() {
+            Some("") => {
+                let message = format!("`{}` must not be empty", named.key);
+                report.error("empty-text", &node.span(), message);
+                None
+            }
+            Some(text) => Some(text.to_owned()),
+            None => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}
+
+impl Value for At<String> {
+    fn expected() -> String {
+        String::expected()
+    }
+    fn schema(range: &Range) -> Json {
+        String::schema(range)
+    }
+    fn to_json(&self) -> Json {
+        self.value.to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let value = String::read(node, named, report)?;
+        Some(Self {
+            value,
+            at: report.span(&node.span()),
+        })
+    }
+}
+
+impl<T: Value, const N: usize> Value for [T; N] {
+    const RANGED: bool = T::RANGED;
+
+    fn expected() -> String {
+        const WORDS: [&str; 5] = ["no", "one", "two", "three", "four"];
+        let count = WORDS.get(N).map_or(N.to_string(), |w| (*w).into());
+        let one = T::expected();
+        let kind = one.strip_prefix("a ").unwrap_or(&one);
+        match kind.split_once(' ') {
+            Some((number, rest)) if WORDS.contains(&number) => {
+                format!("{count} arrays of {number} {rest}")
+            }
+            _ => format!("{count} {kind}s"),
+        }
+    }
+    fn schema(range: &Range) -> Json {
+        json!({ "type": "array", "items": T::schema(range), "minItems": N, "maxItems": N })
+    }
+    fn to_json(&self) -> Json {
+        self.iter().map(T::to_json).collect()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let (key, expected) = (named.key, Self::expected());
+        let Some(items) = node.get_ref().as_array() else {
+            wrong_type(node, key, &expected, report);
+            return None;
+        };
+        if items.len() != N {
+            let message = format!("`{key}` must be {expected}, not {}", found(node));
+            report.error("wrong-length", &node.span(), message);
+            return None;
+        }
+        let read = |(i, item)| {
+            let key = format!("{key}[{i}]");
+            T::read(
+                item,
+                &Named {
+                    key: &key,
+                    range: named.range,
+                },
+                report,
+            )
+        };
+        // Every element is read, so that every wrong one is reported.
+        let values: Vec<Option<T>> = items.iter().enumerate().map(read).collect();
+        values
+            .into_iter()
+            .collect::<Option<Vec<T>>>()?
+            .try_into()
+            .ok()
+    }
+}
+
+impl Value for Vec3 {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        <[f32; 3]>::expected()
+    }
+    fn schema(range: &Range) -> Json {
+        <[f32; 3]>::schema(range)
+    }
+    fn to_json(&self) -> Json {
+        self.to_array().to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        <[f32; 3]>::read(node, named, report).map(Self::from)
+    }
+}
+
+/// The version of the scene text; there is only one so far.
+pub struct Version;
+
+impl Version {
+    /// The version that this program reads.
+    pub const CURRENT: u32 = 1;
+}
+
+impl Value for Version {
+    fn expected() -> String {
+        Self::CURRENT.to_string()
+    }
+    fn example() -> Option<String> {
+        Some(Self::expected())
+    }
+    fn schema(_: &Range) -> Json {
+        json!({ "const": Self::CURRENT })
+    }
+    fn to_json(&self) -> Json {
+        json!(Self::CURRENT)
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        let any = Named {
+            key: named.key,
+            range: &ANY,
+        };
+        let version = number(node, &any, &Self::expected(), report)?;
+        let current = Self::CURRENT;
+        if version == f64::from(current) {
+            return Some(Self);
+        }
+        let written = digits(node);
+        let message = format!("version {written} is not supported; this program reads {current}");
+        report.error("unsupported-version", &node.span(), message);
+        None
+    }
+}
+
+/// One number for all three axes, or three.
+pub struct Scale(pub Vec3);
+
+impl Value for Scale {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "one or three numbers".into()
+    }
+    fn schema(range: &Range) -> Json {
+        json!({ "anyOf": [f32::schema(range), Vec3::schema(range)] })
+    }
+    fn to_json(&self) -> Json {
+        self.0.to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref() {
+            DeValue::Array(items) if items.len() == 3 => Vec3::read(node, named, report).map(Self),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                f32::read(node, named, report).map(|s| Self(Vec3::splat(s)))
+            }
+            _ => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Values that are one of some words.
+
+use serde_json::{Value as Json, json};
+
+use super::{
+    range::Range,
+    report::Report,
+    suggest,
+    value::{Named, Node, Value, wrong_type},
+};
+use crate::scene::desc::{Method, ReflectionMode, ShadowMode, ToneMap};
+
+/// Implements [`Value`] for an enum that is written as one of some words.
+macro_rules! words {
+    ($type:ident { $($word:literal => $variant:expr),+ $(,)? }) => {
+        impl Value for $type {
+            const WORDS: Option<(&'static str, &'static [&'static str])> =
+                Some((stringify!($type), &[$($word),+]));
+
+            fn expected() -> String {
+                const WORDS: &[&str] = &[$($word),+];
+                one_of(WORDS)
+            }
+            fn schema(_: &Range) -> Json {
+                json!({ "enum": [$($word),+] })
+            }
+            fn to_json(&self) -> Json {
+                $(if *self == $variant { return json!($word); })+
+                Json::Null
+            }
+            fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+                match word(node, named.key, &[$($word),+], report)? {
+                    $($word => Some($variant),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
+words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
+words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
+words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
+
+/// `"a", "b" or "c"`.
+pub fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|w| suggest::text(w)).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.concat(),
+    }
+}
+
+/// One of `words`, or a message with the nearest.
+pub fn word(
+    node: &Node,
+    key: &str,
+    words: &[&'static str],
+    report: &mut Report,
+) -> Option<&'static str> {
+    let Some(written) = node.get_ref().as_str() else {
+        wrong_type(node, key, &one_of(words), report);
+        return None;
+    };
+    let known = words.iter().copied().find(|w| *w == written);
+    if known.is_none() {
+        let message = format!(
+            "`{key}` must be {}, not {}",
+            one_of(words),
+            suggest::text(written)
+        );
+        let help = suggest::nearest(written, words.iter().copied());
+        report.error("unknown-word", &node.span(), message).help =
+            help.map(|w| format!("did you mean {}?", suggest::text(w)));
+    }
+    known
+}

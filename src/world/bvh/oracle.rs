@@ -1,0 +1,300 @@
+//! Ray tracing on the CPU in f64: what the GPU's traversal is held against.
+//!
+//! The rule, on both sides: nearest hits pass single-sided triangles from behind; shadow rays
+//! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha
+//! callback agrees. An interval is open: `t_min < t < t_max`.
+
+use glam::{Affine3A, DAffine3, DMat3, DVec2, DVec3, Vec3};
+
+use super::{
+    ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
+    Trees, corners, material_flags,
+};
+use crate::world::World;
+
+/// A ray; hits are at `origin + t * direction`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// World space, metres.
+    pub origin: DVec3,
+    /// Not zero; any length.
+    pub direction: DVec3,
+    /// Hits at or before this are not seen.
+    pub t_min: f64,
+    /// Hits at or after this are not seen.
+    pub t_max: f64,
+}
+
+/// A hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// In lengths of the ray's direction.
+    pub t: f64,
+    /// Index into [`World::instances`].
+    pub instance: u32,
+    /// Index into the mesh's triangles.
+    pub triangle: u32,
+    /// Weights of vertex 1 and vertex 2.
+    pub bary: DVec2,
+}
+
+/// The same transform in f64.
+pub(super) fn in_f64(transform: &Affine3A) -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::from_cols(
+            transform.matrix3.x_axis.as_dvec3(),
+            transform.matrix3.y_axis.as_dvec3(),
+            transform.matrix3.z_axis.as_dvec3(),
+        ),
+        translation: transform.translation.as_dvec3(),
+    }
+}
+
+struct Corner {
+    base: DVec3,
+    edge1: DVec3,
+    edge2: DVec3,
+    flags: u32,
+}
+
+impl Corner {
+    /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997): where the ray
+    /// meets the plane, as (t, weights, whether from the front); the weights may be outside.
+    fn plane_hit(&self, ray: &Ray) -> Option<(f64, DVec2, bool)> {
+        let p = ray.direction.cross(self.edge2);
+        let det = self.edge1.dot(p);
+        if det == 0.0 {
+            return None;
+        }
+        let to_origin = ray.origin - self.base;
+        let q = to_origin.cross(self.edge1);
+        let bary = DVec2::new(to_origin.dot(p), ray.direction.dot(q)) / det;
+        let front = (det > 0.0) != (self.flags & FLIPPED != 0);
+        Some((self.edge2.dot(q) / det, bary, front))
+    }
+
+    fn hit(&self, ray: &Ray, cull: bool) -> Option<(f64, DVec2)> {
+        let (t, bary, front) = self.plane_hit(ray)?;
+        let inside = bary.x >= 0.0 && bary.y >= 0.0 && bary.x + bary.y <= 1.0;
+        let seen = front || !cull || self.flags & DOUBLE_SIDED != 0;
+        (inside && seen && ray.t_min < t && t < ray.t_max).then_some((t, bary))
+    }
+}
+
+/// Brute force over all triangles of a world, placed in f64.
+pub struct Oracle {
+    triangles: Vec<(Corner, u32, u32)>,
+    /// First triangle of each instance.
+    first: Vec<usize>,
+}
+
+impl Oracle {
+    /// Places every triangle.
+    pub fn new(world: &World) -> Self {
+        let mut oracle = Self {
+            triangles: Vec::new(),
+            first: Vec::new(),
+        };
+        for (id, instance) in world.instances.iter().enumerate() {
+            oracle.first.push(oracle.triangles.len());
+            let mesh = &world.meshes[instance.mesh];
+            let transform = in_f64(&instance.world_from_object);
+            let mirrors = transform.matrix3.determinant() < 0.0;
+            let flags = material_flags(&world.materials[instance.material])
+                | if mirrors { FLIPPED } else { 0 };
+            for t in 0..mesh.triangles.len() as u32 {
+                let [base, b, c] =
+                    corners(mesh, t).map(|p| transform.transform_point3(p.as_dvec3()));
+                let corner = Corner {
+                    base,
+                    edge1: b - base,
+                    edge2: c - base,
+                    flags,
+                };
+                oracle.triangles.push((corner, id as u32, t));
+            }
+        }
+        oracle
+    }
+
+    /// The nearest hit. `alpha_passes(instance, triangle, weights)` decides for cut-outs.
+    pub fn nearest(
+        &self,
+        ray: &Ray,
+        alpha_passes: impl Fn(u32, u32, DVec2) -> bool,
+    ) -> Option<RayHit> {
+        let mut ray = *ray;
+        let mut nearest = None;
+        for (corner, instance, triangle) in &self.triangles {
+            let (instance, triangle) = (*instance, *triangle);
+            let Some((t, bary)) = corner.hit(&ray, true) else {
+                continue;
+            };
+            if corner.flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle, bary) {
+                ray.t_max = t;
+                nearest = Some(RayHit {
+                    t,
+                    instance,
+                    triangle,
+                    bary,
+                });
+            }
+        }
+        nearest
+    }
+
+    /// Whether anything blocks the ray, from either side.
+    pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
+        self.triangles.iter().any(|(corner, instance, triangle)| {
+            corner.hit(ray, false).is_some_and(|(_, bary)| {
+                corner.flags & ALPHA_TESTED == 0 || alpha_passes(*instance, *triangle, bary)
+            })
+        })
+    }
+
+    /// The world-space point that weights name in a triangle.
+    pub fn point(&self, instance: u32, triangle: u32, bary: DVec2) -> DVec3 {
+        let corner = self.corner(instance, triangle);
+        corner.base + corner.edge1 * bary.x + corner.edge2 * bary.y
+    }
+
+    fn corner(&self, instance: u32, triangle: u32) -> &Corner {
+        &self.triangles[self.first[instance as usize] + triangle as usize].0
+    }
+
+    /// Where the ray meets one triangle's plane: t, the weights (outside [0, 1] where it passes the
+    /// triangle), and the cosine between ray and normal, negative from the front. `None` where they
+    /// are parallel.
+    pub fn plane_hit(&self, ray: &Ray, instance: u32, triangle: u32) -> Option<(f64, DVec2, f64)> {
+        let corner = self.corner(instance, triangle);
+        let (t, bary, front) = corner.plane_hit(ray)?;
+        let normal = corner.edge1.cross(corner.edge2);
+        let cosine = ray.direction.normalize().dot(normal.normalize()).abs();
+        Some((t, bary, if front { -cosine } else { cosine }))
+    }
+}
+
+/// Traversal of the packed trees, for scenes too large for [`Oracle`]'s brute force.
+impl Trees {
+    /// The nearest hit, as [`Oracle::nearest`].
+    pub fn nearest(
+        &self,
+        ray: &Ray,
+        alpha_passes: impl Fn(u32, u32, DVec2) -> bool,
+    ) -> Option<RayHit> {
+        self.traverse(ray, true, &alpha_passes)
+    }
+
+    /// Whether anything blocks the ray, as [`Oracle::any`].
+    pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
+        self.traverse(ray, false, &alpha_passes).is_some()
+    }
+
+    fn traverse(
+        &self,
+        world_ray: &Ray,
+        nearest: bool,
+        alpha_passes: &impl Fn(u32, u32, DVec2) -> bool,
+    ) -> Option<RayHit> {
+        let words: &[u32] = bytemuck::cast_slice(&self.nodes);
+        let mut best: Option<RayHit> = None;
+        // Nodes still to visit, each with the instance whose object space it is in.
+        let mut stack = vec![(TOP_ROOT, NONE), (STATIC_ROOT, NONE)];
+        while let Some((index, inside)) = stack.pop() {
+            let mut ray = self.in_space_of(inside, world_ray);
+            ray.t_max = best.map_or(ray.t_max, |hit| hit.t);
+            let node = &self.nodes[index as usize];
+            for child in (0..8).filter(|c| !node.is_child_empty(*c)) {
+                let bounds = node.child_aabb(child);
+                let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+                if !overlaps(&ray, min.as_dvec3(), max.as_dvec3()) {
+                    continue;
+                }
+                if !node.is_leaf(child) {
+                    stack.push((node.child_node_index(child), inside));
+                    continue;
+                }
+                let (first, count) = node.child_primitives(child);
+                for primitive in first..first + count {
+                    if primitive & TOP_LEVEL != 0 {
+                        let id = words[(primitive & !TOP_LEVEL) as usize];
+                        stack.push((self.instances[id as usize].tree_root, id));
+                        continue;
+                    }
+                    let triangle = &self.triangles[primitive as usize];
+                    if let Some(hit) = self.test(triangle, inside, &ray, nearest, alpha_passes) {
+                        if !nearest {
+                            return Some(hit);
+                        }
+                        ray.t_max = hit.t;
+                        best = Some(hit);
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    fn test(
+        &self,
+        triangle: &TraceTriangle,
+        inside: u32,
+        ray: &Ray,
+        cull: bool,
+        alpha_passes: &impl Fn(u32, u32, DVec2) -> bool,
+    ) -> Option<RayHit> {
+        let (instance, flags) = match inside {
+            NONE => (triangle.instance, triangle.flags),
+            id => (id, self.instances[id as usize].trace_flags),
+        };
+        let corner = Corner {
+            base: Vec3::from(triangle.base).as_dvec3(),
+            edge1: Vec3::from(triangle.edge1).as_dvec3(),
+            edge2: Vec3::from(triangle.edge2).as_dvec3(),
+            flags,
+        };
+        let (t, bary) = corner.hit(ray, cull)?;
+        let passes = flags & ALPHA_TESTED == 0 || alpha_passes(instance, triangle.triangle, bary);
+        passes.then_some(RayHit {
+            t,
+            instance,
+            triangle: triangle.triangle,
+            bary,
+        })
+    }
+
+    fn in_space_of(&self, instance: u32, ray: &Ray) -> Ray {
+        if instance == NONE {
+            return *ray;
+        }
+        let rows = &self.instances[instance as usize].object_from_world;
+        let row = |k: usize| Vec3::new(rows[k][0], rows[k][1], rows[k][2]).as_dvec3();
+        let linear = DMat3::from_cols(row(0), row(1), row(2)).transpose();
+        let translation = Vec3::new(rows[0][3], rows[1][3], rows[2][3]).as_dvec3();
+        Ray {
+            origin: linear * (ray.origin - translation),
+            direction: linear * ray.direction,
+            ..*ray
+        }
+    }
+}
+
+/// The slab test, widened by the rounding that boxes and triangles went through in f32.
+fn overlaps(ray: &Ray, min: DVec3, max: DVec3) -> bool {
+    let slack = (min.abs().max(max.abs()) + ray.origin.abs()) * 4.0 * f64::from(f32::EPSILON);
+    let (min, max) = (min - slack - ray.origin, max + slack - ray.origin);
+    let (mut near, mut far) = (ray.t_min, ray.t_max);
+    for axis in 0..3 {
+        let direction = ray.direction[axis];
+        if direction == 0.0 {
+            if min[axis] > 0.0 || max[axis] < 0.0 {
+                return false;
+            }
+            continue;
+        }
+        let (a, b) = (min[axis] / direction, max[axis] / direction);
+        near = near.max(a.min(b));
+        far = far.min(a.max(b));
+    }
+    near <= far
+}

@@ -1,0 +1,111 @@
+//! Which instances are baked into the static tree and which are placed by the top level, and
+//! whether that fits the device.
+
+use super::TraceTriangle;
+use crate::{
+    scene::diagnostic::{Diagnostic, Severity, Span},
+    world::{Mesh, World},
+};
+
+/// Extra triangles that copies of one static mesh may take before it is stored once instead.
+const MAX_COPIED_TRIANGLES: usize = 1 << 18;
+/// Meshes this small are copied always: a placement in the top level costs more than they do.
+const SMALL_MESH: usize = 64;
+/// Which instances go where.
+pub(super) struct Placement {
+    /// Instances baked into the static tree.
+    pub baked: Vec<u32>,
+    /// Instances in the top level.
+    pub top: Vec<u32>,
+    /// Meshes that need a tree of their own.
+    pub meshes: Vec<usize>,
+}
+
+impl Placement {
+    /// Copies what may be copied within `limit` bytes of triangles.
+    ///
+    /// # Errors
+    /// Even without copies there are too many triangles.
+    pub fn within(world: &World, limit: u64) -> Result<Self, Box<Diagnostic>> {
+        let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH);
+        if placement.triangle_bytes(world) > limit {
+            placement = Self::of(world, 0, 0);
+        }
+        check_size(world, &placement, limit)?;
+        Ok(placement)
+    }
+
+    /// Bakes a static mesh into the static tree where its copies take at most `max_copied`
+    /// triangles more than storing it once, or where it has at most `small` triangles.
+    fn of(world: &World, max_copied: usize, small: usize) -> Self {
+        let mut uses = vec![0usize; world.meshes.len()];
+        for i in world.instances.iter().filter(|i| !i.dynamic) {
+            uses[i.mesh] += 1;
+        }
+        let mut placement = Self {
+            baked: Vec::new(),
+            top: Vec::new(),
+            meshes: Vec::new(),
+        };
+        let mut own_tree = vec![false; world.meshes.len()];
+        for (id, i) in world.instances.iter().enumerate() {
+            let count = world.meshes[i.mesh].triangles.len();
+            let copied = count.saturating_mul(uses[i.mesh].saturating_sub(1));
+            if count == 0 {
+                continue;
+            }
+            if !i.dynamic && (copied <= max_copied || count <= small) {
+                placement.baked.push(id as u32);
+            } else {
+                placement.top.push(id as u32);
+                own_tree[i.mesh] = true;
+            }
+        }
+        placement.meshes = (0..own_tree.len()).filter(|m| own_tree[*m]).collect();
+        placement
+    }
+
+    fn triangle_bytes(&self, world: &World) -> u64 {
+        let baked = self.baked.iter().map(|i| world.instances[*i as usize].mesh);
+        let triangles: u64 = baked
+            .chain(self.meshes.iter().copied())
+            .map(|m| world.meshes[m].triangles.len() as u64)
+            .sum();
+        triangles * size_of::<TraceTriangle>() as u64
+    }
+}
+
+fn check_size(world: &World, placement: &Placement, limit: u64) -> Result<(), Box<Diagnostic>> {
+    let bytes = placement.triangle_bytes(world);
+    if bytes <= limit {
+        return Ok(());
+    }
+    let size = |m: &Mesh| (m.triangles.len() * size_of::<TraceTriangle>()) as u64;
+    let largest = world.meshes.iter().max_by_key(|m| size(m));
+    Err(match largest.filter(|m| size(m) > limit) {
+        Some(mesh) => too_large(&format!("mesh \"{}\"", mesh.name), size(mesh), limit),
+        None => too_large("the scene's triangles", bytes, limit),
+    })
+}
+
+pub(super) fn too_large(what: &str, bytes: u64, limit: u64) -> Box<Diagnostic> {
+    error(
+        "geometry-too-large",
+        &format!(
+            "{what} would take {bytes} bytes for ray tracing; this device allows {limit} in one buffer"
+        ),
+        "simplify the mesh, or leave out models",
+    )
+}
+
+pub(super) fn error(name: &'static str, message: &str, help: &str) -> Box<Diagnostic> {
+    Box::new(Diagnostic {
+        severity: Severity::Error,
+        name,
+        message: message.to_owned(),
+        span: Span::default(),
+        file: None,
+        help: Some(help.to_owned()),
+        related: None,
+    })
+}

@@ -1,0 +1,233 @@
+//! Building: sizes, limits, degenerate input. Traversal is held against brute force in
+//! `tests/trace_oracle`.
+
+use glam::{DVec3, Quat, Vec3};
+
+use super::*;
+use crate::{math::Bounds, scene::desc::ShapeDesc, world::Instance, world::shape};
+
+const LIMIT: u64 = 128 << 20;
+
+fn triangle_mesh(corners: &[[Vec3; 3]]) -> Mesh {
+    let positions = corners.as_flattened().to_vec();
+    Mesh {
+        name: "soup".into(),
+        triangles: (0..corners.len() as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect(),
+        bounds: Bounds::of(positions.iter().copied()),
+        positions,
+        ..Mesh::default()
+    }
+}
+
+fn unit_triangle() -> [Vec3; 3] {
+    [Vec3::ZERO, Vec3::X, Vec3::Y]
+}
+
+fn world(meshes: Vec<Mesh>, placements: &[(usize, Affine3A, bool)]) -> World {
+    World {
+        meshes,
+        materials: vec![Material::default()],
+        instances: placements
+            .iter()
+            .map(|(mesh, world_from_object, dynamic)| Instance {
+                name: format!("thing of mesh {mesh}"),
+                mesh: *mesh,
+                material: 0,
+                world_from_object: *world_from_object,
+                dynamic: *dynamic,
+            })
+            .collect(),
+        ..World::default()
+    }
+}
+
+/// The hit of a ray from z = 5 towards the middle of the unit triangle moved by `x`.
+fn look_at(trees: &Trees, x: f64) -> Option<RayHit> {
+    let ray = Ray {
+        origin: DVec3::new(x + 0.25, 0.25, 5.0),
+        direction: DVec3::NEG_Z,
+        t_min: 0.0,
+        t_max: 1e30,
+    };
+    assert_eq!(
+        trees.nearest(&ray, |_, _, _| true).is_some(),
+        trees.any(&ray, |_, _, _| true)
+    );
+    trees.nearest(&ray, |_, _, _| true)
+}
+
+#[test]
+fn structs_are_what_the_shader_reads() {
+    assert_eq!(size_of::<CwBvhNode>(), 5 * 16);
+    assert_eq!(size_of::<TraceTriangle>(), 3 * 16);
+    assert_eq!(size_of::<TraceInstance>(), 4 * 16);
+    assert_eq!(std::mem::offset_of!(TraceInstance, tree_root), 48);
+    let shader = include_str!("../../../shaders/lib/bvh.wgsl");
+    for line in [
+        format!("const STATIC_ROOT = {STATIC_ROOT}u;"),
+        format!("const TOP_ROOT = {TOP_ROOT}u;"),
+        format!("const TOP_LEVEL = {TOP_LEVEL:#x}u;"),
+        format!("const NO_INSTANCE = {NONE:#x}u;"),
+        format!("const ALPHA_TESTED = {ALPHA_TESTED}u;"),
+        format!("const DOUBLE_SIDED = {DOUBLE_SIDED}u;"),
+        format!("const FLIPPED = {FLIPPED}u;"),
+        format!("const STACK_SIZE = {STACK_SIZE}u;"),
+    ] {
+        assert!(shader.contains(&line), "{line}");
+    }
+}
+
+#[test]
+fn empty_worlds_have_buffers_and_no_hits() {
+    let empty_mesh = world(
+        vec![Mesh::default()],
+        &[
+            (0, Affine3A::IDENTITY, false),
+            (0, Affine3A::IDENTITY, true),
+        ],
+    );
+    for world in [World::default(), empty_mesh] {
+        let trees = Trees::build(&world, LIMIT).unwrap();
+        assert!(!trees.nodes.is_empty() && !trees.triangles.is_empty());
+        assert_eq!(look_at(&trees, 0.0), None);
+    }
+}
+
+#[test]
+fn any_number_of_instances_is_found() {
+    for dynamic in [false, true] {
+        for count in [1, 2, 3, 4, 9, 100, 1000] {
+            let placements: Vec<_> = (0..count)
+                .map(|i| {
+                    let place = Affine3A::from_translation(Vec3::X * (2 * i) as f32);
+                    (0, place, dynamic)
+                })
+                .collect();
+            let world = world(vec![triangle_mesh(&[unit_triangle()])], &placements);
+            let trees = Trees::build(&world, LIMIT).unwrap();
+            assert_eq!(trees.top_instances.len(), if dynamic { count } else { 0 });
+            for i in [0, count / 2, count - 1] {
+                let hit = look_at(&trees, (2 * i) as f64).expect("a hit");
+                assert_eq!((hit.instance, hit.triangle), (i as u32, 0));
+            }
+            assert_eq!(look_at(&trees, -2.0), None);
+        }
+    }
+}
+
+#[test]
+fn copies_are_stored_once_where_they_do_not_fit() {
+    let sphere = shape::mesh(&ShapeDesc::Sphere {
+        radius: 1.0,
+        segments: 64,
+    });
+    let bytes = (sphere.triangles.len() * size_of::<TraceTriangle>()) as u64;
+    let placements: Vec<_> = (0..10)
+        .map(|i| {
+            (
+                0,
+                Affine3A::from_translation(Vec3::X * 3.0 * i as f32),
+                false,
+            )
+        })
+        .collect();
+    let world = world(vec![sphere], &placements);
+    let roomy = Trees::build(&world, LIMIT).unwrap();
+    assert_eq!(roomy.top_instances.len(), 0);
+    let tight = Trees::build(&world, bytes * 3).unwrap();
+    assert_eq!(tight.top_instances.len(), 10);
+    assert_eq!(tight.static_triangles, 0);
+    for i in 0..10 {
+        let x = f64::from(i) * 3.0;
+        let (a, b) = (look_at(&roomy, x).unwrap(), look_at(&tight, x).unwrap());
+        assert_eq!((a.instance, a.triangle), (b.instance, b.triangle));
+        assert!((a.t - b.t).abs() < 1e-5);
+    }
+    let refused = Trees::build(&world, bytes - 1).unwrap_err();
+    assert_eq!(refused.name, "geometry-too-large");
+    assert!(
+        refused.message.contains("mesh \"sphere\""),
+        "{}",
+        refused.message
+    );
+    assert!(refused.message.contains(&bytes.to_string()));
+}
+
+#[test]
+fn a_scene_past_the_limit_says_so() {
+    let meshes: Vec<_> = (0..4).map(|_| triangle_mesh(&[unit_triangle()])).collect();
+    let placements: Vec<_> = (0..4).map(|m| (m, Affine3A::IDENTITY, true)).collect();
+    let refused = Trees::build(&world(meshes, &placements), 100).unwrap_err();
+    assert!(refused.message.contains("192 bytes"), "{}", refused.message);
+}
+
+#[test]
+fn degenerate_geometry_neither_panics_nor_hides_the_rest() {
+    let point = [Vec3::ONE; 3];
+    let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+    let mut corners = vec![point; 1000];
+    corners.extend(vec![line; 1000]);
+    corners.extend(vec![unit_triangle(); 5000]);
+    // Sizes over all magnitudes, nested.
+    corners.extend((-60..40).map(|k| unit_triangle().map(|c| c * f32::exp2(k as f32) - Vec3::Z)));
+    let mesh = triangle_mesh(&corners);
+    for dynamic in [false, true] {
+        let world = world(vec![mesh.clone()], &[(0, Affine3A::IDENTITY, dynamic)]);
+        let trees = Trees::build(&world, LIMIT).unwrap();
+        let hit = look_at(&trees, 0.0).unwrap();
+        assert_eq!(hit.t, 5.0);
+        assert!((2000..7000).contains(&hit.triangle));
+    }
+}
+
+#[test]
+fn far_geometry_is_refused_by_name_or_left_out() {
+    let mesh = || triangle_mesh(&[unit_triangle()]);
+    let far = Affine3A::from_scale(Vec3::splat(1e30));
+    let refused = Trees::build(&world(vec![mesh()], &[(0, far, false)]), LIMIT).unwrap_err();
+    assert_eq!(refused.name, "too-far");
+    assert!(refused.message.contains("thing of mesh 0"));
+
+    let here = Affine3A::IDENTITY;
+    let mut world = world(vec![mesh()], &[(0, here, true), (0, here, true)]);
+    let mut trees = Trees::build(&world, LIMIT).unwrap();
+    let nan = Affine3A::from_translation(Vec3::NAN);
+    let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
+    for broken in [far, nan, flat] {
+        world.instances[0].world_from_object = broken;
+        trees.update_top_level(&world);
+        assert_eq!(look_at(&trees, 0.0).map(|hit| hit.instance), Some(1));
+    }
+}
+
+#[test]
+fn moved_instances_are_found_where_they_are() {
+    let meshes = vec![triangle_mesh(&[unit_triangle()])];
+    let mut world = world(meshes, &[(0, Affine3A::IDENTITY, true); 20]);
+    let mut trees = Trees::build(&world, LIMIT).unwrap();
+    let before = trees.nodes.clone();
+    for (i, instance) in world.instances.iter_mut().enumerate() {
+        instance.world_from_object = Affine3A::from_rotation_translation(
+            Quat::IDENTITY,
+            Vec3::new(100.0 + 2.0 * i as f32, 0.0, 0.0),
+        );
+    }
+    trees.update_top_level(&world);
+    assert_eq!(look_at(&trees, 0.0), None);
+    for i in 0..20 {
+        let hit = look_at(&trees, 100.0 + 2.0 * f64::from(i)).unwrap();
+        assert_eq!(hit.instance, i);
+    }
+    let outside = |n: &[CwBvhNode]| [&n[..1], &n[trees.top_range.end..]].concat();
+    assert!(outside(&before) == outside(&trees.nodes));
+}
+
+#[test]
+fn trees_deeper_than_the_stack_are_refused() {
+    let node = [CwBvhNode::default()];
+    assert!(check_nodes(&node, STACK_SIZE, LIMIT).is_ok());
+    let refused = check_nodes(&node, STACK_SIZE + 1, LIMIT).unwrap_err();
+    assert_eq!(refused.name, "geometry-too-deep");
+}

@@ -1,0 +1,337 @@
+//! The program as people and scripts meet it: exit codes, messages, and no file left half written.
+
+mod common;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+use common::gpu_or_skip;
+
+/// A scene with a mirror, small enough for any machine.
+const SCENE: &str = "
+version = 1
+[camera.main]
+eye = [0, 1, 3]
+target = [0, 0.5, 0]
+[camera.top]
+eye = [0, 5, 0.1]
+target = [0, 0, 0]
+[material.mirror]
+metallic = 1
+roughness = 0
+reflection = \"mirror\"
+[model.floor]
+shape = { kind = \"plane\", size = [4, 4] }
+material = \"mirror\"
+[model.ball]
+shape = { kind = \"sphere\", radius = 0.5, segments = 16 }
+[[instance]]
+model = \"floor\"
+[[instance]]
+model = \"ball\"
+translation = [0, 0.7, 0]
+[light.sun]
+kind = \"directional\"
+direction = [0, -1, -1]
+intensity_lux = 3
+";
+
+/// A folder of its own for a test, with the scene in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
+    folder
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable");
+    let mut names: Vec<_> = entries
+        .map(|e| e.expect("entry").file_name().into_string().expect("UTF-8"))
+        .collect();
+    names.sort();
+    names
+}
+
+fn reflet(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    command
+        .current_dir(folder)
+        .args(arguments)
+        // Mesa's device-select layer writes to standard error where there is no desktop.
+        .env("NODEVICE_SELECT", "1")
+        .stdin(Stdio::null());
+    command
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    reflet(folder, arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// Runs, checks the exit code, and gives standard output and standard error.
+#[track_caller]
+fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
+    let output = run(folder, arguments);
+    let texts =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {texts:?}");
+    assert!(!texts[1].contains("panicked"), "{}", texts[1]);
+    texts
+}
+
+#[test]
+fn help_and_version_succeed() {
+    let folder = folder("help");
+    assert!(exits(&folder, &["--help"], 0)[0].contains("render"));
+    assert!(exits(&folder, &["--version"], 0)[0].contains(env!("CARGO_PKG_VERSION")));
+    assert!(exits(&folder, &["render", "--help"], 0)[0].contains("REFLET_ADAPTER"));
+}
+
+#[test]
+fn usage_errors_exit_with_2_and_say_what_is_wrong() {
+    let folder = folder("usage");
+    for (arguments, says) in [
+        (&["rendr"][..], "unrecognized subcommand"),
+        (&["render", "scene.toml"], "--output"),
+        (&["render", "-o", "a.png", "--size", "0x4"], "1 to 16384"),
+        (&["render", "-o", "a.png", "--size", "big"], "WIDTHxHEIGHT"),
+        (&["render", "-o", "a.png", "--samples", "0"], "1..=4096"),
+        (&["render", "-o", "a.png", "--method", "rtx"], "hybrid"),
+        (&["render", "-o", "a.gif"], "must end in .png or .exr"),
+        (
+            &["render", "-o", "no/where/a.png"],
+            "there is no folder no/where",
+        ),
+        (
+            &["render", "-o", "a.png", "--aov", "depht"],
+            "choose from depth, normal",
+        ),
+        (
+            &["render", "-o", "a.png", "--shaders", "none"],
+            "cannot read",
+        ),
+        (
+            &["render", "-o", "a.png", "--shaders", "."],
+            "no .wgsl files",
+        ),
+        (
+            &["render", "scene.toml", "-o", "a.png", "--camera", "tpo"],
+            "it has: main, top",
+        ),
+    ] {
+        let [_, error] = exits(&folder, arguments, 2);
+        assert!(error.contains(says), "{arguments:?} says {error}");
+    }
+    assert_eq!(names(&folder), ["scene.toml"]);
+}
+
+#[test]
+fn scene_errors_exit_with_3_and_point_at_the_place() {
+    let folder = folder("scene");
+    fs::write(
+        folder.join("typo.toml"),
+        SCENE.replace("eye = [0, 1, 3]", "eya = [0, 1, 3]"),
+    )
+    .expect("temporary scene");
+    fs::write(
+        folder.join("file.toml"),
+        format!("{SCENE}[model.hall]\nfile = \"gone.glb\"\n"),
+    )
+    .expect("temporary scene");
+    for (arguments, says) in [
+        (&["check", "typo.toml"][..], "typo.toml:4:1"),
+        (&["info", "typo.toml"], "eye"),
+        (&["render", "typo.toml", "-o", "a.png"], "typo.toml:4:1"),
+        (&["check", "missing.toml"], "missing.toml"),
+        (&["check", "."], "folder"),
+        (&["check", "file.toml"], "gone.glb"),
+        (&["check", "scene.toml", "--set", "image.sise=3"], "sise"),
+        (
+            &[
+                "render",
+                "scene.toml",
+                "-o",
+                "a.exr",
+                "--set",
+                "image.samples=-1",
+            ],
+            "samples",
+        ),
+    ] {
+        let [_, error] = exits(&folder, arguments, 3);
+        assert!(error.contains(says), "{arguments:?} says {error}");
+    }
+    assert_eq!(names(&folder), ["file.toml", "scene.toml", "typo.toml"]);
+}
+
+#[test]
+fn check_and_info_need_no_gpu() {
+    let folder = folder("no-gpu");
+    // A name that no adapter has: asking for the GPU would fail.
+    let without_gpu = |arguments: &[&str]| {
+        let output = reflet(&folder, arguments)
+            .env("REFLET_ADAPTER", "no such adapter")
+            .output()
+            .expect("the program starts");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    assert_eq!(without_gpu(&["check", "scene.toml"]), "scene.toml: ok\n");
+    let text = without_gpu(&["info", "scene.toml"]);
+    assert!(text.contains("instances   2, 0 dynamic"), "{text}");
+    assert!(without_gpu(&["info"]).contains("the built-in atrium"));
+    let json = without_gpu(&["info", "scene.toml", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(info["instances"], 2);
+    assert_eq!(info["lights"], serde_json::json!([0, 0, 1]));
+    // The floor's diagonal with the ball on it: sqrt(4² + 4² + 1.2²) / 16.
+    let unit_m = info["unit_m"].as_f64().expect("a number");
+    assert!((unit_m - f64::sqrt(33.44) / 16.0).abs() < 1e-6, "{unit_m}");
+}
+
+#[test]
+fn without_a_matching_adapter_the_code_is_4_and_no_file_appears() {
+    let folder = folder("adapter");
+    let arguments = [
+        "render",
+        "scene.toml",
+        "-o",
+        "a.png",
+        "--adapter",
+        "no such adapter",
+    ];
+    let [_, error] = exits(&folder, &arguments, 4);
+    assert!(
+        error.contains("no such adapter") || error.contains("install"),
+        "{error}"
+    );
+    assert_eq!(names(&folder), ["scene.toml"]);
+}
+
+#[test]
+fn a_picture_is_written_with_its_aovs_and_statistics() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("picture");
+    let render = [
+        "render",
+        "scene.toml",
+        "--size",
+        "33x17",
+        "--aov",
+        "source,depth",
+    ];
+    let [out, error] = exits(
+        &folder,
+        &[&render[..], &["-o", "a.png", "--stats", "json"]].concat(),
+        0,
+    );
+    assert!(error.contains("wrote a.png"), "{error}");
+    let stats: serde_json::Value =
+        serde_json::from_str(&out).expect("JSON alone on standard output");
+    assert_eq!(stats["size"], serde_json::json!([33, 17]));
+    let shares = stats["shares"]["sources"].as_array().expect("a list");
+    let sum: f64 = shares
+        .iter()
+        .filter_map(|share| share["percent"].as_f64())
+        .sum();
+    assert!((sum - 100.0).abs() < 1e-9, "{shares:?}");
+    let size = image::image_dimensions(folder.join("a.png")).expect("a PNG");
+    assert_eq!(size, (33, 17));
+
+    let other = [
+        "-o",
+        "b.exr",
+        "--method",
+        "rt",
+        "--samples",
+        "2",
+        "--camera",
+        "top",
+        "--stats",
+        "text",
+    ];
+    let [out, _] = exits(&folder, &[&render[..], &other].concat(), 0);
+    assert!(
+        out.contains("reflective") && out.contains("samples 2"),
+        "{out}"
+    );
+    let exr = exr::prelude::read_first_flat_layer_from_file(folder.join("b.exr")).expect("an EXR");
+    let channels = exr.layer_data.channel_data.list.iter();
+    let channels: Vec<String> = channels.map(|channel| channel.name.to_string()).collect();
+    assert_eq!(channels, ["A", "B", "G", "R", "depth.Z", "source.source"]);
+    assert_eq!(
+        names(&folder),
+        [
+            "a.depth.png",
+            "a.png",
+            "a.source.png",
+            "b.exr",
+            "scene.toml"
+        ]
+    );
+}
+
+#[test]
+fn one_pixel_and_a_broken_shader_of_ones_own() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("edges");
+    exits(
+        &folder,
+        &["render", "scene.toml", "-o", "a.png", "--size", "1x1"],
+        0,
+    );
+    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    fs::create_dir_all(folder.join("own/lib")).expect("folder");
+    for below in ["", "lib"] {
+        for entry in fs::read_dir(shaders.join(below)).expect("shaders") {
+            let path = entry.expect("entry").path();
+            if path.is_file() {
+                let copy = folder
+                    .join("own")
+                    .join(below)
+                    .join(path.file_name().expect("named"));
+                fs::copy(&path, copy).expect("copied");
+            }
+        }
+    }
+    let render = ["render", "scene.toml", "--size", "8x8", "--shaders", "own"];
+    exits(&folder, &[&render[..], &["-o", "b.png"]].concat(), 0);
+    let tone = folder.join("own/tone.wgsl");
+    let text = fs::read_to_string(&tone).expect("copied");
+    fs::write(
+        &tone,
+        format!("// first line\nconst broken: u32 = 1.5;\n{text}"),
+    )
+    .expect("written");
+    let [_, error] = exits(&folder, &[&render[..], &["-o", "c.png"]].concat(), 2);
+    assert!(error.contains("tone.wgsl:2:"), "{error}");
+    assert!(!folder.join("c.png").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    use std::io::Read as _;
+    let folder = folder("pipe");
+    let mut child = reflet(&folder, &["info", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let status = child.wait().expect("ends");
+    let mut error = String::new();
+    let stderr = child.stderr.as_mut().expect("piped");
+    stderr.read_to_string(&mut error).expect("UTF-8");
+    assert_eq!(status.code(), Some(0), "{error}");
+}

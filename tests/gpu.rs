@@ -1,0 +1,191 @@
+//! The GPU layer on a real device: names find their bindings, results come back, errors are caught.
+
+mod common;
+
+use std::path::Path;
+
+use common::gpu_or_skip;
+use reflet::gpu::{Checks, Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback};
+use wgpu::util::DeviceExt as _;
+
+/// Doubles every value and paints each texel with its own coordinates.
+const DOUBLE: &str = "
+override factor: u32 = 1;
+@group(0) @binding(0) var<storage, read_write> values: array<u32>;
+@group(0) @binding(3) var coordinates: texture_storage_2d<rg32uint, write>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < arrayLength(&values) { values[id.x] *= factor; }
+    textureStore(coordinates, vec2u(id.x % 33u, id.x / 33u), vec4u(id.x % 33u, id.x / 33u, 0u, 0u));
+}
+";
+
+fn library(name: &str, text: &str) -> ShaderLibrary {
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("gpu-{name}"));
+    std::fs::create_dir_all(&dir).expect("temporary folder");
+    std::fs::write(dir.join(format!("{name}.wgsl")), text).expect("temporary shader");
+    ShaderLibrary::from_dir(&dir).expect("one shader")
+}
+
+fn texture(gpu: &Gpu, format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d {
+            width: 33,
+            height: 7,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+#[test]
+fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let shader = Shader::new(
+        &gpu,
+        &library("double", DOUBLE),
+        "double",
+        Checks::NoneIfEmbedded,
+    )
+    .expect("valid shader");
+    let group = GroupLayout::new(&gpu, "double", &[&shader.info], 0).expect("layout");
+    let pipeline = shader
+        .compute_pipeline(&gpu, "main", &[&group], &[("factor", 2.0)])
+        .expect("pipeline");
+    let input: Vec<u32> = (0..231).collect();
+    let values = gpu
+        .device
+        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::cast_slice(&input),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        });
+    let picture = texture(
+        &gpu,
+        wgpu::TextureFormat::Rg32Uint,
+        wgpu::TextureUsages::STORAGE_BINDING,
+    );
+    let view = picture.create_view(&Default::default());
+    let bound = group
+        .bind(
+            &gpu,
+            &[
+                ("coordinates", wgpu::BindingResource::TextureView(&view)),
+                ("values", values.as_entire_binding()),
+            ],
+        )
+        .expect("bind group");
+
+    let timer = Timer::new(&gpu).expect("timer");
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: None,
+            timestamp_writes: timer.compute("double"),
+        });
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bound, &[]);
+        pass.dispatch_workgroups(4, 1, 1);
+    }
+    timer.resolve(&mut encoder);
+    gpu.submit(encoder).expect("submitted");
+
+    let doubled: Vec<u32> = readback::read_buffer(&gpu, &values).expect("buffer");
+    assert_eq!(doubled, input.iter().map(|v| v * 2).collect::<Vec<_>>());
+    // 33 texels of 8 bytes are no multiple of 256: the padding must be gone.
+    let bytes = readback::read_texture(&gpu, &picture).expect("texture");
+    let texels: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
+    let expected: Vec<[u32; 2]> = (0..231).map(|i| [i % 33, i / 33]).collect();
+    assert_eq!(texels, expected);
+    let times = timer.read(&gpu).expect("times");
+    assert_eq!(times.len(), usize::from(timer.is_available()));
+    assert!(
+        times
+            .iter()
+            .all(|(name, ms)| name == "double" && *ms >= 0.0)
+    );
+    assert!(timer.read(&gpu).expect("times").is_empty());
+}
+
+#[test]
+fn depth_is_read_back_as_written() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let depth = texture(
+        &gpu,
+        wgpu::TextureFormat::Depth32Float,
+        wgpu::TextureUsages::RENDER_ATTACHMENT,
+    );
+    let view = depth.create_view(&Default::default());
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.375),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
+        }),
+        ..Default::default()
+    }));
+    gpu.submit(encoder).expect("submitted");
+    let bytes = readback::read_texture(&gpu, &depth).expect("depth");
+    let values: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+    assert_eq!(values, vec![0.375; 33 * 7]);
+}
+
+#[test]
+fn names_missing_on_either_side_are_errors() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let library = library("names", DOUBLE);
+    let shader = Shader::new(&gpu, &library, "names", Checks::All).expect("valid shader");
+    let group = GroupLayout::new(&gpu, "names", &[&shader.info], 0).expect("layout");
+    let missing = group.bind_with(&gpu, |_| None).expect_err("nothing bound");
+    assert!(
+        matches!(&missing, GpuError::Binding(text)
+            if text.contains("names.wgsl:3") && text.contains("`values`")),
+        "{missing}"
+    );
+    let extra = group
+        .check_names(&["values", "coordinates", "depth"])
+        .expect_err("one too many");
+    assert!(extra.to_string().contains("`depth` is bound"), "{extra}");
+    let constant = shader
+        .compute_pipeline(&gpu, "main", &[&group], &[("faktor", 2.0)])
+        .expect_err("no such override");
+    assert!(
+        constant.to_string().contains("it has: factor"),
+        "{constant}"
+    );
+}
+
+#[test]
+fn a_refused_call_is_an_error_and_the_device_lives_on() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let refused = gpu.scoped("a buffer that cannot be", || {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        })
+    });
+    assert!(matches!(&refused, Err(GpuError::Validation(text))
+        if text.starts_with("a buffer that cannot be")));
+    gpu.wait().expect("still alive");
+    let error = gpu
+        .check_texture_size("picture", 1, 100_000)
+        .expect_err("too tall");
+    assert!(
+        error
+            .to_string()
+            .starts_with("picture needs 100000 pixels a side")
+    );
+}

@@ -1,0 +1,60 @@
+//! Flicker of sequences.
+
+use reflet::bench::{
+    metric::temporal::Temporal,
+    picture::{Encoding, Pair},
+};
+
+use crate::generate::flat;
+
+/// The ratio of two sequences of gray levels.
+fn ratio(test: &[f32], reference: &[f32]) -> Option<f64> {
+    let mut temporal = Temporal::new();
+    for (t, r) in test.iter().zip(reference) {
+        let [t, r] = [t, r].map(|v| flat(4, 3, Encoding::Display, [*v; 3]));
+        temporal
+            .push(&Pair::new(&t, &r).expect("one size"))
+            .expect("one size");
+    }
+    temporal.ratio()
+}
+
+#[test]
+fn a_ratio_needs_two_frames() {
+    assert_eq!(ratio(&[], &[]), None);
+    assert_eq!(ratio(&[1.0], &[9.0]), None);
+}
+
+#[test]
+fn what_stands_still_has_none() {
+    assert_eq!(ratio(&[5.0, 5.0, 5.0], &[80.0, 80.0, 80.0]), Some(0.0));
+}
+
+#[test]
+fn a_constant_error_is_no_flicker() {
+    assert_eq!(ratio(&[15.0, 25.0, 5.0], &[10.0, 20.0, 0.0]), Some(0.0));
+}
+
+#[test]
+fn known_ratios() {
+    assert_eq!(ratio(&[10.0, 10.0, 10.0], &[10.0, 20.0, 0.0]), Some(1.0)); // frozen
+    assert_eq!(ratio(&[20.0, 10.0, 20.0], &[10.0, 20.0, 10.0]), Some(2.0)); // opposite
+    assert_eq!(
+        ratio(&[0.0, 15.0, 15.0], &[0.0, 10.0, 40.0]),
+        Some(35.0 / 40.0)
+    );
+    assert_eq!(ratio(&[10.0, 11.0], &[10.0, 10.0]), Some(f64::INFINITY));
+}
+
+#[test]
+fn another_size_is_refused_and_not_added() {
+    let mut temporal = Temporal::new();
+    let mut push = |side: usize, gray: f32| {
+        let frame = flat(side, side, Encoding::Display, [gray; 3]);
+        temporal.push(&Pair::new(&frame, &frame).expect("one size"))
+    };
+    assert!(push(4, 0.0).is_ok());
+    assert!(push(5, 0.0).is_err());
+    assert!(push(4, 9.0).is_ok());
+    assert_eq!(temporal.ratio(), Some(0.0));
+}

@@ -1,0 +1,360 @@
+//! Reading scene text: every feature of it arrives in the description.
+
+use std::path::Path;
+
+use glam::{Mat4, Quat, Vec3};
+use reflet::scene::{desc::*, parse::parse};
+
+fn read(text: &str) -> SceneDesc {
+    let text = format!("version = 1\n{text}");
+    match parse(&text, Path::new("folder/scene.toml"), &[]) {
+        Ok((scene, _)) => scene,
+        Err(errors) => panic!("{}", errors[0]),
+    }
+}
+
+#[test]
+fn a_version_alone_is_a_scene_of_defaults() {
+    let scene = read("");
+    let folder = Path::new("folder").to_owned();
+    assert_eq!(
+        scene,
+        SceneDesc {
+            folder,
+            ..SceneDesc::default()
+        }
+    );
+}
+
+#[test]
+fn cameras_keep_the_order_of_the_file_and_their_defaults() {
+    let scene = read("camera.zebra = { fov_deg = 40.5 }\ncamera.ant.eye = [1, 2.5, 3]\n");
+    let names: Vec<_> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["zebra", "ant"]);
+    let zebra = CameraDesc {
+        fov_deg: 40.5,
+        ..CameraDesc::default()
+    };
+    assert_eq!(scene.cameras[0].value, zebra);
+    let ant = CameraDesc {
+        eye: Vec3::new(1.0, 2.5, 3.0),
+        ..CameraDesc::default()
+    };
+    assert_eq!(scene.cameras[1].value, ant);
+    assert_eq!(scene.cameras[1].at.range, 53..56);
+}
+
+#[test]
+fn every_material_key_arrives() {
+    let scene = read(
+        r#"
+        [material.all]
+        base_color = [0.1, 0.2, 0.3]
+        base_color_texture = "c.png"
+        metallic = 0.4
+        roughness = 0.5
+        metallic_roughness_texture = "mr.png"
+        normal_texture = "n.png"
+        normal_scale = 0.6
+        emission = [1, 2, 3]
+        emission_strength = 4
+        emission_texture = "e.png"
+        uv_scale = [2, -3]
+        alpha_cutoff = 0.7
+        double_sided = false
+        reflection = "mirror"
+        reflectivity = 0.8
+        [material.checked]
+        checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 0.25 }
+        "#,
+    );
+    let all = &scene.materials[0].value;
+    let text = |t: &Option<At<String>>| t.as_ref().map(|t| t.value.clone()).unwrap_or_default();
+    assert_eq!(all.base_color, Some(Vec3::new(0.1, 0.2, 0.3)));
+    assert_eq!(text(&all.base_color_texture), "c.png");
+    assert_eq!((all.metallic, all.roughness), (Some(0.4), Some(0.5)));
+    assert_eq!(text(&all.metallic_roughness_texture), "mr.png");
+    assert_eq!(text(&all.normal_texture), "n.png");
+    assert_eq!(all.normal_scale, Some(0.6));
+    assert_eq!(all.emission, Some(Vec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(all.emission_strength, Some(4.0));
+    assert_eq!(text(&all.emission_texture), "e.png");
+    assert_eq!(all.uv_scale, Some([2.0, -3.0]));
+    assert_eq!(all.alpha_cutoff, Some(0.7));
+    assert_eq!(all.double_sided, Some(false));
+    assert_eq!(all.reflection, Some(ReflectionMode::Mirror));
+    assert_eq!(all.reflectivity, Some(0.8));
+    let checker = CheckerDesc {
+        colors: [Vec3::ONE, Vec3::ZERO],
+        size_m: 0.25,
+    };
+    assert_eq!(
+        scene.materials[1].value,
+        MaterialDesc {
+            checker: Some(checker),
+            ..MaterialDesc::default()
+        }
+    );
+}
+
+#[test]
+fn models_are_files_with_overrides_or_shapes() {
+    let scene = read(
+        r#"
+        [material.m]
+        [model.hall]
+        file = "hall.glb"
+        lights = false
+        [model.hall.material."*"]
+        roughness = 0
+        [model.hall.material."floor tiles"]
+        reflection = "none"
+        [model.plane]
+        shape = { kind = "plane", size = [2, 3] }
+        material = "m"
+        [model.box]
+        shape = { kind = "box", size = [1, 2, 3] }
+        [model.sphere]
+        shape.kind = "sphere"
+        [model.cylinder.shape]
+        kind = "cylinder"
+        radius = 2
+        height = 5
+        segments = 3
+        [model.cone]
+        shape = {
+            kind = "cone", # TOML 1.1: over lines, with a comma at the end
+        }
+        "#,
+    );
+    let hall = &scene.models[0].value;
+    assert!(matches!(&hall.source, ModelSource::File(file) if file.value == "hall.glb"));
+    assert!(!hall.lights);
+    let names: Vec<_> = hall.overrides.iter().map(|o| o.name.as_str()).collect();
+    assert_eq!(names, ["*", "floor tiles"]);
+    assert_eq!(
+        hall.overrides[1].value.reflection,
+        Some(ReflectionMode::None)
+    );
+    let plane = &scene.models[1].value;
+    assert_eq!(plane.material.as_ref().map(|m| m.value.as_str()), Some("m"));
+    let shapes: Vec<_> = scene.models[1..]
+        .iter()
+        .map(|m| m.value.source.clone())
+        .collect();
+    assert_eq!(
+        shapes,
+        [
+            ModelSource::Shape(ShapeDesc::Plane { size: [2.0, 3.0] }),
+            ModelSource::Shape(ShapeDesc::Box {
+                size: Vec3::new(1.0, 2.0, 3.0)
+            }),
+            ModelSource::Shape(ShapeDesc::Sphere {
+                radius: 0.5,
+                segments: 128
+            }),
+            ModelSource::Shape(ShapeDesc::Cylinder {
+                radius: 2.0,
+                height: 5.0,
+                segments: 3
+            }),
+            ModelSource::Shape(ShapeDesc::Cone {
+                radius: 0.5,
+                height: 1.0,
+                segments: 64
+            }),
+        ]
+    );
+}
+
+const BOX: &str =
+    "[material.m]\n[model.a]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"a\"\n";
+
+fn placement(keys: &str) -> PlacementDesc {
+    read(&format!("{BOX}{keys}")).instances[0].placement
+}
+
+fn world_from_model(keys: &str) -> Mat4 {
+    match placement(keys) {
+        PlacementDesc::Matrix(matrix) => matrix,
+        PlacementDesc::Trs {
+            translation,
+            rotation,
+            scale,
+        } => Mat4::from_scale_rotation_translation(scale, rotation, translation),
+    }
+}
+
+#[test]
+fn rotations_turn_about_x_then_y_then_z() {
+    // By hand: (0,1,0) turns to (0,0,1) about X, to (1,0,0) about Y, to (0,1,0) about Z.
+    let turned = world_from_model("rotation_deg = [90, 90, 90]").transform_vector3(Vec3::Y);
+    assert!(turned.abs_diff_eq(Vec3::Y, 1e-6), "{turned}");
+    // X first, then Z: (0,1,0) -> (0,0,1), which Z leaves alone. Z first would give (-1,0,0).
+    let turned = world_from_model("rotation_deg = [90, 0, 90]").transform_vector3(Vec3::Y);
+    assert!(turned.abs_diff_eq(Vec3::Z, 1e-6), "{turned}");
+    let many = world_from_model("rotation_deg = [0, 360090, 0]");
+    assert!(many.abs_diff_eq(Mat4::from_rotation_y(std::f32::consts::FRAC_PI_2), 1e-5));
+}
+
+#[test]
+fn placements_are_scaled_then_rotated_then_translated() {
+    let keys = "translation = [1, 2, 3]\nrotation_quat = [0, 0, 2, 2]\nscale = [2, 1, -1]";
+    let point = world_from_model(keys).transform_point3(Vec3::new(1.0, 0.0, 1.0));
+    assert!(point.abs_diff_eq(Vec3::new(1.0, 4.0, 2.0), 1e-6), "{point}");
+    let PlacementDesc::Trs {
+        rotation, scale, ..
+    } = placement("scale = 3")
+    else {
+        panic!("without a matrix it has parts");
+    };
+    assert_eq!((rotation, scale), (Quat::IDENTITY, Vec3::splat(3.0)));
+    let keys = "matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]";
+    assert_eq!(
+        world_from_model(keys),
+        Mat4::from_translation(Vec3::new(5.0, 6.0, 7.0))
+    );
+}
+
+#[test]
+fn instances_have_names_copies_and_materials() {
+    let keys = "name = \"one\"\ndynamic = true\nmaterial = \"m\"\n\
+                repeat = { count = [8, 1, 2.0], step = [3, 0, 8.5] }\n\
+                [[instance]]\nmodel = \"a\"\nmaterial = { roughness = 0 }";
+    let instances = read(&format!("{BOX}{keys}")).instances;
+    assert_eq!(instances[0].name.as_deref(), Some("one"));
+    assert!(instances[0].dynamic && !instances[1].dynamic);
+    let repeat = RepeatDesc {
+        count: [8, 1, 2],
+        step: Vec3::new(3.0, 0.0, 8.5),
+    };
+    assert_eq!(instances[0].repeat, Some(repeat));
+    assert!(
+        matches!(&instances[0].material, Some(InstanceMaterialDesc::Named(m)) if m.value == "m")
+    );
+    let Some(InstanceMaterialDesc::Override(keys)) = &instances[1].material else {
+        panic!("a table is an override");
+    };
+    assert_eq!(keys.roughness, Some(0.0));
+}
+
+#[test]
+fn lights_have_the_keys_of_their_kind() {
+    let scene = read(
+        r#"
+        [light.lamp]
+        kind = "point"
+        position = [0, 6, 0]
+        intensity_cd = 800
+        color = [1, 0.5, 2]
+        [light.beam]
+        kind = "spot"
+        position = [1, 2, 3]
+        target = [1, 0, 3]
+        intensity_cd = 5
+        inner_deg = 10
+        outer_deg = 20
+        shadow = "none"
+        [light.sun]
+        kind = "directional"
+        direction = [0, -2, 0]
+        intensity_lux = 3
+        shadow = "ray"
+        shadow_px = 16
+        "#,
+    );
+    let lights: Vec<_> = scene.lights.iter().map(|l| l.value).collect();
+    let common = |kind| LightDesc {
+        kind,
+        color: Vec3::ONE,
+        shadow: ShadowMode::Map,
+        shadow_px: 1024,
+    };
+    let position = Vec3::new(0.0, 6.0, 0.0);
+    let lamp = common(LightKind::Point {
+        position,
+        intensity_cd: 800.0,
+    });
+    assert_eq!(
+        lights[0],
+        LightDesc {
+            color: Vec3::new(1.0, 0.5, 2.0),
+            ..lamp
+        }
+    );
+    let beam = common(LightKind::Spot {
+        position: Vec3::new(1.0, 2.0, 3.0),
+        direction: Vec3::NEG_Y,
+        intensity_cd: 5.0,
+        inner_deg: 10.0,
+        outer_deg: 20.0,
+    });
+    assert_eq!(
+        lights[1],
+        LightDesc {
+            shadow: ShadowMode::None,
+            ..beam
+        }
+    );
+    let sun = common(LightKind::Directional {
+        direction: Vec3::NEG_Y,
+        intensity_lux: 3.0,
+    });
+    assert_eq!(
+        lights[2],
+        LightDesc {
+            shadow: ShadowMode::Ray,
+            shadow_px: 16,
+            ..sun
+        }
+    );
+}
+
+#[test]
+fn environment_reflection_and_image_arrive() {
+    let scene = read(
+        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
+         threshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nfade = true\n\
+         blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nexposure_ev = -20\n\
+         tone_map = \"aces\"",
+    );
+    let color = Vec3::new(1.0, 2.0, 3.0);
+    let flat = EnvironmentDesc {
+        zenith: color,
+        horizon: color,
+        ground: color,
+    };
+    assert_eq!(scene.environment, flat);
+    assert_eq!(
+        scene.reflection,
+        ReflectionDesc {
+            method: Method::Ssr,
+            ray_length_u: 2.0,
+            threshold_u: 0.0,
+            bounces: 16,
+            steps: 8,
+            roughness_cutoff: 1.0,
+            unit_m: Some(0.5),
+            fade: true,
+            blur_px: 1.5,
+        }
+    );
+    let (samples, exposure_ev, tone_map) = (4096, -20.0, ToneMap::Aces);
+    assert_eq!(
+        scene.image,
+        ImageDesc {
+            size: [1, 16384],
+            samples,
+            exposure_ev,
+            tone_map
+        }
+    );
+    let gradient = read("environment.zenith = [1, 2, 3]").environment;
+    assert_eq!(
+        gradient,
+        EnvironmentDesc {
+            zenith: color,
+            ..EnvironmentDesc::default()
+        }
+    );
+}

@@ -1,0 +1,106 @@
+//! Every shader assembles and validates without a GPU, and stays inside the limits that every
+//! adapter has.
+
+use reflet::gpu::{
+    ShaderLibrary, ShaderModuleInfo,
+    bind::{merged_bindings, over_limits},
+    check,
+    reflect::capabilities,
+};
+
+fn shipped() -> Vec<ShaderModuleInfo> {
+    let library = ShaderLibrary::embedded();
+    // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
+    let capabilities = capabilities(wgpu::Features::PRIMITIVE_INDEX);
+    let checked = library.names().map(|name| {
+        library
+            .source(name)
+            .and_then(|source| check(&source, capabilities))
+    });
+    let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
+    let errors: Vec<String> = bad
+        .into_iter()
+        .filter_map(|result| Some(result.err()?.to_string()))
+        .collect();
+    assert!(errors.is_empty(), "\n{}", errors.join("\n\n"));
+    good.into_iter().flatten().collect()
+}
+
+#[test]
+fn every_shader_validates_and_has_an_entry_point() {
+    for info in shipped() {
+        assert!(
+            !info.entry_points.is_empty(),
+            "{} starts nowhere",
+            info.file
+        );
+    }
+}
+
+#[test]
+fn every_library_is_imported_somewhere() {
+    let library = ShaderLibrary::embedded();
+    let all: String = library
+        .names()
+        .filter_map(|name| library.source(name).ok())
+        .map(|source| source.text)
+        .collect();
+    for name in library.lib_names() {
+        let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
+        // The last line of a library stands in every shader that imports it.
+        let own = lib.text.lines().rev().find(|line| line.len() > 3);
+        assert!(
+            own.is_some_and(|line| all.contains(line)),
+            "shaders/lib/{name}.wgsl is never imported"
+        );
+    }
+}
+
+#[test]
+fn every_shader_stays_inside_the_default_limits() {
+    let limits = wgpu::Limits::default();
+    let mut wrong = Vec::new();
+    for info in shipped() {
+        let groups: Vec<_> = (0..limits.max_bind_groups)
+            .map(|group| merged_bindings(&[&info], group).unwrap_or_else(|e| panic!("{e}")))
+            .collect();
+        assert!(
+            info.bindings
+                .iter()
+                .all(|b| b.group < limits.max_bind_groups),
+            "{}: more than {} bind groups",
+            info.file,
+            limits.max_bind_groups
+        );
+        let groups: Vec<_> = groups.iter().map(Vec::as_slice).collect();
+        for problem in over_limits(&groups, &limits) {
+            wrong.push(format!("{}: {problem}", info.file));
+        }
+        for entry in &info.entry_points {
+            let [x, y, z] = entry.workgroup_size;
+            if x * y * z > limits.max_compute_invocations_per_workgroup {
+                wrong.push(format!(
+                    "{}: {}: {x}x{y}x{z} threads",
+                    info.file, entry.name
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_is_embedded_is_what_lies_in_the_folder() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let embedded = ShaderLibrary::embedded();
+    let Ok(on_disk) = ShaderLibrary::from_dir(&folder) else {
+        assert_eq!(embedded.names().count(), 0);
+        return;
+    };
+    assert!(embedded.names().eq(on_disk.names()));
+    assert!(embedded.lib_names().eq(on_disk.lib_names()));
+    for name in embedded.names() {
+        let texts = [&embedded, &on_disk].map(|library| library.source(name).map(|s| s.text));
+        assert_eq!(texts[0].as_ref().ok(), texts[1].as_ref().ok(), "{name}");
+    }
+}

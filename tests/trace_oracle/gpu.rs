@@ -1,0 +1,220 @@
+//! Runs `shaders/lib/bvh.wgsl` on a device of its own.
+
+use reflet::world::bvh::{Ray, TraceInstance, Trees};
+use wgpu::util::DeviceExt as _;
+
+/// The declarations that `bvh.wgsl` expects, and a kernel that traces one ray an invocation.
+const KERNEL: &str = r"
+struct Instance {
+    object_from_world: array<vec4f, 3>,
+    tree_root: u32,
+    trace_flags: u32,
+}
+@group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
+@group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
+@group(1) @binding(2) var<storage, read> instances: array<Instance>;
+
+struct Query { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }
+struct Answer { hit: Hit, blocked: u32, visits: vec2u }
+@group(0) @binding(0) var<storage, read> queries: array<Query>;
+@group(0) @binding(1) var<storage, read_write> answers: array<Answer>;
+
+fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
+    return (instance + triangle) % 3u != 0u && bary.x < 0.6;
+}
+
+@compute @workgroup_size(64)
+fn trace(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&queries) {
+        return;
+    }
+    let query = queries[id.x];
+    let hit = trace_nearest(query.origin, query.direction, query.t_min, query.t_max);
+    let visits = vec2u(visited_nodes, tested_triangles);
+    let blocked = trace_any(query.origin, query.direction, query.t_min, query.t_max);
+    answers[id.x] = Answer(hit, u32(blocked), visits);
+}
+";
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Query {
+    origin: [f32; 3],
+    t_min: f32,
+    direction: [f32; 3],
+    t_max: f32,
+}
+
+/// What the kernel writes for a ray.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Answer {
+    pub t: f32,
+    pub instance: u32,
+    pub triangle: u32,
+    padding: u32,
+    pub bary: [f32; 2],
+    pub blocked: u32,
+    padding2: u32,
+    pub visited_nodes: u32,
+    pub tested_triangles: u32,
+}
+
+/// Which parts of the shader are switched on.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    pub has_static: bool,
+    pub has_top_level: bool,
+    pub has_cutout: bool,
+}
+
+pub const ALL: Parts = Parts {
+    has_static: true,
+    has_top_level: true,
+    has_cutout: true,
+};
+
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+}
+
+impl Gpu {
+    /// `None`, said aloud, where there is no adapter and none is required.
+    pub fn new() -> Option<Self> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter =
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
+        let adapter = match adapter {
+            Ok(adapter) => adapter,
+            Err(e) => {
+                assert!(
+                    std::env::var_os("REFLET_REQUIRE_GPU").is_none_or(|v| v != "1"),
+                    "{e}"
+                );
+                println!("SKIPPED: no adapter");
+                return None;
+            }
+        };
+        println!("adapter: {}", adapter.get_info().name);
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))
+                .expect("a device with default limits");
+        Some(Self { device, queue })
+    }
+
+    /// Traces `rays`, both the nearest and any hit.
+    pub fn trace(&self, trees: &Trees, rays: &[Ray], parts: Parts) -> Vec<Answer> {
+        let queries: Vec<_> = rays
+            .iter()
+            .map(|ray| Query {
+                origin: ray.origin.as_vec3().to_array(),
+                t_min: ray.t_min as f32,
+                direction: ray.direction.as_vec3().to_array(),
+                t_max: ray.t_max as f32,
+            })
+            .collect();
+        let size = (queries.len() * size_of::<Answer>()) as u64;
+        let buffer = |usage| wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        };
+        let usages = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let answers = self.device.create_buffer(&buffer(usages));
+        let usages = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let readback = self.device.create_buffer(&buffer(usages));
+
+        let pipeline = self.pipeline(parts);
+        let queries = self.storage(bytemuck::cast_slice(&queries));
+        let scene = [
+            bytemuck::cast_slice(&trees.nodes),
+            bytemuck::cast_slice(&trees.triangles),
+            // Bindings may not be empty.
+            match trees.instances.as_slice() {
+                [] => &[0; size_of::<TraceInstance>()],
+                instances => bytemuck::cast_slice(instances),
+            },
+        ]
+        .map(|bytes| self.storage(bytes));
+        let groups = [
+            self.bind(&pipeline, 0, &[&queries, &answers]),
+            self.bind(&pipeline, 1, &scene.each_ref()),
+        ];
+
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &groups[0], &[]);
+        pass.set_bind_group(1, &groups[1], &[]);
+        pass.dispatch_workgroups((rays.len() as u32).div_ceil(64), 1, 1);
+        drop(pass);
+        encoder.copy_buffer_to_buffer(&answers, 0, &readback, 0, size);
+        self.queue.submit([encoder.finish()]);
+        readback.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .expect("the device finished");
+        let bytes = readback.get_mapped_range(..).expect("mapped");
+        bytemuck::pod_collect_to_vec(&bytes)
+    }
+
+    fn storage(&self, contents: &[u8]) -> wgpu::Buffer {
+        self.device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: None,
+                contents,
+                usage: wgpu::BufferUsages::STORAGE,
+            })
+    }
+
+    fn bind(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        group: u32,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(group),
+            entries: &entries,
+        })
+    }
+
+    fn pipeline(&self, parts: Parts) -> wgpu::ComputePipeline {
+        let source = format!("{KERNEL}\n{}", include_str!("../../shaders/lib/bvh.wgsl"));
+        let module = self
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("trace_oracle"),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            });
+        let constants = [
+            ("HAS_STATIC", parts.has_static),
+            ("HAS_TOP_LEVEL", parts.has_top_level),
+            ("HAS_CUTOUT", parts.has_cutout),
+            ("COUNT_VISITS", true),
+        ]
+        .map(|(name, on)| (name, f64::from(u8::from(on))));
+        self.device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("trace_oracle"),
+                layout: None,
+                module: &module,
+                entry_point: Some("trace"),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                cache: None,
+            })
+    }
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Everything that continuous integration runs. With --full, also what takes long.
+set -euo pipefail
+
+usage() {
+    echo "usage: tools/check.sh [--full]"
+    echo "  --full  also run the tests that take minutes"
+}
+
+full=no
+for argument in "$@"; do
+    case "$argument" in
+        --full) full=yes ;;
+        -h | --help)
+            usage
+            exit 0
+            ;;
+        *)
+            usage >&2
+            exit 2
+            ;;
+    esac
+done
+readonly full
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
+"$root/tools/setup.sh"
+export PATH="$HOME/.cargo/bin:$PATH"
+# Mesa's device-select layer complains about missing desktops; there is nothing to select here.
+export NODEVICE_SELECT=1
+cd "$root"
+
+heading() { printf '\n== %s ==\n' "$1"; }
+
+heading "Format"
+cargo fmt --all -- --check
+
+heading "Lints"
+# The release profile, like the tests and the demo: dependencies are built once.
+cargo clippy --release --locked --all-targets -- -D warnings
+
+heading "Tests"
+cargo test --release --locked
+
+if [ "$full" = yes ]; then
+    heading "Long tests"
+    cargo test --release --locked -- --ignored
+fi
+
+if [ -f tools/pyproject.toml ]; then
+    heading "Python tests"
+    pytest=(.venv/bin/python -m pytest -q)
+    if [ "$full" = no ]; then
+        pytest+=(-m "not slow")
+    fi
+    "${pytest[@]}" tests/tools
+fi
+
+heading "All good"

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# From nothing to a picture: setup, build, and the built-in scene as atrium.png in this folder's
+# root. Needs no GPU and no display.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
+"$root/tools/setup.sh"
+export PATH="$HOME/.cargo/bin:$PATH"
+cd "$root"
+
+printf '\n== Building ==\n'
+cargo build --release --locked
+
+printf '\n== Rendering the built-in scene ==\n'
+# Mesa's device-select layer complains about missing desktops; there is nothing to select here.
+export NODEVICE_SELECT=1
+binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
+"$binary" render --output "$root/atrium.png" --stats text

@@ -1,0 +1,176 @@
+#!/usr/bin/env bash
+# Gets a machine ready to build, test and run Reflet. Safe to run again: it installs only what is
+# missing, says when it needs root, and asks nothing.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
+# The oldest Rust that builds Reflet, from its manifest.
+min_rust="$(sed -n 's/^rust-version *= *"\([0-9.]*\)".*/\1/p' "$root/Cargo.toml")"
+readonly min_rust
+
+heading() { printf '\n== %s ==\n' "$1"; }
+
+fail() {
+    printf 'setup: %s\n' "$1" >&2
+    exit 1
+}
+
+has() { command -v "$1" >/dev/null 2>&1; }
+
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then
+        "$@"
+    elif has sudo; then
+        # -n: never stop for a password.
+        sudo -n "$@" || fail "needs root for: $* (run this script as root, or run that command first)"
+    else
+        fail "needs root for: $* (there is no sudo here; run this script as root)"
+    fi
+}
+
+apt_refreshed=no
+apt_install() {
+    if [ "$apt_refreshed" = no ]; then
+        as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+        apt_refreshed=yes
+    fi
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@"
+}
+
+has_vulkan_loader() {
+    local caches=(/sbin/ldconfig /usr/sbin/ldconfig ldconfig)
+    local ldconfig
+    for ldconfig in "${caches[@]}"; do
+        if has "$ldconfig"; then
+            "$ldconfig" -p 2>/dev/null | grep -q 'libvulkan\.so\.1' && return 0
+            return 1
+        fi
+    done
+    compgen -G '/usr/lib/*/libvulkan.so.1' >/dev/null
+}
+
+# Paths of driver manifests whose names match $1, in the folders that the loader searches.
+manifests() {
+    local folder
+    for folder in /etc/vulkan /usr/share/vulkan /usr/local/share/vulkan \
+        /usr/local/etc/vulkan "${XDG_DATA_HOME:-$HOME/.local/share}/vulkan"; do
+        compgen -G "$folder/icd.d/$1" || true
+    done
+}
+
+# A driver that needs a GPU is no adapter on a machine without one; lavapipe always is.
+has_vulkan_adapter() {
+    [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] && return 0
+    [ -n "$(manifests 'lvp_icd*.json')" ] && return 0
+    [ -n "$(manifests '*.json')" ] || return 1
+    compgen -G '/dev/dri/renderD*' >/dev/null || [ -e /dev/nvidiactl ] || [ -e /dev/dxg ]
+}
+
+setup_debian() {
+    local missing=()
+    heading "C toolchain"
+    if has cc && has c++; then
+        echo "present: $(command -v cc)"
+    else
+        missing+=(build-essential)
+        echo "missing: build-essential"
+    fi
+
+    heading "Vulkan"
+    if has_vulkan_loader; then
+        echo "present: the loader"
+    else
+        missing+=(libvulkan1)
+        echo "missing: libvulkan1"
+    fi
+    if has_vulkan_adapter; then
+        echo "present: an adapter"
+    else
+        missing+=(mesa-vulkan-drivers)
+        echo "missing: an adapter; mesa-vulkan-drivers renders without a GPU"
+    fi
+
+    if ! has cargo && [ ! -x "$HOME/.cargo/bin/cargo" ] && ! has curl; then
+        missing+=(curl ca-certificates)
+    fi
+    if [ -f "$root/tools/pyproject.toml" ] && ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
+        missing+=(python3 python3-venv)
+        echo "missing: python3-venv"
+    fi
+    if [ "${#missing[@]}" -gt 0 ]; then
+        heading "Installing ${missing[*]}"
+        apt_install "${missing[@]}"
+    fi
+}
+
+# Elsewhere nothing is installed: what is missing is named.
+check_elsewhere() {
+    heading "System"
+    local missing=()
+    has cc || missing+=("a C compiler (cc)")
+    case "$(uname -s)" in
+        Linux)
+            has_vulkan_loader || missing+=("the Vulkan loader (libvulkan.so.1)")
+            has_vulkan_adapter || missing+=("a Vulkan driver (without a GPU: Mesa's lavapipe)")
+            ;;
+    esac
+    if [ "${#missing[@]}" -gt 0 ]; then
+        printf 'setup: please install: %s\n' "${missing[@]}" >&2
+        exit 1
+    fi
+    echo "present: what the build needs"
+}
+
+# True when version $1 is at least version $2.
+at_least() { [ "$(printf '%s\n%s\n' "$2" "$1" | sort -V | head -n 1)" = "$2" ]; }
+
+setup_rust() {
+    heading "Rust"
+    export PATH="$HOME/.cargo/bin:$PATH"
+    if ! has cargo; then
+        has curl || fail "needs curl to install Rust from https://rustup.rs"
+        echo "missing: cargo; installing the stable toolchain for this user with rustup"
+        curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs |
+            sh -s -- -y --profile minimal --component rustfmt,clippy --no-modify-path
+    fi
+    local version
+    version="$(cd "$root" && rustc --version | cut -d ' ' -f 2)"
+    if ! at_least "$version" "$min_rust"; then
+        has rustup || fail "Rust $version is older than $min_rust; update it"
+        echo "Rust $version is older than $min_rust; updating the stable toolchain"
+        rustup toolchain install stable --profile minimal --component rustfmt --component clippy
+        rustup default stable
+        version="$(rustc --version | cut -d ' ' -f 2)"
+        at_least "$version" "$min_rust" || fail "Rust $version is still older than $min_rust"
+    fi
+    if ! { cargo fmt --version && cargo clippy --version; } >/dev/null 2>&1; then
+        has rustup || fail "install rustfmt and clippy for Rust $version"
+        rustup component add rustfmt clippy
+    fi
+    echo "present: Rust $version"
+}
+
+setup_python() {
+    [ -f "$root/tools/pyproject.toml" ] || return 0
+    heading "Python tools"
+    local stamp="$root/.venv/.reflet-tools"
+    if [ -x "$root/.venv/bin/python" ] && [ "$stamp" -nt "$root/tools/pyproject.toml" ]; then
+        echo "present: .venv"
+        return 0
+    fi
+    has python3 || fail "needs python3"
+    [ -x "$root/.venv/bin/python" ] || python3 -m venv "$root/.venv"
+    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --editable "$root/tools[dev]"
+    touch "$stamp"
+    echo "ready: .venv"
+}
+
+if has apt-get; then
+    setup_debian
+else
+    check_elsewhere
+fi
+setup_rust
+setup_python
