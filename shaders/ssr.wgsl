@@ -68,7 +68,8 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
 
 struct Probe {
     behind: bool,
-    by_m: f32,
+    by_m: f32, // negative in front
+    scene_m: f32, // stored view depth
     pixel: vec2u,
     stored: vec3f,
 }
@@ -80,12 +81,34 @@ fn probe(r: ScreenRay, s: f32, origin: Surface) -> Probe {
     var p: Probe;
     let at = r.start + r.delta * s;
     p.pixel = vec2u(clamp(at.xy, vec2f(0.0), frame.size - 1.0));
-    let scene_m = textureLoad(view_depth, p.pixel, 0).x;
-    if (scene_m >= FAR) { return p; }
-    p.by_m = frame.near_m / max(at.z, 1e-30) - scene_m;
-    p.stored = position_at(p.pixel, scene_m);
+    p.scene_m = textureLoad(view_depth, p.pixel, 0).x;
+    p.by_m = ray_depth(r, s) - p.scene_m;
+    if (p.scene_m >= FAR) { return p; }
+    p.stored = position_at(p.pixel, p.scene_m);
     let height = dot(p.stored - origin.position, origin.geometric_normal);
-    p.behind = p.by_m > 0.0 && height > scene_m * 2e-4;
+    p.behind = p.by_m > 0.0 && height > p.scene_m * 2e-4;
+    return p;
+}
+
+fn ray_depth(r: ScreenRay, s: f32) -> f32 {
+    return frame.near_m / max(r.start.z + r.delta.z * s, 1e-30);
+}
+
+// Steps back from `behind` at `high` to the crossing: T judges the crossing, not the step's length.
+fn crossing(r: ScreenRay, low_in: f32, high_in: f32, behind: Probe, s0: Surface) -> Probe {
+    var low = low_in;
+    var high = high_in;
+    var p = behind;
+    for (var i = 0; i < 6; i++) {
+        let middle = (low + high) * 0.5;
+        let q = probe(r, middle, s0);
+        if (q.behind) {
+            high = middle;
+            p = q;
+        } else {
+            low = middle;
+        }
+    }
     return p;
 }
 
@@ -115,31 +138,28 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var m: March;
     m.cause = CAUSE_STEPS;
     var before = 0.0;
+    var before_m = FAR; // what was stored at the step before
     for (var k = 1u; k <= params.steps; k++) {
         let x = f32(k);
         let s = min(first_px * (x + x * x / 16.0) / length_px, r.end);
-        var p = probe(r, s, s0);
-        if (p.behind) {
-            // Step back to the crossing first: T judges the crossing, not the length of the step.
-            var low = before;
-            var high = s;
-            for (var i = 0; i < 6; i++) {
-                let middle = (low + high) * 0.5;
-                let q = probe(r, middle, s0);
-                if (q.behind) {
-                    high = middle;
-                    p = q;
-                } else {
-                    low = middle;
-                }
+        let p = probe(r, s, s0);
+        if (p.behind) { return decide(crossing(r, before, s, p, s0), origin, direction); }
+        if (ray_depth(r, s) > before_m) {
+            // The ray went deeper than what it had in front of it one step ago, and that thing is
+            // gone: it may have been met near its edge. Look at every pixel in between.
+            let count = ceil((s - before) * length_px);
+            for (var j = 1.0; j < count; j += 1.0) {
+                let fine = before + (s - before) * j / count;
+                let q = probe(r, fine, s0);
+                if (q.behind) { return decide(crossing(r, before + (s - before) * (j - 1.0) / count, fine, q, s0), origin, direction); }
             }
-            return decide(p, origin, direction);
         }
         if (s >= r.end) {
             m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
             return m;
         }
         before = s;
+        before_m = p.scene_m;
     }
     return m;
 }

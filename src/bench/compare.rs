@@ -265,6 +265,6 @@ pub fn difference_picture(pair: &Pair) -> (u32, Vec<u8>) {
     while gain < 64 && high * (2 * gain) as f32 <= 255.0 {
         gain *= 2;
     }
-    let enlarge = |d: &f32| (d * gain as f32).round().min(255.0) as u8;
+    let enlarge = |d: &f32| (d * gain as f32).round() as u8; // the cast clips at 255
     (gain, differences.iter().map(enlarge).collect())
 }

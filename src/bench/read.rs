@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use exr::prelude::{MetaData, ReadChannels, ReadLayers};
+use exr::prelude::{FlatImage, FlatSamples, MetaData, ReadChannels, ReadLayers};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
@@ -136,55 +136,38 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
     too_large(path, pixels.and_then(|n| n.checked_mul(4)))?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let deep = decoded.color().bytes_per_pixel() / decoded.color().channel_count() > 1;
-    let has_alpha = decoded.color().has_alpha();
-    let rgba: Vec<[f32; 4]> = if deep {
-        let data = decoded.into_rgba16().into_raw();
-        data.as_chunks::<4>()
-            .0
-            .iter()
-            .map(|p| p.map(|v| f32::from(v) / 257.0))
-            .collect()
-    } else {
-        let data = decoded.into_rgba8().into_raw();
-        data.as_chunks::<4>()
-            .0
-            .iter()
-            .map(|p| p.map(f32::from))
-            .collect()
-    };
+    let rgba = rgba_codes(decoded, deep);
+    let clear = rgba.iter().filter(|p| p[3] < 255.0).count();
+    let file = path.display();
     let mut notes = Vec::new();
-    let clear = if has_alpha {
-        rgba.iter().filter(|p| p[3] < 255.0).count()
-    } else {
-        0
-    };
     if clear > 0 {
         notes.push(format!(
-            "{}: {clear} pixels are not opaque; code values were multiplied by alpha (over black)",
-            path.display()
+            "{file}: {clear} pixels are not opaque; code values were multiplied by alpha (over \
+             black)"
         ));
     }
     if deep {
         notes.push(format!(
-            "{}: 16 bits; FLIP sees it rounded to 8, the other metrics do not",
-            path.display()
+            "{file}: 16 bits; FLIP sees it rounded to 8, the other metrics do not"
         ));
     }
-    let over_black = |[r, g, b, a]: &[f32; 4]| {
-        if *a < 255.0 {
-            [r, g, b].map(|v| v * (a / 255.0))
-        } else {
-            [*r, *g, *b]
-        }
-    };
+    let over_black = |[r, g, b, a]: &[f32; 4]| [r, g, b].map(|v| v * (a / 255.0));
     let pixels = rgba.iter().map(over_black).collect();
-    finish(
-        path,
-        [width as usize, height as usize],
-        Encoding::Display,
-        pixels,
-        notes,
-    )
+    let size = [width as usize, height as usize];
+    finish(path, size, Encoding::Display, pixels, notes)
+}
+
+/// Code values from 0 to 255; those of 16 bits keep their fractions.
+fn rgba_codes(decoded: DynamicImage, deep: bool) -> Vec<[f32; 4]> {
+    if deep {
+        let data = decoded.into_rgba16().into_raw();
+        let pixels = data.as_chunks::<4>().0.iter();
+        pixels.map(|p| p.map(|v| f32::from(v) / 257.0)).collect()
+    } else {
+        let data = decoded.into_rgba8().into_raw();
+        let pixels = data.as_chunks::<4>().0.iter();
+        pixels.map(|p| p.map(f32::from)).collect()
+    }
 }
 
 fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
@@ -209,6 +192,27 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
         .map_err(damaged)?;
+    let channels = named_channels(path, &image)?;
+    let chosen = choose_channels(&channels).map_err(|message| {
+        let help = "write a file with the channels R, G, B or with one gray channel";
+        unreadable(path, message, help)
+    })?;
+    let size = image.attributes.display_window.size;
+    let mut pixels = vec![[0.0; 3]; size.area()];
+    for (c, plane) in chosen.map(|i| channels[i].1).into_iter().enumerate() {
+        for (pixel, value) in pixels.iter_mut().zip(plane.values_as_f32()) {
+            pixel[c] = value;
+        }
+    }
+    let notes = exr_notes(path, &channels);
+    finish(path, [size.0, size.1], Encoding::Linear, pixels, notes)
+}
+
+/// All channels as `layer.channel`, or `channel` in a layer without a name.
+fn named_channels<'a>(
+    path: &Path,
+    image: &'a FlatImage,
+) -> Result<Vec<(String, &'a FlatSamples)>, Box<Diagnostic>> {
     let window = image.attributes.display_window;
     let mut channels = Vec::new();
     for layer in &image.layer_data {
@@ -228,28 +232,7 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
             channels.push((name, &channel.sample_data));
         }
     }
-    let chosen = choose_channels(&channels).map_err(|message| {
-        unreadable(
-            path,
-            message,
-            "write a file with the channels R, G, B or with one gray channel",
-        )
-    })?;
-    let planes = chosen.map(|i| channels[i].1);
-    let mut pixels = vec![[0.0; 3]; window.size.area()];
-    for (c, plane) in planes.into_iter().enumerate() {
-        for (pixel, value) in pixels.iter_mut().zip(plane.values_as_f32()) {
-            pixel[c] = value;
-        }
-    }
-    let size = [window.size.0, window.size.1];
-    finish(
-        path,
-        size,
-        Encoding::Linear,
-        pixels,
-        exr_notes(path, &channels),
-    )
+    Ok(channels)
 }
 
 fn exr_notes<T>(path: &Path, channels: &[(String, T)]) -> Vec<String> {

@@ -1,8 +1,11 @@
 //! Masks: which pixels count, how they are eroded, and why they matter.
 
-use reflet::bench::{metric::mask::Mask, picture::PictureError};
+use reflet::bench::{
+    metric::mask::Mask,
+    picture::{Encoding, PictureError},
+};
 
-use crate::generate::{Random, generated, picture, scores};
+use crate::generate::{Random, flat, generated, picture, scores};
 
 #[test]
 fn background_hides_a_wrong_reflection() {
@@ -95,6 +98,14 @@ fn a_weight_must_exceed_one_level() {
     let weights = [0.0, 1.0 / 255.0, 1.001 / 255.0, 1.0, -1.0, 5.0];
     let mask = Mask::from_weights(3, 2, &weights).expect("finite");
     assert_eq!(mask.inside(), [false, false, true, true, false, true]);
+}
+
+#[test]
+fn mask_pictures_hold_weights_as_data() {
+    let weights = |encoding, color| flat(1, 1, encoding, color).weights()[0];
+    assert_eq!(weights(Encoding::Display, [255.0, 0.0, 3.0]), 1.0);
+    assert_eq!(weights(Encoding::Display, [1.0, 1.0, 1.0]), 1.0 / 255.0);
+    assert_eq!(weights(Encoding::Linear, [0.25, 0.5, 0.125]), 0.5);
 }
 
 #[test]
