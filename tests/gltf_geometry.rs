@@ -344,18 +344,3 @@ fn second_texture_coordinates_stay_only_where_used() {
         Some(1)
     );
 }
-
-#[test]
-fn skins_morphs_and_animations_are_named() {
-    let mut doc = Doc::triangle();
-    doc.json["skins"] = json!([{"joints": [0]}]);
-    doc.json["nodes"][0]["skin"] = 0.into();
-    doc.primitive("targets", json!([{"POSITION": 0}]));
-    doc.json["animations"] = json!([{"channels": [], "samplers": []}]);
-    let world = doc.world();
-    assert_eq!(world.instances.len(), 1);
-    assert_eq!(
-        warnings(&world),
-        ["animation-ignored", "morph-rest-pose", "skin-rest-pose"]
-    );
-}

@@ -10,7 +10,6 @@ use std::{
 };
 
 use glam::{Affine3A, Vec3};
-use rayon::prelude::*;
 
 use super::{Light, Material, Mesh};
 use crate::scene::{
@@ -19,16 +18,21 @@ use crate::scene::{
 };
 
 mod accessor;
+mod buffer;
 mod camera;
 mod container;
 mod extension;
 mod gather;
+mod geometry;
 mod light;
 mod material;
 mod node;
 mod primitive;
+mod reference;
 pub(super) mod repair;
 mod schema;
+mod skin;
+mod transform;
 pub(super) mod uri;
 
 pub use container::Bytes;
@@ -166,7 +170,7 @@ impl Notes {
 }
 
 /// Most bytes that one file's geometry may decode to.
-const GEOMETRY_BUDGET_BYTES: u64 = 4 << 30;
+const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
 /// Most errors that are listed for one file.
 const MAX_ERRORS: usize = 20;
@@ -202,100 +206,15 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
         "animation 0",
     );
 
-    let buffers = read_buffers(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
+    let buffers = buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
-    check_references(&root).map_err(one)?;
+    reference::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     let visit = node::walk(&root, &data, &mut notes).map_err(one)?;
-    let primitives = read_meshes(&root, &data, &visit, &mut model, &mut notes)?;
-    node::place(visit, &primitives, &mut model);
+    let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
+    node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = notes.into_warnings(path);
     Ok(model)
-}
-
-/// Dangling indices are errors even where nothing shows them: the file is damaged.
-fn check_references(root: &schema::Root) -> Result<(), Fault> {
-    let check =
-        |kind: &str, index: Option<usize>, count: usize, place: &dyn Fn() -> String| match index
-            .filter(|&i| i >= count)
-        {
-            Some(i) => {
-                Err(Fault::new("gltf-index", format!("{kind} {i} does not exist")).at(&place()))
-            }
-            None => Ok(()),
-        };
-    for (m, mesh) in root.meshes.iter().enumerate() {
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let place = || format!("{} primitive {p}", label("mesh", m, mesh.name.as_deref()));
-            for index in primitive
-                .attributes
-                .values()
-                .copied()
-                .chain(primitive.indices)
-            {
-                check("accessor", Some(index), root.accessors.len(), &place)?;
-            }
-            check("material", primitive.material, root.materials.len(), &place)?;
-        }
-    }
-    for (t, texture) in root.textures.iter().enumerate() {
-        let place = || format!("texture {t}");
-        check("image", texture.source, root.images.len(), &place)?;
-        check("sampler", texture.sampler, root.samplers.len(), &place)?;
-    }
-    for (i, image) in root.images.iter().enumerate() {
-        let place = || label("image", i, image.name.as_deref());
-        check(
-            "bufferView",
-            image.buffer_view,
-            root.buffer_views.len(),
-            &place,
-        )?;
-    }
-    Ok(())
-}
-
-/// The data of every buffer that says where it is.
-fn read_buffers(
-    root: &schema::Root,
-    mut binary: Option<Bytes>,
-    folder: &Path,
-    sandbox: &Sandbox,
-    files: &mut Vec<PathBuf>,
-) -> Result<Vec<Option<Bytes>>, Fault> {
-    let mut read = |i: usize, buffer: &schema::Buffer| -> Result<Option<Bytes>, Fault> {
-        let bytes = match &buffer.uri {
-            None if i == 0 => binary.take(),
-            None => None,
-            Some(uri) => match uri::parse(uri)? {
-                uri::Target::Data(bytes) => Some(Bytes::new(bytes)),
-                uri::Target::Relative(name) => {
-                    let path = sandbox.resolve(folder, &name)?;
-                    let bytes = sandbox
-                        .read(&path)
-                        .map_err(|f| f.at(&format!("\"{name}\"")))?;
-                    files.push(path);
-                    Some(Bytes::new(bytes))
-                }
-            },
-        };
-        match &bytes {
-            Some(bytes) if (bytes.len() as u64) < buffer.byte_length => Err(Fault::new(
-                "buffer-short",
-                format!(
-                    "byteLength is {}, only {} bytes are there",
-                    buffer.byte_length,
-                    bytes.len()
-                ),
-            )),
-            _ => Ok(bytes),
-        }
-    };
-    let mut buffers = Vec::with_capacity(root.buffers.len());
-    for (i, buffer) in root.buffers.iter().enumerate() {
-        buffers.push(read(i, buffer).map_err(|f| f.at(&format!("buffer {i}")))?);
-    }
-    Ok(buffers)
 }
 
 /// `mesh 3 "wall"`, for messages.
@@ -303,63 +222,6 @@ fn label(kind: &str, index: usize, name: Option<&str>) -> String {
     match name {
         Some(name) => format!("{kind} {index} \"{}\"", uri::shorten(name)),
         None => format!("{kind} {index}"),
-    }
-}
-
-/// Per file mesh: which model mesh and material its shown primitives became.
-type Primitives = Vec<Vec<(usize, usize)>>;
-
-/// Converts, on all cores, the primitives of the meshes that some node places.
-fn read_meshes(
-    root: &schema::Root,
-    data: &accessor::Data<'_>,
-    visit: &node::Visit,
-    model: &mut Model,
-    notes: &mut Notes,
-) -> Result<Primitives, Vec<Fault>> {
-    let mut placed = vec![false; root.meshes.len()];
-    visit.meshes().for_each(|mesh| placed[mesh] = true);
-    let quantized = root
-        .extensions_used
-        .iter()
-        .any(|e| e == "KHR_mesh_quantization");
-    let jobs: Vec<_> = (root.meshes.iter().enumerate().filter(|(m, _)| placed[*m]))
-        .flat_map(|(m, mesh)| {
-            mesh.primitives
-                .iter()
-                .enumerate()
-                .map(move |(p, x)| (m, p, mesh, x))
-        })
-        .collect();
-    let results: Vec<_> = (jobs.par_iter())
-        .map(|(m, p, mesh, primitive)| {
-            let place = format!("{} primitive {p}", label("mesh", *m, mesh.name.as_deref()));
-            let mut notes = Notes::default();
-            let built = primitive::build(data, primitive, place.clone(), quantized, &mut notes);
-            built
-                .map(|mesh| (mesh, notes))
-                .map_err(|fault| fault.at(&place))
-        })
-        .collect();
-    let mut primitives: Primitives = vec![Vec::new(); root.meshes.len()];
-    let mut faults = Vec::new();
-    for ((m, _, _, primitive), result) in jobs.into_iter().zip(results) {
-        match result {
-            Ok((mesh, new)) => {
-                notes.merge(new);
-                if let Some(mesh) = mesh {
-                    let material = primitive.material.unwrap_or(root.materials.len());
-                    primitives[m].push((model.meshes.len(), material));
-                    model.meshes.push(mesh);
-                }
-            }
-            Err(fault) => faults.push(fault),
-        }
-    }
-    if faults.is_empty() {
-        Ok(primitives)
-    } else {
-        Err(faults)
     }
 }
 

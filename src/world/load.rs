@@ -247,7 +247,7 @@ impl<'a> Loader<'a> {
             max_file_bytes: self.options.max_file_bytes,
         };
         self.loaded.clear();
-        finish::run(&mut self.world);
+        finish::run(&mut self.world)?;
         let requests = self.textures.take_used(&mut self.world);
         let image_files = requests.iter().filter_map(|r| match &r.source {
             gltf::ImageSource::File(path) => Some(path.clone()),

@@ -32,7 +32,7 @@ pub struct TextureLimits {
 /// An image to decode.
 #[derive(Clone, Debug)]
 pub struct TextureRequest {
-    /// For messages; becomes [`Texture::name`].
+    /// Which image of `file`, for messages.
     pub name: String,
     /// The file to blame.
     pub file: PathBuf,
@@ -264,7 +264,7 @@ fn decode(request: &TextureRequest, limits: &TextureLimits) -> Result<Texture, F
         .into_rgba8();
     let (width, height) = pixels.dimensions();
     Ok(Texture {
-        name: request.name.clone(),
+        name: format!("{}: {}", request.file.display(), request.name),
         width,
         height,
         rgba: pixels.into_raw(),

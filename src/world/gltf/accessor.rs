@@ -10,7 +10,7 @@ use super::{
 };
 
 /// Most elements of an accessor that has no data behind it; nothing else bounds those.
-const MAX_VIRTUAL_ELEMENTS: u64 = 1 << 24;
+const MAX_VIRTUAL_ELEMENTS: u64 = 1 << 22;
 
 /// The document's buffers and what may still be decoded from them.
 pub struct Data<'a> {

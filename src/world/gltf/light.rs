@@ -8,9 +8,15 @@ use crate::{
     world::Light,
 };
 
+/// As scene text's default.
+const DEFAULT_SHADOW_PX: u32 = 1024;
+
+fn fault(text: &str) -> Fault {
+    Fault::new("gltf-light", text)
+}
+
 /// A light at its node; the node's scale changes neither intensity nor range.
 pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Result<Light, Fault> {
-    let fault = |text: &str| Fault::new("gltf-light", text);
     let intensity = light.intensity.unwrap_or(1.0);
     let color = light.color.unwrap_or([1.0; 3]);
     if !(intensity >= 0.0
@@ -34,17 +40,7 @@ pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Res
             intensity_lux: intensity,
         },
         "spot" => {
-            let spot = light.spot.as_ref();
-            let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
-            let outer = spot
-                .and_then(|s| s.outer_cone_angle)
-                .unwrap_or(std::f32::consts::FRAC_PI_4);
-            // The extension allows a half sphere; scene text ends just below it.
-            let (inner_deg, outer_deg) = (inner.to_degrees(), outer.to_degrees().min(89.9));
-            if !(inner_deg >= 0.0 && inner < outer && outer_deg.is_finite() && outer <= 1.571) {
-                return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
-            }
-            let inner_deg = inner_deg.min(outer_deg);
+            let [inner_deg, outer_deg] = cone_deg(light)?;
             LightKind::Spot {
                 position,
                 direction,
@@ -59,15 +55,29 @@ pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Res
     if range_m.is_some_and(|r| r <= 0.0) {
         return Err(fault("range must be above 0"));
     }
-    let defaults = (ShadowMode::default(), 1024);
     Ok(Light {
         name: name.to_owned(),
         desc: LightDesc {
             kind,
             color: Vec3::from_array(color),
-            shadow: defaults.0,
-            shadow_px: defaults.1,
+            shadow: ShadowMode::default(),
+            shadow_px: DEFAULT_SHADOW_PX,
         },
         range_m,
     })
+}
+
+/// Inner and outer half angle of a spot light.
+fn cone_deg(light: &schema::Light) -> Result<[f32; 2], Fault> {
+    let spot = light.spot.as_ref();
+    let inner = spot.and_then(|s| s.inner_cone_angle).unwrap_or(0.0);
+    let outer = spot.and_then(|s| s.outer_cone_angle);
+    let outer = outer.unwrap_or(std::f32::consts::FRAC_PI_4);
+    // A little more than π/2, as files round it.
+    if !(0.0 <= inner && inner < outer && outer <= 1.571) {
+        return Err(fault("cone angles must be 0 ≤ inner < outer ≤ π/2"));
+    }
+    // The extension allows a half sphere; scene text ends just below it.
+    let outer_deg = outer.to_degrees().min(89.9);
+    Ok([inner.to_degrees().min(outer_deg), outer_deg])
 }

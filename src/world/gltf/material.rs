@@ -43,7 +43,7 @@ pub fn read(
             .unwrap_or_else(|| format!("material {i}"));
         model.materials.push(Material { name, ..read });
     }
-    // glTF's default material is a white metal-free… metal: metallic 1, roughness 1.
+    // Primitives without a material get glTF's defaults: white, metallic 1, roughness 1.
     let default = convert(&schema::Material::default(), "", &mut textures, notes)?;
     model.materials.push(Material {
         name: "default".into(),
@@ -59,53 +59,19 @@ fn convert(
     textures: &mut Textures<'_>,
     notes: &mut Notes,
 ) -> Result<Material, Fault> {
+    let mut out = factors(material)?;
     let pbr = &material.pbr_metallic_roughness;
-    let base = pbr.base_color_factor.unwrap_or([1.0; 4]);
-    let emission = material.emissive_factor.unwrap_or_default();
-    let metallic = pbr.metallic_factor.unwrap_or(1.0);
-    let roughness = pbr.roughness_factor.unwrap_or(1.0);
-    if !(finite(&base) && finite(&emission) && finite(&[metallic, roughness])) {
-        return Err(Fault::new("gltf-material", "factors must be finite"));
-    }
-    let strength = material.extensions.emissive_strength.as_ref();
-    let strength = strength.and_then(|e| e.emissive_strength).unwrap_or(1.0);
-    if !(strength >= 0.0 && strength.is_finite()) {
-        return Err(Fault::new(
-            "gltf-material",
-            "emissiveStrength must be 0 or more",
-        ));
-    }
     let mut texture = |info: &Option<TextureInfo>, srgb: bool, slot: &str| match info {
-        Some(info) => textures
-            .reference(info, srgb, place, notes)
-            .map_err(|f| f.at(slot)),
+        Some(info) => (textures.reference(info, srgb, place, notes)).map_err(|f| f.at(slot)),
         None => Ok(None),
     };
-    let mut out = Material {
-        base_color: Vec4::from_array(base).clamp(Vec4::ZERO, Vec4::ONE),
-        metallic: metallic.clamp(0.0, 1.0),
-        roughness: roughness.clamp(0.0, 1.0),
-        emission: (Vec3::from_array(emission).max(Vec3::ZERO) * strength).min(Vec3::splat(1e30)),
-        base_color_texture: texture(&pbr.base_color_texture, true, "baseColorTexture")?,
-        metallic_roughness_texture: texture(
-            &pbr.metallic_roughness_texture,
-            false,
-            "metallicRoughnessTexture",
-        )?,
-        normal_texture: texture(&material.normal_texture, false, "normalTexture")?,
-        occlusion_texture: texture(&material.occlusion_texture, false, "occlusionTexture")?,
-        emission_texture: texture(&material.emissive_texture, true, "emissiveTexture")?,
-        double_sided: material.double_sided,
-        ..Material::default()
-    };
-    let number = |info: &Option<TextureInfo>, get: fn(&TextureInfo) -> Option<f32>| {
-        info.as_ref()
-            .and_then(get)
-            .filter(|v| v.is_finite())
-            .unwrap_or(1.0)
-    };
-    out.normal_scale = number(&material.normal_texture, |t| t.scale);
-    out.occlusion_strength = number(&material.occlusion_texture, |t| t.strength).clamp(0.0, 1.0);
+    out.base_color_texture = texture(&pbr.base_color_texture, true, "baseColorTexture")?;
+    let metallic_roughness = &pbr.metallic_roughness_texture;
+    out.metallic_roughness_texture =
+        texture(metallic_roughness, false, "metallicRoughnessTexture")?;
+    out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
+    out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
+    out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
     out.alpha_cutoff = alpha(material, place, notes)?;
     out.reflectivity = reflectivity(&material.extensions, place, notes)?;
     if let Some(gloss) = &material.extensions.specular_glossiness {
@@ -121,6 +87,40 @@ fn convert(
         unlit(&mut out, place, notes);
     }
     Ok(out)
+}
+
+/// The numbers of core glTF and KHR_materials_emissive_strength.
+fn factors(material: &schema::Material) -> Result<Material, Fault> {
+    let fault = |text: &str| Err(Fault::new("gltf-material", text));
+    let pbr = &material.pbr_metallic_roughness;
+    let base = pbr.base_color_factor.unwrap_or([1.0; 4]);
+    let emission = material.emissive_factor.unwrap_or_default();
+    let metallic = pbr.metallic_factor.unwrap_or(1.0);
+    let roughness = pbr.roughness_factor.unwrap_or(1.0);
+    if !(finite(&base) && finite(&emission) && finite(&[metallic, roughness])) {
+        return fault("factors must be finite");
+    }
+    let strength = material.extensions.emissive_strength.as_ref();
+    let strength = strength.and_then(|e| e.emissive_strength).unwrap_or(1.0);
+    if !(strength >= 0.0 && strength.is_finite()) {
+        return fault("emissiveStrength must be 0 or more");
+    }
+    let number = |info: &Option<TextureInfo>, get: fn(&TextureInfo) -> Option<f32>| {
+        let number = info.as_ref().and_then(get);
+        number.filter(|v| v.is_finite()).unwrap_or(1.0)
+    };
+    let occlusion = number(&material.occlusion_texture, |t| t.strength);
+    Ok(Material {
+        base_color: Vec4::from_array(base).clamp(Vec4::ZERO, Vec4::ONE),
+        metallic: metallic.clamp(0.0, 1.0),
+        roughness: roughness.clamp(0.0, 1.0),
+        // The cap keeps products finite.
+        emission: (Vec3::from_array(emission).max(Vec3::ZERO) * strength).min(Vec3::splat(1e30)),
+        normal_scale: number(&material.normal_texture, |t| t.scale),
+        occlusion_strength: occlusion.clamp(0.0, 1.0),
+        double_sided: material.double_sided,
+        ..Material::default()
+    })
 }
 
 fn alpha(
@@ -266,19 +266,12 @@ impl Textures<'_> {
         place: &str,
         notes: &mut Notes,
     ) -> Result<Option<TextureRef>, Fault> {
-        let missing =
-            |kind: &str, i: usize| Fault::new("gltf-index", format!("{kind} {i} does not exist"));
-        let texture = self
-            .root
-            .textures
-            .get(info.index)
-            .ok_or_else(|| missing("texture", info.index))?;
-        let sampler = match texture.sampler {
-            Some(i) => self
-                .root
-                .samplers
-                .get(i)
-                .ok_or_else(|| missing("sampler", i))?,
+        let Some(texture) = self.root.textures.get(info.index) else {
+            return Err(missing("texture", info.index));
+        };
+        let sampler = match texture.sampler.map(|i| (i, self.root.samplers.get(i))) {
+            Some((_, Some(sampler))) => sampler,
+            Some((i, None)) => return Err(missing("sampler", i)),
             None => &schema::Sampler::default(),
         };
         let Some(image) = texture.source else {
@@ -286,43 +279,42 @@ impl Textures<'_> {
             notes.add("texture-unsupported", 1, what, place);
             return Ok(None);
         };
-        let own = self
-            .root
-            .images
-            .get(image)
-            .ok_or_else(|| missing("image", image))?;
         let transform = info.extensions.transform.as_ref();
-        let mut uv_set = transform
-            .and_then(|t| t.tex_coord)
-            .unwrap_or(info.tex_coord);
+        let uv_set = transform.and_then(|t| t.tex_coord);
+        let mut uv_set = uv_set.unwrap_or(info.tex_coord);
         if uv_set > 1 {
-            notes.add(
-                "uv-set-unsupported",
-                1,
-                "textures use TEXCOORD_2 or higher; TEXCOORD_0 is used",
-                place,
-            );
+            let what = "textures use TEXCOORD_2 or higher; TEXCOORD_0 is used";
+            notes.add("uv-set-unsupported", 1, what, place);
             uv_set = 0;
         }
-        let next = self.images.len();
-        let index = *self.uses.entry((image, srgb)).or_insert(next);
-        if index == next {
-            let name = label("image", image, own.name.as_deref());
-            let source = self.source(own).map_err(|f| f.at(&name));
-            self.images.push(ImageUse {
-                name,
-                index: image,
-                srgb,
-                source,
-            });
-        }
         Ok(Some(TextureRef {
-            texture: index,
+            texture: self.image_use(image, srgb)?,
             uv_set,
             transform: rows(transform)?,
             wrap: [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?],
             nearest: sampler.mag_filter == Some(9728),
         }))
+    }
+
+    /// Index of the image in this color space.
+    fn image_use(&mut self, index: usize, srgb: bool) -> Result<usize, Fault> {
+        let Some(image) = self.root.images.get(index) else {
+            return Err(missing("image", index));
+        };
+        let next = self.images.len();
+        let slot = *self.uses.entry((index, srgb)).or_insert(next);
+        if slot == next {
+            let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+            let name = label("image", index, image.name.as_deref().or(uri));
+            let source = self.source(image).map_err(|f| f.at(&name));
+            self.images.push(ImageUse {
+                name,
+                index,
+                srgb,
+                source,
+            });
+        }
+        Ok(slot)
     }
 
     fn source(&self, image: &schema::Image) -> Result<ImageSource, Fault> {
@@ -342,6 +334,10 @@ impl Textures<'_> {
             },
         }
     }
+}
+
+fn missing(kind: &str, index: usize) -> Fault {
+    Fault::new("gltf-index", format!("{kind} {index} does not exist"))
 }
 
 fn wrap(code: Option<u32>) -> Result<Wrap, Fault> {

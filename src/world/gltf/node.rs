@@ -1,13 +1,16 @@
 //! The node tree: checked to be a tree, walked with an explicit stack, flattened into placements,
 //! lights and cameras.
 
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::Affine3A;
 
 use super::{
-    Fault, Model, Notes, Placement, Primitives,
-    accessor::{self, Data},
-    camera, finite, label, light,
-    schema::{Instancing, Node, Root},
+    Fault, Model, Notes, Placement,
+    accessor::Data,
+    camera,
+    geometry::{MeshUse, Primitives},
+    label, light,
+    schema::{Node, Root},
+    transform,
     uri::shorten,
 };
 use crate::{scene::desc::CameraDesc, world::Light};
@@ -21,15 +24,27 @@ const MAX_PLACEMENTS: usize = 1 << 20;
 /// What the walk found.
 #[derive(Default)]
 pub struct Visit {
-    meshes: Vec<(usize, String, Affine3A)>,
+    meshes: Vec<Placed>,
     lights: Vec<Light>,
     cameras: Vec<(String, CameraDesc)>,
+    model_from_node: Vec<Option<Affine3A>>,
+}
+
+struct Placed {
+    mesh: MeshUse,
+    name: String,
+    model_from_object: Affine3A,
 }
 
 impl Visit {
-    /// Every placed mesh, perhaps several times.
-    pub fn meshes(&self) -> impl Iterator<Item = usize> {
-        self.meshes.iter().map(|(mesh, ..)| *mesh)
+    /// Every placed mesh with its skin, perhaps several times.
+    pub fn mesh_uses(&self) -> impl Iterator<Item = MeshUse> {
+        self.meshes.iter().map(|placed| placed.mesh)
+    }
+
+    /// Where a node of the scene stands.
+    pub fn model_from_node(&self, node: usize) -> Option<Affine3A> {
+        self.model_from_node.get(node).copied().flatten()
     }
 }
 
@@ -52,59 +67,64 @@ pub fn walk(root: &Root, data: &Data<'_>, notes: &mut Notes) -> Result<Visit, Fa
             .filter(|&i| parents[i].is_none())
             .collect(),
     };
-    let mut seen = vec![false; root.nodes.len()];
-    for &i in &roots {
-        match parents.get(i) {
-            None => return Err(fault(format!("node {i} does not exist"))),
-            Some(Some(p)) => {
-                return Err(fault(format!(
-                    "node {i} is a scene's root and a child of node {p}"
-                )));
-            }
-            Some(None) if std::mem::replace(&mut seen[i], true) => {
-                return Err(fault(format!("node {i} stands twice in the scene")));
-            }
-            Some(None) => {}
-        }
-    }
-    let mut visit = Visit::default();
-    let mut stack: Vec<_> = roots
-        .iter()
-        .rev()
-        .map(|&i| (i, Affine3A::IDENTITY, String::new(), 1))
-        .collect();
+    check_roots(&roots, &parents)?;
+    let mut visit = Visit {
+        model_from_node: vec![None; root.nodes.len()],
+        ..Visit::default()
+    };
+    let start = |&i: &usize| (i, Affine3A::IDENTITY, String::new(), 1);
+    let mut stack: Vec<_> = roots.iter().rev().map(start).collect();
     while let Some((i, parent, path, depth)) = stack.pop() {
         let node = &root.nodes[i]; // roots and children were checked above
         let place = label("node", i, node.name.as_deref());
         if depth > MAX_DEPTH {
             return Err(fault(format!("{place}: deeper than {MAX_DEPTH} levels")));
         }
-        if node
-            .extensions
-            .visibility
-            .as_ref()
-            .is_some_and(|v| !v.visible)
-        {
+        if (node.extensions.visibility.as_ref()).is_some_and(|v| !v.visible) {
             continue;
         }
-        let model_from_node = parent * transform(node).map_err(|f| f.at(&place))?;
+        let own = transform::of_node(node).map_err(|f| f.at(&place))?;
+        let model_from_node = parent * own;
+        visit.model_from_node[i] = Some(model_from_node);
         let name = node.name.as_deref().filter(|n| !n.is_empty());
-        let own = name.map_or_else(|| format!("node {i}"), shorten);
-        let path = if path.is_empty() {
-            own
-        } else {
-            format!("{path}/{own}")
+        let name = name.map_or_else(|| format!("node {i}"), shorten);
+        let path = match path.as_str() {
+            "" => name,
+            path => format!("{path}/{name}"),
         };
-        collect(root, data, node, &path, model_from_node, &mut visit, notes)
+        let mut found = Found {
+            root,
+            node,
+            path: &path,
+            model_from_node,
+            visit: &mut visit,
+            notes,
+        };
+        (found.mesh(data))
+            .and_then(|()| found.light())
+            .and_then(|()| found.camera())
             .map_err(|f| f.at(&place))?;
-        stack.extend(
-            node.children
-                .iter()
-                .rev()
-                .map(|&c| (c, model_from_node, path.clone(), depth + 1)),
-        );
+        let children = node.children.iter().rev();
+        stack.extend(children.map(|&c| (c, model_from_node, path.clone(), depth + 1)));
     }
     Ok(visit)
+}
+
+fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> {
+    let mut seen = vec![false; parents.len()];
+    for &i in roots {
+        let text = match parents.get(i) {
+            None => format!("node {i} does not exist"),
+            Some(Some(p)) => format!("node {i} is a scene's root and a child of node {p}"),
+            Some(None) if seen[i] => format!("node {i} stands twice in the scene"),
+            Some(None) => {
+                seen[i] = true;
+                continue;
+            }
+        };
+        return Err(fault(text));
+    }
+    Ok(())
 }
 
 /// The parent of every node.
@@ -139,179 +159,104 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
     }
 }
 
-fn transform(node: &Node) -> Result<Affine3A, Fault> {
-    if let Some(matrix) = &node.matrix {
-        let m = Mat4::from_cols_array(matrix);
-        let last_row = m.row(3) - glam::Vec4::W;
-        if !finite(matrix) || last_row.abs().max_element() > 1e-4 {
-            return Err(fault("matrix must be finite with the last row 0 0 0 1"));
-        }
-        return Ok(Affine3A::from_mat4(m));
-    }
-    let translation = node.translation.unwrap_or_default();
-    let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let scale = node.scale.unwrap_or([1.0; 3]);
-    compose(translation, rotation, scale)
-}
-
-fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Result<Affine3A, Fault> {
-    let rotation = glam::Vec4::from_array(rotation).as_dvec4().try_normalize();
-    let Some(rotation) = rotation.filter(|_| finite(&translation) && finite(&scale)) else {
-        return Err(fault(
-            "translation, rotation and scale must be finite, the rotation not zero",
-        ));
-    };
-    Ok(Affine3A::from_scale_rotation_translation(
-        Vec3::from_array(scale),
-        Quat::from_vec4(rotation.as_vec4()),
-        Vec3::from_array(translation),
-    ))
-}
-
-/// What one node shows.
-fn collect(
-    root: &Root,
-    data: &Data<'_>,
-    node: &Node,
-    path: &str,
+/// A node with what is needed to keep what it shows.
+struct Found<'a> {
+    root: &'a Root,
+    node: &'a Node,
+    path: &'a str,
     model_from_node: Affine3A,
-    visit: &mut Visit,
-    notes: &mut Notes,
-) -> Result<(), Fault> {
-    if let Some(mesh) = node.mesh {
-        if mesh >= root.meshes.len() {
+    visit: &'a mut Visit,
+    notes: &'a mut Notes,
+}
+
+impl Found<'_> {
+    fn mesh(&mut self, data: &Data<'_>) -> Result<(), Fault> {
+        let Some(mesh) = self.node.mesh else {
+            return Ok(());
+        };
+        if mesh >= self.root.meshes.len() {
             return Err(fault(format!("mesh {mesh} does not exist")));
         }
-        if node.skin.is_some() {
-            notes.add(
-                "skin-rest-pose",
-                1,
-                "skinned meshes are shown as modeled, unposed",
-                path,
-            );
-        }
-        let copies = match &node.extensions.instancing {
-            Some(instancing) => copies(data, instancing)?,
-            None => vec![Affine3A::IDENTITY],
+        let mut placed = Placed {
+            mesh: (mesh, self.node.skin),
+            name: self.path.to_owned(),
+            model_from_object: self.model_from_node,
         };
-        if visit.meshes.len() + copies.len() > MAX_PLACEMENTS {
-            return Err(Fault::new(
-                "instances-too-many",
-                format!("more than {MAX_PLACEMENTS} placements"),
-            ));
+        if self.node.skin.is_some() {
+            let what = "skinned meshes stand still in the pose of the file's nodes";
+            self.notes.add("skin-rest-pose", 1, what, self.path);
+            // The joints alone place a skinned mesh, as the specification says.
+            placed.model_from_object = Affine3A::IDENTITY;
+        } else if let Some(instancing) = &self.node.extensions.instancing {
+            let copies = transform::of_copies(data, instancing, MAX_PLACEMENTS)?;
+            if self.visit.meshes.len() + copies.len() > MAX_PLACEMENTS {
+                return Err(too_many());
+            }
+            let copies = copies.into_iter().enumerate().map(|(k, copy)| Placed {
+                mesh: placed.mesh,
+                name: format!("{}[{k}]", self.path),
+                model_from_object: self.model_from_node * copy,
+            });
+            self.visit.meshes.extend(copies);
+            return Ok(());
         }
-        let many = node.extensions.instancing.is_some();
-        for (k, copy) in copies.into_iter().enumerate() {
-            let name = if many {
-                format!("{path}[{k}]")
-            } else {
-                path.to_owned()
-            };
-            visit.meshes.push((mesh, name, model_from_node * copy));
-        }
+        self.visit.meshes.push(placed);
+        Ok(())
     }
-    if let Some(used) = &node.extensions.light {
-        let lights = root
-            .extensions
-            .lights
-            .as_ref()
-            .map_or(&[][..], |l| &l.lights);
-        let light = lights.get(used.light);
+
+    fn light(&mut self) -> Result<(), Fault> {
+        let Some(used) = &self.node.extensions.light else {
+            return Ok(());
+        };
+        let lights = self.root.extensions.lights.as_ref();
+        let light = lights.and_then(|l| l.lights.get(used.light));
         let light = light.ok_or_else(|| fault(format!("light {} does not exist", used.light)))?;
         let place = label("light", used.light, light.name.as_deref());
-        visit
-            .lights
-            .push(light::read(light, path, model_from_node).map_err(|f| f.at(&place))?);
+        let light = light::read(light, self.path, self.model_from_node);
+        self.visit.lights.push(light.map_err(|f| f.at(&place))?);
+        Ok(())
     }
-    if let Some(i) = node.camera {
-        let camera = root
-            .cameras
-            .get(i)
-            .ok_or_else(|| fault(format!("camera {i} does not exist")))?;
-        let name = camera.name.as_deref().or(node.name.as_deref());
+
+    fn camera(&mut self) -> Result<(), Fault> {
+        let Some(i) = self.node.camera else {
+            return Ok(());
+        };
+        let camera = self.root.cameras.get(i);
+        let camera = camera.ok_or_else(|| fault(format!("camera {i} does not exist")))?;
+        let name = camera.name.as_deref().or(self.node.name.as_deref());
         let name = name.map_or_else(|| format!("camera {i}"), shorten);
-        match &camera.perspective {
-            Some(lens) => visit
-                .cameras
-                .push((name, camera::read(lens, model_from_node, notes, path)?)),
-            None => notes.add(
-                "camera-orthographic",
-                1,
-                "orthographic cameras are left out",
-                path,
-            ),
+        if let Some(lens) = &camera.perspective {
+            let camera = camera::read(lens, self.model_from_node, self.notes, self.path)?;
+            self.visit.cameras.push((name, camera));
+        } else {
+            let what = "orthographic cameras are left out";
+            self.notes.add("camera-orthographic", 1, what, self.path);
         }
+        Ok(())
     }
-    Ok(())
 }
 
-/// EXT_mesh_gpu_instancing: one transform for each element of its attributes.
-fn copies(data: &Data<'_>, instancing: &Instancing) -> Result<Vec<Affine3A>, Fault> {
-    let find = |name: &str| instancing.attributes.get(name).copied();
-    let float = accessor::float_only;
-    let translations = find("TRANSLATION")
-        .map(|i| data.floats::<3>(i, float))
-        .transpose()?;
-    let rotations = find("ROTATION")
-        .map(|i| data.floats::<4>(i, accessor::float_or_signed))
-        .transpose()?;
-    let scales = find("SCALE")
-        .map(|i| data.floats::<3>(i, float))
-        .transpose()?;
-    let counts = [
-        translations.as_ref().map(Vec::len),
-        rotations.as_ref().map(Vec::len),
-        scales.as_ref().map(Vec::len),
-    ];
-    let mut counts = counts.into_iter().flatten();
-    // Only custom attributes: their number still says how many copies there are.
-    let any = || {
-        instancing
-            .attributes
-            .values()
-            .next()
-            .map(|&i| data.count(i))
-            .transpose()
-    };
-    let count = match counts.next() {
-        Some(count) => count,
-        None => any()?.ok_or_else(|| fault("EXT_mesh_gpu_instancing has no attributes"))?,
-    };
-    if counts.any(|other| other != count) {
-        return Err(fault(
-            "EXT_mesh_gpu_instancing: its attributes differ in count",
-        ));
-    }
-    if count > MAX_PLACEMENTS {
-        return Err(Fault::new(
-            "instances-too-many",
-            format!("{count} instances, at most {MAX_PLACEMENTS}"),
-        ));
-    }
-    let copy = |k: usize| {
-        compose(
-            translations.as_ref().map_or([0.0; 3], |v| v[k]),
-            rotations.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |v| v[k]),
-            scales.as_ref().map_or([1.0; 3], |v| v[k]),
-        )
-        .map_err(|f| f.at(&format!("EXT_mesh_gpu_instancing {k}")))
-    };
-    (0..count).map(copy).collect()
+fn too_many() -> Fault {
+    let text = format!("more than {MAX_PLACEMENTS} placements");
+    Fault::new("instances-too-many", text)
 }
 
 /// Turns the walk into the model's placements, one for each shown primitive.
-pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) {
-    for (mesh, name, model_from_object) in visit.meshes {
-        for &(mesh, material) in &primitives[mesh] {
-            let name = name.clone();
-            model.placements.push(Placement {
-                name,
-                mesh,
-                material,
-                model_from_object,
-            });
+pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) -> Result<(), Fault> {
+    for placed in visit.meshes {
+        let shown = primitives.get(&placed.mesh).map_or(&[][..], Vec::as_slice);
+        if model.placements.len() + shown.len() > MAX_PLACEMENTS {
+            return Err(too_many());
         }
+        let one = |&(mesh, material): &(usize, usize)| Placement {
+            name: placed.name.clone(),
+            mesh,
+            material,
+            model_from_object: placed.model_from_object,
+        };
+        model.placements.extend(shown.iter().map(one));
     }
     model.lights = visit.lights;
     model.cameras = visit.cameras;
+    Ok(())
 }

@@ -1,112 +1,122 @@
 //! One glTF primitive becomes one [`Mesh`]: attributes checked against each other, strips and fans
 //! cut into triangles, broken geometry repaired or dropped with a note.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use super::{
     Fault, Notes,
     accessor::{self, Data},
     repair,
     schema::Primitive,
+    skin,
 };
 use crate::world::Mesh;
+
+/// A primitive and what its reading depends on.
+pub struct Context<'a> {
+    /// Its document's accessors.
+    pub data: &'a Data<'a>,
+    /// The primitive.
+    pub primitive: &'a Primitive,
+    /// Whether KHR_mesh_quantization is in use.
+    pub quantized: bool,
+    /// For skinned meshes: model from bind pose, for each joint.
+    pub pose: Option<&'a [Affine3A]>,
+}
+
+impl Context<'_> {
+    /// The accessor of an attribute, which must have `count` elements.
+    pub fn attribute(&self, name: &str, count: usize) -> Result<Option<usize>, Fault> {
+        let Some(&index) = self.primitive.attributes.get(name) else {
+            return Ok(None);
+        };
+        let own = self.data.count(index).map_err(|f| f.at(name))?;
+        if own != count {
+            let text = format!("{name} has {own} elements, POSITION has {count}");
+            return Err(Fault::new("gltf-attribute", text));
+        }
+        Ok(Some(index))
+    }
+}
 
 /// Reads a primitive; `None` where it has nothing to show (points, lines, no positions).
 ///
 /// # Errors
 /// Accessors of wrong type or count, indices out of range, an unknown mode.
 pub fn build(
-    data: &Data<'_>,
-    primitive: &Primitive,
+    context: &Context<'_>,
     name: String,
-    quantized: bool,
     notes: &mut Notes,
 ) -> Result<Option<Mesh>, Fault> {
-    let mode = primitive.mode.unwrap_or(4);
-    match mode {
-        0 => notes.add(
-            "points-skipped",
-            1,
-            "primitives of points are not shown",
-            &name,
-        ),
-        1..=3 => notes.add(
-            "lines-skipped",
-            1,
-            "primitives of lines are not shown",
-            &name,
-        ),
-        4..=6 => {}
-        _ => {
-            return Err(Fault::new(
-                "gltf-mode",
-                format!("mode {mode} is unknown, expected 0 to 6"),
-            ));
-        }
-    }
-    let Some(&position) = primitive.attributes.get("POSITION") else {
-        notes.add(
-            "positions-missing",
-            1,
-            "primitives without POSITION are not shown",
-            &name,
-        );
+    let (data, primitive) = (context.data, context.primitive);
+    let Some((position, mode)) = shown(primitive, &name, notes)? else {
         return Ok(None);
     };
-    if mode < 4 {
-        return Ok(None);
-    }
-    if !primitive.targets.is_empty() {
-        notes.add(
-            "morph-rest-pose",
-            1,
-            "primitives with morph targets are shown unmorphed",
-            &name,
-        );
-    }
+    let accept = match context.quantized {
+        true => accessor::any_but_u32,
+        false => accessor::float_only,
+    };
+    let positions = data.floats::<3>(position, accept);
     let mut mesh = Mesh {
         name,
-        positions: vectors(
-            data.floats::<3>(
-                position,
-                if quantized {
-                    accessor::any_but_u32
-                } else {
-                    accessor::float_only
-                },
-            ),
-            "POSITION",
-            Vec3::from_array,
-        )?,
+        positions: vectors(positions, "POSITION", Vec3::from_array)?,
         ..Mesh::default()
     };
-    read_attributes(data, primitive, quantized, &mut mesh)?;
+    read_attributes(context, &mut mesh)?;
+    if let Some(pose) = context.pose {
+        skin::apply(context, pose, &mut mesh)?;
+    }
     let corners = match primitive.indices {
         Some(index) => indices(data, index, mesh.positions.len())?,
-        None => {
-            (0..u32::try_from(mesh.positions.len()).map_err(|_| too_many_vertices())?).collect()
-        }
+        None => (0..vertex_count(&mesh)?).collect(),
     };
     mesh.triangles = triangles(mode, &corners);
     drop(corners);
     repair::run(&mut mesh, notes);
     if mesh.triangles.is_empty() {
-        notes.add(
-            "mesh-empty",
-            1,
-            "primitives have no triangle to show",
-            &mesh.name,
-        );
+        let what = "primitives have no triangle to show";
+        notes.add("mesh-empty", 1, what, &mesh.name);
         return Ok(None);
     }
     Ok(Some(mesh))
 }
 
-fn too_many_vertices() -> Fault {
-    Fault::new(
-        "geometry-too-large",
-        "more than 2³² vertices in one primitive",
-    )
+/// The accessor of the positions and the mode, if the primitive has triangles; notes why not.
+fn shown(
+    primitive: &Primitive,
+    name: &str,
+    notes: &mut Notes,
+) -> Result<Option<(usize, u32)>, Fault> {
+    let mode = primitive.mode.unwrap_or(4);
+    let mut note = |kind, what| notes.add(kind, 1, what, name);
+    let position = primitive.attributes.get("POSITION").copied();
+    match mode {
+        0 => note("points-skipped", "primitives of points are not shown"),
+        1..=3 => note("lines-skipped", "primitives of lines are not shown"),
+        4..=6 if position.is_none() => {
+            note(
+                "positions-missing",
+                "primitives without POSITION are not shown",
+            );
+        }
+        4..=6 => {
+            if !primitive.targets.is_empty() {
+                let what = "primitives with morph targets are shown unmorphed";
+                note("morph-rest-pose", what);
+            }
+            return Ok(position.map(|position| (position, mode)));
+        }
+        _ => {
+            let text = format!("mode {mode} is unknown, expected 0 to 6");
+            return Err(Fault::new("gltf-mode", text));
+        }
+    }
+    Ok(None)
+}
+
+fn vertex_count(mesh: &Mesh) -> Result<u32, Fault> {
+    let text = "more than 2³² vertices in one primitive";
+    u32::try_from(mesh.positions.len()).map_err(|_| Fault::new("geometry-too-large", text))
 }
 
 fn vectors<T, const N: usize>(
@@ -118,24 +128,9 @@ fn vectors<T, const N: usize>(
     Ok(raw.into_iter().map(convert).collect())
 }
 
-fn read_attributes(
-    data: &Data<'_>,
-    primitive: &Primitive,
-    quantized: bool,
-    mesh: &mut Mesh,
-) -> Result<(), Fault> {
-    let count = mesh.positions.len();
-    let find = |attribute: &str| -> Result<Option<usize>, Fault> {
-        let Some(&index) = primitive.attributes.get(attribute) else {
-            return Ok(None);
-        };
-        let own = data.count(index).map_err(|f| f.at(attribute))?;
-        if own != count {
-            let text = format!("{attribute} has {own} elements, POSITION has {count}");
-            return Err(Fault::new("gltf-attribute", text));
-        }
-        Ok(Some(index))
-    };
+fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
+    let (data, quantized, count) = (context.data, context.quantized, mesh.positions.len());
+    let find = |attribute: &str| context.attribute(attribute, count);
     let direction = if quantized {
         accessor::float_or_signed
     } else {

@@ -24,6 +24,7 @@ pub struct Root {
     pub images: Vec<Image>,
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
+    pub skins: Vec<Skin>,
     pub animations: Vec<IgnoredAny>,
     pub extensions: RootExtensions,
 }
@@ -312,6 +313,13 @@ pub struct Sampler {
     pub mag_filter: Option<u32>,
     pub wrap_s: Option<u32>,
     pub wrap_t: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Skin {
+    pub inverse_bind_matrices: Option<usize>,
+    pub joints: Vec<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -1,6 +1,8 @@
 //! What meshes need only because of the materials they meet: tangents and second texture
 //! coordinates, made where needed and dropped elsewhere.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -18,7 +20,10 @@ struct Needs {
 }
 
 /// Brings every mesh into the form that its materials need.
-pub fn run(world: &mut World) {
+///
+/// # Errors
+/// `internal` where the tangent generator panicked on a mesh.
+pub fn run(world: &mut World) -> Result<(), Vec<Diagnostic>> {
     let mut needs = vec![Needs::default(); world.meshes.len()];
     for instance in &world.instances {
         let material = &world.materials[instance.material];
@@ -35,35 +40,52 @@ pub fn run(world: &mut World) {
         ];
         need.uv1 |= textures.into_iter().flatten().any(|t| t.uv_set == 1);
     }
-    let warnings: Vec<_> = (world.meshes.par_iter_mut())
+    let messages: Vec<_> = (world.meshes.par_iter_mut())
         .zip(needs)
-        .filter_map(|(mesh, need)| finish(mesh, need))
+        .flat_map_iter(|(mesh, need)| finish(mesh, need))
         .collect();
+    let is_error = |d: &Diagnostic| d.severity == Severity::Error;
+    let (errors, warnings): (Vec<_>, Vec<_>) = messages.into_iter().partition(is_error);
     world.warnings.extend(warnings);
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(errors)
+    }
 }
 
-fn finish(mesh: &mut Mesh, need: Needs) -> Option<Diagnostic> {
-    let missing = need.uv1 && mesh.uv1.is_empty();
+fn finish(mesh: &mut Mesh, need: Needs) -> Vec<Diagnostic> {
+    let mut messages = Vec::new();
     if !need.uv1 {
         mesh.uv1 = Vec::new();
-    } else if missing {
+    } else if mesh.uv1.is_empty() {
         mesh.uv1 = vec![Vec2::ZERO; mesh.positions.len()];
+        let text = "a texture uses TEXCOORD_1, which the mesh lacks; 0 is used";
+        messages.push(message(Severity::Warning, "uv-missing", mesh, text));
     }
     match need.tangents_from {
         None => mesh.tangents = Vec::new(),
-        Some(uv_set) if mesh.tangents.is_empty() => tangent::generate(mesh, uv_set),
+        Some(uv_set) if mesh.tangents.is_empty() => {
+            // Other people's code on a stranger's geometry: a panic there is an error here.
+            let work = AssertUnwindSafe(|| tangent::generate(mesh, uv_set));
+            if catch_unwind(work).is_err() {
+                let text = "generating its tangents panicked; please report this";
+                messages.push(message(Severity::Error, "internal", mesh, text));
+            }
+        }
         Some(_) => {}
     }
-    missing.then(|| Diagnostic {
-        severity: Severity::Warning,
-        name: "uv-missing",
-        message: format!(
-            "{}: a texture uses TEXCOORD_1, which the mesh lacks; 0 is used",
-            mesh.name
-        ),
+    messages
+}
+
+fn message(severity: Severity, name: &'static str, mesh: &Mesh, text: &str) -> Diagnostic {
+    Diagnostic {
+        severity,
+        name,
+        message: format!("{}: {text}", mesh.name),
         span: Span::default(),
         file: None,
         help: None,
         related: None,
-    })
+    }
 }

@@ -1,0 +1,55 @@
+//! The bytes of a document's buffers: GLB's chunk, `data:` URIs and files beside it.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    Fault,
+    container::Bytes,
+    schema::{Buffer, Root},
+    uri::{self, Sandbox},
+};
+
+/// The data of every buffer that says where it is; read files are added to `files`.
+pub fn read(
+    root: &Root,
+    mut binary: Option<Bytes>,
+    folder: &Path,
+    sandbox: &Sandbox,
+    files: &mut Vec<PathBuf>,
+) -> Result<Vec<Option<Bytes>>, Fault> {
+    let mut buffers = Vec::with_capacity(root.buffers.len());
+    for (i, buffer) in root.buffers.iter().enumerate() {
+        let chunk = if i == 0 { binary.take() } else { None };
+        let bytes = read_one(buffer, chunk, folder, sandbox, files);
+        buffers.push(bytes.map_err(|f| f.at(&format!("buffer {i}")))?);
+    }
+    Ok(buffers)
+}
+
+fn read_one(
+    buffer: &Buffer,
+    chunk: Option<Bytes>,
+    folder: &Path,
+    sandbox: &Sandbox,
+    files: &mut Vec<PathBuf>,
+) -> Result<Option<Bytes>, Fault> {
+    let bytes = match buffer.uri.as_deref().map(uri::parse).transpose()? {
+        None => chunk,
+        Some(uri::Target::Data(bytes)) => Some(Bytes::new(bytes)),
+        Some(uri::Target::Relative(name)) => {
+            let path = sandbox.resolve(folder, &name)?;
+            let place = || format!("\"{}\"", uri::shorten(&name));
+            let bytes = sandbox.read(&path).map_err(|f| f.at(&place()))?;
+            files.push(path);
+            Some(Bytes::new(bytes))
+        }
+    };
+    match bytes {
+        Some(bytes) if (bytes.len() as u64) < buffer.byte_length => {
+            let (said, got) = (buffer.byte_length, bytes.len());
+            let text = format!("byteLength is {said}, only {got} bytes are there");
+            Err(Fault::new("buffer-short", text))
+        }
+        bytes => Ok(bytes),
+    }
+}

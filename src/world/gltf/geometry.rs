@@ -1,0 +1,83 @@
+//! The meshes that nodes place, converted on all cores.
+
+use std::collections::{BTreeSet, HashMap};
+
+use rayon::prelude::*;
+
+use super::{
+    Fault, Model, Notes,
+    accessor::Data,
+    label,
+    node::Visit,
+    primitive::{self, Context},
+    schema::Root,
+    skin,
+};
+
+/// A mesh of the file, and the skin that poses it.
+pub type MeshUse = (usize, Option<usize>);
+
+/// Which model mesh and material the shown primitives of a mesh became.
+pub type Primitives = HashMap<MeshUse, Vec<(usize, usize)>>;
+
+/// Reads every mesh that the walk placed, once for each skin that it is used with.
+///
+/// # Errors
+/// One for every primitive and skin that is broken.
+pub fn read(
+    root: &Root,
+    data: &Data<'_>,
+    visit: &Visit,
+    model: &mut Model,
+    notes: &mut Notes,
+) -> Result<Primitives, Vec<Fault>> {
+    let uses: BTreeSet<MeshUse> = visit.mesh_uses().collect();
+    let mut poses = HashMap::new();
+    for skin in uses.iter().filter_map(|(_, skin)| *skin) {
+        let pose = skin::pose(root, data, visit, skin);
+        poses.insert(skin, pose.map_err(|f| vec![f.at(&format!("skin {skin}"))])?);
+    }
+    let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
+    let primitives = |u: &MeshUse| {
+        let u = *u;
+        let primitives = root.meshes[u.0].primitives.iter().enumerate();
+        primitives.map(move |(p, primitive)| (u, p, primitive))
+    };
+    let jobs: Vec<_> = uses.iter().flat_map(primitives).collect();
+    let results: Vec<_> = (jobs.par_iter())
+        .map(|((mesh, skin), p, primitive)| {
+            let name = root.meshes[*mesh].name.as_deref();
+            let place = format!("{} primitive {p}", label("mesh", *mesh, name));
+            let mut notes = Notes::default();
+            let context = Context {
+                data,
+                primitive,
+                quantized,
+                pose: skin.and_then(|skin| poses.get(&skin)).map(Vec::as_slice),
+            };
+            let built = primitive::build(&context, place.clone(), &mut notes);
+            (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))
+        })
+        .collect();
+    let mut out = Primitives::new();
+    let mut faults = Vec::new();
+    for ((mesh_use, _, primitive), result) in jobs.into_iter().zip(results) {
+        match result {
+            Ok((mesh, new)) => {
+                notes.merge(new);
+                if let Some(mesh) = mesh {
+                    let material = primitive.material.unwrap_or(root.materials.len());
+                    let shown = out.entry(mesh_use).or_default();
+                    shown.push((model.meshes.len(), material));
+                    model.meshes.push(mesh);
+                }
+            }
+            Err(fault) => faults.push(fault),
+        }
+    }
+    if faults.is_empty() {
+        Ok(out)
+    } else {
+        Err(faults)
+    }
+}

@@ -1,0 +1,45 @@
+//! Whether the indices inside a document point at something.
+
+use super::{Fault, label, schema::Root};
+
+/// Dangling indices are errors even where nothing shows them: the file is damaged.
+pub fn check(root: &Root) -> Result<(), Fault> {
+    let exists =
+        |kind: &str, index: Option<usize>, count: usize, place: &dyn Fn() -> String| match index
+            .filter(|&i| i >= count)
+        {
+            Some(i) => {
+                Err(Fault::new("gltf-index", format!("{kind} {i} does not exist")).at(&place()))
+            }
+            None => Ok(()),
+        };
+    for (m, mesh) in root.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let place = || format!("{} primitive {p}", label("mesh", m, mesh.name.as_deref()));
+            for index in primitive
+                .attributes
+                .values()
+                .copied()
+                .chain(primitive.indices)
+            {
+                exists("accessor", Some(index), root.accessors.len(), &place)?;
+            }
+            exists("material", primitive.material, root.materials.len(), &place)?;
+        }
+    }
+    for (t, texture) in root.textures.iter().enumerate() {
+        let place = || format!("texture {t}");
+        exists("image", texture.source, root.images.len(), &place)?;
+        exists("sampler", texture.sampler, root.samplers.len(), &place)?;
+    }
+    for (i, image) in root.images.iter().enumerate() {
+        let place = || label("image", i, image.name.as_deref());
+        exists(
+            "bufferView",
+            image.buffer_view,
+            root.buffer_views.len(),
+            &place,
+        )?;
+    }
+    Ok(())
+}
