@@ -111,18 +111,27 @@ fn shared_structs_have_the_layout_that_the_shaders_declare() {
 
     let shaders = shipped();
     let compare = |spec: &types::StructSpec, shader: &ShaderModuleInfo| {
-        let Some(layout) = shader.layout_of(spec.name) else { return false };
+        let Some(layout) = shader.layout_of(spec.name) else {
+            return false;
+        };
         let wgsl: Vec<(&str, usize, usize)> = layout
             .fields
             .iter()
             .map(|f| (f.name.as_str(), f.offset as usize, f.size as usize))
             .collect();
         assert_eq!(wgsl, spec.fields, "{} in {}", spec.name, shader.file);
-        assert_eq!(layout.size as usize, spec.size, "{} in {}", spec.name, shader.file);
+        assert_eq!(
+            layout.size as usize, spec.size,
+            "{} in {}",
+            spec.name, shader.file
+        );
         true
     };
     for spec in types::SHARED {
-        let found = shaders.iter().filter(|shader| compare(spec, shader)).count();
+        let found = shaders
+            .iter()
+            .filter(|shader| compare(spec, shader))
+            .count();
         assert!(found > 0, "no shader declares {}", spec.name);
     }
     for pass in passes::ALL {
@@ -130,7 +139,11 @@ fn shared_structs_have_the_layout_that_the_shaders_declare() {
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
         match &pass.params {
             Some(spec) => assert!(compare(spec, shader), "{} declares no Params", shader.file),
-            None => assert!(shader.layout_of("Params").is_none(), "{} has Params", shader.file),
+            None => assert!(
+                shader.layout_of("Params").is_none(),
+                "{} has Params",
+                shader.file
+            ),
         }
     }
 }
@@ -142,7 +155,12 @@ fn every_pass_reads_only_what_was_written_before() {
     let mut written: Vec<Target> = Vec::new();
     for pass in passes::ALL {
         for target in pass.reads {
-            assert!(written.contains(target), "{} reads {} too early", pass.name, target.name());
+            assert!(
+                written.contains(target),
+                "{} reads {} too early",
+                pass.name,
+                target.name()
+            );
         }
         written.extend(pass.writes);
     }

@@ -125,7 +125,8 @@ fn map(
     });
     gpu.wait()?;
     let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
-    match receiver.try_recv() {
+    // Another thread's wait may be what delivers the result, a moment after ours is over.
+    match receiver.recv_timeout(std::time::Duration::from_secs(10)) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(lost(error.to_string())),
         Err(error) => return Err(lost(error.to_string())),

@@ -8,6 +8,7 @@ pub mod aov;
 pub mod cause;
 pub mod cull;
 pub mod frame;
+pub mod geometry;
 pub mod lights;
 pub mod pass;
 pub mod passes;

@@ -2,22 +2,23 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, cast_slice};
-use glam::{Affine3A, Vec3, Vec4};
+use bytemuck::cast_slice;
+use glam::Affine3A;
 
 use crate::{
     gpu::{Gpu, GpuError},
     math::Bounds,
     world::{
-        Material, Mesh, TextureRef, World, Wrap,
+        Material, TextureRef, World, Wrap,
         bvh::{CwBvhNode, TraceTriangle, Trees},
     },
 };
 
 use super::{
+    geometry::{MeshPlace, buffer, geometry},
     plan::can_reflect,
     textures::{Place, Pools},
-    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, GpuVertex, NONE},
+    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE},
 };
 
 /// How a draw is rasterized.
@@ -68,16 +69,6 @@ pub struct GpuScene {
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
     records: Vec<GpuInstance>,
-}
-
-/// Where a mesh lies in the shared buffers.
-#[derive(Clone, Copy)]
-struct MeshPlace {
-    vertex_base: u32,
-    index_base: u32,
-    index_count: u32,
-    uv1_base: u32,
-    has_colors: bool,
 }
 
 impl GpuScene {
@@ -177,102 +168,6 @@ impl GpuScene {
             ("texture_pools", self.pools.bytes),
         ]
     }
-}
-
-/// A filled buffer, never of zero size.
-fn buffer<T: Pod>(
-    gpu: &Gpu,
-    name: &str,
-    data: &[T],
-    usage: wgpu::BufferUsages,
-) -> Result<wgpu::Buffer, GpuError> {
-    let bytes: &[u8] = cast_slice(data);
-    let size = (bytes.len().max(size_of::<T>()).max(16) as u64).next_multiple_of(16);
-    gpu.check_buffer_size(name, size)?;
-    let buffer = gpu.scoped(name, || {
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(name),
-            size,
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    })?;
-    gpu.queue.write_buffer(&buffer, 0, bytes);
-    Ok(buffer)
-}
-
-fn geometry(
-    gpu: &Gpu,
-    meshes: &[Mesh],
-) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshPlace>), GpuError> {
-    let mut vertices: Vec<GpuVertex> = Vec::new();
-    let mut data: Vec<u32> = Vec::new();
-    let mut places = Vec::with_capacity(meshes.len());
-    for mesh in meshes {
-        let place = MeshPlace {
-            vertex_base: vertices.len() as u32,
-            index_base: data.len() as u32,
-            index_count: 3 * mesh.triangles.len() as u32,
-            uv1_base: if mesh.uv1.is_empty() {
-                NONE
-            } else {
-                (data.len() + 3 * mesh.triangles.len()) as u32
-            },
-            has_colors: !mesh.colors.is_empty(),
-        };
-        data.extend(mesh.triangles.iter().flatten());
-        data.extend(
-            mesh.uv1
-                .iter()
-                .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
-        );
-        vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
-        places.push(place);
-    }
-    let storage = wgpu::BufferUsages::STORAGE;
-    Ok((
-        buffer(
-            gpu,
-            "vertices",
-            &vertices,
-            storage | wgpu::BufferUsages::VERTEX,
-        )?,
-        buffer(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
-        places,
-    ))
-}
-
-fn vertex(mesh: &Mesh, i: usize) -> GpuVertex {
-    let tangent = mesh
-        .tangents
-        .get(i)
-        .copied()
-        .unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
-    let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
-    GpuVertex {
-        position: mesh.positions[i].to_array(),
-        normal: pack_unit(mesh.normals[i]),
-        uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
-        tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
-        color: u32::from_le_bytes(
-            color
-                .to_array()
-                .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8),
-        ),
-    }
-}
-
-/// Octahedral map, two signed 16-bit numbers; `unpack_unit` in `shaders/lib/pack.wgsl` undoes it.
-fn pack_unit(n: Vec3) -> u32 {
-    let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-20);
-    let wrap = |a: f32, b: f32| (1.0 - b.abs()) * if a >= 0.0 { 1.0 } else { -1.0 };
-    let [x, y] = if p.z >= 0.0 {
-        [p.x, p.y]
-    } else {
-        [wrap(p.x, p.y), wrap(p.y, p.x)]
-    };
-    let snorm = |v: f32| u32::from((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    snorm(x) | snorm(y) << 16
 }
 
 fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {

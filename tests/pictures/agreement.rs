@@ -2,7 +2,14 @@
 //! and general, moved and built anew.
 
 use glam::{Affine3A, Quat, Vec3};
-use reflet::{render::{Picture, aov::Aov, cause::{Cause, Source}}, scene::desc::LightKind};
+use reflet::{
+    render::{
+        Picture,
+        aov::Aov,
+        cause::{Cause, Source},
+    },
+    scene::desc::LightKind,
+};
 
 use crate::kit::{floats, gpu, integers, render, render_with, renderer, scene, share_differing};
 
@@ -14,7 +21,12 @@ fn traced_pixels_of_hybrid_equal_rt_bit_for_bit() {
     let Some(gpu) = gpu() else { return };
     let of = |method: &str| {
         let aovs = [Aov::Reflection, Aov::Source, Aov::HitDistance, Aov::HitIds];
-        render(gpu, ATRIUM, &[SMALL, &format!("reflection.method={method}")], &aovs)
+        render(
+            gpu,
+            ATRIUM,
+            &[SMALL, &format!("reflection.method={method}")],
+            &aovs,
+        )
     };
     let (hybrid, rt) = (of("hybrid"), of("rt"));
     let mut traced = 0;
@@ -24,8 +36,15 @@ fn traced_pixels_of_hybrid_equal_rt_bit_for_bit() {
         }
         traced += 1;
         let pixel = |p: &Picture| {
-            let bits = floats(p, Aov::Reflection)[3 * i..3 * i + 3].iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            (bits, floats(p, Aov::HitDistance)[i].to_bits(), integers(p, Aov::HitIds)[2 * i..2 * i + 2].to_vec())
+            let bits = floats(p, Aov::Reflection)[3 * i..3 * i + 3]
+                .iter()
+                .map(|v| v.to_bits())
+                .collect::<Vec<_>>();
+            (
+                bits,
+                floats(p, Aov::HitDistance)[i].to_bits(),
+                integers(p, Aov::HitIds)[2 * i..2 * i + 2].to_vec(),
+            )
         };
         assert_eq!(pixel(&hybrid), pixel(&rt), "pixel {i}");
     }
@@ -36,10 +55,18 @@ fn traced_pixels_of_hybrid_equal_rt_bit_for_bit() {
 fn causes_and_sources_account_for_every_reflective_pixel() {
     let Some(gpu) = gpu() else { return };
     for method in ["ssr", "hybrid", "rt"] {
-        let picture = render(gpu, ATRIUM, &[SMALL, &format!("reflection.method={method}")], &[Aov::Cause]);
+        let picture = render(
+            gpu,
+            ATRIUM,
+            &[SMALL, &format!("reflection.method={method}")],
+            &[Aov::Cause],
+        );
         let shares = &picture.stats.shares;
         let total = |list: &[reflet::render::stats::Share]| -> (u64, f64) {
-            (list.iter().map(|s| s.pixels).sum(), list.iter().map(|s| s.percent).sum())
+            (
+                list.iter().map(|s| s.pixels).sum(),
+                list.iter().map(|s| s.percent).sum(),
+            )
         };
         for list in [&shares.causes, &shares.sources] {
             let (pixels, percent) = total(list);
@@ -49,10 +76,16 @@ fn causes_and_sources_account_for_every_reflective_pixel() {
         let causes = integers(&picture, Aov::Cause);
         for cause in Cause::ALL.into_iter().skip(1) {
             let counted = causes.iter().filter(|c| **c == cause as u32).count() as u64;
-            let reported = shares.causes.iter().find(|s| s.name == cause.name()).map(|s| s.pixels);
+            let reported = shares
+                .causes
+                .iter()
+                .find(|s| s.name == cause.name())
+                .map(|s| s.pixels);
             assert_eq!(reported, Some(counted), "{method}: {}", cause.name());
         }
-        let rays = causes.iter().filter(|c| Cause::from_number(**c).is_some_and(|c| c.source() == Source::Traced));
+        let rays = causes
+            .iter()
+            .filter(|c| Cause::from_number(**c).is_some_and(|c| c.source() == Source::Traced));
         assert_eq!(u64::from(picture.stats.rays), rays.count() as u64);
     }
 }
@@ -67,7 +100,10 @@ fn the_specialized_frame_equals_the_general_one() {
         let of = |general| render_with(gpu, text, &["image.size=[96, 54]"], &aovs, general);
         let (special, general) = (of(false), of(true));
         assert_eq!(integers(&special, Aov::Ids), integers(&general, Aov::Ids));
-        assert_eq!(integers(&special, Aov::Cause), integers(&general, Aov::Cause));
+        assert_eq!(
+            integers(&special, Aov::Cause),
+            integers(&general, Aov::Cause)
+        );
         assert!(share_differing(&special, &general, 1) == 0.0);
     }
 }
@@ -75,7 +111,14 @@ fn the_specialized_frame_equals_the_general_one() {
 #[test]
 fn the_same_frame_gives_the_same_bytes() {
     let Some(gpu) = gpu() else { return };
-    let of = || render(gpu, ATRIUM, &["image.size=[97, 55]", "image.samples=2"], &[]);
+    let of = || {
+        render(
+            gpu,
+            ATRIUM,
+            &["image.size=[97, 55]", "image.samples=2"],
+            &[],
+        )
+    };
     let (first, second) = (of(), of());
     assert_eq!(first.display, second.display);
     let bits = |p: &Picture| p.color.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -138,22 +181,40 @@ fn a_dynamic_instance_looks_like_a_static_one() {
         let of = |dynamic| {
             let text = OBJECTS.replace("DYNAMIC", dynamic);
             // U is the diagonal of what stands still, which is not the same here.
-            render(gpu, &text, &["reflection.unit_m=1", &format!("reflection.method={method}")], &[])
+            render(
+                gpu,
+                &text,
+                &[
+                    "reflection.unit_m=1",
+                    &format!("reflection.method={method}"),
+                ],
+                &[],
+            )
         };
         let differing = share_differing(&of("true"), &of("false"), 2);
-        assert!(differing <= 0.001, "{method}: {:.3} % of the pixels differ", 100.0 * differing);
+        assert!(
+            differing <= 0.001,
+            "{method}: {:.3} % of the pixels differ",
+            100.0 * differing
+        );
     }
 }
 
 #[test]
 fn moved_instances_and_lights_look_as_if_built_there() {
     let Some(gpu) = gpu() else { return };
-    let (desc, mut world) = scene(&OBJECTS.replace("DYNAMIC", "true"), &["reflection.unit_m=1"]);
+    let (desc, mut world) = scene(
+        &OBJECTS.replace("DYNAMIC", "true"),
+        &["reflection.unit_m=1"],
+    );
     let mut moving = renderer(gpu, &desc, &world, false);
     let camera = world.cameras[0].value.clone();
-    moving.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+    moving
+        .picture(gpu, &world, &camera, &[])
+        .unwrap_or_else(|e| panic!("{e}"));
 
-    let turn = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.4, 0.2, 0.5));
+    let turn =
+        Affine3A::from_rotation_translation(Quat::from_rotation_y(0.7), Vec3::new(0.4, 0.2, 0.5));
     for instance in world.instances.iter_mut().filter(|i| i.dynamic) {
         instance.world_from_object = turn * instance.world_from_object;
     }
@@ -161,8 +222,12 @@ fn moved_instances_and_lights_look_as_if_built_there() {
         *position = Vec3::new(-2.0, 3.0, 1.0);
     }
     moving.update(gpu, &world);
-    let moved = moving.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let moved = moving
+        .picture(gpu, &world, &camera, &[])
+        .unwrap_or_else(|e| panic!("{e}"));
     let mut fresh = renderer(gpu, &desc, &world, false);
-    let built = fresh.picture(gpu, &world, &camera, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let built = fresh
+        .picture(gpu, &world, &camera, &[])
+        .unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(moved.display, built.display);
 }

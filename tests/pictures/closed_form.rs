@@ -59,7 +59,10 @@ fn a_mirror_that_screen_space_cannot_serve_stays_black_with_ssr() {
 #[test]
 fn a_mirror_under_the_open_sky_shows_the_sky() {
     let Some(gpu) = gpu() else { return };
-    let sky = ["instance.1.scale=0.001", "environment.color=[0.3, 0.6, 0.9]"];
+    let sky = [
+        "instance.1.scale=0.001",
+        "environment.color=[0.3, 0.6, 0.9]",
+    ];
     for method in ["ssr", "rt", "hybrid"] {
         let set = [sky[0], sky[1], &format!("reflection.method={method}")];
         let picture = render(gpu, MIRROR, &set, &[]);
@@ -134,7 +137,10 @@ fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
     for bounces in 1..=5 {
         let series: f32 = (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
         for method in ["rt", "hybrid"] {
-            let set = [format!("reflection.bounces={bounces}"), format!("reflection.method={method}")];
+            let set = [
+                format!("reflection.bounces={bounces}"),
+                format!("reflection.method={method}"),
+            ];
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let picture = render(gpu, FACING, &set, &[]);
             assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
@@ -146,7 +152,11 @@ fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
 fn a_bounce_that_cannot_be_seen_is_not_followed() {
     let Some(gpu) = gpu() else { return };
     // Reflectance 0.05: the throughput is 1/400 after two reflections, below 1/255.
-    let set = ["reflection.bounces=16", "material.mirror.reflectivity=0.05", "reflection.method=rt"];
+    let set = [
+        "reflection.bounces=16",
+        "material.mirror.reflectivity=0.05",
+        "reflection.method=rt",
+    ];
     let picture = render(gpu, FACING, &set, &[]);
     let series = 0.1 + 0.05 * 0.1 + 0.05 * 0.05 * 0.1;
     assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
@@ -215,12 +225,34 @@ fn a_box_between_light_and_floor_darkens_it_by_map_and_by_ray() {
             let text = format!("{FLOOR}\n{cover}\n[light.l]\n{light}\nshadow = \"{shadow}\"\n");
             // Seen from below, past the cover: the floor is double sided, so look at its shadow
             // from above at a point that the cover does not hide from the camera.
-            let picture = render(gpu, &text, &["camera.main.eye=[-2.5, 3, 0]", "camera.main.target=[0.35, 0, 0]"], &[]);
+            let picture = render(
+                gpu,
+                &text,
+                &[
+                    "camera.main.eye=[-2.5, 3, 0]",
+                    "camera.main.target=[0.35, 0, 0]",
+                ],
+                &[],
+            );
             let center = crate::kit::color(&picture, 16, 16);
-            assert!(center.iter().all(|c| *c < 1e-4), "{light} {shadow}: {center:?} in the shadow");
-            let lit = render(gpu, &text, &["camera.main.eye=[-2.5, 3, 0]", "camera.main.target=[-0.8, 0, 0]"], &[]);
+            assert!(
+                center.iter().all(|c| *c < 1e-4),
+                "{light} {shadow}: {center:?} in the shadow"
+            );
+            let lit = render(
+                gpu,
+                &text,
+                &[
+                    "camera.main.eye=[-2.5, 3, 0]",
+                    "camera.main.target=[-0.8, 0, 0]",
+                ],
+                &[],
+            );
             let center = crate::kit::color(&lit, 16, 16);
-            assert!(center.iter().all(|c| *c > 0.05), "{light} {shadow}: {center:?} in the light");
+            assert!(
+                center.iter().all(|c| *c > 0.05),
+                "{light} {shadow}: {center:?} in the light"
+            );
         }
     }
 }

@@ -26,8 +26,16 @@ material = "chrome"
 fn odd_tiny_and_wide_pictures_render() {
     let Some(gpu) = gpu() else { return };
     for size in ["[1, 1]", "[1, 7]", "[33, 17]", "[16384, 1]"] {
-        let picture = render(gpu, BALL, &[&format!("image.size={size}")], &[Aov::Cause, Aov::Reflectance]);
-        assert_eq!(picture.color.len(), 4 * (picture.size[0] * picture.size[1]) as usize);
+        let picture = render(
+            gpu,
+            BALL,
+            &[&format!("image.size={size}")],
+            &[Aov::Cause, Aov::Reflectance],
+        );
+        assert_eq!(
+            picture.color.len(),
+            4 * (picture.size[0] * picture.size[1]) as usize
+        );
         assert!(picture.color.iter().all(|v| v.is_finite()));
     }
 }
@@ -45,7 +53,11 @@ fn an_empty_scene_is_its_environment() {
 #[test]
 fn a_scene_without_lights_or_reflectors_is_lit_by_its_environment() {
     let Some(gpu) = gpu() else { return };
-    let set = ["material.chrome.metallic=0", "material.chrome.roughness=1", "material.chrome.reflectivity=0"];
+    let set = [
+        "material.chrome.metallic=0",
+        "material.chrome.roughness=1",
+        "material.chrome.reflectivity=0",
+    ];
     let picture = render(gpu, BALL, &set, &[]);
     assert_color(&picture, 8, 4, [0.25, 0.5, 0.75], 2e-3);
 }
@@ -55,10 +67,17 @@ fn a_camera_inside_or_on_a_mirror_gives_finite_pixels() {
     let Some(gpu) = gpu() else { return };
     for eye in ["[0, 0, 0]", "[0, 0, 1.001]", "[0, 0, 0.999]"] {
         for method in ["ssr", "rt", "hybrid"] {
-            let set = [format!("camera.main.eye={eye}"), "camera.main.target=[0.1, 0.2, -5]".to_owned(), format!("reflection.method={method}")];
+            let set = [
+                format!("camera.main.eye={eye}"),
+                "camera.main.target=[0.1, 0.2, -5]".to_owned(),
+                format!("reflection.method={method}"),
+            ];
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let picture = render(gpu, BALL, &set, &[]);
-            assert!(picture.color.iter().all(|v| v.is_finite()), "{eye} {method}");
+            assert!(
+                picture.color.iter().all(|v| v.is_finite()),
+                "{eye} {method}"
+            );
         }
     }
 }

@@ -20,10 +20,18 @@ pub fn gpu() -> Option<&'static Gpu> {
 /// A scene read from text, with `--set` settings laid over it.
 pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-    let (desc, _) = parse::parse(text, Path::new("test.toml"), &set)
-        .unwrap_or_else(|errors| panic!("{}", errors.iter().map(|e| e.to_string()).collect::<String>()));
-    let world = load::load(&desc, &load::LoadOptions::default())
-        .unwrap_or_else(|errors| panic!("{}", errors.iter().map(|e| e.to_string()).collect::<String>()));
+    let (desc, _) = parse::parse(text, Path::new("test.toml"), &set).unwrap_or_else(|errors| {
+        panic!(
+            "{}",
+            errors.iter().map(|e| e.to_string()).collect::<String>()
+        )
+    });
+    let world = load::load(&desc, &load::LoadOptions::default()).unwrap_or_else(|errors| {
+        panic!(
+            "{}",
+            errors.iter().map(|e| e.to_string()).collect::<String>()
+        )
+    });
     (desc, world)
 }
 
@@ -37,7 +45,9 @@ pub fn render_with(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov], general: b
     let (desc, world) = scene(text, set);
     let mut renderer = renderer(gpu, &desc, &world, general);
     let camera = &world.cameras[0].value;
-    renderer.picture(gpu, &world, camera, aovs).unwrap_or_else(|e| panic!("{e}"))
+    renderer
+        .picture(gpu, &world, camera, aovs)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A renderer for a scene.
@@ -47,20 +57,31 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
         image: desc.image,
         general,
     };
-    Renderer::new(gpu, &ShaderLibrary::embedded(), world, &options).unwrap_or_else(|e| panic!("{e}"))
+    Renderer::new(gpu, &ShaderLibrary::embedded(), world, &options)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Linear color of a pixel.
 pub fn color(picture: &Picture, x: u32, y: u32) -> [f32; 3] {
     let at = 4 * (y * picture.size[0] + x) as usize;
-    [picture.color[at], picture.color[at + 1], picture.color[at + 2]]
+    [
+        picture.color[at],
+        picture.color[at + 1],
+        picture.color[at + 2],
+    ]
 }
 
 /// Whether a pixel's linear color is `expected` within `tolerance` of each channel.
 pub fn assert_color(picture: &Picture, x: u32, y: u32, expected: [f32; 3], tolerance: f32) {
     let found = color(picture, x, y);
-    let close = found.iter().zip(expected).all(|(f, e)| (f - e).abs() <= tolerance);
-    assert!(close, "pixel ({x}, {y}) is {found:?}, expected {expected:?} ± {tolerance}");
+    let close = found
+        .iter()
+        .zip(expected)
+        .all(|(f, e)| (f - e).abs() <= tolerance);
+    assert!(
+        close,
+        "pixel ({x}, {y}) is {found:?}, expected {expected:?} ± {tolerance}"
+    );
 }
 
 /// The plane of this AOV as floats.
@@ -88,6 +109,8 @@ fn plane(picture: &Picture, aov: Aov) -> &reflet::render::Plane {
 pub fn share_differing(a: &Picture, b: &Picture, levels: u8) -> f64 {
     assert_eq!(a.size, b.size);
     let pairs = a.display.chunks_exact(4).zip(b.display.chunks_exact(4));
-    let differing = pairs.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > levels)).count();
+    let differing = pairs
+        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > levels))
+        .count();
     differing as f64 / f64::from(a.size[0] * a.size[1])
 }
