@@ -68,10 +68,9 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
 
 struct Probe {
     behind: bool,
-    by_m: f32, // negative in front
+    ray_m: f32, // view depth of the ray
     scene_m: f32, // stored view depth
     pixel: vec2u,
-    stored: vec3f,
 }
 
 // Whether the ray at s is behind what the depth buffer holds there. A stored point on or below the
@@ -81,50 +80,24 @@ fn probe(r: ScreenRay, s: f32, origin: Surface) -> Probe {
     var p: Probe;
     let at = r.start + r.delta * s;
     p.pixel = vec2u(clamp(at.xy, vec2f(0.0), frame.size - 1.0));
+    p.ray_m = frame.near_m / max(at.z, 1e-30);
     p.scene_m = textureLoad(view_depth, p.pixel, 0).x;
-    p.by_m = ray_depth(r, s) - p.scene_m;
-    if (p.scene_m >= FAR) { return p; }
-    p.stored = position_at(p.pixel, p.scene_m);
-    let height = dot(p.stored - origin.position, origin.geometric_normal);
-    p.behind = p.by_m > 0.0 && height > p.scene_m * 2e-4;
-    return p;
-}
-
-fn ray_depth(r: ScreenRay, s: f32) -> f32 {
-    return frame.near_m / max(r.start.z + r.delta.z * s, 1e-30);
-}
-
-// Steps back from `behind` at `high` to the crossing: T judges the crossing, not the step's length.
-fn crossing(r: ScreenRay, low_in: f32, high_in: f32, behind: Probe, s0: Surface) -> Probe {
-    var low = low_in;
-    var high = high_in;
-    var p = behind;
-    for (var i = 0; i < 6; i++) {
-        let middle = (low + high) * 0.5;
-        let q = probe(r, middle, s0);
-        if (q.behind) {
-            high = middle;
-            p = q;
-        } else {
-            low = middle;
-        }
+    if (p.ray_m > p.scene_m) {
+        let height = dot(position_at(p.pixel, p.scene_m) - origin.position, origin.geometric_normal);
+        p.behind = height > p.scene_m * 2e-4;
     }
     return p;
 }
 
 fn decide(p: Probe, origin: vec3f, direction: vec3f) -> March {
-    var m: March;
-    m.pixel = p.pixel;
-    m.distance_m = dot(p.stored - origin, direction);
     let met = load_surface(p.pixel);
-    if (p.by_m > params.threshold_m) {
+    var m = March(CAUSE_HIT, p.pixel, dot(met.position - origin, direction));
+    if (p.ray_m - p.scene_m > params.threshold_m) {
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
         m.cause = CAUSE_BACK_FACE;
     } else if (is_reflector(met)) {
         m.cause = CAUSE_REFLECTOR;
-    } else {
-        m.cause = CAUSE_HIT;
     }
     return m;
 }
@@ -135,33 +108,52 @@ fn march(s0: Surface, direction: vec3f) -> March {
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     // Steps grow from one pixel by an eighth of a pixel each: 128 of them reach 1,150 pixels.
     let first_px = max(1.0, max(frame.size.x, frame.size.y) / 1280.0);
-    var m: March;
-    m.cause = CAUSE_STEPS;
-    var before = 0.0;
-    var before_m = FAR; // what was stored at the step before
-    for (var k = 1u; k <= params.steps; k++) {
+    var cause = CAUSE_STEPS;
+    var low = 0.0; // not behind here
+    var high = 0.0; // behind here, once found
+    var p: Probe;
+    var before_m = FAR; // what was stored at `low`
+    var k = 1u;
+    var fine_end = 0.0; // up to here every pixel is looked at
+    // One loop for coarse and fine steps and nothing else in it: neighbors that stop at different
+    // steps still run what follows together.
+    for (var i = 0u; k <= params.steps && i < 8u * params.steps; i++) {
         let x = f32(k);
-        let s = min(first_px * (x + x * x / 16.0) / length_px, r.end);
-        let p = probe(r, s, s0);
-        if (p.behind) { return decide(crossing(r, before, s, p, s0), origin, direction); }
-        if (ray_depth(r, s) > before_m) {
+        let coarse = min(first_px * (x + x * x / 16.0) / length_px, r.end);
+        let is_fine = low < fine_end;
+        high = select(coarse, min(low + 1.0 / length_px, fine_end), is_fine);
+        p = probe(r, high, s0);
+        if (p.behind) {
+            cause = CAUSE_HIT;
+            break;
+        }
+        if (!is_fine && p.ray_m > before_m && fine_end < coarse) {
             // The ray went deeper than what it had in front of it one step ago, and that thing is
             // gone: it may have been met near its edge. Look at every pixel in between.
-            let count = ceil((s - before) * length_px);
-            for (var j = 1.0; j < count; j += 1.0) {
-                let fine = before + (s - before) * j / count;
-                let q = probe(r, fine, s0);
-                if (q.behind) { return decide(crossing(r, before + (s - before) * (j - 1.0) / count, fine, q, s0), origin, direction); }
-            }
+            fine_end = coarse;
+            continue;
         }
-        if (s >= r.end) {
-            m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
-            return m;
+        if (high >= r.end) {
+            cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
+            break;
         }
-        before = s;
+        low = high;
         before_m = p.scene_m;
+        if (high >= coarse) { k++; }
     }
-    return m;
+    if (cause != CAUSE_HIT) { return March(cause, vec2u(0u), 0.0); }
+    // Step back to the crossing: T judges the crossing, not the length of the step.
+    for (var i = 0; i < 6; i++) {
+        let middle = (low + high) * 0.5;
+        let q = probe(r, middle, s0);
+        if (q.behind) {
+            high = middle;
+            p = q;
+        } else {
+            low = middle;
+        }
+    }
+    return decide(p, origin, direction);
 }
 
 @compute @workgroup_size(8, 8)
