@@ -1,4 +1,4 @@
-//! `render`: a scene becomes picture files.
+//! `render`: a scene becomes pictures or a film.
 
 use std::path::Path;
 
@@ -8,45 +8,113 @@ use super::{
     output::Output,
     print_json, print_out,
     scene::{LoadedScene, load_scene},
+    sequence,
     stats::Report,
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::{RenderError, RenderOptions, Renderer, aov::Aov},
-    scene::desc::{CameraDesc, Method},
+    render::{Picture, RenderError, RenderOptions, Renderer, aov::Aov},
+    scene::{desc::Method, motion::Motion},
 };
 
-/// Renders one picture.
+/// Everything that pictures of one scene are made with.
+pub struct Studio {
+    /// The device.
+    pub gpu: Gpu,
+    /// The scene, posed for the next picture.
+    pub loaded: LoadedScene,
+    /// Further pictures of every frame.
+    pub aovs: Vec<Aov>,
+    /// Whether the shaders come from the user.
+    pub own_shaders: bool,
+    renderer: Renderer,
+    camera: usize,
+}
+
+impl Studio {
+    fn new(
+        args: &RenderArgs,
+        loaded: LoadedScene,
+        camera: usize,
+        aovs: Vec<Aov>,
+        library: &ShaderLibrary,
+    ) -> Result<Self, AppError> {
+        let gpu = Gpu::new(&GpuOptions {
+            adapter_filter: args.adapter.clone(),
+        })?;
+        let options = RenderOptions {
+            reflection: loaded.desc.reflection,
+            image: loaded.desc.image,
+            general: false,
+        };
+        let own_shaders = args.shaders.is_some();
+        let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
+            .map_err(|error| explain(error, own_shaders))?;
+        Ok(Self {
+            gpu,
+            loaded,
+            aovs,
+            own_shaders,
+            renderer,
+            camera,
+        })
+    }
+
+    /// Renders the scene as it is posed.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn picture(&mut self) -> Result<Picture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world);
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.picture(&self.gpu, world, camera, &self.aovs)
+    }
+}
+
+/// Renders one picture, or the frames of a film.
 ///
 /// # Errors
 /// Whatever stops it; no file is left half written.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     // Cheap checks first: a typo must not cost a minute of rendering.
-    let output = Output::new(&args.output)?;
+    let many = sequence::is_wanted(args)?;
+    let output = if many {
+        None
+    } else {
+        if args.resume || args.shard.is_some() {
+            let text = "--resume and --shard go with --frames";
+            return Err(AppError::Usage(text.to_owned()));
+        }
+        Some(Output::new(&args.output)?)
+    };
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let camera = choose_camera(&loaded, args.camera.as_deref())?;
-
-    let gpu = Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?;
-    let options = RenderOptions {
-        reflection: loaded.desc.reflection,
-        image: loaded.desc.image,
-        general: false,
+    let Some(output) = output else {
+        let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
+        sequence::check_output(args, &frames)?;
+        let studio = Studio::new(args, loaded, camera, aovs, &library)?;
+        return sequence::render(args, studio, &frames);
     };
-    let failed = |error| explain(error, args.shaders.is_some());
-    let world = &loaded.world;
-    let mut renderer = Renderer::new(&gpu, &library, world, &options).map_err(failed)?;
-    let picture = renderer
-        .picture(&gpu, world, &camera, &aovs)
-        .map_err(failed)?;
+    let mut studio = Studio::new(args, loaded, camera, aovs, &library)?;
+    let motion = Motion::new(&studio.loaded.desc);
+    if !motion.is_still() {
+        let state = motion.pose(motion.first_frame()).map_err(AppError::Scene)?;
+        for line in &state.log {
+            eprintln!("{line}");
+        }
+        studio.loaded.world.apply(&state).map_err(AppError::Scene)?;
+    }
+    let picture = studio
+        .picture()
+        .map_err(|error| explain(error, studio.own_shaders))?;
 
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let report = Report::new(&gpu, picture.stats);
+    let report = Report::new(&studio.gpu, picture.stats);
     match args.stats {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),
@@ -54,7 +122,8 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     }
 }
 
-fn explain(error: RenderError, own_shaders: bool) -> AppError {
+/// What the user sees of a picture that cannot be rendered.
+pub fn explain(error: RenderError, own_shaders: bool) -> AppError {
     match error {
         RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
             AppError::from_user_shader(&error)
@@ -112,14 +181,14 @@ fn shader_library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
 }
 
 /// The named camera; without a name `main`, else the first.
-fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<CameraDesc, AppError> {
+fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     let cameras = &loaded.world.cameras;
-    let named = |name: &str| cameras.iter().find(|camera| camera.name == name);
+    let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
     let found = match name {
         Some(name) => named(name),
-        None => named("main").or(cameras.first()),
+        None => named("main").or((!cameras.is_empty()).then_some(0)),
     };
-    found.map(|camera| camera.value.clone()).ok_or_else(|| {
+    found.ok_or_else(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         AppError::Usage(format!(
             "--camera {}: {} has no such camera; it has: {}",

@@ -32,6 +32,10 @@ pub struct LoadedScene {
     pub desc: SceneDesc,
     /// As loaded.
     pub world: World,
+    /// The scene's text, for fingerprints.
+    pub text: String,
+    /// What was laid over it.
+    pub overrides: Vec<String>,
     /// How many warnings were printed.
     pub num_warnings: usize,
 }
@@ -55,6 +59,14 @@ pub fn load_scene(
         assets: asset_folders(&from.assets),
         ..LoadOptions::default()
     };
+    for line in desc.script.iter().flat_map(|s| s.setup_log()) {
+        eprintln!("{line}");
+    }
+    let text = match path {
+        // Read a second time, for its fingerprint; what cannot be read was an error before.
+        Some(path) => std::fs::read_to_string(path).unwrap_or_default(),
+        None => ATRIUM.to_owned(),
+    };
     let world = load::load(&desc, &options)
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
@@ -66,6 +78,8 @@ pub fn load_scene(
         ),
         desc,
         world,
+        text,
+        overrides,
         num_warnings: warnings.len(),
     })
 }
