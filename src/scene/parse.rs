@@ -15,7 +15,7 @@ mod table;
 mod value;
 mod words;
 
-use std::{fs::File, io::Read as _, path::Path};
+use std::{cell::OnceCell, fs::File, io::Read as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -104,7 +104,7 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
         .iter()
         .map(|o| report.add_source(Path::new("--set"), o))
         .collect();
-    let scripted; // before the tree, which borrows what a script adds
+    let scripted = OnceCell::new(); // before the tree, which borrows what a script adds
     let (root, shadows) = syntax::parse(text, &mut report);
     let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
     for (text, base) in overrides.iter().zip(bases) {
@@ -112,11 +112,11 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let nothing = DeTable::new();
-    scripted = match root.get_ref().as_table() {
+    let scripted = scripted.get_or_init(|| match root.get_ref().as_table() {
         Some(table) if shadows.is_empty() => script::run(table, folder, &mut report),
         _ => Default::default(),
-    };
-    script::merge(&mut root, &scripted, &mut report);
+    });
+    script::merge(&mut root, scripted, &mut report);
     let table = root.get_ref().as_table().unwrap_or(&nothing);
     let mut scene =
         Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();

@@ -31,6 +31,9 @@ use super::{
 
 pub use engine::{DEADLINE, LIMITS};
 
+/// A scene as a script leaves it, and which cameras and lights the script has set.
+pub type Posed = (FrameState, HashSet<(Kind, usize)>);
+
 /// A compiled script; clones share it.
 #[derive(Clone)]
 pub struct Script(Arc<Compiled>);
@@ -183,7 +186,7 @@ impl Script {
         state: FrameState,
         names: &Arc<Names>,
         desc: &SceneDesc,
-    ) -> Result<(FrameState, HashSet<(Kind, usize)>), Vec<Diagnostic>> {
+    ) -> Result<Posed, Vec<Diagnostic>> {
         if !self.0.has_frame {
             return Ok((state, HashSet::new()));
         }

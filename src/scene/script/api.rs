@@ -4,7 +4,7 @@
 mod math;
 mod random;
 mod scene;
-pub mod value;
+pub(super) mod value;
 
 use std::fmt::Write as _;
 

@@ -25,7 +25,7 @@ use super::{
 /// Longest time of one call.
 pub const DEADLINE: Duration = Duration::from_secs(5);
 /// Most operations of one call.
-const OPERATIONS: u64 = 20_000_000;
+const OPERATIONS: u64 = 10_000_000;
 /// Deepest nesting of calls.
 const CALLS: usize = 32;
 /// Deepest nesting of expressions outside and inside functions.
@@ -54,7 +54,7 @@ const STACK: usize = 32 << 20;
 /// What ends a call, for the manual: what is limited, and where.
 pub const LIMITS: &[(&str, &str)] = &[
     ("time of one call", "5 s"),
-    ("operations of one call", "20,000,000"),
+    ("operations of one call", "10,000,000"),
     ("memory that one call adds (Linux)", "1 GiB"),
     ("calls inside calls", "32"),
     ("nested expressions", "64; 48 inside functions"),
@@ -118,7 +118,7 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
 
 fn progress(operations: u64) -> Option<Dynamic> {
     if operations > OPERATIONS {
-        return Some("it takes more than 20,000,000 operations".into());
+        return Some("it takes more than 10,000,000 operations".into());
     }
     if !operations.is_multiple_of(LOOK_EVERY) {
         return None;
