@@ -145,6 +145,18 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     let first = pictures(&folder);
     assert_eq!(first.len(), 6);
     assert_eq!(render(&folder, &frames, 0).matches(": kept f.").count(), 3);
+    // What a killed run has left beside a frame; what is not ours stays.
+    for left in [".f.0.png.4294967295.tmp", ".other.png.4294967295.tmp"] {
+        fs::write(folder.join(left), "half").expect("writable");
+    }
+    let progress = [&frames[..], &["--progress", "json"]].concat();
+    assert_eq!(render(&folder, &progress, 0).matches("kept").count(), 0);
+    let is_there = |name: &str| folder.join(name).exists();
+    assert_eq!(
+        is_there(".f.0.png.4294967295.tmp"),
+        !cfg!(target_os = "linux")
+    );
+    assert!(is_there(".other.png.4294967295.tmp"));
     // A frame that is gone, one that is cut short, and a plane that is gone.
     fs::remove_file(folder.join("f.0.png")).expect("it is there");
     let bytes = fs::read(folder.join("f.1.png")).expect("it is there");
@@ -185,6 +197,42 @@ fn failing_frames_are_told_and_the_others_are_there() {
     assert!(text.contains("no such day"), "{text}");
     let left = fs::read_dir(&folder).expect("readable").count();
     assert_eq!(left, 4, "nothing half written stays");
+}
+
+fn pixels(file: &Path) -> Vec<u8> {
+    let file = fs::File::open(file).expect("it is there");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file))
+        .read_info()
+        .expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    reader.next_frame(&mut pixels).expect("a frame");
+    pixels
+}
+
+/// What the scene needs is decided for all frames, not for the values at load.
+#[test]
+fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("mirror");
+    render(&folder, &["-o", "moved.png", "--frames", "5"], 0);
+    let key = "[motion.material.mirror]";
+    let (before, after) = SCENE.split_once(key).expect("it moves");
+    let rest = after
+        .split_once("[material.red]")
+        .expect("the next table")
+        .1;
+    let still = format!("{before}[material.red]{rest}").replace("roughness = 0.5", "roughness = 0");
+    fs::write(folder.join("scene.toml"), &still).expect("writable");
+    render(&folder, &["-o", "mirror.png", "--frames", "5"], 0);
+    let matte = still.replace("roughness = 0\n", "roughness = 0.5\n");
+    fs::write(folder.join("scene.toml"), matte).expect("writable");
+    render(&folder, &["-o", "matte.png", "--frames", "5"], 0);
+    let [moved, mirror, matte] =
+        ["moved", "mirror", "matte"].map(|name| pixels(&folder.join(format!("{name}.png"))));
+    assert!(moved == mirror, "it is not the mirror that it should be");
+    assert!(mirror != matte, "the mirror cannot be seen");
 }
 
 #[test]

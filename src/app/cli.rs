@@ -63,6 +63,9 @@ pub struct RenderArgs {
     /// Keep the files of frames that were made from the same scene, settings and version
     #[arg(long)]
     pub resume: bool,
+    /// How progress is shown; without it a bar on a terminal, a line for each frame elsewhere
+    #[arg(long, value_name = "FORM")]
+    pub progress: Option<ProgressForm>,
     /// Render only the I-th of N parts of the frames, for several machines
     #[arg(long, value_name = "I/N", value_parser = parse_shard)]
     pub shard: Option<Shard>,
@@ -126,6 +129,17 @@ pub enum StatsForm {
     Json,
     /// A table
     Text,
+}
+
+/// How the progress of a film is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressForm {
+    /// A bar with the time that is left, on standard error
+    Bar,
+    /// A line for each frame, on standard error
+    Lines,
+    /// A JSON object for each frame, on standard output
+    Json,
 }
 
 /// `--method`

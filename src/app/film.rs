@@ -76,6 +76,11 @@ impl Film {
         })
     }
 
+    /// The name that it will have.
+    pub fn goal(&self) -> &Path {
+        &self.goal
+    }
+
     /// Adds a frame, RGBA.
     ///
     /// # Errors
@@ -198,7 +203,8 @@ fn ffmpeg(
         // Display colors are sRGB; most players take BT.709 for granted.
         .args([
             "-vf",
-            "scale=out_color_matrix=bt709:out_range=tv",
+            "scale=out_color_matrix=bt709:out_range=tv,\
+             setparams=color_primaries=bt709:color_trc=bt709",
             "-colorspace",
             "bt709",
         ])

@@ -3,13 +3,14 @@
 use std::{
     ffi::OsString,
     io::{self, Write as _},
+    iter,
 };
 
 use clap::Parser as _;
 
 use crate::{
     bench::compare::{CompareArgs, compare},
-    scene::{manual::manual, schema::schema, script},
+    scene::{manual::manual, motion::Motion, schema::schema, script},
 };
 
 pub mod aov;
@@ -48,7 +49,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
 }
 
 fn check(args: &CheckArgs) -> Result<(), AppError> {
-    let loaded = scene::load_scene(Some(&args.scene), &args.from, &[])?;
+    let mut loaded = scene::load_scene(Some(&args.scene), &args.from, &[])?;
+    let motion = Motion::new(&loaded.desc);
+    let last = loaded.desc.timeline.as_ref().map(|t| t.end);
+    // The first frame and the last: what a script or a track does wrong mostly shows in these.
+    for frame in iter::once(motion.first_frame()).chain(last) {
+        let state = motion.pose(frame).map_err(AppError::Scene)?;
+        loaded.world.apply(&state).map_err(AppError::Scene)?;
+    }
     let warnings = match loaded.num_warnings {
         0 => String::new(),
         1 => ", 1 warning".to_owned(),

@@ -1,10 +1,14 @@
 //! How far a film is: a bar on a terminal, a plain line for each frame elsewhere.
 
 use std::{
-    io::{IsTerminal as _, Write as _, stderr},
+    io::{IsTerminal as _, Write as _, stderr, stdout},
     path::Path,
     time::Instant,
 };
+
+use serde_json::json;
+
+use super::cli::ProgressForm;
 
 /// Progress of one command.
 #[derive(Debug)]
@@ -13,7 +17,7 @@ pub struct Progress {
     kept: usize,
     rendered: usize,
     started: Instant,
-    bar: bool,
+    form: ProgressForm,
 }
 
 /// Columns of the bar itself.
@@ -21,39 +25,57 @@ const BAR: usize = 24;
 
 impl Progress {
     /// Of a command with so many frames.
-    pub fn new(total: usize) -> Self {
+    pub fn new(total: usize, form: Option<ProgressForm>) -> Self {
+        let on_terminal = stderr().is_terminal();
+        let usual = if on_terminal {
+            ProgressForm::Bar
+        } else {
+            ProgressForm::Lines
+        };
         Self {
             total,
             kept: 0,
             rendered: 0,
             started: Instant::now(),
-            bar: stderr().is_terminal(),
+            form: form.unwrap_or(usual),
         }
     }
 
     /// A frame's file was there already.
     pub fn keep(&mut self, frame: u32, path: &Path) {
         self.kept += 1;
-        self.show(frame, &format!("kept {}", path.display()));
+        self.show(frame, "kept", path, None);
     }
 
-    /// A frame is done.
-    pub fn done(&mut self, frame: u32, what: &str) {
+    /// A frame is written: `verb` it to a file, `wrote` or `added to`.
+    pub fn done(&mut self, frame: u32, verb: &str, path: &Path, seconds: f64) {
         self.rendered += 1;
-        self.show(frame, what);
+        self.show(frame, verb, path, Some(seconds));
     }
 
-    /// A line that stays, such as what a script printed.
-    pub fn note(&self, line: &str) {
-        let clear = if self.bar { "\r\x1b[2K" } else { "" };
-        eprintln!("{clear}{line}");
-    }
-
-    fn show(&self, frame: u32, what: &str) {
+    fn show(&self, frame: u32, verb: &str, path: &Path, seconds: Option<f64>) {
         let done = self.kept + self.rendered;
-        if !self.bar {
-            eprintln!("frame {frame} ({done} of {}): {what}", self.total);
-            return;
+        let file = path.display();
+        match self.form {
+            ProgressForm::Bar => {}
+            ProgressForm::Lines => {
+                let time = seconds.map_or(String::new(), |s| format!(", {s:.2} s"));
+                eprintln!(
+                    "frame {frame} ({done} of {}): {verb} {file}{time}",
+                    self.total
+                );
+                return;
+            }
+            ProgressForm::Json => {
+                let line = json!({
+                    "frame": frame, "done": done, "total": self.total, "file": file.to_string(),
+                    "kept": verb == "kept", "seconds": seconds,
+                });
+                let mut out = stdout().lock();
+                // A reader that has left is no reason to stop rendering.
+                let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+                return;
+            }
         }
         let filled = BAR * done / self.total.max(1);
         let bar: String = (0..BAR)

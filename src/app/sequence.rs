@@ -17,6 +17,7 @@ use super::{
     output::Output,
     progress::Progress,
     render::{Studio, explain},
+    temporary::{check_writable, sweep},
 };
 use crate::{
     gpu::GpuError,
@@ -104,7 +105,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
 /// [`AppError::Usage`] for a path that cannot be written.
 pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppError> {
     if is_film(&args.output) {
-        return super::temporary::check_writable(&args.output);
+        return check_writable(&args.output);
     }
     let Some(first) = frames.0.first() else {
         return Ok(());
@@ -119,8 +120,11 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
 /// [`AppError::Frames`] with those that failed; the others are there.
 pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &studio.loaded, &studio.gpu)?;
-    let mut progress = Progress::new(frames.0.len());
+    let mut progress = Progress::new(frames.0.len(), args.progress);
     let mut target = target(args, &studio, frames)?;
+    if let (true, Target::Files { names, .. }) = (args.resume, &target) {
+        sweep(names);
+    }
     let planes: Vec<_> = studio.aovs.iter().map(|aov| aov.name()).collect();
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
@@ -214,18 +218,19 @@ fn encode(target: &mut Target, receiver: &Receiver<Finished>, mut progress: Prog
             started,
         } = finished;
         let result = match target {
-            Target::Film(film) => film.add(&picture.display).map(|()| "added".to_owned()),
+            Target::Film(film) => film
+                .add(&picture.display)
+                .map(|()| ("added to", film.goal().to_owned())),
             Target::Files { output, names } => {
                 let name = names[index].clone();
-                let shown = format!("wrote {}", name.display());
-                let written = output.renamed(name).write_marked(&picture, Some(&mark));
-                written.map(|_| shown)
+                let own = output.renamed(name.clone());
+                own.write_marked(&picture, Some(&mark))
+                    .map(|_| ("wrote", name))
             }
         };
         match result {
-            Ok(what) => {
-                let seconds = started.elapsed().as_secs_f64();
-                progress.done(frame, &format!("{what}, {seconds:.2} s"));
+            Ok((verb, path)) => {
+                progress.done(frame, verb, &path, started.elapsed().as_secs_f64());
             }
             Err(error) => {
                 failures.push((frame, error.to_string()));

@@ -1,7 +1,8 @@
 //! Files that are there whole or not at all.
 
 use std::{
-    ffi::OsString,
+    collections::HashSet,
+    ffi::{OsStr, OsString},
     fs::{self, File, OpenOptions},
     io::Write as _,
     path::{Path, PathBuf},
@@ -62,6 +63,33 @@ impl Temporary {
             File::open(folder_of(goal))?.sync_all()?;
         }
         Ok(())
+    }
+}
+
+/// Removes what killed runs have left beside these files. Only Linux tells which runs still live
+/// and need their own, so elsewhere nothing is removed.
+pub fn sweep(goals: &[PathBuf]) {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let names: HashSet<_> = goals.iter().filter_map(|goal| goal.file_name()).collect();
+    let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
+    let entries = folders.into_iter().filter_map(|f| fs::read_dir(f).ok());
+    for entry in entries.flatten().flatten() {
+        let name = entry.file_name();
+        let parts = name.to_str().and_then(|name| {
+            let (goal, id) = name
+                .strip_prefix('.')?
+                .strip_suffix(".tmp")?
+                .rsplit_once('.')?;
+            Some((goal, id.parse::<u32>().ok()?))
+        });
+        let is_left = parts.is_some_and(|(goal, id)| {
+            names.contains(OsStr::new(goal)) && !Path::new("/proc").join(id.to_string()).exists()
+        });
+        if is_left {
+            let _ = fs::remove_file(entry.path()); // nobody waits for it
+        }
     }
 }
 

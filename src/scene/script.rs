@@ -29,8 +29,6 @@ use super::{
     motion::{FrameState, Kind, Names},
 };
 
-pub use engine::{DEADLINE, LIMITS};
-
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
 

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use rhai::Engine;
 
-use super::LIMITS;
+use super::engine::limits;
 
 /// One function, operator or property.
 pub struct Entry {
@@ -98,7 +98,7 @@ pub fn signatures(name: &str) -> Vec<String> {
 pub fn manual() -> String {
     let mut out = INTRODUCTION.to_owned();
     out.push_str("\n## Limits\n\n| what | at most |\n|---|---|\n");
-    for (what, most) in LIMITS {
+    for (what, most) in limits() {
         let _ = writeln!(out, "| {what} | {most} |");
     }
     for group in API {

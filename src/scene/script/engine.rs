@@ -19,15 +19,15 @@ use rhai::{
 
 use super::{
     api,
-    sources::{Resolver, Sources},
+    sources::{MOST_BYTES, Resolver, Sources},
 };
 
 /// Longest time of one call.
-pub const DEADLINE: Duration = Duration::from_secs(5);
+const DEADLINE: Duration = Duration::from_secs(5);
 /// Most operations of one call.
 const OPERATIONS: u64 = 10_000_000;
 /// Deepest nesting of calls.
-const CALLS: usize = 32;
+pub const CALLS: usize = 32;
 /// Deepest nesting of expressions outside and inside functions.
 const DEPTH: [usize; 2] = [64, 48];
 /// Longest text, bytes.
@@ -37,11 +37,11 @@ const ARRAY: usize = 50_000;
 /// Most entries of an object map, with those inside its entries.
 const MAP: usize = 50_000;
 /// Most imports.
-const MODULES: usize = 32;
+pub const MODULES: usize = 32;
 /// Most functions of a script.
 const FUNCTIONS: usize = 500;
 /// Most variables in a function at a time.
-const VARIABLES: usize = 64;
+pub const VARIABLES: usize = 64;
 /// Most lines that a call may print.
 const LINES: usize = 1000;
 /// Most memory that a call may add to the process, bytes, where the system tells (Linux).
@@ -52,27 +52,44 @@ const LOOK_EVERY: u64 = 128;
 const STACK: usize = 32 << 20;
 
 /// What ends a call, for the manual: what is limited, and where.
-pub const LIMITS: &[(&str, &str)] = &[
-    ("time of one call", "5 s"),
-    ("operations of one call", "10,000,000"),
-    ("memory that one call adds (Linux)", "1 GiB"),
-    ("calls inside calls", "32"),
-    ("nested expressions", "64; 48 inside functions"),
-    ("bytes of a text", "65,536"),
-    (
-        "elements of an array, with those inside its elements",
-        "50,000",
-    ),
-    (
-        "entries of an object map, with those inside its entries",
-        "50,000",
-    ),
-    ("variables of a function at a time", "64"),
-    ("functions", "500"),
-    ("imports", "32"),
-    ("lines printed by a call", "1,000"),
-    ("bytes of a script file", "1,048,576"),
-];
+pub fn limits() -> Vec<(&'static str, String)> {
+    let count = |n: usize| grouped(n as u64);
+    vec![
+        ("time of one call", format!("{} s", DEADLINE.as_secs())),
+        ("operations of one call", grouped(OPERATIONS)),
+        (
+            "memory that one call adds (Linux)",
+            format!("{} MiB", grouped(MEMORY >> 20)),
+        ),
+        ("calls inside calls", count(CALLS)),
+        (
+            "nested expressions",
+            format!("{}; {} inside functions", DEPTH[0], DEPTH[1]),
+        ),
+        ("bytes of a text", count(TEXT)),
+        (
+            "elements of an array, with those inside its elements",
+            count(ARRAY),
+        ),
+        (
+            "entries of an object map, with those inside its entries, where it is passed or returned",
+            count(MAP),
+        ),
+        ("variables of a function at a time", count(VARIABLES)),
+        ("functions", count(FUNCTIONS)),
+        ("imports", count(MODULES)),
+        ("lines printed by a call", count(LINES)),
+        ("bytes of a script file", grouped(MOST_BYTES)),
+    ]
+}
+
+/// Digits in groups of three.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev();
+    let texts: Vec<_> = groups.map(String::from_utf8_lossy).collect();
+    texts.join(",")
+}
 
 thread_local! {
     static END: Cell<Option<Instant>> = const { Cell::new(None) };
@@ -118,16 +135,18 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
 
 fn progress(operations: u64) -> Option<Dynamic> {
     if operations > OPERATIONS {
-        return Some("it takes more than 10,000,000 operations".into());
+        let most = grouped(OPERATIONS);
+        return Some(format!("it takes more than {most} operations").into());
     }
     if !operations.is_multiple_of(LOOK_EVERY) {
         return None;
     }
     if END.get().is_some_and(|end| Instant::now() > end) {
-        return Some("it takes longer than 5 s".into());
+        return Some(format!("it takes longer than {} s", DEADLINE.as_secs()).into());
     }
     let grown = resident_bytes()?.saturating_sub(MEMORY_AT_START.get()?);
-    (grown > MEMORY).then(|| "it takes more than 1 GiB of memory".into())
+    let most = grouped(MEMORY >> 20);
+    (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory").into())
 }
 
 fn print(line: String) {

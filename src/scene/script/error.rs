@@ -3,7 +3,11 @@
 
 use rhai::{EvalAltResult as Wrong, ParseError, ParseErrorType, Position};
 
-use super::{api, sources::Sources};
+use super::{
+    api,
+    engine::{CALLS, MODULES, VARIABLES},
+    sources::Sources,
+};
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
 
 /// A script that does not compile.
@@ -177,7 +181,7 @@ fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagn
 
 /// Kind of the message, the message, and what to do.
 fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<String>) {
-    let limit = |message: &str| ("script-limit", message.to_owned(), None);
+    let limit = |message: String| ("script-limit", message, None);
     match wrong {
         Wrong::ErrorTerminated(why, _) => {
             let help = "look for a loop without an end; limits are in docs/scripting.md";
@@ -187,10 +191,14 @@ fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<S
                 Some(help.to_owned()),
             )
         }
-        Wrong::ErrorStackOverflow(_) => limit("calls are nested more than 32 deep"),
-        Wrong::ErrorTooManyOperations(_) => limit("the script takes too many operations"),
-        Wrong::ErrorTooManyVariables(_) => limit("a function has more than 64 variables"),
-        Wrong::ErrorTooManyModules(_) => limit("more than 32 imports"),
+        Wrong::ErrorStackOverflow(_) => limit(format!("calls are nested more than {CALLS} deep")),
+        Wrong::ErrorTooManyOperations(_) => {
+            limit("the script takes too many operations".to_owned())
+        }
+        Wrong::ErrorTooManyVariables(_) => {
+            limit(format!("a function has more than {VARIABLES} variables"))
+        }
+        Wrong::ErrorTooManyModules(_) => limit(format!("more than {MODULES} imports")),
         Wrong::ErrorDataTooLarge(what, _) => {
             let help = "limits are in docs/scripting.md".to_owned();
             (

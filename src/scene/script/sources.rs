@@ -11,7 +11,7 @@ use rhai::{EvalAltResult, ImmutableString, Position, Scope, Shared};
 use crate::scene::diagnostic::{Diagnostic, Source, Span};
 
 /// Largest script, bytes.
-const MOST_BYTES: u64 = 1 << 20;
+pub const MOST_BYTES: u64 = 1 << 20;
 
 /// The texts of a script and of what it imports.
 #[derive(Debug, Default)]
