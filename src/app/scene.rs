@@ -1,7 +1,7 @@
 //! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
 
 use std::{
-    env,
+    env, fs,
     path::{Path, PathBuf},
 };
 
@@ -68,6 +68,18 @@ pub fn load_scene(
         world,
         num_warnings: warnings.len(),
     })
+}
+
+/// The text of a scene file, or of the built-in atrium.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
+    match path {
+        None => Ok(ATRIUM.to_owned()),
+        Some(path) => fs::read_to_string(path)
+            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
+    }
 }
 
 /// The folders of `--assets`, then those of the environment.
