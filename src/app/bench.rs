@@ -36,7 +36,9 @@ use crate::{
 };
 
 pub mod args;
+pub mod paper;
 pub mod progress;
+pub mod shots;
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
@@ -47,7 +49,7 @@ use progress::Progress;
 /// Bad input before anything is measured; whatever stops the measuring, whose samples are kept.
 pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
-        Some(Experiment::Paper(_)) => Err(AppError::Usage("not yet".to_owned())),
+        Some(Experiment::Paper(args)) => paper::paper(args),
         None => {
             let samples = match &args.samples {
                 Some(path) => {
@@ -68,7 +70,14 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
 fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
     let protocol = protocol(args)?;
     let subjects = subjects(args)?;
-    run(&args.run, &protocol, &subjects)
+    run(&open_gpu(&args.run)?, &args.run, &protocol, &subjects)
+}
+
+/// The adapter that the arguments name.
+fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+    Ok(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?)
 }
 
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
@@ -133,7 +142,9 @@ pub fn subject(
     camera: Option<&str>,
 ) -> Result<Subject, AppError> {
     let (camera_name, camera) = choose_camera(&loaded, camera)?;
-    let mut content = overrides.iter().fold(Hash::default().add(text), |h, o| h.add(o));
+    let mut content = overrides
+        .iter()
+        .fold(Hash::default().add(text), |h, o| h.add(o));
     for path in &loaded.world.files {
         let bytes = fs::read(path).map_err(|error| {
             AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
@@ -156,24 +167,22 @@ pub fn subject(
 /// # Errors
 /// A folder that cannot be written to, what the renderer refuses.
 pub fn run(
+    gpu: &Gpu,
     args: &RunArgs,
     protocol: &Protocol,
     subjects: &[Subject],
 ) -> Result<Vec<Sample>, AppError> {
     create_folder(&args.output)?;
     let path = args.output.join("samples.csv");
-    let gpu = Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?;
     let mut log = if args.resume {
         Log::resume(&path)
     } else {
         Log::create(&path)
     }
     .map_err(of_file)?;
-    let host = Host::of(&gpu);
+    let host = Host::of(gpu);
     let bench = Bench {
-        gpu: &gpu,
+        gpu,
         library: &ShaderLibrary::embedded(),
         host: &host,
         protocol,
@@ -186,7 +195,10 @@ pub fn run(
         BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
     })?;
     if outcome.skipped > 0 {
-        let text = format!("{} frames were measured before and are kept", outcome.skipped);
+        let text = format!(
+            "{} frames were measured before and are kept",
+            outcome.skipped
+        );
         progress.note(&text);
     }
     write_settings(&args.output, protocol, subjects, &host, &outcome)?;

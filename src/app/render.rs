@@ -54,7 +54,8 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     }
 }
 
-fn explain(error: RenderError, own_shaders: bool) -> AppError {
+/// What a failed render means for the user.
+pub fn explain(error: RenderError, own_shaders: bool) -> AppError {
     match error {
         RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
             AppError::from_user_shader(&error)

@@ -10,7 +10,7 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{desc::SceneDesc, parse},
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse},
     world::{
         World,
         load::{self, LoadOptions},
@@ -21,7 +21,7 @@ use crate::{
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
 /// The scene that is built into the binary.
-const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
 /// A scene as written and as loaded.
 #[derive(Debug)]
@@ -50,9 +50,29 @@ pub fn load_scene(
         Some(path) => parse::load(path, &overrides),
         None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
     };
-    let (desc, mut warnings) = read.map_err(AppError::Scene)?;
+    let name = path.map_or_else(
+        || "the built-in atrium".to_owned(),
+        |path| path.display().to_string(),
+    );
+    load_desc(name, read.map_err(AppError::Scene)?, &from.assets)
+}
+
+/// Loads a scene whose text is at hand; `file` is what messages call it.
+///
+/// # Errors
+/// As [`load_scene`].
+pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
+    let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
+    load_desc(file.display().to_string(), read, &from.assets)
+}
+
+fn load_desc(
+    name: String,
+    (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
+    assets: &[PathBuf],
+) -> Result<LoadedScene, AppError> {
     let options = LoadOptions {
-        assets: asset_folders(&from.assets),
+        assets: asset_folders(assets),
         ..LoadOptions::default()
     };
     let world = load::load(&desc, &options)
@@ -60,10 +80,7 @@ pub fn load_scene(
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
     Ok(LoadedScene {
-        name: path.map_or_else(
-            || "the built-in atrium".to_owned(),
-            |path| path.display().to_string(),
-        ),
+        name,
         desc,
         world,
         num_warnings: warnings.len(),
@@ -83,7 +100,7 @@ pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
 }
 
 /// The folders of `--assets`, then those of the environment.
-fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()

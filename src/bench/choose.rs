@@ -46,9 +46,10 @@ impl Bound {
     /// A sentence with what may be written.
     pub fn parse(text: &str) -> Result<Self, String> {
         let forms = "ssim>=X, psnr>=X, flip<=X, relmse<=X or ms<=X";
-        let written = [">=", "<="]
-            .into_iter()
-            .find_map(|sign| text.split_once(sign).map(|(name, limit)| (name, sign, limit)));
+        let written = [">=", "<="].into_iter().find_map(|sign| {
+            text.split_once(sign)
+                .map(|(name, limit)| (name, sign, limit))
+        });
         let Some((name, sign, limit)) = written else {
             return Err(format!("expected {forms}"));
         };
@@ -138,7 +139,11 @@ pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> 
 /// The point's settings as scene text, with what they were measured to give.
 pub fn block(point: &Point, masked: bool) -> String {
     let s = &point.sample;
-    let region = if masked { "in reflections" } else { "of the frame" };
+    let region = if masked {
+        "in reflections"
+    } else {
+        "of the frame"
+    };
     let error = |metric| point.error(metric, masked).map_or("?".to_owned(), digits);
     let ssim = if masked { s.mask_ssim } else { s.ssim };
     let mut text = String::new();

@@ -44,7 +44,9 @@ fn least(
         let (a, b) = (rank(a), rank(b));
         a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
     };
-    candidates.min_by(|(_, a), (_, b)| order(a, b)).map(|(i, _)| i)
+    candidates
+        .min_by(|(_, a), (_, b)| order(a, b))
+        .map(|(i, _)| i)
 }
 
 /// What break-even is computed from, all of one size and one set of lengths and bounces.
@@ -84,12 +86,30 @@ mod tests {
     use super::*;
 
     const SPOTS: [Spot; 6] = [
-        Spot { ms: 1.0, error: 0.5 },
-        Spot { ms: 2.0, error: 0.2 },
-        Spot { ms: 2.0, error: 0.3 }, // slower than none, worse than the one before
-        Spot { ms: 3.0, error: 0.2 }, // as good, slower
-        Spot { ms: 4.0, error: 0.0 },
-        Spot { ms: 5.0, error: 0.6 },
+        Spot {
+            ms: 1.0,
+            error: 0.5,
+        },
+        Spot {
+            ms: 2.0,
+            error: 0.2,
+        },
+        Spot {
+            ms: 2.0,
+            error: 0.3,
+        }, // slower than none, worse than the one before
+        Spot {
+            ms: 3.0,
+            error: 0.2,
+        }, // as good, slower
+        Spot {
+            ms: 4.0,
+            error: 0.0,
+        },
+        Spot {
+            ms: 5.0,
+            error: 0.6,
+        },
     ];
 
     #[test]

@@ -208,10 +208,7 @@ mod tests {
             turned(Knob::ThresholdU)[0].reflection,
             expect(|r| r.threshold_u = 8.0)
         );
-        assert_eq!(
-            turned(Knob::Steps)[0].reflection,
-            expect(|r| r.steps = 8)
-        );
+        assert_eq!(turned(Knob::Steps)[0].reflection, expect(|r| r.steps = 8));
         assert_eq!(
             turned(Knob::RayLengthU)[0].reflection,
             expect(|r| r.ray_length_u = 8.0)

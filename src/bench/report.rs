@@ -5,8 +5,8 @@ pub mod chart;
 pub mod page;
 pub mod words;
 
-use super::summary::{Group, Metric, groups};
 use super::sample::Sample;
+use super::summary::{Group, Metric, groups};
 use chart::{Axes, Time, draw};
 
 /// A chart as a file.
@@ -38,11 +38,15 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
     groups
         .map(|(index, group)| {
             let mut charts = Vec::new();
+            let is_turned = group.points.iter().any(|p| p.sample.value.is_some());
             for (what, time, metric) in [
                 ("flip", Time::Frame, Metric::Flip),
                 ("ssim", Time::Frame, Metric::Dissimilarity),
                 ("reflection", Time::Reflection, Metric::Flip),
             ] {
+                if !is_turned {
+                    break; // single points are a table, not a chart
+                }
                 let axes = Axes { time, metric };
                 if let Some(svg) = draw(&group, axes)? {
                     let name = format!("chart-{}-{what}.svg", index + 1);

@@ -201,8 +201,14 @@ fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
 /// The columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px` and
 /// `false_reject_NAME_px`.
 pub fn detail_columns() -> Vec<String> {
-    let passes = passes::ALL.iter().map(|pass| format!("pass_{}_ms", pass.name));
-    let causes = || Cause::ALL.into_iter().filter(|c| *c != Cause::NotReflective);
+    let passes = passes::ALL
+        .iter()
+        .map(|pass| format!("pass_{}_ms", pass.name));
+    let causes = || {
+        Cause::ALL
+            .into_iter()
+            .filter(|c| *c != Cause::NotReflective)
+    };
     passes
         .chain(causes().map(|c| format!("cause_{}_px", c.name())))
         .chain([Cause::Hit, Cause::None].map(|c| format!("false_accept_{}_px", c.name())))
@@ -282,7 +288,9 @@ mod tests {
             psnr_db: Some(f64::INFINITY),
             frame_ms: None,
             software: true,
-            detail: (0..detail_columns().len()).map(|i| i as f64 / 3.0).collect(),
+            detail: (0..detail_columns().len())
+                .map(|i| i as f64 / 3.0)
+                .collect(),
             ..Sample::default()
         };
         let text = header() + &sample.line();

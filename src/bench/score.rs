@@ -15,12 +15,7 @@ use super::{
 use crate::render::{self, Plane, PlaneData, aov::Aov, cause::Cause};
 
 /// The planes that scoring reads.
-pub const PLANES: [Aov; 4] = [
-    Aov::Cause,
-    Aov::HitDistance,
-    Aov::HitIds,
-    Aov::Reflectance,
-];
+pub const PLANES: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflectance];
 
 /// How far the march may lie from the ray, in U: a fifth of the paper's T.
 pub const TOLERANCE_U: f32 = 0.005;

@@ -175,7 +175,10 @@ pub fn groups(samples: &[Sample]) -> Vec<Group> {
     for sample in samples {
         collect(&mut groups, group_key(sample), sample);
     }
-    groups.into_iter().map(|(_, samples)| group(&samples)).collect()
+    groups
+        .into_iter()
+        .map(|(_, samples)| group(&samples))
+        .collect()
 }
 
 /// What must be equal for points to be compared: above all the machine and the reference.

@@ -22,7 +22,12 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub from: SceneArgs,
     /// Methods to compare, of ssr, hybrid and rt
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "ssr,hybrid,rt")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "ssr,hybrid,rt"
+    )]
     pub methods: Vec<MethodArg>,
     /// What to turn: threshold_u, steps, ray_length_u, bounces or scale; without it each method's
     /// own (ssr: steps, hybrid: threshold_u, rt: bounces)

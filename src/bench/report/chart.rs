@@ -163,7 +163,10 @@ where
             .draw()
             .map_err(said)?;
         let shown = |spot: &Spot| (spot.ms, spot.error.max(bottom));
-        let stairs = LineSeries::new(stairs(dots, bottom), RGBColor(150, 150, 150).stroke_width(6));
+        let stairs = LineSeries::new(
+            stairs(dots, bottom),
+            RGBColor(150, 150, 150).stroke_width(6),
+        );
         chart.draw_series(stairs).map_err(said)?;
         for method in ["ssr", "hybrid", "rt"] {
             let curve = dots.iter().filter(|d| d.point.sample.method == method);
@@ -174,9 +177,9 @@ where
         let to_pixels = chart.as_coord_spec();
         for dot in dots {
             let at = to_pixels.translate(&shown(&dot.spot));
-            let ends = dot.spread.map(|ends| {
-                ends.map(|ms| to_pixels.translate(&(ms, shown(&dot.spot).1)).0)
-            });
+            let ends = dot
+                .spread
+                .map(|ends| ends.map(|ms| to_pixels.translate(&(ms, shown(&dot.spot).1)).0));
             mark(&mut overlay, dot, group, axes.metric, at, ends);
         }
         legend(&mut overlay, dots);
@@ -208,7 +211,11 @@ fn y_title(group: &Group, metric: Metric) -> String {
 
 /// The front as stairs: what is reached at every time.
 fn stairs(dots: &[Dot], bottom: f64) -> Vec<(f64, f64)> {
-    let mut on_front: Vec<Spot> = dots.iter().filter(|d| d.is_on_front).map(|d| d.spot).collect();
+    let mut on_front: Vec<Spot> = dots
+        .iter()
+        .filter(|d| d.is_on_front)
+        .map(|d| d.spot)
+        .collect();
     on_front.sort_by(|a, b| a.ms.total_cmp(&b.ms));
     let mut stairs: Vec<(f64, f64)> = Vec::new();
     for spot in on_front {
@@ -237,9 +244,14 @@ fn mark(
         digits(dot.spot.ms),
         metric.name(),
         digits(dot.spot.error),
-        dot.point.error(Metric::Dissimilarity, group.masked)
+        dot.point
+            .error(Metric::Dissimilarity, group.masked)
             .map_or(String::new(), |e| format!(", SSIM {:.4}", 1.0 - e)),
-        if dot.is_on_front { ", on the front" } else { ", dominated" }
+        if dot.is_on_front {
+            ", on the front"
+        } else {
+            ", dominated"
+        }
     );
     let (fill, ring) = if dot.is_on_front {
         (format!("rgb({r},{g},{b})"), "#111")
@@ -283,7 +295,10 @@ fn legend(out: &mut String, dots: &[Dot]) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
     for method in ["ssr", "hybrid", "rt"] {
         let of = dots.iter().filter(|d| d.point.sample.method == method);
-        let knobs: Vec<&str> = of.clone().filter_map(|d| d.point.sample.knob.as_deref()).collect();
+        let knobs: Vec<&str> = of
+            .clone()
+            .filter_map(|d| d.point.sample.knob.as_deref())
+            .collect();
         let turned = of.clone().any(|d| d.point.sample.value.is_some());
         let RGBColor(r, g, b) = color(method);
         if of.count() > 0 {

@@ -75,6 +75,9 @@ pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String 
         escape(title)
     );
     out += &host(sections);
+    if sections.len() > 1 {
+        out += &overview(sections);
+    }
     for section in sections {
         out += &self::section(section);
     }
@@ -109,13 +112,76 @@ fn host(sections: &[Section]) -> String {
     lines.iter().map(paragraph).collect()
 }
 
+/// All sections in one table, with the time of `hybrid` over that of `rt`.
+fn overview(sections: &[Section]) -> String {
+    let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>scene</th>\
+                   <th class=\"left\">setting</th>"
+        .to_owned();
+    let heads = [
+        "ms",
+        "refl. ms",
+        "refl. ms / rt",
+        "FLIP refl.",
+        "SSIM refl.",
+        "SSIM frame",
+        "screen %",
+        "traced %",
+        "none %",
+        "rough %",
+        "MiB",
+    ];
+    out.extend(heads.iter().map(|head| format!("<th>{head}</th>")));
+    out += "</tr>\n";
+    for group in sections.iter().map(|s| &s.group) {
+        let reflection = |p: &Point| p.reflection_ms.map(|r| r.median);
+        let rt = group.points.iter().find(|p| p.sample.method == "rt");
+        let rt = rt.and_then(reflection);
+        for point in &group.points {
+            let s = &point.sample;
+            let number = |v: Option<f64>| v.map_or("–".to_owned(), digits);
+            let ratio = reflection(point).zip(rt).map(|(ms, rt)| ms / rt);
+            let cells = [
+                digits(point.ms.median),
+                number(reflection(point)),
+                number(ratio),
+                number(s.mask_flip),
+                number(s.mask_ssim),
+                number(s.ssim),
+                format!("{:.1}", s.screen_percent),
+                format!("{:.1}", s.traced_percent),
+                format!("{:.1}", s.none_percent),
+                format!("{:.1}", s.rough_percent),
+                format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
+            ];
+            let _ = write!(
+                out,
+                "<tr><td>{}, {} × {}</td><td class=\"left\">{}</td>",
+                escape(&s.scene),
+                s.width,
+                s.height,
+                escape(&point.label())
+            );
+            out.extend(
+                cells
+                    .iter()
+                    .map(|cell| format!("<td>{}</td>", escape(cell))),
+            );
+            out += "</tr>\n";
+        }
+    }
+    out + "</table></div>\n"
+}
+
 fn section(section: &Section) -> String {
     let samples = section.group.points.iter().map(|p| &p.sample);
     let failed = section.group.failed.iter().map(|(sample, _)| sample);
     let Some(s) = samples.chain(failed).next() else {
         return String::new();
     };
-    let heading = format!("{}, camera {}, {} × {}", s.scene, s.camera, s.width, s.height);
+    let heading = format!(
+        "{}, camera {}, {} × {}",
+        s.scene, s.camera, s.width, s.height
+    );
     let mut out = format!("<h2>{}</h2>\n<ul class=\"words\">", escape(&heading));
     for sentence in &section.sentences {
         let _ = write!(out, "<li>{}</li>", escape(sentence));
@@ -174,7 +240,11 @@ fn points(section: &Section) -> String {
             ""
         };
         let _ = write!(out, "<tr{class}>");
-        out.extend(cells(point).iter().map(|c| format!("<td>{}</td>", escape(c))));
+        out.extend(
+            cells(point)
+                .iter()
+                .map(|c| format!("<td>{}</td>", escape(c))),
+        );
         out += "</tr>\n";
     }
     for (sample, why) in &group.failed {
@@ -206,7 +276,9 @@ fn cells(point: &Point) -> Vec<String> {
     vec![
         point.label(),
         point.ms.text(),
-        point.reflection_ms.map_or("–".to_owned(), |r| digits(r.median)),
+        point
+            .reflection_ms
+            .map_or("–".to_owned(), |r| digits(r.median)),
         digits(point.frame_ms.median),
         number(s.mask_flip),
         ssim(s.mask_ssim),
@@ -271,7 +343,11 @@ fn breakdown(points: &[Point]) -> String {
             );
         }
         out += "</div></td>";
-        out.extend(names.iter().map(|name| format!("<td>{}</td>", digits(point.pass_ms(name)))));
+        out.extend(
+            names
+                .iter()
+                .map(|name| format!("<td>{}</td>", digits(point.pass_ms(name)))),
+        );
         let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
         let _ = writeln!(out, "<td>{mebibytes:.1}</td></tr>");
     }
@@ -301,11 +377,15 @@ fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
-        let group = chunk.iter().fold(0_u32, |bits, b| bits << 8 | u32::from(*b));
+        let group = chunk
+            .iter()
+            .fold(0_u32, |bits, b| bits << 8 | u32::from(*b));
         let group = group << (8 * (3 - chunk.len()));
         for digit in 0..4 {
             if digit <= chunk.len() {
-                text.push(char::from(DIGITS[(group >> (18 - 6 * digit)) as usize & 63]));
+                text.push(char::from(
+                    DIGITS[(group >> (18 - 6 * digit)) as usize & 63],
+                ));
             } else {
                 text.push('=');
             }

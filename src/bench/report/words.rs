@@ -169,7 +169,9 @@ pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point
 
 /// The break-even share at the `hybrid` setting that errs least.
 fn break_even(points: &[&Point]) -> Option<String> {
-    let pairs = points.iter().filter_map(|p| Some((*p, counterpart(p, points)?)));
+    let pairs = points
+        .iter()
+        .filter_map(|p| Some((*p, counterpart(p, points)?)));
     let least = |a: &(&Point, &Point), b: &(&Point, &Point)| {
         let error = |p: &Point| p.error(Metric::Flip, false).unwrap_or(f64::INFINITY);
         error(a.0).total_cmp(&error(b.0))

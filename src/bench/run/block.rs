@@ -162,13 +162,7 @@ impl Block<'_> {
     }
 
     /// A sample of this variant with everything but its times.
-    fn prototype(
-        &self,
-        bench: &Bench,
-        variant: &Variant,
-        judged: &Judged,
-        unit_m: f32,
-    ) -> Sample {
+    fn prototype(&self, bench: &Bench, variant: &Variant, judged: &Judged, unit_m: f32) -> Sample {
         let (subject, host) = (self.subject, bench.host);
         let settings = &variant.reflection;
         let reference = bench.protocol.reference(&subject.reflection);
@@ -242,13 +236,22 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
         }
     }
     if let Some(verdicts) = &judged.verdicts {
-        let sum = |of: fn(&CauseTally) -> usize| Some(verdicts.iter().map(of).sum::<usize>() as u64);
+        let sum =
+            |of: fn(&CauseTally) -> usize| Some(verdicts.iter().map(of).sum::<usize>() as u64);
         sample.false_accepts = sum(|v| v.false_accepts);
         sample.false_rejects = sum(|v| v.false_rejects);
         for verdict in verdicts {
             let name = verdict.name;
-            set(sample, &format!("false_accept_{name}_px"), verdict.false_accepts as f64);
-            set(sample, &format!("false_reject_{name}_px"), verdict.false_rejects as f64);
+            set(
+                sample,
+                &format!("false_accept_{name}_px"),
+                verdict.false_accepts as f64,
+            );
+            set(
+                sample,
+                &format!("false_reject_{name}_px"),
+                verdict.false_rejects as f64,
+            );
         }
     }
 }
@@ -279,7 +282,11 @@ fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
         set(&mut sample, &format!("pass_{name}_ms"), *ms);
     }
     for share in &stats.shares.causes {
-        set(&mut sample, &format!("cause_{}_px", share.name), share.pixels as f64);
+        set(
+            &mut sample,
+            &format!("cause_{}_px", share.name),
+            share.pixels as f64,
+        );
     }
     sample
 }
