@@ -3,9 +3,12 @@
 mod common;
 
 use std::{
+    collections::HashSet,
     fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
+    thread,
+    time::{Duration, Instant},
 };
 
 use common::gpu_or_skip;
@@ -184,6 +187,55 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     let [_, error] = exits(&folder, &resume, 0);
     assert!(error.contains("10 frames were measured before"), "{error}");
     assert_eq!(samples(&out), second);
+}
+
+/// Ctrl-C in the middle: what was measured stays, and a second run adds the rest.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_keeps_its_samples() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("interrupted");
+    let run = [
+        "--sizes", "64x36", "--knob", "bounces", "--values", "1,2", "-o", ".",
+    ];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    let command = command.current_dir(&folder).arg("bench").args(run);
+    let command = command
+        .args(["--frames", "2000"])
+        .env("NODEVICE_SELECT", "1");
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("starts");
+    let csv = folder.join("samples.csv");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while fs::read_to_string(&csv).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(Instant::now() < deadline, "nothing was measured");
+        assert!(child.try_wait().expect("a child").is_none(), "it ended");
+        thread::sleep(Duration::from_millis(20));
+    }
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .expect("kill")
+            .success()
+    );
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("--resume measures the rest"), "{said}");
+    let kept = samples(&folder);
+    assert!(kept.len() >= 3 && kept.len() < 10_000, "{}", kept.len());
+    let json = fs::read_to_string(folder.join("bench.json")).expect("settings");
+    assert!(json.contains("\"interrupted\": true"), "{json}");
+    let settings = kept.iter().map(|s| &s.fingerprint).collect::<HashSet<_>>();
+    exits(
+        &folder,
+        &[&run[..], &["--frames", "1", "--resume"]].concat(),
+        0,
+    );
+    assert!(samples(&folder).len() >= kept.len() && settings.len() <= 5);
 }
 
 #[test]

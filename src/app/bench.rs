@@ -305,7 +305,9 @@ fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
             }
         }
     }
-    print_out(&blocks.join("\n"))?;
+    if !blocks.is_empty() {
+        print_out(&blocks.join("\n"))?;
+    }
     if refused {
         Err(AppError::Threshold)
     } else {

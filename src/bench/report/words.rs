@@ -119,9 +119,9 @@ fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let [hybrid_ms, rt_ms] = [hybrid_spots[best].ms, rt_spots[traced].ms];
     let percent = 100.0 * (1.0 - hybrid_ms / rt_ms);
     let compared = if percent >= 0.0 {
-        format!("{} % less", digits(percent))
+        format!("{percent:.1} % less")
     } else {
-        format!("{} % more", digits(-percent))
+        format!("{:.1} % more", -percent)
     };
     let mut text = format!(
         "Equal error: at FLIP {} or less, {} takes {} ms and {} takes {} ms; hybrid takes \
@@ -181,10 +181,9 @@ fn break_even(points: &[&Point]) -> Option<String> {
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;
     let measured = format!(
-        "{} marches for {} ms and traces {} % of rt's rays in {} ms; rt traces all in {} ms",
+        "{} marches for {} ms and traces {actual:.1} % of rt's rays in {} ms; rt traces all in {} ms",
         hybrid.label(),
         digits(costs.march_ms),
-        digits(actual),
         digits(costs.partial_trace_ms),
         digits(costs.full_trace_ms)
     );
@@ -197,9 +196,9 @@ fn break_even(points: &[&Point]) -> Option<String> {
         format!("Break-even: marching first pays whatever the share of rays ({measured}).")
     } else {
         format!(
-            "Break-even: marching first pays while it leaves less than {} % of the rays \
+            "Break-even: marching first pays while it leaves less than {:.1} % of the rays \
              ({measured}).",
-            digits(100.0 * share)
+            100.0 * share
         )
     })
 }
