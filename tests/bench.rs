@@ -68,7 +68,7 @@ fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {
         status: "ok".to_owned(),
         frame_ms: Some(ms + 1.0),
         passes_ms: Some(ms),
-        reflection_ms: Some(ms / 2.0),
+        reflection_ms: Some(ms - 3.0),
         mask_px: 1000,
         mask_flip: Some(flip),
         mask_ssim: Some(1.0 - flip),
@@ -298,7 +298,7 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
 #[test]
 fn rt_that_wins_outright_is_said_to() {
     let mut rows = made_up();
-    rows[5].passes_ms = Some(4.0);
+    (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
     let text = words::sentences(&only_group(&rows)).join("\n");
     assert!(
         text.starts_with("rt wins outright on this adapter"),

@@ -1,9 +1,6 @@
 //! `bench`: scenes are measured into a folder, which then holds the samples and their report.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::Path};
 
 use serde::Serialize;
 
@@ -32,7 +29,7 @@ use crate::{
     },
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::RenderError,
-    scene::desc::Method,
+    scene::{desc::Method, diagnostic::Diagnostic},
 };
 
 pub mod args;
@@ -54,7 +51,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
             let samples = match &args.samples {
                 Some(path) => {
                     create_folder(&args.run.output)?;
-                    log::read(path).map_err(of_file)?
+                    log::read(path).map_err(|d| of_file(*d))?
                 }
                 None => measure(args)?,
             };
@@ -144,12 +141,12 @@ pub fn subject(
     let (camera_name, camera) = choose_camera(&loaded, camera)?;
     let mut content = overrides
         .iter()
-        .fold(Hash::default().add(text), |h, o| h.add(o));
+        .fold(Hash::default().with(text), |h, o| h.with(o));
     for path in &loaded.world.files {
         let bytes = fs::read(path).map_err(|error| {
             AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
         })?;
-        content = content.add(bytes);
+        content = content.with(bytes);
     }
     Ok(Subject {
         name,
@@ -179,7 +176,7 @@ pub fn run(
     } else {
         Log::create(&path)
     }
-    .map_err(of_file)?;
+    .map_err(|d| of_file(*d))?;
     let host = Host::of(gpu);
     let bench = Bench {
         gpu,
@@ -324,11 +321,11 @@ fn create_folder(folder: &Path) -> Result<(), AppError> {
     })
 }
 
-fn write(path: &PathBuf, bytes: &[u8]) -> Result<(), AppError> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
     write_whole(path, bytes)
         .map_err(|error| AppError::Internal(format!("cannot write {}: {error}", path.display())))
 }
 
-fn of_file(diagnostic: Box<crate::scene::diagnostic::Diagnostic>) -> AppError {
-    AppError::Picture(vec![*diagnostic])
+fn of_file(diagnostic: Diagnostic) -> AppError {
+    AppError::Picture(vec![diagnostic])
 }

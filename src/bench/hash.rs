@@ -12,7 +12,7 @@ impl Default for Hash {
 
 impl Hash {
     /// Adds one part.
-    pub fn add(mut self, part: impl AsRef<[u8]>) -> Self {
+    pub fn with(mut self, part: impl AsRef<[u8]>) -> Self {
         let part = part.as_ref();
         let length = (part.len() as u64).to_le_bytes();
         for byte in length.iter().chain(part) {
@@ -33,7 +33,7 @@ mod tests {
 
     #[test]
     fn boundaries_and_order_count() {
-        let of = |parts: &[&str]| parts.iter().fold(Hash::default(), |h, p| h.add(p)).value();
+        let of = |parts: &[&str]| parts.iter().fold(Hash::default(), |h, p| h.with(p)).value();
         assert_eq!(of(&["ab", "c"]), of(&["ab", "c"]));
         assert_ne!(of(&["ab", "c"]), of(&["a", "bc"]));
         assert_ne!(of(&["ab", "c"]), of(&["c", "ab"]));

@@ -21,7 +21,9 @@ pub struct Spread {
 pub struct Point {
     /// The first of its frames, for settings, errors and shares.
     pub sample: Sample,
-    /// Milliseconds of a frame: the sum of its passes where they are timed, else wall time.
+    /// Milliseconds of a frame. Where passes are timed: its own reflection passes, and for all
+    /// others, which every method shares, the median over the settings of its group; else wall
+    /// time.
     pub ms: Spread,
     /// Wall time.
     pub frame_ms: Spread,
@@ -125,7 +127,7 @@ impl Point {
             (spread.median > 0.0).then_some((name, spread.median))
         };
         Some(Self {
-            ms: spread(|s| s.passes_ms).unwrap_or(frame_ms),
+            ms: frame_ms,
             frame_ms,
             reflection_ms: spread(|s| s.reflection_ms),
             passes_ms: passes.filter_map(median).collect(),
@@ -215,11 +217,31 @@ fn group(samples: &[&Sample]) -> Group {
             (None, None) => failed.push((samples[0].clone(), "was not timed".to_owned())),
         }
     }
+    share_common_passes(&mut points, samples);
     let masked = points.iter().all(|p| p.sample.mask_flip.is_some());
     Group {
         points,
         failed,
         masked,
+    }
+}
+
+/// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not
+/// decide between methods, so all points of one rendered size are charged the same for them.
+fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
+    for point in points {
+        let scale = point.sample.scale;
+        let common = |s: &&&Sample| Some(s.passes_ms? - s.reflection_ms?);
+        let alike = samples.iter().filter(|s| s.scale == scale && s.is_ok());
+        let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
+        if let (Some(common), Some(own)) = (common, point.reflection_ms) {
+            let total = |ms: f64| ms + common.median;
+            point.ms = Spread {
+                n: own.n,
+                median: total(own.median),
+                p5_p95: own.p5_p95.map(|ends| ends.map(total)),
+            };
+        }
     }
 }
 

@@ -194,7 +194,7 @@ fn x_title(group: &Group, time: Time) -> String {
     let timed = group.points.iter().all(|p| p.reflection_ms.is_some());
     match (time, timed) {
         (Time::Reflection, _) => "milliseconds of march, compaction, trace and blur",
-        (Time::Frame, true) => "milliseconds a frame (sum of its passes)",
+        (Time::Frame, true) => "milliseconds a frame (passes that all share: one median)",
         (Time::Frame, false) => "milliseconds a frame (wall time)",
     }
     .to_owned()

@@ -152,12 +152,12 @@ impl Block<'_> {
     fn fingerprint(&self, bench: &Bench, variant: &Variant) -> String {
         let reference = bench.protocol.reference(&self.subject.reflection);
         let hash = Hash::default()
-            .add(self.subject.content.to_le_bytes())
-            .add(format!("{:?}", self.subject.camera))
-            .add(format!("{:?} {:?}", self.size, self.subject.image))
-            .add(format!("{variant:?} {reference:?}"))
-            .add(bench.protocol.warm_up.to_le_bytes())
-            .add(format!("{:?}", bench.host));
+            .with(self.subject.content.to_le_bytes())
+            .with(format!("{:?}", self.subject.camera))
+            .with(format!("{:?} {:?}", self.size, self.subject.image))
+            .with(format!("{variant:?} {reference:?}"))
+            .with(bench.protocol.warm_up.to_le_bytes())
+            .with(format!("{:?}", bench.host));
         format!("{:016x}", hash.value())
     }
 
