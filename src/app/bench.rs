@@ -22,7 +22,7 @@ use crate::{
             page::{Gallery, page},
             sections,
         },
-        run::{Bench, BenchError, Outcome, Protocol, Subject, Turn, Watch as _},
+        run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch as _},
         sample::Sample,
         score::{TOLERANCE_RELATIVE, TOLERANCE_U},
         write::write_whole,
@@ -156,6 +156,8 @@ pub fn subject(
         image: loaded.desc.image,
         world: loaded.world,
         content: content.value(),
+        frame: 0,
+        motion: None,
     })
 }
 
@@ -183,6 +185,7 @@ pub fn run(
         library: &ShaderLibrary::embedded(),
         host: &host,
         protocol,
+        stock: Stock::default(),
     };
     let mut progress = Progress::new();
     let outcome = bench.run(subjects, &mut log, &mut progress);

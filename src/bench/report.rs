@@ -3,6 +3,7 @@
 
 pub mod chart;
 pub mod page;
+pub mod tables;
 pub mod words;
 
 use super::sample::Sample;

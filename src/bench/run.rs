@@ -1,6 +1,6 @@
 //! Scenes × methods × settings × sizes × repetitions → samples, appended to the table as they come.
 
-use std::{fmt, path::Path};
+use std::{cell::RefCell, fmt, path::Path, time::Instant};
 
 use super::{
     host::Host,
@@ -40,6 +40,11 @@ pub struct Subject {
     pub image: ImageDesc,
     /// Hash of the scene text, its overrides and every file it names.
     pub content: u64,
+    /// Frame of an animation, 0 for a still scene.
+    pub frame: u32,
+    /// What the frames of one animation have in common: they share renderers, which take over
+    /// moved instances. None for a still scene.
+    pub motion: Option<u64>,
 }
 
 /// What is measured of each scene.
@@ -125,6 +130,21 @@ pub struct Bench<'a> {
     pub host: &'a Host,
     /// What is measured.
     pub protocol: &'a Protocol,
+    /// Renderers that the next frame of an animation takes over.
+    pub stock: Stock,
+}
+
+/// Renderers kept between the frames of an animation.
+#[derive(Debug, Default)]
+pub struct Stock(RefCell<Vec<(u64, [u32; 2], Ready)>>);
+
+/// A renderer that shows its subject.
+#[derive(Debug)]
+struct Ready {
+    method: Method,
+    renderer: Renderer,
+    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    update_ms: Option<f64>,
 }
 
 impl Protocol {
@@ -193,7 +213,42 @@ impl Bench<'_> {
         Ok(outcome)
     }
 
-    /// A renderer that can be retuned to any of the protocol's settings.
+    /// A renderer of this frame that can be retuned to any of the protocol's settings.
+    fn ready(
+        &self,
+        subject: &Subject,
+        method: Method,
+        size: [u32; 2],
+    ) -> Result<Ready, BenchError> {
+        let mut stock = self.stock.0.borrow_mut();
+        let fits = |(motion, its_size, ready): &(u64, [u32; 2], Ready)| {
+            Some(*motion) == subject.motion && *its_size == size && ready.method == method
+        };
+        let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).2);
+        let mut renderer = match kept {
+            Some(ready) => ready.renderer,
+            None => self.renderer(subject, method, size)?,
+        };
+        let started = Instant::now();
+        let update_ms = subject.motion.map(|_| {
+            renderer.update(self.gpu, &subject.world);
+            started.elapsed().as_secs_f64() * 1e3
+        });
+        Ok(Ready {
+            method,
+            renderer,
+            update_ms,
+        })
+    }
+
+    /// Keeps renderers for the next frame, if there may be one.
+    fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<Ready>) {
+        if let Some(motion) = subject.motion {
+            let mut stock = self.stock.0.borrow_mut();
+            stock.extend(ready.into_iter().map(|ready| (motion, size, ready)));
+        }
+    }
+
     fn renderer(
         &self,
         subject: &Subject,

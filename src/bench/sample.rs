@@ -74,6 +74,8 @@ sample! {
     scene: String,
     /// Camera of the scene.
     camera: String,
+    /// Frame of an animation, 0 for a still scene.
+    frame: u32,
     /// Pixels across, as shown.
     width: u32,
     /// Pixels down, as shown.
@@ -126,6 +128,8 @@ sample! {
     passes_ms: Option<f64>,
     /// The same of march, compaction, tracing and blur.
     reflection_ms: Option<f64>,
+    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    update_ms: Option<f64>,
     /// Building all trees, milliseconds; no part of a frame.
     tree_ms: f64,
     /// Rays traced from pixels.

@@ -188,7 +188,7 @@ fn group_key(s: &Sample) -> String {
     format!(
         "{:?}",
         (
-            (&s.scene, &s.camera, s.width, s.height, s.samples),
+            (&s.scene, &s.camera, s.frame, s.width, s.height, s.samples),
             (&s.adapter, &s.driver, &s.backend, &s.timing),
             (&s.version, &s.commit, &s.os, &s.cpu),
             (s.reference_bounces, s.reference_ray_length_u.to_bits()),

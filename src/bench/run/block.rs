@@ -9,11 +9,11 @@ use crate::{
         sample::{Sample, detail_columns},
         score::Errors,
     },
-    render::{Renderer, stats::FrameStats},
+    render::stats::FrameStats,
     scene::desc::{Method, ToneMap},
 };
 
-use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Subject, Watch};
+use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch};
 
 /// Variants of one rendered size: as many renderers as methods serve them all.
 pub(super) struct Block<'a> {
@@ -78,8 +78,8 @@ impl Block<'_> {
             return Ok(());
         }
         watch.step(&self.label("reference"), outcome.measured, total);
-        let mut rt = bench.renderer(self.subject, Method::Rt, self.size)?;
-        let reference = bench.reference(self.subject, &mut rt)?;
+        let mut rt = bench.ready(self.subject, Method::Rt, self.size)?;
+        let reference = bench.reference(self.subject, &mut rt.renderer)?;
         let mut renderers = self.renderers(bench, rt)?;
         let mut prototypes = Vec::new();
         for variant in &self.variants {
@@ -87,7 +87,8 @@ impl Block<'_> {
                 return Ok(());
             }
             watch.step(&self.label(&variant.label()), outcome.measured, total);
-            let renderer = of_method(&mut renderers, variant.method);
+            let ready = of_method(&mut renderers, variant.method);
+            let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
             let judged = bench.judge(self.subject, variant, renderer, &reference, self.size)?;
             for _ in 1..bench.protocol.warm_up {
                 renderer.render(bench.gpu, &self.subject.world, &self.subject.camera)?;
@@ -95,7 +96,11 @@ impl Block<'_> {
             if let Some(failure) = &judged.failure {
                 watch.note(&format!("{}: {failure}", self.label(&variant.label())));
             }
-            prototypes.push(self.prototype(bench, variant, &judged, renderer.unit_m()));
+            let prototype = self.prototype(bench, variant, &judged, renderer.unit_m());
+            prototypes.push(Sample {
+                update_ms,
+                ..prototype
+            });
         }
         for repetition in 0..bench.protocol.frames {
             // A B C, then C B A: a drift of the machine's speed meets all alike.
@@ -111,7 +116,7 @@ impl Block<'_> {
                     return Ok(());
                 }
                 watch.step(&self.label(&variant.label()), outcome.measured, total);
-                let renderer = of_method(&mut renderers, variant.method);
+                let renderer = &mut of_method(&mut renderers, variant.method).renderer;
                 renderer.retune(&variant.reflection);
                 let world = &self.subject.world;
                 let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
@@ -120,24 +125,24 @@ impl Block<'_> {
                 outcome.measured += 1;
             }
         }
+        let rendered = self.variants[0].rendered_size(self.size);
+        bench.put_back(self.subject, rendered, renderers);
         watch.step("", outcome.measured, total);
         Ok(())
     }
 
     /// One renderer per method; that of the reference serves where it has the right size.
-    fn renderers(
-        &self,
-        bench: &Bench,
-        rt: Renderer,
-    ) -> Result<Vec<(Method, Renderer)>, BenchError> {
+    fn renderers(&self, bench: &Bench, rt: Ready) -> Result<Vec<Ready>, BenchError> {
         let size = self.variants[0].rendered_size(self.size);
         let mut renderers = Vec::new();
         if size == self.size {
-            renderers.push((Method::Rt, rt));
+            renderers.push(rt);
+        } else {
+            bench.put_back(self.subject, self.size, vec![rt]);
         }
         for &method in &bench.protocol.methods {
-            if !renderers.iter().any(|(known, _)| *known == method) {
-                renderers.push((method, bench.renderer(self.subject, method, size)?));
+            if !renderers.iter().any(|ready| ready.method == method) {
+                renderers.push(bench.ready(self.subject, method, size)?);
             }
         }
         Ok(renderers)
@@ -153,7 +158,7 @@ impl Block<'_> {
         let reference = bench.protocol.reference(&self.subject.reflection);
         let hash = Hash::default()
             .with(self.subject.content.to_le_bytes())
-            .with(format!("{:?}", self.subject.camera))
+            .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
             .with(bench.protocol.warm_up.to_le_bytes())
@@ -175,6 +180,7 @@ impl Block<'_> {
             fingerprint: self.fingerprint(bench, variant),
             scene: subject.name.clone(),
             camera: subject.camera_name.clone(),
+            frame: subject.frame,
             width: self.size[0],
             height: self.size[1],
             method: method_name(variant.method).to_owned(),
@@ -213,9 +219,9 @@ impl Block<'_> {
     }
 }
 
-fn of_method(renderers: &mut [(Method, Renderer)], method: Method) -> &mut Renderer {
-    let found = renderers.iter_mut().find(|(known, _)| *known == method);
-    &mut found.expect("one renderer per method").1
+fn of_method(renderers: &mut [Ready], method: Method) -> &mut Ready {
+    let found = renderers.iter_mut().find(|ready| ready.method == method);
+    found.expect("one renderer per method")
 }
 
 fn fill_errors(sample: &mut Sample, judged: &Judged) {
