@@ -22,7 +22,7 @@ use crate::{
             page::{Gallery, page},
             sections,
         },
-        run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch as _},
+        run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch},
         sample::Sample,
         score::{TOLERANCE_RELATIVE, TOLERANCE_U},
         write::write_whole,
@@ -36,9 +36,11 @@ pub mod args;
 pub mod paper;
 pub mod progress;
 pub mod shots;
+pub mod walk;
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
+use walk::Walk;
 
 /// Runs the command.
 ///
@@ -171,6 +173,48 @@ pub fn run(
     protocol: &Protocol,
     subjects: &[Subject],
 ) -> Result<Vec<Sample>, AppError> {
+    let scenes: Vec<&str> = subjects.iter().map(|s| s.name.as_str()).collect();
+    run_with(gpu, args, protocol, &scenes, |bench, log, watch| {
+        bench.run(subjects, log, watch)
+    })
+}
+
+/// Measures every `every`-th frame of a walk, one after another: each takes over the renderers of
+/// the one before.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_walk(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    walk: &mut Walk,
+    every: u32,
+) -> Result<Vec<Sample>, AppError> {
+    let scene = walk.at(0).name.clone();
+    run_with(gpu, args, protocol, &[&scene], |bench, log, watch| {
+        let mut sum = Outcome::default();
+        for frame in (0..walk::FRAMES).step_by(every as usize) {
+            watch.note(&format!("frame {frame} of {}", walk::FRAMES));
+            let outcome = bench.run(std::slice::from_ref(walk.at(frame)), log, watch)?;
+            sum.measured += outcome.measured;
+            sum.skipped += outcome.skipped;
+            sum.interrupted |= outcome.interrupted || watch.is_stopped();
+            if sum.interrupted {
+                break;
+            }
+        }
+        Ok(sum)
+    })
+}
+
+fn run_with(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    scenes: &[&str],
+    measure: impl FnOnce(&Bench, &mut Log, &mut dyn Watch) -> Result<Outcome, BenchError>,
+) -> Result<Vec<Sample>, AppError> {
     create_folder(&args.output)?;
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
@@ -188,8 +232,7 @@ pub fn run(
         stock: Stock::default(),
     };
     let mut progress = Progress::new();
-    let outcome = bench.run(subjects, &mut log, &mut progress);
-    let outcome = outcome.map_err(|error| match error {
+    let outcome = measure(&bench, &mut log, &mut progress).map_err(|error| match error {
         BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
         BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),
         BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
@@ -201,7 +244,7 @@ pub fn run(
         );
         progress.note(&text);
     }
-    write_settings(&args.output, protocol, subjects, &host, &outcome)?;
+    write_settings(&args.output, protocol, scenes, &host, &outcome)?;
     if outcome.interrupted {
         return Err(AppError::Interrupted(format!(
             "stopped; {} holds {} samples, and --resume measures the rest",
@@ -216,7 +259,7 @@ pub fn run(
 #[derive(Serialize)]
 struct Settings<'a> {
     host: &'a Host,
-    scenes: Vec<&'a str>,
+    scenes: &'a [&'a str],
     methods: Vec<&'static str>,
     knob: String,
     values: Vec<f64>,
@@ -235,7 +278,7 @@ struct Settings<'a> {
 fn write_settings(
     folder: &Path,
     protocol: &Protocol,
-    subjects: &[Subject],
+    scenes: &[&str],
     host: &Host,
     outcome: &Outcome,
 ) -> Result<(), AppError> {
@@ -246,7 +289,7 @@ fn write_settings(
     };
     let settings = Settings {
         host,
-        scenes: subjects.iter().map(|s| s.name.as_str()).collect(),
+        scenes,
         methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
         knob,
         values,

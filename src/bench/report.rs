@@ -2,6 +2,7 @@
 //! Everything is drawn from the table; nothing is measured here.
 
 pub mod chart;
+pub mod course;
 pub mod page;
 pub mod tables;
 pub mod words;
@@ -9,6 +10,7 @@ pub mod words;
 use super::sample::Sample;
 use super::summary::{Group, Metric, groups};
 use chart::{Axes, Time, draw};
+use course::Course;
 
 /// A chart as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,6 +53,12 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                 let axes = Axes { time, metric };
                 if let Some(svg) = draw(&group, axes)? {
                     let name = format!("chart-{}-{what}.svg", index + 1);
+                    charts.push(ChartFile { name, svg });
+                }
+            }
+            for (what, course) in [("ms", Course::Milliseconds), ("ssim", Course::Ssim)] {
+                if let Some(svg) = course::draw(&group, course)? {
+                    let name = format!("course-{}-{what}.svg", index + 1);
                     charts.push(ChartFile { name, svg });
                 }
             }

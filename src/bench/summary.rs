@@ -42,6 +42,9 @@ pub struct Group {
     pub failed: Vec<(Sample, String)>,
     /// Whether errors are those inside the mask: it is large enough in all points.
     pub masked: bool,
+    /// Of an animation, every frame on its own: its number and its point. `points` then are means
+    /// over the frames that were measured. Empty for a still scene.
+    pub over_frames: Vec<(u32, Point)>,
 }
 
 /// What errs.
@@ -135,6 +138,31 @@ impl Point {
         })
     }
 
+    /// The point of an animation: errors and shares are means over its frames, those inside the
+    /// mask over the frames whose mask is large enough. Percentiles of errors have no mean.
+    fn averaged(mut self, samples: &[&Sample]) -> Self {
+        let mean = |of: fn(&Sample) -> Option<f64>| {
+            let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
+            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        };
+        let s = &mut self.sample;
+        (s.flip, s.ssim, s.rel_mse) = (mean(|s| s.flip), mean(|s| s.ssim), mean(|s| s.rel_mse));
+        s.psnr_db = mean(|s| s.psnr_db);
+        s.mask_flip = mean(|s| s.mask_flip);
+        s.mask_ssim = mean(|s| s.mask_ssim);
+        s.mask_rel_mse = mean(|s| s.mask_rel_mse);
+        s.update_ms = mean(|s| s.update_ms);
+        let share = |of: fn(&Sample) -> f64| {
+            samples.iter().map(|s| of(s)).sum::<f64>() / samples.len() as f64
+        };
+        s.screen_percent = share(|s| s.screen_percent);
+        s.traced_percent = share(|s| s.traced_percent);
+        s.none_percent = share(|s| s.none_percent);
+        s.rough_percent = share(|s| s.rough_percent);
+        (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
+        self
+    }
+
     /// Its error, inside the mask or over the frame.
     pub fn error(&self, metric: Metric, masked: bool) -> Option<f64> {
         let s = &self.sample;
@@ -188,7 +216,7 @@ fn group_key(s: &Sample) -> String {
     format!(
         "{:?}",
         (
-            (&s.scene, &s.camera, s.frame, s.width, s.height, s.samples),
+            (&s.scene, &s.camera, s.width, s.height, s.samples),
             (&s.adapter, &s.driver, &s.backend, &s.timing),
             (&s.version, &s.commit, &s.os, &s.cpu),
             (s.reference_bounces, s.reference_ray_length_u.to_bits()),
@@ -205,14 +233,25 @@ fn collect<'a>(groups: &mut Vec<(String, Vec<&'a Sample>)>, key: String, sample:
 
 fn group(samples: &[&Sample]) -> Group {
     let mut variants: Vec<(String, Vec<&Sample>)> = Vec::new();
+    let moves = samples.iter().any(|s| s.frame != samples[0].frame);
     for sample in samples {
-        collect(&mut variants, sample.fingerprint.clone(), sample);
+        let key = if moves {
+            label(sample)
+        } else {
+            sample.fingerprint.clone()
+        };
+        collect(&mut variants, key, sample);
     }
+    let mut over_frames = Vec::new();
     let (mut points, mut failed) = (Vec::new(), Vec::new());
     for (_, samples) in variants {
         let broken = samples.iter().find(|sample| !sample.is_ok());
         match (broken, Point::new(&samples)) {
             (Some(sample), _) => failed.push(((*sample).clone(), sample.status.clone())),
+            (None, Some(point)) if moves => {
+                over_frames.extend(by_frame(&samples));
+                points.push(point.averaged(&samples));
+            }
             (None, Some(point)) => points.push(point),
             (None, None) => failed.push((samples[0].clone(), "was not timed".to_owned())),
         }
@@ -223,7 +262,20 @@ fn group(samples: &[&Sample]) -> Group {
         points,
         failed,
         masked,
+        over_frames,
     }
+}
+
+/// The points of each frame of one setting.
+fn by_frame(samples: &[&Sample]) -> Vec<(u32, Point)> {
+    let mut frames: Vec<(String, Vec<&Sample>)> = Vec::new();
+    for sample in samples {
+        collect(&mut frames, sample.frame.to_string(), sample);
+    }
+    let point = |(_, samples): (String, Vec<&Sample>)| {
+        Some((samples.first()?.frame, Point::new(&samples)?))
+    };
+    frames.into_iter().filter_map(point).collect()
 }
 
 /// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not

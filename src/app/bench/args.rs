@@ -89,6 +89,9 @@ pub struct PaperArgs {
     /// Folder to search for the models; repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
+    /// Of the walk of scenario2, measure every N-th frame, 1 to 475
+    #[arg(long, value_name = "N", default_value_t = 95, value_parser = clap::value_parser!(u32).range(1..=475))]
+    pub every: u32,
     /// Sizes such as 640x480,1280x720; without any, 640x360
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
@@ -104,6 +107,8 @@ pub enum PaperExperiment {
     Fig1,
     /// Table 1 and Fig. 3: where the time goes
     Scenario1,
+    /// Figs. 4 to 7: a walk of 950 frames among moving figures
+    Scenario2,
     /// Tables 2 and 3, Fig. 8: five surfaces and two ray lengths
     Scenario3,
 }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::{
     args::{PaperArgs, PaperExperiment},
-    open_gpu, report, run,
+    open_gpu, report, run, run_walk,
     shots::{Shot, gallery},
     subject,
+    walk::{self, Walk},
 };
 use crate::{
     app::{
@@ -24,6 +25,9 @@ use crate::{
 
 /// Size without `--sizes`: what a CPU draws in a second.
 const SIZE: [u32; 2] = [640, 360];
+
+/// Where the paper's experiments happen.
+const SPONZA: &str = "Sponza";
 
 /// The paper's three thresholds, in U.
 const THRESHOLDS: [f64; 3] = [0.005, 0.025, 0.065];
@@ -119,15 +123,28 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let subjects = stage.subjects(&args.assets)?;
     let gpu = open_gpu(&args.run)?;
-    let samples = run(&gpu, &args.run, &protocol, &subjects)?;
     let mut galleries = Vec::new();
-    for subject in &subjects {
+    let mut show = |subject: &Subject| {
         let shots = shots(args.figure, &subject.reflection);
         galleries.push(gallery(&gpu, subject, protocol.sizes[0], &shots)?);
-    }
+        Ok::<_, AppError>(())
+    };
+    let samples = if args.figure == PaperExperiment::Scenario2 {
+        let subject = subjects.into_iter().next();
+        let subject = subject.ok_or_else(|| AppError::Internal("no scene".to_owned()))?;
+        let mut walk = Walk::new(subject, stage.place == SPONZA);
+        let samples = run_walk(&gpu, &args.run, &protocol, &mut walk, args.every)?;
+        show(walk.at(walk::FRAMES / 4))?;
+        samples
+    } else {
+        let samples = run(&gpu, &args.run, &protocol, &subjects)?;
+        subjects.iter().try_for_each(show)?;
+        samples
+    };
     let title = match args.figure {
         PaperExperiment::Fig1 => "The paper's Fig. 1: the threshold T",
         PaperExperiment::Scenario1 => "The paper's Scenario 1: where the time goes",
+        PaperExperiment::Scenario2 => "The paper's Scenario 2: a walk among moving figures",
         PaperExperiment::Scenario3 => "The paper's Scenario 3: surfaces and ray lengths",
     };
     report(&args.run.output, title, &samples, &galleries)?;
@@ -161,6 +178,11 @@ fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
             include_str!("../../../scenes/paper/scenario1.toml"),
             &["sponza.glb"][..],
         ),
+        PaperExperiment::Scenario2 => (
+            "scenario2.toml",
+            include_str!("../../../scenes/paper/scenario2.toml"),
+            &["sponza.glb", "buddha_50k.glb"][..],
+        ),
         PaperExperiment::Scenario3 => (
             "scenario3.toml",
             include_str!("../../../scenes/paper/scenario3.toml"),
@@ -189,11 +211,12 @@ fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
     let cases = match experiment {
         PaperExperiment::Fig1 => vec![("Fig. 1".to_owned(), Vec::new())],
         PaperExperiment::Scenario1 => vec![("Scenario 1".to_owned(), Vec::new())],
+        PaperExperiment::Scenario2 => vec![("Scenario 2".to_owned(), moving(has_models))],
         PaperExperiment::Scenario3 => surfaces(has_models),
     };
     if has_models {
         Stage {
-            place: "Sponza",
+            place: SPONZA,
             file,
             text,
             cases,
@@ -206,6 +229,13 @@ fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
             cases,
         }
     }
+}
+
+/// In the atrium, whose things stand still as written, the ball and the cone move.
+fn moving(has_models: bool) -> Vec<String> {
+    let things = if has_models { &[][..] } else { &["12", "13"] };
+    let dynamic = |index: &&str| format!("instance.{index}.dynamic=true");
+    things.iter().map(dynamic).collect()
 }
 
 fn surfaces(has_models: bool) -> Vec<(String, Vec<String>)> {
@@ -267,7 +297,7 @@ fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
             shots.extend(THRESHOLDS.iter().map(of));
             shots
         }
-        PaperExperiment::Scenario1 | PaperExperiment::Scenario3 => vec![
+        _ => vec![
             Shot::Picture(with(Method::Rt, own)),
             Shot::Picture(with(Method::Hybrid, own)),
             Shot::Picture(with(Method::Ssr, own)),
@@ -299,6 +329,7 @@ mod tests {
         for experiment in [
             PaperExperiment::Fig1,
             PaperExperiment::Scenario1,
+            PaperExperiment::Scenario2,
             PaperExperiment::Scenario3,
         ] {
             let stage = stage(experiment, &[]);
@@ -310,6 +341,8 @@ mod tests {
                 1
             };
             assert_eq!(subjects.len(), expected);
+            let moves = subjects[0].world.instances.iter().any(|i| i.dynamic);
+            assert_eq!(moves, experiment == PaperExperiment::Scenario2);
         }
     }
 }
