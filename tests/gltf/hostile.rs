@@ -1,8 +1,6 @@
 //! Broken glTF files: a named error at a named place, never a panic.
 
-mod gltf_kit;
-
-use gltf_kit::{Doc, Folder, load_scene, one_error, rich, scene};
+use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
 use serde_json::{Value, json};
 
 #[test]

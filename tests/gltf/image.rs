@@ -1,13 +1,11 @@
 //! Images inside glTF files: decoded to 8-bit RGBA, or refused by name before they cost anything.
 
-mod gltf_kit;
-
 use std::{
     io::Cursor,
     time::{Duration, Instant},
 };
 
-use gltf_kit::{Doc, Folder, one_error, png, rich, scene};
+use crate::kit::{Doc, Folder, one_error, png, rich, scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use reflet::world::{
     Texture,

@@ -1,9 +1,7 @@
 //! Geometry of small handmade glTF files arrives with the right numbers.
 
-mod gltf_kit;
-
+use crate::kit::{Doc, warnings};
 use glam::{Vec2, Vec3, Vec4};
-use gltf_kit::{Doc, warnings};
 use serde_json::json;
 
 fn close(a: Vec3, b: Vec3) -> bool {
@@ -281,7 +279,7 @@ fn mapped_square() -> Doc {
     let normals = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
     let uv = doc.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     let indices = doc.accessor("SCALAR", 5121, 6, &[0, 1, 2, 0, 2, 3]);
-    let texture = doc.texture(&gltf_kit::png(2, 2, [128, 128, 255, 255]));
+    let texture = doc.texture(&crate::kit::png(2, 2, [128, 128, 255, 255]));
     doc.add(
         "materials",
         json!({"normalTexture": {"index": texture, "scale": 0.5}}),

@@ -1,11 +1,9 @@
 //! Lights, cameras, placements and files: glTF as the scene text uses it.
 
-mod gltf_kit;
-
-use glam::{Affine3A, Vec3};
-use gltf_kit::{
+use crate::kit::{
     Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,
 };
+use glam::{Affine3A, Vec3};
 use reflet::{
     scene::desc::{
         InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,

@@ -1,9 +1,7 @@
 //! Skins, morph targets and animations of glTF files stand still, in the right place, with a warning.
 
-mod gltf_kit;
-
+use crate::kit::{Doc, warnings};
 use glam::Vec3;
-use gltf_kit::{Doc, warnings};
 use serde_json::json;
 
 #[test]

@@ -1,13 +1,11 @@
 //! Where a glTF file may reach, and what random damage to it does.
 
-mod gltf_kit;
-
 use std::{
     fs,
     time::{Duration, Instant},
 };
 
-use gltf_kit::{Doc, Folder, load_scene, one_error, rich, scene};
+use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
 use serde_json::{Value, json};
 
 #[test]

@@ -1,11 +1,9 @@
 //! Materials of glTF files, and what scene text lays over them.
 
-mod gltf_kit;
-
 use std::f32::consts::FRAC_PI_2;
 
+use crate::kit::{Doc, Folder, at, entry, instance, load_scene, png, scene, stone, warnings};
 use glam::{Vec3, Vec4};
-use gltf_kit::{Doc, Folder, at, entry, instance, load_scene, png, scene, stone, warnings};
 use reflet::{
     scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, ReflectionMode},
     world::Wrap,
