@@ -55,14 +55,14 @@ var<private> tested_triangles: u32 = 0u;
 const MAX_LAYERS = 64u;
 
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
-    return trace(origin, direction, t_min, t_max, false);
+    return trace_solid(origin, direction, t_min, t_max, false);
 }
 
 fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
-    return trace(origin, direction, t_min, t_max, true).instance != NO_INSTANCE;
+    return trace_solid(origin, direction, t_min, t_max, true).instance != NO_INSTANCE;
 }
 
-fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
+fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     var hit = traverse(origin, direction, t_min, t_max, shadow);
     if HAS_CUTOUT {
         for (var layer = 1u; layer < MAX_LAYERS && is_cut_out(hit); layer++) {
