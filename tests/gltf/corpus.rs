@@ -7,15 +7,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use reflet::{
-    scene::{
-        desc::{At, Entry, ModelDesc, ModelSource, SceneDesc},
-        diagnostic::{Diagnostic, Span},
-    },
-    world::{
-        World,
-        load::{LoadOptions, load},
-    },
+use reflet::{scene::diagnostic::Diagnostic, world::World};
+
+use crate::{
+    common::shared_folder,
+    kit::{check_promises, load_scene, scene},
 };
 
 /// Valid files that may be refused: they require extensions that are not supported, or lack data
@@ -23,98 +19,12 @@ use reflet::{
 const MAX_VALID_REFUSED: usize = 10;
 
 fn corpus() -> Option<PathBuf> {
-    let folder =
-        std::env::var_os("REFLET_CORPUS").map_or_else(|| "../shared/corpus".into(), PathBuf::from);
-    let folder = folder.join("gltf");
-    let found = folder.join("INDEX.tsv").is_file();
-    if !found {
-        println!("corpus: skipped, no INDEX.tsv in {}", folder.display());
-    }
-    found.then_some(folder)
+    Some(shared_folder("REFLET_CORPUS", "corpus")?.join("gltf"))
 }
 
 fn load_file(path: &Path) -> Result<World, Vec<Diagnostic>> {
-    let name = path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let source = ModelSource::File(At {
-        value: name,
-        at: Span::default(),
-    });
-    let model = ModelDesc {
-        source,
-        material: None,
-        overrides: Vec::new(),
-        lights: true,
-    };
-    let desc = SceneDesc {
-        folder: path.parent().unwrap_or(Path::new(".")).to_owned(),
-        models: vec![Entry {
-            name: "m".into(),
-            at: Span::default(),
-            value: model,
-        }],
-        ..SceneDesc::default()
-    };
-    load(&desc, &LoadOptions::default())
-}
-
-/// What every loaded world promises.
-fn check(world: &World, name: &str) {
-    for mesh in &world.meshes {
-        let n = mesh.positions.len();
-        let optional = [mesh.tangents.len(), mesh.uv1.len(), mesh.colors.len()];
-        assert!(
-            optional.iter().all(|&len| len == 0 || len == n),
-            "{name}: {}",
-            mesh.name
-        );
-        assert_eq!(
-            (mesh.normals.len(), mesh.uv0.len()),
-            (n, n),
-            "{name}: {}",
-            mesh.name
-        );
-        assert!(
-            mesh.triangles.iter().flatten().all(|&i| (i as usize) < n),
-            "{name}: {}",
-            mesh.name
-        );
-        assert!(
-            mesh.positions.iter().all(|p| p.is_finite()),
-            "{name}: {}",
-            mesh.name
-        );
-        assert!(
-            mesh.normals.iter().all(|v| (v.length() - 1.0).abs() < 1e-4),
-            "{name}: {}",
-            mesh.name
-        );
-        let unit = |t: &glam::Vec4| (t.truncate().length() - 1.0).abs() < 1e-4 && t.w.abs() == 1.0;
-        assert!(mesh.tangents.iter().all(unit), "{name}: {}", mesh.name);
-    }
-    for i in &world.instances {
-        assert!(
-            i.mesh < world.meshes.len() && i.material < world.materials.len(),
-            "{name}"
-        );
-        assert!(
-            i.world_from_object.inverse().is_finite(),
-            "{name}: {}",
-            i.name
-        );
-    }
-    for t in &world.textures {
-        assert_eq!(
-            t.rgba.len(),
-            t.width as usize * t.height as usize * 4,
-            "{name}: {}",
-            t.name
-        );
-    }
-    assert!(!world.cameras.is_empty(), "{name}");
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    load_scene(&scene(path.parent().unwrap_or(Path::new(".")), &name))
 }
 
 #[test]
@@ -135,7 +45,7 @@ fn corpus_loads_or_says_why_not() {
         let result = load_file(&folder.join(root));
         slowest = slowest.max((started.elapsed(), root.to_owned()));
         if let Ok(world) = &result {
-            check(world, root);
+            check_promises(world, root);
             world
                 .warnings
                 .iter()

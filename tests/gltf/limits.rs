@@ -5,10 +5,12 @@ use std::{
     time::{Duration, Instant},
 };
 
+use crate::common::Random;
 use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
 use serde_json::{Value, json};
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn uris_cannot_leave_the_allowed_folders() {
     let (outside, root) = (Folder::new(), Folder::new());
     let secret = outside.write("secret.bin", [0; 64]);
@@ -95,18 +97,6 @@ fn uris_cannot_leave_the_allowed_folders() {
     json["buffers"][0]["uri"] = "../buffer.bin".into();
     root.write("deep/m.gltf", serde_json::to_vec(&json).expect("JSON"));
     assert!(load_scene(&scene(&root.0, "deep/m.gltf")).is_ok());
-}
-
-/// xorshift64*, so that every run sees the same files.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize % end
-    }
 }
 
 /// Every number in the JSON, for mutations that the parser lets through.

@@ -1,5 +1,8 @@
 //! Loading glTF: what the format can say, what hostile files try, and files written by others.
 
+#[path = "../common/mod.rs"]
+mod common;
+
 mod assets;
 mod corpus;
 mod geometry;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::common::Random;
 use reflet::scene::{
     diagnostic::Diagnostic,
     manual::EXAMPLE,
@@ -97,18 +98,6 @@ fn files_that_cannot_be_scenes_say_why() {
         Ok(folder.clone())
     );
     std::fs::remove_dir_all(&folder).expect("it was made here");
-}
-
-/// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % n as u64) as usize
-    }
 }
 
 #[test]

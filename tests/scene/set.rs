@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::common::Random;
 use glam::Vec3;
 use reflet::scene::{desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::parse};
 
@@ -77,18 +78,6 @@ fn places_are_in_the_option_that_is_wrong() {
     let text = errors[0].to_string();
     let want = " --> --set:1:12\n  |\n1 | image.size=[1, 2, 3]\n  |            ^^^^^^^^^";
     assert!(errors.len() == 1 && text.ends_with(want), "{text}");
-}
-
-/// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % n as u64) as usize
-    }
 }
 
 #[test]
