@@ -20,7 +20,7 @@
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | [`scene`] | what people can write, its defaults and its manual; no assets |
-//! | [`math`] | bounds and color over glam |
+//! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!
 //! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
@@ -60,6 +60,7 @@
 
 pub mod app;
 pub mod bench;
+pub mod files;
 pub mod gpu;
 pub mod math;
 pub mod render;

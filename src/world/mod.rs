@@ -17,6 +17,7 @@ pub mod gltf;
 pub mod load;
 pub mod shape;
 pub mod texture;
+pub mod usd;
 
 /// A loaded scene: geometry in object space, placed by instances.
 #[derive(Clone, Debug, Default)]
