@@ -6,6 +6,7 @@ reported result is moved to its place, so a crash or a limit never leaves a part
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import os
@@ -82,9 +83,7 @@ def _checked_paths(stage: Path, out: Path) -> tuple[Path, Path]:
         raise convert.ConvertError("stage-missing", f"{stage} {what}; name a USD file", str(stage))
     if stage.suffix.lower() not in _USD_SUFFIXES:
         expected = ", ".join(_USD_SUFFIXES)
-        raise convert.ConvertError(
-            "stage-suffix", f"{stage.name}: expected one of {expected}", str(stage)
-        )
+        raise convert.ConvertError("stage-suffix", f"expected one of {expected}", str(stage))
     if not out.parent.is_dir():
         raise convert.ConvertError(
             "output-folder-missing", f"{out.parent} is not a folder; make it first", str(out)
@@ -163,10 +162,8 @@ def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tup
 def _kill(child: subprocess.Popen[bytes]) -> None:
     """End the child and whatever it started (its own session, so its own process group)."""
     if child.poll() is None:
-        try:
+        with contextlib.suppress(ProcessLookupError):
             os.killpg(child.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         child.wait()
 
 
@@ -212,16 +209,16 @@ def _failure(
 ) -> tuple[str, str]:
     """Name and message for a child that ended without a report."""
     if stopped_by == "time-limit":
-        return "time-limit", f"{stage.name}: not converted within {limits.wall_s:g} s"
-    too_large = f"{stage.name}: the output grew past {limits.output_bytes} bytes"
+        return "time-limit", f"not converted within {limits.wall_s:g} s"
+    too_large = f"the output grew past {limits.output_bytes} bytes"
     if stopped_by == "output-limit" or exit_code == -signal.SIGXFSZ:
         return "output-limit", too_large
     if exit_code == -signal.SIGXCPU:
-        return "cpu-limit", f"{stage.name}: used more than {limits.cpu_s} s of processor time"
+        return "cpu-limit", f"used more than {limits.cpu_s} s of processor time"
     if any(word in log for word in ("bad_alloc", "MemoryError", "Cannot allocate memory")):
         return (
             "memory-limit",
-            f"{stage.name}: needs more than the memory limit of {limits.memory_bytes} bytes",
+            f"needs more than the memory limit of {limits.memory_bytes} bytes",
         )
     if exit_code < 0:
         try:
@@ -230,10 +227,10 @@ def _failure(
             signal_name = f"signal {-exit_code}"
         return (
             "usd-crash",
-            f"{stage.name}: the USD library ended with {signal_name} while it read this stage;"
+            f"the USD library ended with {signal_name} while it read this stage;"
             " open it with usdchecker, or export it again",
         )
-    return "converter-internal", f"{stage.name}: the conversion ended with {exit_code}\n{log}"
+    return "converter-internal", f"the conversion ended with {exit_code}\n{log}"
 
 
 def _result(outcome: dict[str, Any]) -> convert.ConvertResult:
@@ -249,12 +246,12 @@ def _result(outcome: dict[str, Any]) -> convert.ConvertResult:
 def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None:
     """Move what the child wrote to its place, the main file last."""
     if _tree_bytes(produced) > limits.output_bytes:
-        message = f"{stage.name}: the output grew past {limits.output_bytes} bytes"
+        message = f"the output grew past {limits.output_bytes} bytes"
         raise convert.ConvertError("output-limit", message, str(stage))
     files = [path for path in sorted(produced.rglob("*")) if not path.is_dir()]
     if produced / out.name not in files or any(path.is_symlink() for path in files):
         raise convert.ConvertError(
-            "converter-internal", f"{stage.name}: the conversion wrote no {out.name}", str(stage)
+            "converter-internal", f"the conversion wrote no {out.name}", str(stage)
         )
     files.sort(key=lambda path: path == produced / out.name)
     for path in files:
@@ -267,10 +264,9 @@ def _tree_bytes(folder: Path) -> int:
     total = 0
     for root, _, names in os.walk(folder):
         for name in names:
-            try:
+            # A file may be removed while we look.
+            with contextlib.suppress(OSError):
                 total += os.lstat(os.path.join(root, name)).st_size
-            except OSError:
-                pass  # removed while we looked
     return total
 
 

@@ -79,9 +79,7 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
 def _internal(error: Exception, job: dict[str, Any]) -> dict[str, Any]:
     frames = traceback.extract_tb(error.__traceback__)
     place = f"{Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else "?"
-    outcome = _error(
-        "converter-internal", f"{type(error).__name__} at {place}: {error}", job
-    )
+    outcome = _error("converter-internal", f"{type(error).__name__} at {place}: {error}", job)
     outcome["traceback"] = traceback.format_exc()
     return outcome
 

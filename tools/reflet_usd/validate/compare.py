@@ -1,0 +1,341 @@
+"""Owns the comparison of two scenes of facts: the stage's truth and the re-read output."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .checks import BARS, Checks
+from .facts import Array, Camera, Corners, Light, Scene
+from .surfaces import distance_to_surfaces, surface_box
+
+_FLOAT32_STEP = float(np.finfo(np.float32).eps)
+_ROUNDINGS = 4.0
+"""Single precision allows each stored or transformed coordinate about this many roundings."""
+
+
+class SceneComparer:
+    """Compares scenes at one or more times into one set of checks."""
+
+    def __init__(self, checks: Checks, truth: Scene) -> None:
+        self.checks = checks
+        low, high = _bounds(truth)
+        self.diagonal = float(np.linalg.norm(high - low)) or 1.0
+        # Coordinates far from the origin cannot be stored finer than single precision.
+        reach = float(max(np.abs(low).max(), np.abs(high).max()))
+        self.slack = _ROUNDINGS * _FLOAT32_STEP * reach / self.diagonal
+
+    def geometry(self, truth: Scene, output: Scene, skinned: frozenset[str]) -> None:
+        """Corners, surfaces and bounds of everything drawn."""
+        for key, expected in truth.corners.items():
+            self._corners(key, expected, output.corners.get(key), key in skinned)
+        for key, surfaces in truth.surfaces.items():
+            found = output.corners.get(key)
+            if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
+                assert found is not None
+                distance = distance_to_surfaces(surfaces, found.positions) / self.diagonal
+                self.checks.add("surfaces", key, distance, "leaves the surface", self.slack)
+        known = truth.corners.keys() | truth.surfaces.keys() | truth.other.keys()
+        for key, found in output.corners.items():
+            if key not in known and (len(found.positions) or len(found.points)):
+                self.checks.add("unexpected", key, 1, "drawn only in the output")
+        self._bounds(truth, output)
+
+    def other(self, truth: Scene, output: Scene) -> None:
+        """Prims of kinds without a numeric comparison: carried or declared."""
+        for key, kind in truth.other.items():
+            there = key in output.corners or key in output.lights
+            self._is_carried(key, there, kind)
+
+    def matrices(self, truth: Scene, output: Scene, at: str) -> None:
+        """World matrices of all nodes that stand for a transformable prim."""
+        self.matrices_of(truth.matrices, output.matrices, at)
+
+    def matrices_of(
+        self, truth: dict[str, list[Array]], output: dict[str, list[Array]], at: str
+    ) -> None:
+        """The same for matrices alone."""
+        for prim, found in output.items():
+            for expected in truth.get(prim, ())[:1]:
+                value = min(self._matrix_distance(expected, matrix) for matrix in found)
+                self.checks.add("matrices", prim, value, at, self.slack)
+
+    def cameras(self, truth: Scene, output: Scene, at: str) -> None:
+        """Lenses and places of all cameras."""
+        for key, expected in truth.cameras.items():
+            found = output.cameras.get(key)
+            if self._is_carried(key, found is not None, "Camera"):
+                assert found is not None
+                for text, value in self._camera_values(expected, found):
+                    self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
+
+    def lights(self, truth: Scene, output: Scene, at: str) -> None:
+        """Kinds, intensities and places of all lights that a punctual light can stand for."""
+        for key, expected in truth.lights.items():
+            found = output.lights.get(key)
+            if self._is_carried(key, found is not None, "light"):
+                assert found is not None
+                for text, value in self._light_values(expected, found):
+                    self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+
+    def _is_carried(self, key: str, there: bool, what: str) -> bool:
+        self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")
+        return there
+
+    def _corners(self, key: str, expected: Corners, found: Corners | None, skinned: bool) -> None:
+        if len(expected.points):
+            there = found is not None and bool(len(found.points))
+            if self._is_carried(key, there, "points"):
+                assert found is not None
+                value = set_distance(expected.points, found.points) / self.diagonal
+                self.checks.add("positions", key, value, "points", self.slack)
+        if not len(expected.positions):
+            return
+        there = found is not None and bool(len(found.positions))
+        if not self._is_carried(key, there, "geometry"):
+            return
+        assert found is not None
+        allowed = np.vstack([expected.positions, expected.optional_positions])
+        value = max(one_way(expected.positions, found.positions), one_way(found.positions, allowed))
+        name = "skinning" if skinned else "positions"
+        self.checks.add(name, key, value / self.diagonal, "corners", self.slack)
+        missing = expected.triangles - found.triangles
+        surplus = found.triangles - expected.triangles - expected.optional_triangles
+        text = f"{found.triangles} triangles, expected {expected.triangles}"
+        self.checks.add("triangles", key, max(missing, surplus, 0), text)
+        if not skinned:
+            self._areas(key, expected, found)
+        self._attributes(key, expected, found, skinned)
+
+    def _areas(self, key: str, expected: Corners, found: Corners) -> None:
+        low, high = expected.area_range
+        size = _size(expected.positions)
+        area = max(high, 1e-6 * size**2)
+        # A rounding of one coordinate moves an area by that times the extent.
+        slack = self.slack * self.diagonal * size * math.sqrt(expected.triangles + 1) / area
+        outside = max(low - found.area_range[0], found.area_range[0] - high, 0.0)
+        text = f"{found.area_range[0]:.6g} m2, expected {low:.6g}"
+        self.checks.add("area", key, outside / area, text, slack)
+        turned = float(np.linalg.norm(expected.vector_area - found.vector_area)) / area
+        self.checks.add("winding", key, turned, "area vector", slack)
+        first, last = expected.volume_range
+        volume = found.volume_range[0]
+        beyond = max(first - volume, volume - last, 0.0) / (area * max(size, 1e-30))
+        self.checks.add("winding", key, beyond, "signed volume", slack)
+
+    def _attributes(self, key: str, expected: Corners, found: Corners, skinned: bool) -> None:
+        tolerance = self.diagonal * (BARS["positions"].limit + self.slack)
+        both = expected.optional_triangles == 0
+        if expected.normals is not None and not skinned:
+            if found.normals is None:
+                self.checks.add("normals", key, 180.0, "no normals in the output")
+            else:
+                step = 2 * math.sin(math.radians(BARS["normals"].limit) / 2)
+                chord = _attribute_distance(
+                    (expected.positions, expected.normals),
+                    (found.positions, found.normals),
+                    tolerance,
+                    step,
+                    both,
+                )
+                angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
+                self.checks.add("normals", key, angle, "angle")
+        self._uvs(key, expected, found, tolerance, both)
+        unbound = expected.materials is not None and bool((expected.materials < 0).all())
+        if expected.colors is not None and found.colors is not None and unbound:
+            value = _attribute_distance(
+                (expected.positions, expected.colors),
+                (found.positions, found.colors),
+                tolerance,
+                BARS["colors"].limit,
+                both,
+            )
+            self.checks.add("colors", key, value, "display color or opacity")
+        if expected.double_sided is not None:
+            wrong = found.double_sided is not None and found.double_sided != expected.double_sided
+            text = f"doubleSided should be {expected.double_sided}"
+            self.checks.add("sides", key, int(wrong), text)
+        self._bindings(key, expected, found)
+
+    def _uvs(
+        self, key: str, expected: Corners, found: Corners, tolerance: float, both: bool
+    ) -> None:
+        if expected.uvs and not found.uvs:
+            names = ", ".join(expected.uvs)
+            self.checks.add("uvs", key, math.inf, f"none of {names} is in the output")
+        for name, values in found.uvs.items():
+            if not expected.uvs:
+                continue
+            reach = max(1.0, float(np.abs(values).max(initial=0.0)))
+            step = BARS["uvs"].limit * reach
+            best = min(
+                _attribute_distance(
+                    (expected.positions, candidate),
+                    (found.positions, values),
+                    tolerance,
+                    step,
+                    both,
+                )
+                for candidate in expected.uvs.values()
+            )
+            self.checks.add("uvs", key, best / reach, name)
+
+    def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
+        """The corners of each material, as sets, by the material's name."""
+        if expected.materials is None or found.materials is None:
+            return
+        there = {path.rsplit("/", 1)[-1]: i for i, path in enumerate(found.material_paths)}
+        for index, path in enumerate(expected.material_paths):
+            wanted = expected.positions[expected.materials == index]
+            if not len(wanted):
+                continue
+            same = [i for i, p in enumerate(expected.material_paths) if _name(p) == _name(path)]
+            wanted = expected.positions[np.isin(expected.materials, same)]
+            number = there.get(_name(path))
+            if number is None:
+                declared = self.checks.excuse(path, BARS["bindings"].excuses)
+                subject = path if declared else key
+                self.checks.add("bindings", subject, math.inf, f"{path} is not used")
+                continue
+            value = set_distance(wanted, found.positions[found.materials == number])
+            self.checks.add("bindings", key, value / self.diagonal, path, self.slack)
+
+    def _bounds(self, truth: Scene, output: Scene) -> None:
+        """The box of all that both sides hold; what is missing was noted already."""
+        shared = truth.corners.keys() | truth.surfaces.keys()
+        clouds = [_everything(output.corners[key]) for key in shared if key in output.corners]
+        clouds = [cloud for cloud in clouds if len(cloud)]
+        keys = {key for key in shared if key in output.corners}
+        if not clouds or keys != shared or truth.other:
+            return
+        low, high = _bounds(truth)
+        points = np.vstack(clouds)
+        off = max(np.abs(points.min(0) - low).max(), np.abs(points.max(0) - high).max())
+        turned = [s for many in truth.surfaces.values() for s in many if not _is_aligned(s.matrix)]
+        # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
+        if not turned:
+            self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
+
+    def _matrix_distance(self, expected: Array, found: Array) -> float:
+        scale = max(float(np.abs(expected[:3, :3]).max()), 1e-30)
+        linear = float(np.abs(expected[:3, :3] - found[:3, :3]).max()) / scale
+        move = float(np.abs(expected[3, :3] - found[3, :3]).max())
+        reach = max(self.diagonal, float(np.abs(expected[3, :3]).max()))
+        return max(linear, move / reach)
+
+    def _camera_values(self, expected: Camera, found: Camera) -> Iterable[tuple[str, float]]:
+        if (expected.yfov is None) != (found.yfov is None):
+            yield "projection", math.inf
+            return
+        if expected.yfov is not None and found.yfov is not None:
+            yield "yfov", _relative(expected.yfov, found.yfov)
+        if expected.ymag is not None and found.ymag is not None:
+            yield "ymag", _relative(expected.ymag, found.ymag)
+        if found.aspect:
+            yield "aspect", _relative(expected.aspect, found.aspect)
+        yield "near", _relative(expected.near_m, found.near_m)
+        if math.isfinite(found.far_m):
+            yield "far", _relative(expected.far_m, found.far_m)
+        yield "place", self._place_distance(expected.matrix, found.matrix)
+        yield "view", _axis_distance(expected.matrix, found.matrix, (1, 2))
+
+    def _light_values(self, expected: Light, found: Light) -> Iterable[tuple[str, float]]:
+        if expected.kind != found.kind and expected.exact:
+            yield f"is {found.kind}, expected {expected.kind}", math.inf
+            return
+        if expected.exact:
+            level = max(float(np.abs(expected.intensity).max()), 1e-30)
+            yield "intensity", float(np.abs(expected.intensity - found.intensity).max()) / level
+        if found.kind != "directional":
+            yield "place", self._place_distance(expected.matrix, found.matrix)
+        if found.kind != "point" and expected.exact:
+            yield "direction", _axis_distance(expected.matrix, found.matrix, (2,))
+        if expected.outer_cone is not None and found.outer_cone is not None:
+            yield "cone", _relative(expected.outer_cone, found.outer_cone)
+
+    def _place_distance(self, expected: Array, found: Array) -> float:
+        reach = max(self.diagonal, float(np.abs(expected[3, :3]).max()))
+        return float(np.linalg.norm(expected[3, :3] - found[3, :3])) / reach
+
+
+def one_way(points: Array, others: Array) -> float:
+    """Largest distance from any of `points` to its nearest of `others`, meters."""
+    if not len(points):
+        return 0.0
+    if not len(others):
+        return math.inf
+    return float(cKDTree(others).query(points)[0].max())
+
+
+def set_distance(first: Array, second: Array) -> float:
+    """Hausdorff distance of two point sets, meters."""
+    return max(one_way(first, second), one_way(second, first))
+
+
+def _attribute_distance(
+    expected: tuple[Array, Array],
+    found: tuple[Array, Array],
+    tolerance: float,
+    step: float,
+    both: bool,
+) -> float:
+    """Largest distance of the attribute at corners of one place, searched as one joint space.
+
+    Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
+    with the nearest attribute among the corners that share its place.
+    """
+    first = np.hstack([expected[0] / tolerance, expected[1] / step])
+    second = np.hstack([found[0] / tolerance, found[1] / step])
+    worst = 0.0
+    pairs = [(first, second)] + ([(second, first)] if both else [])
+    for points, others in pairs:
+        near = cKDTree(others).query(points, p=np.inf)[1]
+        difference = (points[:, 3:] - others[near][:, 3:]) * step
+        worst = max(worst, float(np.linalg.norm(difference, axis=1).max(initial=0.0)))
+    return worst
+
+
+def _bounds(scene: Scene) -> tuple[Array, Array]:
+    clouds = [_everything(part) for part in scene.corners.values()]
+    clouds += [surface_box(surface) for many in scene.surfaces.values() for surface in many]
+    clouds = [cloud for cloud in clouds if len(cloud)]
+    if not clouds:
+        return np.zeros(3), np.zeros(3)
+    points = np.vstack(clouds)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _everything(part: Corners) -> Array:
+    return np.vstack([part.positions, part.points])
+
+
+def _size(points: Array) -> float:
+    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+
+
+def _is_aligned(matrix: Array) -> bool:
+    """Whether each axis of the prim stays along some axis of the world."""
+    linear = np.abs(matrix[:3, :3])
+    return bool((np.sort(linear, axis=1)[:, :2] <= 1e-9 * linear.max()).all())
+
+
+def _relative(expected: float, found: float) -> float:
+    return abs(expected - found) / max(abs(expected), 1e-12)
+
+
+def _axis_distance(expected: Array, found: Array, axes: tuple[int, ...]) -> float:
+    """Largest chord between the unit vectors of the named local axes."""
+    worst = 0.0
+    for axis in axes:
+        first, second = expected[axis, :3], found[axis, :3]
+        lengths = np.linalg.norm(first), np.linalg.norm(second)
+        if min(lengths) > 0:
+            worst = max(worst, float(np.linalg.norm(first / lengths[0] - second / lengths[1])))
+    return worst
+
+
+def _name(path: str) -> str:
+    return path.rsplit("/", 1)[-1]
