@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -59,31 +60,51 @@ def run_convert(
     `memory-limit`, `cpu-limit`, `time-limit`, `output-limit`, `usd-crash`,
     `converter-internal`, and whatever the converter itself names.
     """
-    limits = limits or Limits()
     options = options if options is not None else convert.ConvertOptions()
-    stage, out = _checked_paths(Path(stage), Path(out))
-    staging = Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=out.parent))
+    out = _checked_output(Path(out))
+    with run_confined(
+        stage, options, folder=out.parent, name=out.name, limits=limits, target=target
+    ) as (
+        result,
+        produced,
+    ):
+        _move_output(produced, out, Path(stage), limits or Limits())
+        return convert.ConvertResult(**result)
+
+
+@contextlib.contextmanager
+def run_confined(
+    stage: Path,
+    options: Any,
+    *,
+    target: str,
+    folder: Path | None = None,
+    name: str = "out.glb",
+    limits: Limits | None = None,
+) -> Iterator[tuple[dict[str, Any], Path]]:
+    """Call `target(stage, out, options)` in a confined child; yields what it returned, and where.
+
+    The result comes as the dictionary of the dataclass that the target returned; the folder with
+    the files it wrote (made inside `folder`, by default the system's temporary one) is removed
+    when the block ends. `options` is a ConvertOptions or a dictionary. Raises as `run_convert`.
+    """
+    limits = limits or Limits()
+    stage = _checked_stage(Path(stage))
+    staging = Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=folder))
     try:
         (staging / "out").mkdir()
-        job = _job(stage, out, options, staging, limits, target)
+        job = _job(stage, staging / "out" / name, options, staging, limits, target)
         exit_code, stopped_by = _run_child(job, staging, limits)
         outcome = _read_outcome(staging, exit_code, stopped_by, stage, limits)
         result = _result(outcome)
-        _move_output(staging / "out", out, stage, limits)
         for notice in outcome.get("notices", []):
             print(f"note: {notice}", file=sys.stderr)
-        return result
+        yield result, staging / "out"
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 
 
-def _checked_paths(stage: Path, out: Path) -> tuple[Path, Path]:
-    if not stage.is_file():
-        what = "is a folder" if stage.is_dir() else "does not exist"
-        raise convert.ConvertError("stage-missing", f"{stage} {what}; name a USD file", str(stage))
-    if stage.suffix.lower() not in _USD_SUFFIXES:
-        expected = ", ".join(_USD_SUFFIXES)
-        raise convert.ConvertError("stage-suffix", f"expected one of {expected}", str(stage))
+def _checked_output(out: Path) -> Path:
     if not out.parent.is_dir():
         raise convert.ConvertError(
             "output-folder-missing", f"{out.parent} is not a folder; make it first", str(out)
@@ -92,23 +113,35 @@ def _checked_paths(stage: Path, out: Path) -> tuple[Path, Path]:
         raise convert.ConvertError(
             "output-suffix", f"{out.name}: expected a name that ends in .glb or .gltf", str(out)
         )
+    return out.absolute()
+
+
+def _checked_stage(stage: Path) -> Path:
+    if not stage.is_file():
+        what = "is a folder" if stage.is_dir() else "does not exist"
+        raise convert.ConvertError("stage-missing", f"{what}; name a USD file", str(stage))
+    if stage.suffix.lower() not in _USD_SUFFIXES:
+        expected = ", ".join(_USD_SUFFIXES)
+        raise convert.ConvertError("stage-suffix", f"expected one of {expected}", str(stage))
     stage = stage.resolve()
     if stage.suffix.lower() == ".usdz":
         try:
             check_package(stage)
         except PackageError as error:
             raise convert.ConvertError(error.name, error.message, str(stage)) from error
-    return stage, out.absolute()
+    return stage
 
 
 def _job(
     stage: Path, out: Path, options: Any, staging: Path, limits: Limits, target: str
 ) -> dict[str, Any]:
-    values = options if isinstance(options, dict) else dataclasses.asdict(options)
+    values = dict(options) if isinstance(options, dict) else dataclasses.asdict(options)
     extra_roots = [str(Path(root).resolve()) for root in values.get("extra_roots") or ()]
+    if extra_roots:
+        values["extra_roots"] = extra_roots  # the child runs in another folder
     return {
         "stage": str(stage),
-        "out": str(staging / "out" / out.name),
+        "out": str(out),
         "staging": str(staging),
         "target": target,
         "options": values,
@@ -233,14 +266,12 @@ def _failure(
     return "converter-internal", f"the conversion ended with {exit_code}\n{log}"
 
 
-def _result(outcome: dict[str, Any]) -> convert.ConvertResult:
+def _result(outcome: dict[str, Any]) -> dict[str, Any]:
     error = outcome.get("error")
     if error:
-        failure = convert.ConvertError(error["name"], error["message"], error["path"])
-        if "traceback" in outcome:
-            failure.__cause__ = RuntimeError(outcome["traceback"])
-        raise failure
-    return convert.ConvertResult(**outcome["result"])
+        cause = RuntimeError(outcome["traceback"]) if "traceback" in outcome else None
+        raise convert.ConvertError(error["name"], error["message"], error["path"]) from cause
+    return outcome["result"]
 
 
 def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None:

@@ -64,6 +64,8 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
     except RecursionError:
         return _error("too-deep", "the stage nests deeper than the converter follows", job)
     except ModuleNotFoundError as error:
+        if (error.name or "").startswith("reflet_usd"):
+            return _internal(error, job)
         message = f"the Python package {error.name!r} is missing; run tools/setup.sh"
         return _error("package-missing", message, job)
     except OSError as error:

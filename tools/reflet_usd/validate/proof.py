@@ -34,6 +34,8 @@ class Proof:
     """The sidecar's warnings."""
     unreadable: str = ""
     """Why a third-party reader could not read the file; empty when it could."""
+    facts: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """Counts and the world box of the output, as the third-party reader sees them."""
     times: int = 0
     """At how many times, besides rest, the animation was compared."""
 
@@ -50,6 +52,7 @@ class Proof:
             "passed": self.passed,
             "khronos": dataclasses.asdict(self.khronos) if self.khronos else None,
             "unreadable": self.unreadable,
+            "facts": self.facts,
             "times": self.times,
             "checks": [check.to_json() for check in self.checks],
             "warnings": self.warnings,
@@ -59,8 +62,8 @@ class Proof:
 def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     """Validate `out`, and compare it with `stage` where one is given.
 
-    Raises ValidatorMissingError where the Khronos validator cannot run and StageError where usd-core
-    does not open the stage.
+    `khronos=False` leaves the Khronos validator out. Raises ValidatorMissingError where it cannot
+    run and StageError where usd-core does not open the stage.
     """
     report = check_files([out])[0] if khronos else None
     sidecar = read_sidecar(out)
@@ -68,6 +71,7 @@ def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     proof = Proof(out, stage, report, [], warnings)
     try:
         file = GltfFile(out)
+        proof.facts = output_facts(file)
         checks = Checks(warnings)
         if stage is not None:
             proof.times = _compare(file, stage, sidecar, checks)
@@ -88,6 +92,25 @@ def read_sidecar(out: Path) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
+def output_facts(file: GltfFile) -> dict[str, Any]:
+    """What the file holds: counts and the world box at rest."""
+    reader = OutputReader(file, ())
+    scene = reader.scene(None)
+    box = bounds_of(scene.corners)
+    return {
+        "box": None if box is None else [*map(float, box[0]), *map(float, box[1])],
+        "triangles": sum(part.triangles for part in scene.corners.values()),
+        "materials": len(file.materials),
+        "images": len(file.gltf.images or []),
+        "cameras": sum(file.nodes[node].camera is not None for node in reader.poser.order),
+        "lights": sum(
+            "KHR_lights_punctual" in (file.nodes[node].extensions or {})
+            for node in reader.poser.order
+        ),
+        "animated_nodes": len(reader.poser.animated_nodes()),
+    }
+
+
 def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks) -> int:
     """Compare at rest and over the animation; returns the number of animated times."""
     # Imported here so that files can be validated alone without usd-core.
@@ -98,7 +121,7 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     from .usd_stage import open_truth, sample_codes
     from .usd_truth import TruthReader
 
-    settings = {**sidecar.get("info", {}), **sidecar.get("options", {})}
+    settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
     skin_codes = skin_times(truth.stage)
     skinned = bake(truth.stage)
@@ -106,8 +129,8 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     rest = reader.scene(Usd.TimeCode.EarliestTime())
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
-    comparer = SceneComparer(checks, rest)
-    comparer.geometry(rest, stored, skinned)
+    comparer = SceneComparer(checks, rest, skinned)
+    comparer.geometry(rest, stored)
     comparer.other(rest, stored)
     comparer.matrices(rest, stored, "at rest")
     comparer.cameras(rest, stored, "at rest")
@@ -122,7 +145,7 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second
         moved, shown = reader.scene(Usd.TimeCode(code)), output.scene(seconds)
-        comparer.geometry(moved, shown, skinned)
+        comparer.geometry(moved, shown)
         comparer.cameras(moved, shown, at)
         comparer.lights(moved, shown, at)
     between = [(a + b) / 2 for a, b in itertools.pairwise(codes)]

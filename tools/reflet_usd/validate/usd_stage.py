@@ -72,7 +72,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         float(units) if _is_positive(units) else 0.01,
         axis == "Z",
         float(rate) if _is_positive(rate) else 24.0,
-        float(settings.get("time_origin") or 0.0),
+        float(settings.get("timeOrigin") or 0.0),
     )
 
 
