@@ -1,4 +1,4 @@
-"""The arguments of `convert`, to and from `ConvertOptions`; shared by the command and its child."""
+"""The arguments of `convert`, and the `ConvertOptions` that they stand for."""
 
 from __future__ import annotations
 
@@ -96,17 +96,3 @@ def options_from(args: argparse.Namespace) -> ConvertOptions:
         extra_roots=tuple(args.root),
         subdiv_level=args.subdiv,
     )
-
-
-def to_argv(stage: Path, out: Path, options: ConvertOptions) -> list[str]:
-    """The argument list that parses back to `options` (for the child process)."""
-    argv = [str(stage), "-o", str(out), "--purpose", ",".join(options.purpose)]
-    if options.frames is not None:
-        argv.append(f"--frames={options.frames[0]!r}:{options.frames[1]!r}")
-    for prim, name, value in options.variants:
-        argv += ["--variant", f"{prim}{{{name}={value}}}"]
-    if options.strict:
-        argv.append("--strict")
-    for root in options.extra_roots:
-        argv += ["--root", str(root)]
-    return [*argv, "--subdiv", str(options.subdiv_level)]

@@ -26,6 +26,17 @@ class ConvertOptions:
     subdiv_level: int = 0
     """How many Catmull-Clark steps refine subdivision meshes; 0 keeps the cage."""
 
+    def __post_init__(self) -> None:
+        # Options that traveled through JSON come back as lists and plain strings.
+        plain = {
+            "frames": None if self.frames is None else tuple(self.frames),
+            "purpose": tuple(self.purpose),
+            "variants": tuple(tuple(choice) for choice in self.variants),
+            "extra_roots": tuple(Path(root) for root in self.extra_roots),
+        }
+        for name, value in plain.items():
+            object.__setattr__(self, name, value)
+
 
 @dataclass(frozen=True, order=True)
 class Warning:
@@ -46,6 +57,11 @@ class ConvertResult:
     info: dict[str, Any] = field(default_factory=dict)
     """Facts needed to compare the file with the stage (units, axis, time origin, counts)."""
 
+    def __post_init__(self) -> None:
+        self.warnings = [
+            Warning(**entry) if isinstance(entry, dict) else entry for entry in self.warnings
+        ]
+
     def to_json(self) -> dict[str, Any]:
         """The sidecar's content, plain data."""
         return {
@@ -53,15 +69,6 @@ class ConvertResult:
             "ledger": self.ledger,
             "info": self.info,
         }
-
-    @staticmethod
-    def from_json(data: dict[str, Any]) -> ConvertResult:
-        """The inverse of `to_json`."""
-        return ConvertResult(
-            warnings=[Warning(**entry) for entry in data["warnings"]],
-            ledger=data["ledger"],
-            info=data.get("info", {}),
-        )
 
 
 class ConvertError(Exception):

@@ -1,0 +1,161 @@
+"""Gprims to glTF meshes: surface, primvars, subsets and materials joined, instances shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.attributes import (
+    GprimPrimvars,
+    attach,
+    primvar_signature,
+    read_primvars,
+)
+from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.gprim import GPRIM_TYPES, tessellate
+from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
+from reflet_usd.convert.mesh import mesh_surface
+from reflet_usd.convert.polygons import Polygons
+from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
+from reflet_usd.convert.primvars import Topology
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.subsets import FaceGroup, face_groups
+from reflet_usd.convert.surface import Surface
+
+
+@dataclass
+class BuiltMesh:
+    """A glTF mesh that was written, and what deformations need to know about it."""
+
+    index: int
+    extras: dict[str, Any]
+    """For the node: constants that have no place in the mesh."""
+
+
+class Deformer(Protocol):
+    """What skins and blend shapes add to a mesh while it is built."""
+
+    shape_names: list[str]
+
+    def prepare(self, surface: Surface, polygons: Polygons | None) -> None:
+        """Called once, before primitives are made."""
+
+    def finish(
+        self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None
+    ) -> None:
+        """Called for each primitive."""
+
+
+class GeometryBuilder:
+    """Converts gprims; equal prims of native instances give one mesh."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self.materials = MaterialLibrary(context, writer)
+        self._meshes: dict[tuple[Any, ...], BuiltMesh | None] = {}
+
+    def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
+        """The glTF mesh of a gprim, or None (with a warning) where it has nothing to draw."""
+        groups = face_groups(self.context, prim)
+        key = self._key(prim, groups)
+        if deformation is None and key in self._meshes:
+            return self._meshes[key]
+        built = self._build(prim, groups, deformation)
+        if deformation is None:
+            self._meshes[key] = built
+        return built
+
+    def _key(self, prim: Usd.Prim, groups: list[FaceGroup]) -> tuple[Any, ...]:
+        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        bound = tuple(str(g.material.GetPath()) if g.material else "" for g in groups)
+        return (str(source.GetPath()), bound, primvar_signature(prim))
+
+    def _build(
+        self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
+    ) -> BuiltMesh | None:
+        made = self._surface(prim)
+        if made is None:
+            return None
+        surface, topology, polygons = made
+        primvars = read_primvars(self.context, prim, topology)
+        attach(self.context, prim, surface, primvars, topology)
+        if deformation is not None:
+            deformation.prepare(surface, polygons)
+        entries = []
+        for group in groups:
+            chosen = surface.triangles
+            if group.faces is not None:
+                member = np.zeros(topology.face_count, dtype=bool)
+                member[group.faces] = True
+                chosen = surface.triangles[member[surface.triangle_faces]]
+            if len(chosen) == 0:
+                continue
+            parts = self._primitive(prim, surface, chosen, group, primvars)
+            if deformation is not None:
+                deformation.finish(surface, parts, polygons)
+            entries.append(parts.entry)
+        if not entries:
+            self.context.ledger.warn("mesh-empty", prim, "no face is left to draw")
+            return None
+        mesh: dict[str, Any] = {
+            "name": prim.GetName(),
+            "primitives": entries,
+            "extras": {"prim": str(prim.GetPath())},
+        }
+        if deformation is not None and deformation.shape_names:
+            mesh["weights"] = [0.0] * len(deformation.shape_names)
+            mesh["extras"]["targetNames"] = deformation.shape_names
+        extras = {"primvars": primvars.constants} if primvars.constants else {}
+        return BuiltMesh(self.writer.add("meshes", mesh), extras)
+
+    def _surface(self, prim: Usd.Prim) -> tuple[Surface, Topology, Polygons | None] | None:
+        if prim.GetTypeName() in GPRIM_TYPES:
+            made = tessellate(self.context, prim)
+            return None if made is None else (*made, None)
+        return mesh_surface(self.context, prim)
+
+    def _primitive(
+        self,
+        prim: Usd.Prim,
+        surface: Surface,
+        triangles: Array,
+        group: FaceGroup,
+        primvars: GprimPrimvars,
+    ) -> PrimitiveParts:
+        plan = self.materials.plan(group.material)
+        order, constants = self._uv_order(prim, surface, plan)
+        color = primvars.color.stream_for(plan.uses_display_color, plan.uses_display_opacity)
+        parts = build_primitive(self.writer, surface, triangles, order, constants, color)
+        double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
+        slots = {name: slot for slot, name in enumerate(order)}
+        parts.entry["material"] = self.materials.instantiate(
+            plan, slots, double_sided, primvars.color, color is not None
+        )
+        if group.subset is not None:
+            parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
+        return parts
+
+    def _uv_order(
+        self, prim: Usd.Prim, surface: Surface, plan: MaterialPlan
+    ) -> tuple[list[str], dict[str, tuple[float, float]]]:
+        """UV sets of TEXCOORD_0…: those the material reads first, then `st`, then by name."""
+        constants = {}
+        for name, fallback in plan.uv_sets.items():
+            if name not in surface.uvs:
+                constants[name] = fallback
+                message = f"the material reads UV set '{name}', which the prim does not have"
+                self.context.ledger.warn("uv-missing", prim, message)
+        rest = sorted((n for n in surface.uvs if n not in plan.uv_sets), key=lambda n: (n != "st", n))
+        return [*plan.uv_sets, *rest], constants
+
+
+def is_surface(prim: Usd.Prim) -> bool:
+    """Whether `GeometryBuilder` can build this prim."""
+    return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in GPRIM_TYPES
+
+

@@ -1,0 +1,163 @@
+"""Bound materials to plans, and plans to glTF materials for the prims that use them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+from pxr import Usd, UsdShade
+
+from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.mtlx import MATERIALX_SURFACES, approximate
+from reflet_usd.convert.network import (
+    NetworkReader,
+    PrimvarRead,
+    Source,
+    TextureRead,
+    shader_id,
+)
+from reflet_usd.convert.pack import Packer
+from reflet_usd.convert.preview import PREVIEW_INPUTS, PreviewMaterial
+
+_RENDER_CONTEXTS = ("", "glslfx", "mtlx")
+# UsdPreviewSurface's roughness, for surfaces that have a color and nothing else.
+DISPLAY_ROUGHNESS = 0.5
+
+
+@dataclass
+class MaterialPlan:
+    """What a material needs from the meshes that use it, before it is written."""
+
+    prim: Usd.Prim | None
+    inputs: dict[str, Source] = field(default_factory=dict)
+    is_preview: bool = False
+    uv_sets: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """UV sets that textures read, with the reader's fallback."""
+    uses_display_color: bool = True
+    uses_display_opacity: bool = True
+
+
+class MaterialLibrary:
+    """All materials of one conversion."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self._packer = Packer(context, writer)
+        self._plans: dict[str, MaterialPlan] = {}
+        self._written: dict[tuple[Any, ...], int] = {}
+
+    def plan(self, prim: Usd.Prim | None) -> MaterialPlan:
+        """The plan of a material prim; of `None`, the plan for plain displayColor."""
+        if prim is None:
+            return MaterialPlan(None)
+        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        key = str(source.GetPath())
+        if key not in self._plans:
+            self._plans[key] = self._read(prim)
+        self.context.ledger.carry(prim)
+        return self._plans[key]
+
+    def instantiate(
+        self,
+        plan: MaterialPlan,
+        slots: dict[str, int],
+        double_sided: bool,
+        display: DisplayColor,
+        has_colors: bool,
+    ) -> int:
+        """The glTF material of `plan` for a primitive with these UV slots and colors."""
+        used_slots = tuple((name, slots[name]) for name in plan.uv_sets if name in slots)
+        shown = display if plan.uses_display_color or plan.uses_display_opacity else None
+        constant = None if shown is None else (shown.constant, shown.translucent)
+        path = "" if plan.prim is None else str(plan.prim.GetPath())
+        key = (path, used_slots, double_sided, constant, has_colors)
+        if key not in self._written:
+            self._written[key] = self._write(plan, slots, double_sided, display, has_colors)
+        return self._written[key]
+
+    def _read(self, prim: Usd.Prim) -> MaterialPlan:
+        material = UsdShade.Material(prim)
+        shader = None
+        if material:
+            for render_context in _RENDER_CONTEXTS:
+                shader, _, _ = material.ComputeSurfaceSource([render_context])
+                if shader:
+                    break
+        kind = shader_id(shader) if shader else ""
+        if kind == "UsdPreviewSurface":
+            reader = NetworkReader(self.context, prim)
+            sources = {name: reader.source(shader, name) for name in PREVIEW_INPUTS}
+            inputs = {name: source for name, source in sources.items() if source is not None}
+        elif kind in MATERIALX_SURFACES:
+            inputs = approximate(self.context, prim, shader, kind)
+        else:
+            what = f"shader '{kind}'" if shader else "material without a surface shader"
+            message = f"a {what} has no glTF counterpart, displayColor is shown"
+            self.context.ledger.warn("material-unsupported", prim, message)
+            return MaterialPlan(prim)
+        self.context.ledger.carry(shader.GetPrim())
+        self._warn_displacement(material)
+        return self._planned(prim, inputs)
+
+    def _planned(self, prim: Usd.Prim, inputs: dict[str, Source]) -> MaterialPlan:
+        plan = MaterialPlan(prim, is_preview=True)
+        plan.uses_display_color = plan.uses_display_opacity = False
+        for name, source in inputs.items():
+            if isinstance(source, PrimvarRead):
+                if name == "diffuseColor" and source.primvar == "displayColor":
+                    plan.uses_display_color = True
+                elif name == "opacity" and source.primvar == "displayOpacity":
+                    plan.uses_display_opacity = True
+                else:
+                    message = f"'{name}' reads primvar '{source.primvar}', its fallback is used"
+                    self.context.ledger.warn("primvar-reader-dropped", prim, message)
+            elif isinstance(source, TextureRead) and self._packer.usable(source):
+                plan.uv_sets.setdefault(source.uv.primvar, source.uv.fallback)
+            plan.inputs[name] = source
+        return plan
+
+    def _warn_displacement(self, material: UsdShade.Material) -> None:
+        for output in (material.ComputeDisplacementSource(), material.ComputeVolumeSource()):
+            if output[0] and shader_id(output[0]) != "UsdPreviewSurface":
+                message = "displacement and volume shaders have no glTF counterpart"
+                self.context.ledger.warn("displacement-dropped", output[0].GetPrim(), message)
+
+    def _write(
+        self,
+        plan: MaterialPlan,
+        slots: dict[str, int],
+        double_sided: bool,
+        display: DisplayColor,
+        has_colors: bool,
+    ) -> int:
+        if plan.is_preview:
+            preview = PreviewMaterial(self.context, self.writer, self._packer, plan.prim)
+            entry = preview.write(plan.inputs, slots, display, has_colors)
+        else:
+            entry = _display_material(display, has_colors)
+        if plan.prim is not None:
+            entry["name"] = plan.prim.GetName()
+            entry["extras"] = {"prim": str(plan.prim.GetPath())}
+        if double_sided:
+            entry["doubleSided"] = True
+        return self.writer.add_once("materials", json.loads(json.dumps(entry)))
+
+
+def _display_material(display: DisplayColor, has_colors: bool) -> dict[str, Any]:
+    """Plain dielectric in the gprim's displayColor."""
+    factor = [1.0, 1.0, 1.0, 1.0] if has_colors else list(display.constant)
+    entry: dict[str, Any] = {
+        "name": "displayColor",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": factor,
+            "metallicFactor": 0.0,
+            "roughnessFactor": DISPLAY_ROUGHNESS,
+        },
+    }
+    if display.translucent:
+        entry["alphaMode"] = "BLEND"
+    return entry
