@@ -25,6 +25,11 @@ class Mutant:
     data: bytes
     beside: dict[str, bytes] = dataclasses.field(default_factory=dict)
 
+    @property
+    def title(self) -> str:
+        """Its name among all mutants."""
+        return self.name + self.suffix
+
 
 def all_mutants(seeds: Path, scratch: Path) -> list[Mutant]:
     """Every mutant, in a fixed order; `scratch` holds the binary forms of the seeds."""
@@ -225,15 +230,16 @@ _BODIES: dict[str, str] = {
     "reference-cycle": 'def "A" (references = </B>) {}\ndef "B" (references = </A>) {}',
     "inherit-cycle": 'class "A" (inherits = </B>) {}\nclass "B" (inherits = </A>) {}',
     "reference-child": 'def "A" (references = </A/B>) { def "B" {} }',
-    "reference-gone": 'def "A" (references = @gone.usda@) {}\ndef "B" (payload = @/gone.usd@</X>) {}',
+    "reference-gone": 'def "A" (references = @gone.usda@) {}\n'
+    'def "B" (payload = @/gone.usd@</X>) {}',
     "reference-escaping": 'def "A" (references = @../secret.usda@) {}',
     "reference-absolute": 'def "A" (references = @/etc/passwd@) {}',
     "reference-device": 'def "A" (references = @/dev/zero@) {}',
     "variant-gone": 'def "A" (variants = {string v = "x"}\nprepend variantSets = "v") {}',
     "instancer-self": 'def PointInstancer "P" { rel prototypes = </P>\nint[] protoIndices = [0]\n'
     "point3f[] positions = [(0,0,0)] }",
-    "instancer-cycle": 'def PointInstancer "P" { rel prototypes = </Q>\nint[] protoIndices = [0,0]\n'
-    'point3f[] positions = [(0,0,0),(1,0,0)] }\ndef PointInstancer "Q" { rel prototypes = </P>\n'
+    "instancer-cycle": 'def PointInstancer "P" { rel prototypes = </Q>\n'
+    'int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\ndef PointInstancer "Q" { rel prototypes = </P>\n'
     "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }",
     "instancer-wild": 'def PointInstancer "P" { rel prototypes = [</P/C>, </Gone>]\n'
     "int[] protoIndices = [0, -1, 1, 77]\npoint3f[] positions = [(0,0,0), (nan,0,0)]\n"
@@ -269,7 +275,8 @@ _BODIES: dict[str, str] = {
     "color3f inputs:diffuseColor.connect = </M/T.outputs:rgb>\ntoken outputs:surface }\n"
     'def Shader "T" { uniform token info:id = "UsdUVTexture"\nasset inputs:file = @../secret.png@\n'
     "float3 outputs:rgb } }",
-    "skeleton-wild": 'def SkelRoot "R" { def Skeleton "S" (prepend apiSchemas = ["SkelBindingAPI"]) {'
+    "skeleton-wild": 'def SkelRoot "R" {\n'
+    'def Skeleton "S" (prepend apiSchemas = ["SkelBindingAPI"]) {\n'
     'uniform token[] joints = ["a", "a/b", "c/d"]\nuniform matrix4d[] bindTransforms = []\n'
     "rel skel:animationSource = </R/S> }\n"
     'def Mesh "M" (prepend apiSchemas = ["SkelBindingAPI"]) { int[] faceVertexCounts = [3]\n'

@@ -19,27 +19,28 @@ QUICK = 6
 
 def convert(mutant: Mutant, folder: Path) -> tuple[str, Path | None]:
     """What became of one mutant: `converted` or the error's name, and its output."""
-    place = folder / mutant.name / "in"
+    place = folder / mutant.title / "in"
     place.mkdir(parents=True)
-    (folder / mutant.name / "secret.usda").write_text(
-        f'#usda 1.0\n(defaultPrim = "{SECRET}")\ndef Cube "{SECRET}" {{ def Cube "{SECRET}" {{}} }}\n'
+    (folder / mutant.title / "secret.usda").write_text(
+        f'#usda 1.0\n(defaultPrim = "{SECRET}")\n'
+        f'def Cube "{SECRET}" {{ def Cube "{SECRET}" {{}} }}\n'
     )
     for name, data in mutant.beside.items():
         (place / name).write_bytes(data)
     stage = place / f"stage{mutant.suffix}"
     stage.write_bytes(mutant.data)
-    results = folder / mutant.name / "out"
+    results = folder / mutant.title / "out"
     results.mkdir()
     out = results / "out.glb"
     try:
         run_convert(stage, out, limits=LIMITS)
     except ConvertError as error:
-        assert list(results.iterdir()) == [], f"{mutant.name}: a partial output"
-        assert error.message, mutant.name
+        assert list(results.iterdir()) == [], f"{mutant.title}: a partial output"
+        assert error.message, mutant.title
         return error.name, None
     assert sorted(path.name for path in results.iterdir()) == ["out.glb", "out.glb.json"]
     for path in results.iterdir():
-        assert SECRET.encode() not in path.read_bytes(), f"{mutant.name}: read outside its folder"
+        assert SECRET.encode() not in path.read_bytes(), f"{mutant.title}: read outside its folder"
     return "converted", out
 
 
@@ -47,7 +48,7 @@ def check_all(mutants: list[Mutant], folder: Path) -> None:
     """Convert all of them, then let the Khronos validator judge what came out."""
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         ends = list(pool.map(lambda mutant: convert(mutant, folder), mutants))
-    survived = dict(zip([mutant.name + mutant.suffix for mutant in mutants], ends, strict=True))
+    survived = dict(zip([mutant.title for mutant in mutants], ends, strict=True))
     assert len(survived) == len(mutants)
     internal = [name for name, (end, _) in survived.items() if end == "converter-internal"]
     assert internal == []
@@ -72,7 +73,7 @@ def test_there_are_at_least_200_and_they_never_change(
     mutants: list[Mutant], tmp_path: Path
 ) -> None:
     assert len(mutants) >= 200
-    names = [mutant.name + mutant.suffix for mutant in mutants]
+    names = [mutant.title for mutant in mutants]
     assert len(set(names)) == len(names)
     again = all_mutants(Path(__file__).resolve().parent / "stages", tmp_path)
     same = [a.data == b.data for a, b in zip(mutants, again, strict=True)]

@@ -201,7 +201,7 @@ def _features(row: dict[str, str]) -> dict[str, int]:
 
 def _pair(text: str) -> tuple[int, int]:
     got, _, expected = text.partition("/")
-    return int(got), int(expected)
+    return int(got or 0), int(expected or 0)
 
 
 def _rows(path: Path) -> list[dict[str, str]]:

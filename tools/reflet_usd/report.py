@@ -88,11 +88,11 @@ def run(args: argparse.Namespace) -> int:
     if not roots:
         print(f"{args.folder}: no stage matches {args.only!r}", file=sys.stderr)
         return 2
+    peers = read_peers(args.folder)
     with tempfile.TemporaryDirectory(prefix="reflet-report-") as scratch:
         place = args.keep or Path(scratch)
         place.mkdir(parents=True, exist_ok=True)
         rows = convert_all(args.folder, roots, place, args.jobs, Limits(wall_s=args.wall_s))
-    peers = read_peers(args.folder)
     text = format_markdown(rows, peers, __version__)
     if args.output:
         args.output.write_text(text, encoding="utf-8")
