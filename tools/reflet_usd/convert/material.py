@@ -84,7 +84,7 @@ class MaterialLibrary:
         shader = None
         if material:
             for render_context in _RENDER_CONTEXTS:
-                shader, _, _ = material.ComputeSurfaceSource([render_context])
+                shader, _, _ = material.ComputeSurfaceSource(render_context)
                 if shader:
                     break
         kind = shader_id(shader) if shader else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     root_layer = _open_root_layer(path)
     # The layers stay referenced, so the stage composes the edited copies in memory.
     layers = cut_foreign_layers(root_layer, roots, ledger)
+    _repair_time_rates(layers, ledger)
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
@@ -54,10 +56,29 @@ def _open_root_layer(path: Path) -> Sdf.Layer:
     return layer
 
 
+def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
+    """Set a usable timeCodesPerSecond in memory: USD divides by it when it combines layers."""
+    for layer in layers:
+        if not layer.pseudoRoot.HasInfo("timeCodesPerSecond"):
+            continue
+        rate = layer.pseudoRoot.GetInfo("timeCodesPerSecond")
+        if _is_positive(rate):
+            continue
+        name = os.path.basename(layer.identifier)
+        message = f"timeCodesPerSecond of {name} is {rate!r}, taken as 24"
+        ledger.warn("time-rate-invalid", "/", message)
+        was_editable = layer.permissionToEdit
+        layer.SetPermissionToEdit(True)
+        layer.pseudoRoot.SetInfo("timeCodesPerSecond", FALLBACK_CODES_PER_SECOND)
+        layer.SetPermissionToEdit(was_editable)
+
+
 def _first_line(error: Tf.ErrorException) -> str:
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    reasons = [line.split(" -- ", 1)[1] for line in lines if " -- " in line]
-    return (reasons or lines or ["USD gives no reason"])[0]
+    """USD's first reason, without the source places of its library."""
+    text = " ".join(str(error).split())
+    found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
+    reason = found.group(1) if found else text or "USD gives no reason"
+    return re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason)[:400]
 
 
 def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:
