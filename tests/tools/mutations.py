@@ -239,7 +239,8 @@ _BODIES: dict[str, str] = {
     "instancer-self": 'def PointInstancer "P" { rel prototypes = </P>\nint[] protoIndices = [0]\n'
     "point3f[] positions = [(0,0,0)] }",
     "instancer-cycle": 'def PointInstancer "P" { rel prototypes = </Q>\n'
-    'int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\ndef PointInstancer "Q" { rel prototypes = </P>\n'
+    'int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\n'
+    'def PointInstancer "Q" { rel prototypes = </P>\n'
     "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }",
     "instancer-wild": 'def PointInstancer "P" { rel prototypes = [</P/C>, </Gone>]\n'
     "int[] protoIndices = [0, -1, 1, 77]\npoint3f[] positions = [(0,0,0), (nan,0,0)]\n"

@@ -22,7 +22,8 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = ("*-animation-frozen", "*-animation-dropped")
+_FROZEN = ("*-animation-frozen", "*-animation-dropped", "time-rate-invalid")
+_WHOLE_STAGE = ("time-rate-invalid",)
 _BROKEN = (
     "curves-invalid",
     "index-out-of-range",
@@ -70,9 +71,9 @@ _MATERIAL = (
 )
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra"),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra", _FROZEN),
     "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _SHAPE),
-    "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
+    "bounds": Bar("bounding box", 1e-5, "of the diagonal", ("time-rate-invalid",)),
     "triangles": Bar("triangle count", 0, "difference", _SHAPE),
     "area": Bar("surface area", 1e-5, "relative", _SHAPE),
     "winding": Bar("area vector and signed volume", 1e-5, "relative", _SHAPE),
@@ -176,8 +177,10 @@ class Checks:
     def excuse(self, prim: str, names: tuple[str, ...]) -> str | None:
         """The warning on the prim, above or below it, whose name fits one of the patterns."""
         for path, found in self._warnings.items():
-            # A warning at the root speaks of the whole stage and excuses no single prim.
-            above = path != "/" and (prim == path or prim.startswith(path + "/"))
+            above = prim == path or prim.startswith(path + "/")
+            if path == "/":
+                # A warning at the root excuses single prims only where it speaks of all of them.
+                found, above = [name for name in found if name in _WHOLE_STAGE], True
             if above or path.startswith(prim + "/"):
                 for name in found:
                     if any(fnmatch.fnmatchcase(name, pattern) for pattern in names):

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
-from .facts import Array, Camera, Corners, Light, Scene
-from .surfaces import distance_to_surfaces, surface_box
+from .facts import Array, Camera, Corners, Light, Scene, Surface
+from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
@@ -32,14 +32,16 @@ class SceneComparer:
     def geometry(self, truth: Scene, output: Scene) -> None:
         """Corners, surfaces and bounds of everything drawn."""
         excused = self.checks.declared()
-        for key, expected in truth.corners.items():
-            self._corners(key, expected, output.corners.get(key), key in self.skinned)
-        for key, surfaces in truth.surfaces.items():
+        for key in sorted(truth.corners.keys() | truth.surfaces.keys()):
             found = output.corners.get(key)
-            if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
-                assert found is not None
-                distance = distance_to_surfaces(surfaces, found.positions) / self.diagonal
-                self.checks.add("surfaces", key, distance, "leaves the surface", self.slack)
+            if found is not None and not np.isfinite(found.positions).all():
+                self.checks.add("positions", key, math.inf, "not finite")
+            elif key in truth.corners and key in truth.surfaces:
+                self._mixed(key, truth.corners[key], truth.surfaces[key], found)
+            elif key in truth.corners:
+                self._corners(key, truth.corners[key], found, key in self.skinned)
+            else:
+                self._surfaces(key, truth.surfaces[key], found)
         known = truth.corners.keys() | truth.surfaces.keys() | truth.other.keys()
         for key, found in output.corners.items():
             if key not in known and (len(found.positions) or len(found.points)):
@@ -114,6 +116,29 @@ class SceneComparer:
         if not skinned:
             self._areas(key, expected, found)
         self._attributes(key, expected, found, skinned)
+
+    def _surfaces(self, key: str, surfaces: list[Surface], found: Corners | None) -> None:
+        if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
+            assert found is not None
+            away = distances_to_surfaces(surfaces, found.positions)
+            value = max(float(away.max(initial=0.0)), untouched_extent(surfaces, found.positions))
+            self.checks.add("surfaces", key, value / self.diagonal, "from the surface", self.slack)
+
+    def _mixed(
+        self, key: str, expected: Corners, surfaces: list[Surface], found: Corners | None
+    ) -> None:
+        """An instancer of polygons and curved gprims: each corner is on either."""
+        if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
+            assert found is not None
+            allowed = np.vstack([expected.positions, expected.optional_positions])
+            reach = self.diagonal * (BARS["positions"].limit + self.slack)
+            on_polygons = cKDTree(allowed).query(found.positions)[0] <= reach
+            value = one_way(expected.positions, found.positions) / self.diagonal
+            self.checks.add("positions", key, value, "corners", self.slack)
+            rest = found.positions[~on_polygons]
+            away = float(distances_to_surfaces(surfaces, rest).max(initial=0.0))
+            value = max(away, untouched_extent(surfaces, rest)) / self.diagonal
+            self.checks.add("surfaces", key, value, "from the surface", self.slack)
 
     def _areas(self, key: str, expected: Corners, found: Corners) -> None:
         low, high = expected.area_range

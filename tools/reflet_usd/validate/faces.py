@@ -47,13 +47,29 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
     height = np.maximum.reduceat(np.abs(((positions - first) * normals[face]).sum(axis=1)), starts)
     flat = height <= _FLAT * size
     fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
+    lower = length.copy()
     upper = np.where(flat, length, np.maximum(fan_area, length) * _BENT_SLACK)
+    quads = np.flatnonzero(counts == 4)
+    both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
+    # A flat quad has the area of its better diagonal, also where its sides cross.
+    lower[quads] = both.min(axis=1)
+    upper[quads] = np.where(flat[quads], both.min(axis=1), both.max(axis=1))
     volumes = np.einsum("ij,ij->i", positions[starts] - center, vector) / 3.0
     slack = np.where(flat, 0.0, height * upper)
     return FaceMeasures(
-        (float(length.sum()), float(upper.sum())),
+        (float(lower.sum()), float(upper.sum())),
         vector.sum(axis=0),
         (float((volumes - slack).sum()), float((volumes + slack).sum())),
         normals,
         flat,
     )
+
+
+def _quad_areas(corners: Array) -> Array:
+    """(n, 2) areas of quads (n, 4, 3) cut along either diagonal."""
+    a, b, c, d = (corners[:, index] for index in range(4))
+
+    def area(p: Array, q: Array, r: Array) -> Array:
+        return 0.5 * np.linalg.norm(np.cross(q - p, r - p), axis=1)
+
+    return np.column_stack([area(a, b, c) + area(a, c, d), area(b, c, d) + area(b, d, a)])

@@ -11,29 +11,41 @@ from .facts import Array, Surface, transform_points
 _MAX_PAIRS = 20_000_000
 
 
-def distance_to_surfaces(surfaces: list[Surface], points: Array) -> float:
-    """Largest distance of any point to the nearest of the surfaces, and of any surface to its
-    points' extent, meters (lengths within a prim are scaled by its largest axis)."""
+def distances_to_surfaces(surfaces: list[Surface], points: Array) -> Array:
+    """(n,) distance of each point to the nearest surface, meters.
+
+    Lengths within a prim are scaled by its largest axis; infinite for flattened prims. Points are
+    thinned where they and the surfaces are too many to pair.
+    """
     if len(surfaces) * len(points) > _MAX_PAIRS:
         points = points[:: len(surfaces) * len(points) // _MAX_PAIRS + 1]
     best = np.full(len(points), np.inf)
-    touched = 0.0
     for surface in surfaces:
-        scale = float(np.linalg.norm(surface.matrix[:3, :3], axis=1).max())
+        local = _to_local(points, surface)
+        if local is not None:
+            best = np.minimum(best, np.abs(_distance(surface, local)) * _scale(surface))
+    return best
+
+
+def untouched_extent(surfaces: list[Surface], points: Array) -> float:
+    """How far the points on any surface stay inside its own box, meters; infinite without any."""
+    worst = 0.0
+    if len(surfaces) * len(points) > _MAX_PAIRS:
+        return worst
+    for surface in surfaces:
         local = _to_local(points, surface)
         if local is None:
             continue
-        away = np.abs(_distance(surface, local)) * scale
-        best = np.minimum(best, away)
-        near = local[away <= 1e-4 * scale * _extent(surface).max()]
-        if len(surfaces) == 1 or len(near):
-            reach = _extent(surface)
-            ends = np.abs(near).max(axis=0, initial=0.0) if len(near) else np.zeros(3)
-            touched = max(touched, float((reach - ends).max(initial=0.0)) * scale)
-        else:
-            touched = np.inf
-    finite = best[np.isfinite(best)]
-    return max(float(finite.max(initial=0.0)), touched)
+        reach = _extent(surface)
+        near = local[np.abs(_distance(surface, local)) <= 1e-4 * reach.max()]
+        if not len(near):
+            return np.inf
+        worst = max(worst, float((reach - np.abs(near).max(axis=0)).max()) * _scale(surface))
+    return worst
+
+
+def _scale(surface: Surface) -> float:
+    return float(np.linalg.norm(surface.matrix[:3, :3], axis=1).max())
 
 
 def surface_box(surface: Surface) -> Array:

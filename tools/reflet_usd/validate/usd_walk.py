@@ -80,9 +80,10 @@ class StageWalk:
         schema = UsdGeom.PointInstancer(instancer)
         targets = schema.GetPrototypesRel().GetForwardedTargets()
         indices = np.asarray(schema.GetProtoIndicesAttr().Get(self.time) or [], dtype=np.int64)
+        time = self._instancer_time(schema)
         transforms = schema.ComputeInstanceTransformsAtTime(
-            self.time,
-            self.time,
+            time,
+            time,
             UsdGeom.PointInstancer.IncludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
@@ -103,6 +104,13 @@ class StageWalk:
                     yield from self._instances(prim, key, place, depth + 1)
                 else:
                     yield Placement(prim, key, place)
+
+    def _instancer_time(self, schema: UsdGeom.PointInstancer) -> Usd.TimeCode:
+        """A number where the earliest time is meant: velocities reach back to minus infinity."""
+        if not self.time.IsEarliestTime():
+            return self.time
+        samples = schema.GetPositionsAttr().GetTimeSamples()
+        return Usd.TimeCode(samples[0]) if samples else Usd.TimeCode.Default()
 
     def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d]]:
         """Drawn prims below a prototype, with their transform to the prototype's root."""
