@@ -16,7 +16,9 @@ from reflet_usd.convert.xform import Trs, assign, column_matrix, decompose, near
 EXACT_TOLERANCE = 2e-6
 SAMPLED_TOLERANCE = 1e-5
 EXACT_DEPTH = 3
-SAMPLED_DEPTH = 9
+SAMPLED_DEPTH = 7
+# Halving a step must shrink the deviation to this share, else more keys do not help (shear).
+USEFUL_SHRINKAGE = 0.7
 MAX_SAMPLES = 20_000
 _PROBES = (0.25, 0.5, 0.75)
 
@@ -194,7 +196,7 @@ def _sample(evaluate: Evaluate, codes: list[float]) -> tuple[list[float], list[T
         last = nearest_trs(evaluate(b))
         error = _worst(evaluate, a, b, parts[-1], last, reach)
         full = level >= SAMPLED_DEPTH or len(kept) + len(stack) > MAX_SAMPLES
-        if error <= SAMPLED_TOLERANCE or full:
+        if error <= SAMPLED_TOLERANCE or full or not _halving_helps(evaluate, a, b, error, reach):
             worst = max(worst, error)
             kept.append(b)
             parts.append(last)
@@ -202,6 +204,18 @@ def _sample(evaluate: Evaluate, codes: list[float]) -> tuple[list[float], list[T
             middle = (a + b) / 2
             stack += [(middle, b, level + 1), (a, middle, level + 1)]
     return kept, parts, worst
+
+
+def _halving_helps(
+    evaluate: Evaluate, a: float, b: float, error: float, reach: float
+) -> bool:
+    middle = (a + b) / 2
+    ends = [nearest_trs(evaluate(code)) for code in (a, middle, b)]
+    halves = max(
+        _worst(evaluate, a, middle, ends[0], ends[1], reach),
+        _worst(evaluate, middle, b, ends[1], ends[2], reach),
+    )
+    return halves < USEFUL_SHRINKAGE * error
 
 
 def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:

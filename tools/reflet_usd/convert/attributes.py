@@ -13,8 +13,13 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
 from reflet_usd.convert.surface import Stream, Surface
 
-UV_TYPES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "texCoord3f[]", "texCoord3d[]",
-            "texCoord3h[]", "float2[]", "double2[]", "half2[]")
+# The last one is how files of early USD versions name float2[].
+UV_TYPES = tuple(f"texCoord{n}{t}[]" for n in "23" for t in "fdh") + (
+    "float2[]",
+    "double2[]",
+    "half2[]",
+    "Vec2f[]",
+)
 _FLOAT_TYPES = re.compile(
     r"^(float|double|half)[234]?\[\]$|^(color|vector|normal|point)[34][fdh]\[\]$"
 )
@@ -168,8 +173,13 @@ def _read_display(
     return stream
 
 
-def attach(context: Context, prim: Usd.Prim, surface: Surface, found: GprimPrimvars,
-           topology: Topology) -> None:
+def attach(
+    context: Context,
+    prim: Usd.Prim,
+    surface: Surface,
+    found: GprimPrimvars,
+    topology: Topology,
+) -> None:
     """Give `surface` its UV sets and custom streams."""
     for name, primvar in found.uvs.items():
         stream = to_stream(context, prim, primvar, topology)

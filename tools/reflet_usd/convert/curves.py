@@ -57,9 +57,12 @@ def build_curves(
     """A mesh of glTF lines, or None (with a warning) where there is nothing to draw."""
     points = read_points(context, prim)
     counts = np.array(authored(prim, "curveVertexCounts", context.time, []), dtype=np.int64)
-    if len(counts) == 0 or (counts < 2).any() or counts.sum() > len(points):
+    if len(counts) == 0 or (counts < 0).any() or counts.sum() > len(points):
         context.ledger.warn("curves-invalid", prim, "curveVertexCounts do not fit the points")
         return None
+    if (counts < 2).any():
+        message = f"{int((counts < 2).sum())} curves have fewer than 2 points and were dropped"
+        context.ledger.warn("curves-invalid", prim, message)
     if not np.isfinite(points).all():
         context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
         return None
@@ -71,6 +74,8 @@ def build_curves(
             message = "the curves are drawn straight between their points"
             context.ledger.warn("curves-approximated", prim, message)
         lines = _polylines(counts, wrap == "periodic")
+        if len(lines) == 0:
+            return None
         return _write(context, writer, materials, prim, points, np.arange(len(points)), lines)
     basis = str(authored(prim, "basis", context.time, "bezier"))
     if basis not in _BASES:
@@ -88,11 +93,12 @@ def build_curves(
 def _polylines(counts: Array, closed: bool) -> Array:
     """Index pairs (L, 2) along each run of `counts` points."""
     total = int(counts.sum())
+    counts = counts[counts > 0]
     ends = np.cumsum(counts) - 1
     pairs = np.stack([np.arange(total), np.arange(1, total + 1)], axis=1)
     if closed:
         pairs[ends, 1] = ends - counts + 1
-        return pairs
+        return pairs[pairs[:, 0] != pairs[:, 1]]
     return np.delete(pairs, ends, axis=0)
 
 
@@ -108,7 +114,7 @@ def _sample_cubic(points: Array, counts: Array, basis: str, wrap: str) -> tuple[
         start += count
         if wrap == "periodic":
             control = np.vstack([control, control[: 4 - step]])
-        elif wrap == "pinned" and step == 1:
+        elif wrap == "pinned" and step == 1 and count >= 2:
             first, last = 2 * control[0] - control[1], 2 * control[-1] - control[-2]
             control = np.vstack([first, control, last])
         spans = (len(control) - 4) // step + 1

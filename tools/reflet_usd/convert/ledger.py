@@ -39,13 +39,22 @@ class Ledger:
         warned |= {path for path, _ in prims if skipped and path.startswith(skipped)}
         for path, type_name in prims:
             if path not in warned and path not in self._carried:
-                kind = type_name or "typeless prim"
-                self.warn("schema-ignored", path, f"glTF has no place for a {kind}")
+                self._warn_missed(path, type_name or "typeless prim")
                 warned.add(path)
         counts: dict[str, dict[str, int]] = defaultdict(lambda: {"carried": 0, "warned": 0})
         for path, type_name in prims:
             counts[type_name or "untyped"]["warned" if path in warned else "carried"] += 1
         return {name: counts[name] for name in sorted(counts)}
+
+    def _warn_missed(self, path: str, kind: str) -> None:
+        if kind == "Material":
+            self.warn("material-unused", path, "no drawn prim is bound to the material")
+        elif kind in ("Shader", "NodeGraph"):
+            self.warn("shader-unused", path, "no carried material reads the node")
+        elif kind == "SkelAnimation":
+            self.warn("animation-unused", path, "no carried skeleton or shape uses it")
+        else:
+            self.warn("schema-ignored", path, f"glTF has no place for a {kind}")
 
 
 def _path_text(prim: object) -> str:

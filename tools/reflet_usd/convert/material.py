@@ -38,6 +38,8 @@ class MaterialPlan:
     """UV sets that textures read, with the reader's fallback."""
     uses_display_color: bool = True
     uses_display_opacity: bool = True
+    nodes: set[str] = field(default_factory=set)
+    """Shading nodes that were read, by path relative to the material."""
 
 
 class MaterialLibrary:
@@ -58,8 +60,12 @@ class MaterialLibrary:
         key = str(source.GetPath())
         if key not in self._plans:
             self._plans[key] = self._read(prim)
-        self.context.ledger.carry(prim)
-        return self._plans[key]
+        plan = self._plans[key]
+        if plan.is_preview:
+            self.context.ledger.carry(prim)
+        for node in plan.nodes:  # of every instance of the material
+            self.context.ledger.carry(prim.GetPath().AppendPath(node))
+        return plan
 
     def instantiate(
         self,
@@ -88,20 +94,22 @@ class MaterialLibrary:
                 if shader:
                     break
         kind = shader_id(shader) if shader else ""
+        reader = NetworkReader(self.context, prim)
         if kind == "UsdPreviewSurface":
-            reader = NetworkReader(self.context, prim)
             sources = {name: reader.source(shader, name) for name in PREVIEW_INPUTS}
             inputs = {name: source for name, source in sources.items() if source is not None}
         elif kind in MATERIALX_SURFACES:
-            inputs = approximate(self.context, prim, shader, kind)
+            inputs = approximate(reader, prim, shader, kind)
         else:
             what = f"shader '{kind}'" if shader else "material without a surface shader"
             message = f"a {what} has no glTF counterpart, displayColor is shown"
             self.context.ledger.warn("material-unsupported", prim, message)
             return MaterialPlan(prim)
-        self.context.ledger.carry(shader.GetPrim())
+        reader.visit(shader)
         self._warn_displacement(material)
-        return self._planned(prim, inputs)
+        plan = self._planned(prim, inputs)
+        plan.nodes = reader.nodes
+        return plan
 
     def _planned(self, prim: Usd.Prim, inputs: dict[str, Source]) -> MaterialPlan:
         plan = MaterialPlan(prim, is_preview=True)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from pxr import Sdf, Usd, UsdShade
 
-from reflet_usd.convert.context import Context
 from reflet_usd.convert.network import Constant, NetworkReader, Source, TextureRead, shader_id
 
 # Preview input -> MaterialX input, per surface node.
@@ -75,16 +74,15 @@ _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror", "constant"
 
 
 def approximate(
-    context: Context, prim: Usd.Prim, shader: UsdShade.Shader, kind: str
+    reader: NetworkReader, prim: Usd.Prim, shader: UsdShade.Shader, kind: str
 ) -> dict[str, Source]:
     """Preview inputs for the surface; what they cannot say is one warning on the material."""
-    reader = NetworkReader(context, prim)
     inputs: dict[str, Source] = {
         name: Constant(value) for name, value in _DEFAULTS[kind].items()
     }
     mapped = MATERIALX_SURFACES[kind]
     for name, other in mapped.items():
-        source = _source(context, reader, shader, other)
+        source = _source(reader, shader, other)
         if source is not None:
             inputs[name] = source
     for name, weight_name in _WEIGHTS[kind].items():
@@ -99,7 +97,7 @@ def approximate(
     ]
     lost = f"; without {', '.join(sorted(dropped))}" if dropped else ""
     message = f"{kind} is approximated by the metallic-roughness model{lost}"
-    context.ledger.warn("material-approximated", prim, message)
+    reader.context.ledger.warn("material-approximated", prim, message)
     return inputs
 
 
@@ -112,23 +110,21 @@ def _weighted(source: Source, weight: float) -> Source:
     return source
 
 
-def _source(
-    context: Context, reader: NetworkReader, shader: UsdShade.Shader, name: str
-) -> Source | None:
+def _source(reader: NetworkReader, shader: UsdShade.Shader, name: str) -> Source | None:
     shader_input = shader.GetInput(name)
     attributes = shader_input.GetValueProducingAttributes() if shader_input else []
     if attributes:
         node = UsdShade.Shader(attributes[0].GetPrim())
         if shader_id(node).startswith(_IMAGES):
-            return _image(context, reader, node, shader_input.GetAttr().GetColorSpace())
+            return _image(reader, node, shader_input.GetAttr().GetColorSpace())
     return reader.source(shader, name)
 
 
 def _image(
-    context: Context, reader: NetworkReader, node: UsdShade.Shader, color_space: str
+    reader: NetworkReader, node: UsdShade.Shader, color_space: str
 ) -> TextureRead:
     """A MaterialX image node; texture coordinates other than the default set are not followed."""
-    context.ledger.carry(node.GetPrim())
+    reader.visit(node)
     file_input = node.GetInput("file")
     asset = reader.value(node, "file", None)
     if not isinstance(asset, Sdf.AssetPath):

@@ -75,6 +75,15 @@ class NetworkReader:
     def __init__(self, context: Context, material: Usd.Prim) -> None:
         self.context = context
         self.material = material
+        self.nodes: set[str] = set()
+        """Paths, relative to the material, of the nodes that were followed."""
+
+    def visit(self, node: UsdShade.Shader) -> None:
+        """Remember a node, and the node graphs around it, as part of the material."""
+        path, root = node.GetPath(), self.material.GetPath()
+        while path.HasPrefix(root) and path != root:
+            self.nodes.add(str(path.MakeRelativePath(root)))
+            path = path.GetParentPath()
 
     def source(self, shader: UsdShade.Shader, name: str) -> Source | None:
         """What drives input `name`, or None where nothing is authored."""
@@ -111,7 +120,7 @@ class NetworkReader:
         if kind == "UsdUVTexture":
             return self._texture(node, str(output))
         if kind.startswith("UsdPrimvarReader"):
-            self.context.ledger.carry(node.GetPrim())
+            self.visit(node)
             fallback = _numbers(self.value(node, "fallback", None))
             return PrimvarRead(str(self.value(node, "varname", "")), fallback)
         message = f"'{name}' comes from the node {kind or 'without id'}, which cannot be followed"
@@ -132,7 +141,7 @@ class NetworkReader:
         return fallback if value is None else value
 
     def _texture(self, node: UsdShade.Shader, output: str) -> TextureRead | None:
-        self.context.ledger.carry(node.GetPrim())
+        self.visit(node)
         asset = self.value(node, "file", None)
         if not isinstance(asset, Sdf.AssetPath):
             asset = Sdf.AssetPath(str(asset) if asset else "")
@@ -183,7 +192,7 @@ class NetworkReader:
                 return replace(uv, primvar="", fallback=(numbers + (0.0, 0.0))[:2])
             node = UsdShade.Shader(attribute.GetPrim())
             kind = shader_id(node)
-            self.context.ledger.carry(node.GetPrim())
+            self.visit(node)
             if kind == "UsdTransform2d":
                 transforms += 1
                 if transforms > 1:

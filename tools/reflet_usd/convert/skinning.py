@@ -91,6 +91,7 @@ class Deformation:
         order = [str(name) for name in animation_query.GetBlendShapeOrder() or []]
         columns = [order.index(name) if name in order else -1 for name in self.shape_names]
         animation = UsdSkel.Animation(animation_query.GetPrim())
+        self.context.ledger.carry(animation.GetPrim())
         attribute = animation.GetBlendShapeWeightsAttr()
 
         def weights(time: Usd.TimeCode) -> list[float]:
@@ -166,9 +167,13 @@ class Deformation:
                 self.context.ledger.warn("blend-shape-invalid", self.prim, message)
                 continue
             offsets = self._dense(shape, shape.GetOffsetsAttr(), point_count)
-            if offsets is None:
-                continue
             normals = self._dense(shape, shape.GetNormalOffsetsAttr(), point_count)
+            if offsets is None and normals is None:
+                message = "the blend shape has no offsets that fit"
+                self.context.ledger.warn("blend-shape-invalid", shape_prim, message)
+                continue
+            if offsets is None:
+                offsets = np.zeros((point_count, 3))
             self.context.ledger.carry(shape_prim)
             if shape.GetInbetweens():
                 message = f"{len(shape.GetInbetweens())} in-between shapes are left out"
