@@ -12,7 +12,9 @@ import pygltflib as gl
 import pytest
 from handmade import HandFile, HandMesh
 from reflet_usd import cli
+from reflet_usd.sandbox import run_convert
 from reflet_usd.validate.proof import Proof, prove
+from reflet_usd.validate.table import format_proof
 
 STAGE = """#usda 1.0
 (
@@ -312,6 +314,19 @@ def test_command_prints_json_and_exit_codes(
     assert cli.main(["validate", str(tmp_path / "none.glb")]) == 2
     Path(out).write_bytes(b"glTF\2\0\0\0\xff\xff\xff\x7f")
     assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
+
+
+@pytest.mark.parametrize("name", ["gprims", "instances", "moving", "quads", "skin"])
+def test_every_seed_survives_the_round_trip(
+    tmp_path: Path, stages: Path, khronos: None, name: str
+) -> None:
+    out = tmp_path / f"{name}.glb"
+    run_convert(stages / f"{name}.usda", out)
+    proof = prove(out, stages / f"{name}.usda")
+    assert proof.khronos is not None
+    assert proof.khronos.errors == 0, proof.khronos.messages
+    assert failing(proof) == set(), format_proof(proof)
+    assert not any(check.declared for check in proof.checks if check.name != "bindings")
 
 
 def test_missing_validator_tells_the_command(

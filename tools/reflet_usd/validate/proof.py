@@ -126,7 +126,9 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     skin_codes = skin_times(truth.stage)
     skinned = bake(truth.stage)
     reader = TruthReader(truth)
-    rest = reader.scene(Usd.TimeCode.EarliestTime())
+    frames = settings.get("frames")
+    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
+    rest = reader.scene(rest_time)
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
     comparer = SceneComparer(checks, rest, skinned)
@@ -138,7 +140,7 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     compare_materials(checks, truth.stage, file, rest)
     _second_reader(output, checks)
     codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
-    codes = _within(sorted({*codes, *skin_codes}), settings.get("frames"))
+    codes = _within(sorted({*codes, *skin_codes}), frames)
     if len(codes) < 2:
         return 0
     for code in _spread(codes, _GEOMETRY_TIMES):
