@@ -19,12 +19,18 @@ from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
 from reflet_usd.convert.mesh import mesh_surface
+from reflet_usd.convert.network import TextureRead
+from reflet_usd.convert.pack import texture_transform, wraps_to_black
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.subsets import FaceGroup, face_groups
 from reflet_usd.convert.surface import Surface
+
+
+# Coordinates this far outside 0…1 come from rounding, not from tiling.
+_UV_SLACK = 1e-4
 
 
 @dataclass
@@ -78,7 +84,7 @@ class GeometryBuilder:
     def _build(
         self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
     ) -> BuiltMesh | None:
-        made = self._surface(prim)
+        made = self._surface(prim, deformation is not None)
         if made is None:
             return None
         surface, topology, polygons = made
@@ -90,7 +96,8 @@ class GeometryBuilder:
         for group in groups:
             chosen = surface.triangles
             if group.faces is not None:
-                member = np.zeros(topology.face_count, dtype=bool)
+                authored_faces = (topology.authored or topology).face_count
+                member = np.zeros(authored_faces, dtype=bool)
                 member[group.faces] = True
                 chosen = surface.triangles[member[surface.triangle_faces]]
             if len(chosen) == 0:
@@ -113,11 +120,15 @@ class GeometryBuilder:
         extras = {"primvars": primvars.constants} if primvars.constants else {}
         return BuiltMesh(self.writer.add("meshes", mesh), extras)
 
-    def _surface(self, prim: Usd.Prim) -> tuple[Surface, Topology, Polygons | None] | None:
+    def _surface(
+        self, prim: Usd.Prim, deformed: bool
+    ) -> tuple[Surface, Topology, Polygons | None] | None:
         if prim.GetTypeName() in GPRIM_TYPES:
             made = tessellate(self.context, prim)
             return None if made is None else (*made, None)
-        return mesh_surface(self.context, prim)
+        # Joint influences and shapes belong to the cage's points.
+        level = 0 if deformed else self.context.options.subdiv_level
+        return mesh_surface(self.context, prim, level)
 
     def _primitive(
         self,
@@ -132,6 +143,7 @@ class GeometryBuilder:
         color = primvars.color.stream_for(plan.uses_display_color, plan.uses_display_opacity)
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
         double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
+        self._warn_black_wraps(surface, triangles, plan)
         slots = {name: slot for slot, name in enumerate(order)}
         parts.entry["material"] = self.materials.instantiate(
             plan, slots, double_sided, primvars.color, color is not None
@@ -139,6 +151,20 @@ class GeometryBuilder:
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
         return parts
+
+    def _warn_black_wraps(self, surface: Surface, triangles: Array, plan: MaterialPlan) -> None:
+        """Textures that are black outside 0…1, where coordinates really leave that range."""
+        for name, source in sorted(plan.inputs.items()):
+            if not isinstance(source, TextureRead) or not wraps_to_black(source):
+                continue
+            stream = surface.uvs.get(source.uv.primvar)
+            if stream is not None and not texture_transform(source):
+                used = stream.values[stream.ids[triangles.reshape(-1)]]
+                if used.min() >= -_UV_SLACK and used.max() <= 1.0 + _UV_SLACK:
+                    continue
+            message = f"'{name}' is black outside 0…1 (wrap {source.wrap[0]}, {source.wrap[1]}),"
+            message += " glTF repeats the edge instead"
+            self.context.ledger.warn("wrap-black-clamped", source.prim, message)
 
     def _uv_order(
         self, prim: Usd.Prim, surface: Surface, plan: MaterialPlan
@@ -150,8 +176,9 @@ class GeometryBuilder:
                 constants[name] = fallback
                 message = f"the material reads UV set '{name}', which the prim does not have"
                 self.context.ledger.warn("uv-missing", prim, message)
-        rest = sorted((n for n in surface.uvs if n not in plan.uv_sets), key=lambda n: (n != "st", n))
-        return [*plan.uv_sets, *rest], constants
+        others = [name for name in surface.uvs if name not in plan.uv_sets]
+        others.sort(key=lambda name: (name != "st", name))
+        return [*plan.uv_sets, *others], constants
 
 
 def is_surface(prim: Usd.Prim) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -11,6 +11,7 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.normals import face_area_vectors, smooth_normals, unit_rows
 from reflet_usd.convert.polygons import Polygons, read_polygons
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
+from reflet_usd.convert.refine import refine_polygons
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, Surface
 from reflet_usd.convert.triangulate import triangulate
@@ -28,12 +29,24 @@ class DrawnFaces:
     """(D,)."""
 
 
-def mesh_surface(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology, Polygons] | None:
-    """The mesh without its primvars, or None (with a warning) where nothing can be drawn."""
+def mesh_surface(
+    context: Context, prim: Usd.Prim, level: int
+) -> tuple[Surface, Topology, Polygons] | None:
+    """The mesh without its primvars, or None (with a warning) where nothing can be drawn.
+
+    `level` Catmull-Clark steps refine subdivision meshes; triangles keep their authored face.
+    """
     polygons = read_polygons(context, prim)
     if polygons is None:
         return None
-    return polygons_surface(context, prim, polygons), polygons.topology(), polygons
+    refined, refiner = refine_polygons(context, prim, polygons, level)
+    surface = polygons_surface(context, prim, refined)
+    topology = refined.topology()
+    if refiner is not None:
+        surface.triangle_faces = refiner.face_parents()[surface.triangle_faces]
+        original = refiner.authored_topology
+        topology = replace(topology, refine=refiner.primvar, authored=original)
+    return surface, topology, refined
 
 
 def polygons_surface(context: Context, prim: Usd.Prim, polygons: Polygons) -> Surface:

@@ -161,14 +161,7 @@ class Packer:
                 warn("texture-repacked", channel.read.prim, message)
 
     def _sampler(self, read: TextureRead) -> int:
-        wraps = []
-        for wrap in read.wrap:
-            if wrap not in _WRAPS:
-                message = (
-                    f"wrap mode '{wrap}' is black outside 0…1, glTF repeats the edge instead"
-                )
-                self.context.ledger.warn("wrap-black-clamped", read.prim, message)
-            wraps.append(_WRAPS.get(wrap, CLAMP_TO_EDGE))
+        wraps = [_WRAPS.get(wrap, CLAMP_TO_EDGE) for wrap in read.wrap]
         sampler = {
             "magFilter": LINEAR,
             "minFilter": LINEAR_MIPMAP_LINEAR,
@@ -187,6 +180,11 @@ class Packer:
             self.writer.use_extension("KHR_texture_transform")
             info["extensions"] = {"KHR_texture_transform": transform}
         return info
+
+
+def wraps_to_black(read: TextureRead) -> bool:
+    """Whether the texture is black outside 0…1; a file's own wrap metadata is never there."""
+    return any(wrap not in _WRAPS for wrap in read.wrap)
 
 
 def texture_transform(read: TextureRead) -> dict[str, Any]:

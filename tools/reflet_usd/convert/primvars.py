@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,16 +11,6 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, face_varying_stream
-
-
-@dataclass(frozen=True)
-class Topology:
-    """What the interpolations of a primvar count: points, faces and corners as authored."""
-
-    point_count: int
-    face_count: int
-    corner_points: Array
-    corner_faces: Array
 
 
 @dataclass(frozen=True)
@@ -35,6 +26,20 @@ class Primvar:
     def flat(self) -> Array:
         """The values with the indices applied."""
         return self.values if self.indices is None else self.values[self.indices]
+
+
+@dataclass(frozen=True)
+class Topology:
+    """What the interpolations of a primvar count: points, faces and corners as authored."""
+
+    point_count: int
+    face_count: int
+    corner_points: Array
+    corner_faces: Array
+    refine: Callable[[Primvar], Primvar] | None = None
+    """For refined meshes: carries a primvar of the authored mesh over."""
+    authored: Topology | None = None
+    """For refined meshes: the counts that authored primvars have."""
 
 
 def read_primvar(context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar) -> Primvar | None:
@@ -68,12 +73,13 @@ def to_stream(
     """The primvar over the corners of a surface, or None with `primvar-size-wrong`."""
     interpolation = primvar.interpolation
     count = len(primvar.values if primvar.indices is None else primvar.indices)
+    counted = topology.authored or topology
     needed = {
         "constant": 1,
-        "uniform": topology.face_count,
-        "vertex": topology.point_count,
-        "varying": topology.point_count,
-        "faceVarying": len(topology.corner_points),
+        "uniform": counted.face_count,
+        "vertex": counted.point_count,
+        "varying": counted.point_count,
+        "faceVarying": len(counted.corner_points),
     }.get(interpolation)
     if needed is None or count < needed:
         message = (
@@ -82,6 +88,8 @@ def to_stream(
         )
         context.ledger.warn("primvar-size-wrong", prim, message)
         return None
+    if topology.refine is not None:
+        primvar = topology.refine(primvar)
     corners = len(topology.corner_points)
     if interpolation == "constant":
         ids = np.zeros(corners, dtype=np.int64)
