@@ -1,7 +1,8 @@
-"""Transforms of prims to nodes and keys: exact keys where glTF interpolates like USD, else sampled."""
+"""Transforms of prims to nodes and keys: exact keys where glTF interpolates like USD."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -160,7 +161,7 @@ def refine_keys(
     if first is None:
         return None
     kept, parts = [codes[0]], [first]
-    stack = [(a, b, 0) for a, b in zip(codes[:-1], codes[1:], strict=True)][::-1]
+    stack = [(a, b, 0) for a, b in itertools.pairwise(codes)][::-1]
     while stack:
         a, b, level = stack.pop()
         last = decompose(evaluate(b))
@@ -177,9 +178,7 @@ def refine_keys(
     return kept, parts
 
 
-def _worst(
-    evaluate: Evaluate, a: float, b: float, first: Trs, last: Trs, reach: float
-) -> float:
+def _worst(evaluate: Evaluate, a: float, b: float, first: Trs, last: Trs, reach: float) -> float:
     return max(
         _deviation(interpolate(first, last, share), evaluate(a + (b - a) * share), reach)
         for share in _PROBES
@@ -190,7 +189,7 @@ def _sample(evaluate: Evaluate, codes: list[float]) -> tuple[list[float], list[T
     """Keys halved until close enough, and the worst deviation that is left."""
     reach = _reach(evaluate, codes)
     kept, parts, worst = [codes[0]], [nearest_trs(evaluate(codes[0]))], 0.0
-    stack = [(a, b, 0) for a, b in zip(codes[:-1], codes[1:], strict=True)][::-1]
+    stack = [(a, b, 0) for a, b in itertools.pairwise(codes)][::-1]
     while stack:
         a, b, level = stack.pop()
         last = nearest_trs(evaluate(b))
@@ -206,9 +205,7 @@ def _sample(evaluate: Evaluate, codes: list[float]) -> tuple[list[float], list[T
     return kept, parts, worst
 
 
-def _halving_helps(
-    evaluate: Evaluate, a: float, b: float, error: float, reach: float
-) -> bool:
+def _halving_helps(evaluate: Evaluate, a: float, b: float, error: float, reach: float) -> bool:
     middle = (a + b) / 2
     ends = [nearest_trs(evaluate(code)) for code in (a, middle, b)]
     halves = max(

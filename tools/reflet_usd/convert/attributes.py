@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
 from reflet_usd.convert.surface import Stream, Surface
 
 # The last one is how files of early USD versions name float2[].
-UV_TYPES = tuple(f"texCoord{n}{t}[]" for n in "23" for t in "fdh") + (
+UV_TYPES = (
+    *tuple(f"texCoord{n}{t}[]" for n in "23" for t in "fdh"),
     "float2[]",
     "double2[]",
     "half2[]",
@@ -62,7 +63,6 @@ class DisplayColor:
 class GprimPrimvars:
     """All primvars that reach a gprim, inherited ones included."""
 
-    color: DisplayColor
     uvs: dict[str, Primvar] = field(default_factory=dict)
     custom: dict[str, Primvar] = field(default_factory=dict)
     constants: dict[str, Any] = field(default_factory=dict)
@@ -78,15 +78,13 @@ def primvar_signature(prim: Usd.Prim) -> tuple[str, ...]:
     """Where the primvars of `prim` come from: instances that differ in this need own meshes."""
     places = []
     for primvar in inherited_primvars(prim):
-        owner = primvar.GetAttr().GetPrim()
-        source = owner.GetPrimInPrototype() if owner.IsInstanceProxy() else owner
-        places.append(f"{source.GetPath()}.{primvar.GetName()}")
+        places.append(f"{source_path(primvar.GetAttr().GetPrim())}.{primvar.GetName()}")
     return tuple(places)
 
 
-def read_primvars(context: Context, prim: Usd.Prim, topology: Topology) -> GprimPrimvars:
+def read_primvars(context: Context, prim: Usd.Prim) -> GprimPrimvars:
     """Read and sort them; whatever cannot travel is a warning."""
-    found = GprimPrimvars(_display_color(context, prim, topology))
+    found = GprimPrimvars()
     for primvar in inherited_primvars(prim):
         name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if _HANDLED.match(name):
@@ -139,20 +137,36 @@ def plain_value(value: Any, limit: int = 64) -> Any:
     return None
 
 
-def _display_color(context: Context, prim: Usd.Prim, topology: Topology) -> DisplayColor:
+def read_display(
+    context: Context,
+    prim: Usd.Prim,
+    topology: Topology,
+    color_primvar: str = "displayColor",
+    opacity_primvar: str = "displayOpacity",
+    fallback: tuple[float, ...] = (0.18, 0.18, 0.18),
+) -> DisplayColor:
+    """The color that a gprim shows: displayColor, or what a material's primvar readers name.
+
+    `fallback`, UsdPreviewSurface's diffuseColor unless a reader has its own, stands in for a
+    missing color.
+    """
     api = UsdGeom.PrimvarsAPI(prim)
-    color = _read_display(context, prim, api.FindPrimvarWithInheritance("displayColor"), topology)
-    alpha = _read_display(context, prim, api.FindPrimvarWithInheritance("displayOpacity"), topology)
-    # UsdPreviewSurface's fallback for diffuseColor stands in for a missing displayColor.
-    base = (0.18, 0.18, 0.18) if color is None else color.values[0]
+    find = api.FindPrimvarWithInheritance
+    color = _read_display(context, prim, find(color_primvar), topology, 3)
+    alpha = _read_display(context, prim, find(opacity_primvar), topology, 1)
+    base = fallback if color is None else color.values[0]
     opacity = 1.0 if alpha is None else float(alpha.values[0, 0])
-    red, green, blue = (float(part) for part in base)
+    red, green, blue = (float(part) for part in base[:3])
     translucent = alpha is not None and bool((alpha.values < 1.0).any())
     return DisplayColor((red, green, blue, opacity), color, alpha, translucent)
 
 
 def _read_display(
-    context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar, topology: Topology
+    context: Context,
+    prim: Usd.Prim,
+    primvar: UsdGeom.Primvar,
+    topology: Topology,
+    components: int,
 ) -> Stream | None:
     if not primvar or not primvar.HasValue():
         return None
@@ -162,7 +176,6 @@ def _read_display(
     stream = to_stream(context, prim, read, topology)
     if stream is None:
         return None
-    components = 3 if read.name == "displayColor" else 1
     if stream.values.shape[1] != components:
         context.ledger.warn("primvar-size-wrong", prim, f"'{read.name}' has the wrong type")
         return None

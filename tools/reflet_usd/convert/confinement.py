@@ -49,9 +49,7 @@ def cut_foreign_layers(
     return layers
 
 
-def _kept_dependencies(
-    layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger
-) -> list[str]:
+def _kept_dependencies(layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger) -> list[str]:
     kept = []
 
     def judge(asset_path: str) -> str:

@@ -54,3 +54,9 @@ def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> An
     attribute = prim.GetAttribute(name)
     value = attribute.Get(time) if attribute else None
     return fallback if value is None or isinstance(value, Sdf.ValueBlock) else value
+
+
+def source_path(prim: Usd.Prim) -> str:
+    """The prim's path, in the shared prototype where the prim is part of a native instance."""
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import read_primvars
+from reflet_usd.convert.attributes import read_display
 from reflet_usd.convert.context import Context, authored
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
@@ -142,8 +142,8 @@ def _write(
     """Points or lines with the gprim's display color; bound materials do not shade them."""
     count = len(points)
     topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
-    primvars = read_primvars(context, prim, topology)
-    color = primvars.color.stream_for(True, True)
+    display = read_display(context, prim, topology)
+    color = display.stream_for(True, True)
     attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}
     if color is not None:
         attributes["COLOR_0"] = _accessor(writer, color.values[color.ids[vertices]])
@@ -152,7 +152,7 @@ def _write(
         indices = lines.reshape(-1).astype(np.uint32)
         entry["indices"] = writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
     plan = materials.plan(None)
-    entry["material"] = materials.instantiate(plan, {}, False, primvars.color, color is not None)
+    entry["material"] = materials.instantiate(plan, {}, False, display, color is not None)
     extras = {"prim": str(prim.GetPath())}
     return writer.add("meshes", {"name": prim.GetName(), "primitives": [entry], "extras": extras})
 

@@ -12,14 +12,15 @@ from reflet_usd.convert.attributes import (
     GprimPrimvars,
     attach,
     primvar_signature,
+    read_display,
     read_primvars,
 )
-from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
 from reflet_usd.convert.mesh import mesh_surface
-from reflet_usd.convert.network import TextureRead
+from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.pack import texture_transform, wraps_to_black
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
@@ -27,7 +28,6 @@ from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.subsets import FaceGroup, face_groups
 from reflet_usd.convert.surface import Surface
-
 
 # Coordinates this far outside 0…1 come from rounding, not from tiling.
 _UV_SLACK = 1e-4
@@ -50,9 +50,7 @@ class Deformer(Protocol):
     def prepare(self, surface: Surface, polygons: Polygons | None) -> None:
         """Called once, before primitives are made."""
 
-    def finish(
-        self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None
-    ) -> None:
+    def finish(self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None) -> None:
         """Called for each primitive."""
 
 
@@ -63,23 +61,26 @@ class GeometryBuilder:
         self.context = context
         self.writer = writer
         self.materials = MaterialLibrary(context, writer)
-        self._meshes: dict[tuple[Any, ...], BuiltMesh | None] = {}
+        self._meshes: dict[tuple[Any, ...], tuple[Usd.Prim, BuiltMesh | None]] = {}
 
     def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
         """The glTF mesh of a gprim, or None (with a warning) where it has nothing to draw."""
         groups = face_groups(self.context, prim)
+        if deformation is not None:
+            return self._build(prim, groups, deformation)
         key = self._key(prim, groups)
-        if deformation is None and key in self._meshes:
-            return self._meshes[key]
-        built = self._build(prim, groups, deformation)
-        if deformation is None:
-            self._meshes[key] = built
+        if key not in self._meshes:
+            self._meshes[key] = (prim, self._build(prim, groups, None))
+            return self._meshes[key][1]
+        first, built = self._meshes[key]
+        self.context.ledger.repeat(first, prim)
+        for group in groups:
+            self.materials.plan(group.material)
         return built
 
     def _key(self, prim: Usd.Prim, groups: list[FaceGroup]) -> tuple[Any, ...]:
-        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        bound = tuple(str(g.material.GetPath()) if g.material else "" for g in groups)
-        return (str(source.GetPath()), bound, primvar_signature(prim))
+        bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
+        return (source_path(prim), bound, primvar_signature(prim))
 
     def _build(
         self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
@@ -88,7 +89,7 @@ class GeometryBuilder:
         if made is None:
             return None
         surface, topology, polygons = made
-        primvars = read_primvars(self.context, prim, topology)
+        primvars = read_primvars(self.context, prim)
         attach(self.context, prim, surface, primvars, topology)
         if deformation is not None:
             deformation.prepare(surface, polygons)
@@ -102,7 +103,7 @@ class GeometryBuilder:
                 chosen = surface.triangles[member[surface.triangle_faces]]
             if len(chosen) == 0:
                 continue
-            parts = self._primitive(prim, surface, chosen, group, primvars)
+            parts = self._primitive(prim, surface, chosen, group, primvars, topology)
             if deformation is not None:
                 deformation.finish(surface, parts, polygons)
             entries.append(parts.entry)
@@ -137,20 +138,51 @@ class GeometryBuilder:
         triangles: Array,
         group: FaceGroup,
         primvars: GprimPrimvars,
+        topology: Topology,
     ) -> PrimitiveParts:
         plan = self.materials.plan(group.material)
         order, constants = self._uv_order(prim, surface, plan)
-        color = primvars.color.stream_for(plan.uses_display_color, plan.uses_display_opacity)
+        display = read_display(
+            self.context,
+            prim,
+            topology,
+            plan.color_primvar or "displayColor",
+            plan.opacity_primvar or "displayOpacity",
+            plan.color_fallback,
+        )
+        color = display.stream_for(plan.color_primvar is not None, plan.opacity_primvar is not None)
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
         double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
         self._warn_black_wraps(surface, triangles, plan)
         slots = {name: slot for slot, name in enumerate(order)}
         parts.entry["material"] = self.materials.instantiate(
-            plan, slots, double_sided, primvars.color, color is not None
+            plan,
+            slots,
+            double_sided,
+            display,
+            color is not None,
+            self._constants(prim, plan, primvars),
         )
         if group.subset is not None:
             parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
         return parts
+
+    def _constants(
+        self, prim: Usd.Prim, plan: MaterialPlan, primvars: GprimPrimvars
+    ) -> dict[str, Constant]:
+        """Inputs that read a primvar which has one value on this prim."""
+        found = {}
+        for name, source in plan.inputs.items():
+            if not isinstance(source, PrimvarRead) or name in ("diffuseColor", "opacity"):
+                continue
+            value = primvars.constants.get(source.primvar)
+            numbers = np.ravel(value) if value is not None else np.zeros(0)
+            if numbers.dtype.kind in "if" and 1 <= len(numbers) <= 4:
+                found[name] = Constant(tuple(float(number) for number in numbers))
+            elif source.primvar in primvars.custom or source.fallback is None:
+                message = f"'{name}' reads primvar '{source.primvar}', its fallback is used"
+                self.context.ledger.warn("primvar-reader-dropped", prim, message)
+        return found
 
     def _warn_black_wraps(self, surface: Surface, triangles: Array, plan: MaterialPlan) -> None:
         """Textures that are black outside 0…1, where coordinates really leave that range."""
@@ -184,5 +216,3 @@ class GeometryBuilder:
 def is_surface(prim: Usd.Prim) -> bool:
     """Whether `GeometryBuilder` can build this prim."""
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in GPRIM_TYPES
-
-

@@ -54,7 +54,11 @@ class GltfWriter:
         return self._known[key]
 
     def add_accessor(
-        self, array: Array, target: int | None = None, bounds: bool = False, normalized: bool = False
+        self,
+        array: Array,
+        target: int | None = None,
+        bounds: bool = False,
+        normalized: bool = False,
     ) -> int:
         """Store an array (elements first) and return its accessor.
 
@@ -270,9 +274,7 @@ def _uri(name: str) -> str:
 
 
 def _json_bytes(document: dict[str, Any]) -> bytes:
-    return json.dumps(
-        document, ensure_ascii=False, allow_nan=False, separators=(",", ":")
-    ).encode()
+    return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
 def _write_together(files: list[tuple[Path, list[bytes]]]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.animation import add_track, align_hemispheres
-from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancing import add_gpu_instances
 from reflet_usd.convert.scene import Array, Node, identity_or
@@ -39,9 +39,7 @@ class Instances:
 class Instancers:
     """All point instancers of one conversion; prototypes are built once and cloned."""
 
-    def __init__(
-        self, context: Context, writer: GltfWriter, prototype_node: PrototypeNode
-    ) -> None:
+    def __init__(self, context: Context, writer: GltfWriter, prototype_node: PrototypeNode) -> None:
         self.context = context
         self.writer = writer
         self._prototype_node = prototype_node
@@ -51,8 +49,7 @@ class Instancers:
 
     def fill(self, prim: Usd.Prim, node: Node) -> None:
         """Add the instances of `prim` below `node`; the prim's children are accounted for."""
-        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        path = str(source.GetPath())
+        path = source_path(prim)
         if path in self._open:
             message = "the instancer is part of its own prototype; the inner one is left out"
             self.context.ledger.warn("instancer-cycle", prim, message)
@@ -164,9 +161,7 @@ class Instancers:
             parts["scale"][numbers],
         )
 
-    def _animation(
-        self, prim: Usd.Prim, instances: Instances
-    ) -> dict[str, tuple[Array, Array]]:
+    def _animation(self, prim: Usd.Prim, instances: Instances) -> dict[str, tuple[Array, Array]]:
         """Per path the key times and (keys, instances, components); empty where frozen."""
         context = self.context
         varying = [n for n in _ANIMATED if prim.GetAttribute(n).ValueMightBeTimeVarying()]

@@ -24,7 +24,7 @@ def add_gpu_instances(
         return False
     matrices = _matrices(instances)
     parts = []
-    for node, matrix in placed:
+    for _, matrix in placed:
         if np.array_equal(matrix, np.eye(4)):
             parts.append(instances)
             continue

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from typing import Any
 
 from pxr import Usd, UsdShade
 
 from reflet_usd.convert.attributes import DisplayColor
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.mtlx import MATERIALX_SURFACES, approximate
 from reflet_usd.convert.network import (
+    Constant,
     NetworkReader,
     PrimvarRead,
     Source,
@@ -36,8 +36,10 @@ class MaterialPlan:
     is_preview: bool = False
     uv_sets: dict[str, tuple[float, float]] = field(default_factory=dict)
     """UV sets that textures read, with the reader's fallback."""
-    uses_display_color: bool = True
-    uses_display_opacity: bool = True
+    color_primvar: str | None = "displayColor"
+    """The primvar that COLOR_0's red, green and blue come from, if any."""
+    opacity_primvar: str | None = "displayOpacity"
+    color_fallback: tuple[float, ...] = PREVIEW_INPUTS["diffuseColor"]
     nodes: set[str] = field(default_factory=set)
     """Shading nodes that were read, by path relative to the material."""
 
@@ -56,13 +58,14 @@ class MaterialLibrary:
         """The plan of a material prim; of `None`, the plan for plain displayColor."""
         if prim is None:
             return MaterialPlan(None)
-        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        key = str(source.GetPath())
+        key = source_path(prim)
         if key not in self._plans:
             self._plans[key] = self._read(prim)
         plan = self._plans[key]
         if plan.is_preview:
             self.context.ledger.carry(prim)
+        if plan.prim is not None and plan.prim != prim:
+            self.context.ledger.repeat(plan.prim, prim)
         for node in plan.nodes:  # of every instance of the material
             self.context.ledger.carry(prim.GetPath().AppendPath(node))
         return plan
@@ -74,15 +77,24 @@ class MaterialLibrary:
         double_sided: bool,
         display: DisplayColor,
         has_colors: bool,
+        overrides: dict[str, Constant] | None = None,
     ) -> int:
-        """The glTF material of `plan` for a primitive with these UV slots and colors."""
+        """The glTF material of `plan` for a primitive with these UV slots and colors.
+
+        `overrides` are inputs whose primvar has one value on the prim.
+        """
         used_slots = tuple((name, slots[name]) for name in plan.uv_sets if name in slots)
-        shown = display if plan.uses_display_color or plan.uses_display_opacity else None
-        constant = None if shown is None else (shown.constant, shown.translucent)
+        uses_display = plan.color_primvar is not None or plan.opacity_primvar is not None
+        constant = (display.constant, display.translucent) if uses_display else None
+        inputs = {**plan.inputs, **(overrides or {})}
         path = "" if plan.prim is None else str(plan.prim.GetPath())
-        key = (path, used_slots, double_sided, constant, has_colors)
+        changed = tuple(sorted((overrides or {}).items()))
+        key = (path, used_slots, double_sided, constant, has_colors, changed)
         if key not in self._written:
-            self._written[key] = self._write(plan, slots, double_sided, display, has_colors)
+            entry = self._entry(plan, inputs, slots, display, has_colors)
+            if double_sided:
+                entry["doubleSided"] = True
+            self._written[key] = self.writer.add_once("materials", entry)
         return self._written[key]
 
     def _read(self, prim: Usd.Prim) -> MaterialPlan:
@@ -113,16 +125,13 @@ class MaterialLibrary:
 
     def _planned(self, prim: Usd.Prim, inputs: dict[str, Source]) -> MaterialPlan:
         plan = MaterialPlan(prim, is_preview=True)
-        plan.uses_display_color = plan.uses_display_opacity = False
+        plan.color_primvar = plan.opacity_primvar = None
         for name, source in inputs.items():
-            if isinstance(source, PrimvarRead):
-                if name == "diffuseColor" and source.primvar == "displayColor":
-                    plan.uses_display_color = True
-                elif name == "opacity" and source.primvar == "displayOpacity":
-                    plan.uses_display_opacity = True
-                else:
-                    message = f"'{name}' reads primvar '{source.primvar}', its fallback is used"
-                    self.context.ledger.warn("primvar-reader-dropped", prim, message)
+            if isinstance(source, PrimvarRead) and name == "diffuseColor":
+                plan.color_primvar = source.primvar
+                plan.color_fallback = _three(source.fallback or plan.color_fallback)
+            elif isinstance(source, PrimvarRead) and name == "opacity":
+                plan.opacity_primvar = source.primvar
             elif isinstance(source, TextureRead) and self._packer.usable(source):
                 plan.uv_sets.setdefault(source.uv.primvar, source.uv.fallback)
             plan.inputs[name] = source
@@ -134,25 +143,27 @@ class MaterialLibrary:
                 message = "displacement and volume shaders have no glTF counterpart"
                 self.context.ledger.warn("displacement-dropped", output[0].GetPrim(), message)
 
-    def _write(
+    def _entry(
         self,
         plan: MaterialPlan,
+        inputs: dict[str, Source],
         slots: dict[str, int],
-        double_sided: bool,
         display: DisplayColor,
         has_colors: bool,
-    ) -> int:
+    ) -> dict[str, Any]:
         if plan.is_preview:
             preview = PreviewMaterial(self.context, self.writer, self._packer, plan.prim)
-            entry = preview.write(plan.inputs, slots, display, has_colors)
+            entry = preview.write(inputs, slots, display, has_colors)
         else:
             entry = _display_material(display, has_colors)
         if plan.prim is not None:
             entry["name"] = plan.prim.GetName()
             entry["extras"] = {"prim": str(plan.prim.GetPath())}
-        if double_sided:
-            entry["doubleSided"] = True
-        return self.writer.add_once("materials", json.loads(json.dumps(entry)))
+        return entry
+
+
+def _three(values: tuple[float, ...]) -> tuple[float, ...]:
+    return values[:3] if len(values) >= 3 else (values[0],) * 3
 
 
 def _display_material(display: DisplayColor, has_colors: bool) -> dict[str, Any]:

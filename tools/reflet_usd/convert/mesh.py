@@ -69,9 +69,7 @@ def drawn_faces(polygons: Polygons) -> DrawnFaces:
     return DrawnFaces(faces, np.flatnonzero(corner_drawn), polygons.counts[faces])
 
 
-def _normals(
-    context: Context, prim: Usd.Prim, polygons: Polygons, drawn: DrawnFaces
-) -> Stream:
+def _normals(context: Context, prim: Usd.Prim, polygons: Polygons, drawn: DrawnFaces) -> Stream:
     """Authored normals where the scheme is `none`; else flat or smooth ones (UsdGeomMesh)."""
     if polygons.scheme == "none":
         authored = _authored_normals(context, prim, polygons)
@@ -100,9 +98,7 @@ def computed_normals(polygons: Polygons, points: Array, drawn: DrawnFaces) -> St
     return Stream(unit_rows(areas), ids, by_point=False)
 
 
-def _authored_normals(
-    context: Context, prim: Usd.Prim, polygons: Polygons
-) -> Stream | None:
+def _authored_normals(context: Context, prim: Usd.Prim, polygons: Polygons) -> Stream | None:
     """`primvars:normals` wins over the attribute `normals` (UsdGeomPointBased)."""
     primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals")
     read: Primvar | None = None

@@ -77,9 +77,7 @@ def approximate(
     reader: NetworkReader, prim: Usd.Prim, shader: UsdShade.Shader, kind: str
 ) -> dict[str, Source]:
     """Preview inputs for the surface; what they cannot say is one warning on the material."""
-    inputs: dict[str, Source] = {
-        name: Constant(value) for name, value in _DEFAULTS[kind].items()
-    }
+    inputs: dict[str, Source] = {name: Constant(value) for name, value in _DEFAULTS[kind].items()}
     mapped = MATERIALX_SURFACES[kind]
     for name, other in mapped.items():
         source = _source(reader, shader, other)
@@ -120,9 +118,7 @@ def _source(reader: NetworkReader, shader: UsdShade.Shader, name: str) -> Source
     return reader.source(shader, name)
 
 
-def _image(
-    reader: NetworkReader, node: UsdShade.Shader, color_space: str
-) -> TextureRead:
+def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> TextureRead:
     """A MaterialX image node; texture coordinates other than the default set are not followed."""
     reader.visit(node)
     file_input = node.GetInput("file")

@@ -111,9 +111,7 @@ class NetworkReader:
             self.context.ledger.warn("material-animation-frozen", attribute.GetPrim(), message)
         return Constant(numbers)
 
-    def _node(
-        self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute
-    ) -> Source | None:
+    def _node(self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute) -> Source | None:
         node = UsdShade.Shader(attribute.GetPrim())
         kind = shader_id(node)
         output = UsdShade.Output(attribute).GetBaseName()
@@ -189,7 +187,7 @@ class NetworkReader:
             attribute = attributes[0]
             if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
                 numbers = _numbers(attribute.Get(self.context.time)) or (0.0, 0.0)
-                return replace(uv, primvar="", fallback=(numbers + (0.0, 0.0))[:2])
+                return replace(uv, primvar="", fallback=((*numbers, 0.0, 0.0))[:2])
             node = UsdShade.Shader(attribute.GetPrim())
             kind = shader_id(node)
             self.visit(node)
@@ -208,16 +206,14 @@ class NetworkReader:
                 return uv
             fallback = _numbers(self.value(node, "fallback", None)) or (0.0, 0.0)
             varname = str(self.value(node, "varname", "st") or "st")
-            return replace(uv, primvar=varname, fallback=(fallback + (0.0, 0.0))[:2])
+            return replace(uv, primvar=varname, fallback=((*fallback, 0.0, 0.0))[:2])
         return uv
 
     def _transform(self, node: UsdShade.Shader, uv: UvRead) -> UvRead:
         scale = _numbers(self.value(node, "scale", None)) or (1.0, 1.0)
         translation = _numbers(self.value(node, "translation", None)) or (0.0, 0.0)
         rotation = _numbers(self.value(node, "rotation", None)) or (0.0,)
-        return replace(
-            uv, scale=scale[:2], rotation_deg=rotation[0], translation=translation[:2]
-        )
+        return replace(uv, scale=scale[:2], rotation_deg=rotation[0], translation=translation[:2])
 
 
 def shader_id(shader: UsdShade.Shader) -> str:

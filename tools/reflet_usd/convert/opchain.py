@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
@@ -30,7 +32,9 @@ def chain_of_ops(context: Context, node: Node, xformable: UsdGeom.Xformable) -> 
     static = np.eye(4)
     for op in xformable.GetOrderedXformOps():
         if not op.MightBeTimeVarying():
-            static = static @ column_matrix(op.GetOpTransform(context.time), context.meters_per_unit)
+            static = static @ column_matrix(
+                op.GetOpTransform(context.time), context.meters_per_unit
+            )
             continue
         animated = _animated_links(context, node.name, op)
         if animated is None:
@@ -39,7 +43,7 @@ def chain_of_ops(context: Context, node: Node, xformable: UsdGeom.Xformable) -> 
         static = np.eye(4)
         links += animated
     outer_of_last = place(node, static)
-    for parent, child in zip(links[:-1], links[1:], strict=True):
+    for parent, child in itertools.pairwise(links):
         parent.add(child)
     links[-1].add(outer_of_last)
     return links[0]
@@ -63,7 +67,9 @@ def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[No
         return None
     if kind in _SINGLE_AXES:
         angles = np.array([_angle(op, code, None) for code in codes])
-        return [_turning_node(context, f"{name}_{op.GetOpName()}", codes, angles, _SINGLE_AXES[kind])]
+        return [
+            _turning_node(context, f"{name}_{op.GetOpName()}", codes, angles, _SINGLE_AXES[kind])
+        ]
     if kind in _EULER_ORDERS:
         order = _EULER_ORDERS[kind]
         axes = order[::-1] if op.IsInverseOp() else order
@@ -128,7 +134,9 @@ def _simple_link(
     values = np.array([getattr(part, path) for part in parts])
     if path == "rotation":
         dots = np.einsum("ij,ij->i", values[1:], values[:-1])
-        values = values * np.concatenate(([1.0], np.cumprod(np.where(dots < 0, -1.0, 1.0))))[:, None]
+        values = (
+            values * np.concatenate(([1.0], np.cumprod(np.where(dots < 0, -1.0, 1.0))))[:, None]
+        )
     node = Node(name)
     setattr(node, path, values[0].copy())
     times = np.array([context.seconds(code) for code in codes])

@@ -101,14 +101,12 @@ class PreviewMaterial:
             self._warn("material-value-clamped", f"'{name}' {value} is outside 0…1, clamped")
         return clamped
 
-    def _base_color(
-        self, entry: dict[str, Any], display: DisplayColor, has_colors: bool
-    ) -> None:
+    def _base_color(self, entry: dict[str, Any], display: DisplayColor, has_colors: bool) -> None:
         diffuse, opacity = self._texture("diffuseColor"), self._texture("opacity")
         color = [1.0, 1.0, 1.0] if diffuse else list(self._unit("diffuseColor"))
         alpha = 1.0 if opacity else self._unit("opacity")[0]
-        reads_color = self._reads("diffuseColor", "displayColor")
-        reads_alpha = self._reads("opacity", "displayOpacity")
+        reads_color = isinstance(self.inputs.get("diffuseColor"), PrimvarRead)
+        reads_alpha = isinstance(self.inputs.get("opacity"), PrimvarRead)
         if reads_color:
             color = [1.0, 1.0, 1.0] if has_colors else list(display.constant[:3])
         if reads_alpha:
@@ -134,10 +132,6 @@ class PreviewMaterial:
         if diffuse or opacity:
             pbr["baseColorTexture"] = self.packer.texture(channels, True, self.slots)
         pbr["baseColorFactor"] = [*color, alpha]
-
-    def _reads(self, name: str, primvar: str) -> bool:
-        source = self.inputs.get(name)
-        return isinstance(source, PrimvarRead) and source.primvar == primvar
 
     def _lowest(self, channel: Channel | None) -> float:
         assert channel is not None and channel.read is not None

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
+from reflet_usd.convert.animation import add_track, align_hemispheres
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.geometry import GeometryBuilder
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import unit_quaternions
-from reflet_usd.convert.animation import add_track, align_hemispheres
 from reflet_usd.convert.scene import Array, Node, Skin
 from reflet_usd.convert.skinning import Deformation
 from reflet_usd.convert.xform import assign, column_matrix, decompose, nearest_trs
@@ -137,9 +137,7 @@ class Skeletons:
         self._animate(prim, query, names, nodes)
         return nodes
 
-    def _pose(
-        self, prim: Usd.Prim, query: UsdSkel.SkeletonQuery, nodes: list[Node]
-    ) -> None:
+    def _pose(self, prim: Usd.Prim, query: UsdSkel.SkeletonQuery, nodes: list[Node]) -> None:
         locals_ = query.ComputeJointLocalTransforms(self.context.time)
         if not locals_:
             locals_ = self._bind_pose(prim, query)

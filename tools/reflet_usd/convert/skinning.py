@@ -62,9 +62,7 @@ class Deformation:
         self._offsets = [offset @ linear.T for offset in self._offsets]
         self._influences = self._read_influences(len(surface.points))
 
-    def finish(
-        self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None
-    ) -> None:
+    def finish(self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None) -> None:
         """Add JOINTS_n, WEIGHTS_n and targets to one primitive."""
         attributes = parts.entry["attributes"]
         if self._influences is not None:
@@ -79,8 +77,7 @@ class Deformation:
                 )
         if self._offsets:
             parts.entry["targets"] = [
-                self._target(surface, parts, polygons, index)
-                for index in range(len(self._offsets))
+                self._target(surface, parts, polygons, index) for index in range(len(self._offsets))
             ]
 
     def animate(self, node: Node) -> None:

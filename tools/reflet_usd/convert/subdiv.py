@@ -144,9 +144,7 @@ class Step:
         # A crease of sharpness s gives two edges of sharpness s - 1; boundaries find themselves.
         left = (self.sharpness > 1.0) & (self.edge_faces == 2)
         middle = vertices + np.flatnonzero(left)
-        keys = np.concatenate(
-            [edge_keys(self.edges[left, side], middle, count) for side in (0, 1)]
-        )
+        keys = np.concatenate([edge_keys(self.edges[left, side], middle, count) for side in (0, 1)])
         values = np.tile(self.sharpness[left] - 1.0, 2)
         order = np.argsort(keys)
         child = Cage(np.full(len(own), 4), corners, count, keys[order], values[order])

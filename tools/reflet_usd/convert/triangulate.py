@@ -134,7 +134,9 @@ def _best_ears(flat: Array) -> Array:
     for corner in (before, flat, after):
         inside &= (flat[:, None] != corner[:, :, None]).any(axis=3)
     blocked = inside.any(axis=2)
-    lengths = [np.square(b - a).sum(axis=2) for a, b in ((before, flat), (flat, after), (after, before))]
+    lengths = [
+        np.square(b - a).sum(axis=2) for a, b in ((before, flat), (flat, after), (after, before))
+    ]
     shape = turns / np.maximum(sum(lengths), 1e-300)
     score = np.where(blocked, shape - 10.0, shape)
     return np.argmax(np.where(turns > 0.0, score, score - 20.0), axis=1)
