@@ -11,7 +11,15 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.opchain import chain_of_ops
 from reflet_usd.convert.scene import Array, Node, Track
-from reflet_usd.convert.xform import Trs, assign, column_matrix, decompose, nearest_trs, place
+from reflet_usd.convert.xform import (
+    Trs,
+    align_hemispheres,
+    assign,
+    column_matrix,
+    decompose,
+    nearest_trs,
+    place,
+)
 
 # Between keys a matrix may deviate by this share of its largest entries and still be exact.
 EXACT_TOLERANCE = 2e-6
@@ -113,13 +121,6 @@ def add_track(node: Node, path: str, times: Array, values: Array, step: bool = F
     rounded = times.astype(np.float32)
     keep = np.concatenate(([True], np.diff(rounded) > 0.0))
     node.tracks.append(Track(path, times[keep], values[keep], step))
-
-
-def align_hemispheres(rotations: Array) -> Array:
-    """Flip signs so that neighbors interpolate the short way (q and -q are one rotation)."""
-    dots = np.einsum("ij,ij->i", rotations[1:], rotations[:-1])
-    signs = np.concatenate(([1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))))
-    return rotations * signs[:, None]
 
 
 def interpolate(first: Trs, last: Trs, share: float) -> Trs:

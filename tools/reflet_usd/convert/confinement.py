@@ -26,6 +26,15 @@ def is_allowed(resolved: str, roots: tuple[str, ...]) -> bool:
     return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
 
 
+def open_layer(identifier: str) -> Sdf.Layer | None:
+    """The layer as it is on disk now, also where this process read it before."""
+    known = Sdf.Layer.Find(identifier)
+    if known is not None:
+        known.Reload(force=True)
+        return known
+    return Sdf.Layer.FindOrOpen(identifier)
+
+
 def cut_foreign_layers(
     root_layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger
 ) -> list[Sdf.Layer]:
@@ -41,7 +50,7 @@ def cut_foreign_layers(
                 continue
             seen.add(identifier)
             try:
-                opened = Sdf.Layer.FindOrOpen(identifier)
+                opened = open_layer(identifier)
             except Tf.ErrorException:
                 continue  # composition names it as unresolved
             if opened is not None:

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.animation import add_track, align_hemispheres
+from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancing import add_gpu_instances
 from reflet_usd.convert.scene import Array, Node, identity_or
 from reflet_usd.convert.types import ConvertError
+from reflet_usd.convert.xform import align_hemispheres
 
 PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array, Node, Track
-from reflet_usd.convert.xform import column_matrix, decompose, place
+from reflet_usd.convert.xform import align_hemispheres, column_matrix, place
 
 # glTF turns the short way between keys, so no step may reach half a turn.
 MAX_STEP_DEG = 120.0
@@ -119,26 +119,24 @@ def _turning_node(
 def _simple_link(
     context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
 ) -> list[Node] | None:
-    parts = []
-    for code in codes:
-        matrix = op.GetOpTransform(Usd.TimeCode(code))
-        trs = decompose(column_matrix(matrix, context.meters_per_unit))
-        if trs is None:
+    """A translation, scale or quaternion whose authored keys are glTF's keys."""
+    values = [op.Get(Usd.TimeCode(code)) for code in codes]
+    sign = -1.0 if op.IsInverseOp() else 1.0
+    if op.GetOpType() == _Op.TypeOrient:
+        path = "rotation"
+        rows = np.array([(*value.GetImaginary(), value.GetReal()) for value in values])
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        if not (lengths > 0.0).all():
             return None
-        parts.append(trs)
-    path = {
-        _Op.TypeTranslate: "translation",
-        _Op.TypeOrient: "rotation",
-        _Op.TypeScale: "scale",
-    }[op.GetOpType()]
-    values = np.array([getattr(part, path) for part in parts])
-    if path == "rotation":
-        dots = np.einsum("ij,ij->i", values[1:], values[:-1])
-        values = (
-            values * np.concatenate(([1.0], np.cumprod(np.where(dots < 0, -1.0, 1.0))))[:, None]
-        )
+        rows = align_hemispheres(rows / lengths * (sign, sign, sign, 1.0))
+    elif op.GetOpType() == _Op.TypeTranslate:
+        path, rows = "translation", np.array(values) * (sign * context.meters_per_unit)
+    else:
+        path, rows = "scale", np.array(values, dtype=np.float64)
+    if not np.isfinite(rows).all():
+        return None
     node = Node(name)
-    setattr(node, path, values[0].copy())
+    setattr(node, path, rows[0].copy())
     times = np.array([context.seconds(code) for code in codes])
-    node.tracks.append(Track(path, times, values))
+    node.tracks.append(Track(path, times, rows))
     return [node]

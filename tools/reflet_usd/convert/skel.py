@@ -7,14 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.animation import add_track, align_hemispheres
+from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.geometry import GeometryBuilder
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import unit_quaternions
 from reflet_usd.convert.scene import Array, Node, Skin
 from reflet_usd.convert.skinning import Deformation
-from reflet_usd.convert.xform import assign, column_matrix, decompose, nearest_trs
+from reflet_usd.convert.xform import (
+    align_hemispheres,
+    assign,
+    column_matrix,
+    decompose,
+    nearest_trs,
+)
 
 _PREDICATE = Usd.TraverseInstanceProxies(
     Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier

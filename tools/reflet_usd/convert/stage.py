@@ -10,7 +10,12 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from reflet_usd.convert.confinement import allowed_roots, check_used_layers, cut_foreign_layers
+from reflet_usd.convert.confinement import (
+    allowed_roots,
+    check_used_layers,
+    cut_foreign_layers,
+    open_layer,
+)
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError, ConvertOptions
@@ -48,7 +53,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
 
 def _open_root_layer(path: Path) -> Sdf.Layer:
     try:
-        layer = Sdf.Layer.FindOrOpen(str(path))
+        layer = open_layer(str(path))
     except Tf.ErrorException as error:
         raise ConvertError("stage-unreadable", _first_line(error), str(path)) from None
     if layer is None:

@@ -159,3 +159,10 @@ def nearest_trs(matrix: Array) -> Trs:
         rotation = u @ np.diag([1.0, 1.0, -1.0]) @ vt
     scale = np.einsum("ij,ij->j", rotation, matrix[:3, :3])
     return Trs(matrix[:3, 3].copy(), quaternion(rotation), scale)
+
+
+def align_hemispheres(rotations: Array) -> Array:
+    """Flip signs so that neighbors interpolate the short way (q and -q are one rotation)."""
+    dots = np.einsum("ij,ij->i", rotations[1:], rotations[:-1])
+    signs = np.concatenate(([1.0], np.cumprod(np.where(dots < 0.0, -1.0, 1.0))))
+    return rotations * signs[:, None]
