@@ -13,6 +13,7 @@ from pathlib import Path
 
 SECRET = "SecretOfAnotherFolder"
 _NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e308", "-1e38", "2147483647", "4294967296", "99999")
+_HEADER = b'#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
 _NUMBER = re.compile(rb"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
 
 
@@ -122,11 +123,17 @@ def _as_package(name: str, crate: bytes) -> bytes:
     return stream.getvalue()
 
 
+def hand_written_bodies() -> dict[str, bytes]:
+    """Layers that parse, each with one fault in what it says."""
+    # The format wants a line of its own for each closing brace.
+    bodies = {name: body.replace("}", "\n}\n") for name, body in _BODIES.items()}
+    return {name: _HEADER + body.encode() for name, body in bodies.items()}
+
+
 def _written_by_hand(quads: bytes) -> Iterator[Mutant]:
     """Faults that chance does not reach."""
-    header = b'#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
-    for name, body in _BODIES.items():
-        yield Mutant(name, ".usda", header + body.encode())
+    for name, body in hand_written_bodies().items():
+        yield Mutant(name, ".usda", body)
     for name, metadata in _METADATA.items():
         yield Mutant(name, ".usda", f'#usda 1.0\n(\n{metadata}\n)\ndef Cube "C" {{}}\n'.encode())
     for name, old, new in _REPLACED:
@@ -137,17 +144,17 @@ def _written_by_hand(quads: bytes) -> Iterator[Mutant]:
     yield Mutant("only-magic", ".usdc", b"PXR-USDC")
     yield Mutant("text-named-crate", ".usdc", quads)
     yield Mutant("zeros", ".usdc", b"PXR-USDC" + bytes(4096))
-    yield Mutant("not-utf8", ".usda", header + b'def Cube "\xff\xfe" {}\n')
-    yield Mutant("zero-byte", ".usda", header + b'def Cube "A\0B" {}\n')
-    yield Mutant("two-layers", ".usda", header + b'def "A" (references = @b.usda@) {}\n', _PAIR)
+    yield Mutant("not-utf8", ".usda", _HEADER + b'def Cube "\xff\xfe" {}\n')
+    yield Mutant("zero-byte", ".usda", _HEADER + b'def Cube "A\0B" {}\n')
+    yield Mutant("two-layers", ".usda", _HEADER + b'def "A" (references = @b.usda@) {}\n', _PAIR)
     yield Mutant("bomb", ".usdz", _bomb())
     yield Mutant("escape", ".usdz", _escaping_package(quads))
     yield Mutant("empty-package", ".usdz", b"PK\5\6" + bytes(18))
     deep = b"".join(b'def Xform "a" {\n' for _ in range(3000)) + b"}\n" * 3000
-    yield Mutant("deep", ".usda", header + deep)
+    yield Mutant("deep", ".usda", _HEADER + deep)
     wide = b"".join(b'def Xform "a%d" {}\n' % index for index in range(20000))
-    yield Mutant("wide", ".usda", header + wide)
-    yield Mutant("brackets", ".usda", header + b'def "A" { int[] x = ' + b"[" * 50000)
+    yield Mutant("wide", ".usda", _HEADER + wide)
+    yield Mutant("brackets", ".usda", _HEADER + b'def "A" { int[] x = ' + b"[" * 50000)
 
 
 def _bomb() -> bytes:
@@ -239,7 +246,7 @@ _BODIES: dict[str, str] = {
     "instancer-self": 'def PointInstancer "P" { rel prototypes = </P>\nint[] protoIndices = [0]\n'
     "point3f[] positions = [(0,0,0)] }",
     "instancer-cycle": 'def PointInstancer "P" { rel prototypes = </Q>\n'
-    'int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\n'
+    "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\n"
     'def PointInstancer "Q" { rel prototypes = </P>\n'
     "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }",
     "instancer-wild": 'def PointInstancer "P" { rel prototypes = [</P/C>, </Gone>]\n'
@@ -256,7 +263,7 @@ _BODIES: dict[str, str] = {
     + "".join(
         f'class "C{n}" {{ '
         + " ".join(
-            f'def "I{k}" (instanceable = true inherits = </C{n - 1}>) {{}}' for k in range(9)
+            f'def "I{k}" (instanceable = true\ninherits = </C{n - 1}>) {{}}' for k in range(9)
         )
         + " }\n"
         for n in range(1, 8)

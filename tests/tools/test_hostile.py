@@ -7,7 +7,8 @@ import os
 from pathlib import Path
 
 import pytest
-from mutations import SECRET, Mutant, all_mutants
+from mutations import SECRET, Mutant, all_mutants, hand_written_bodies
+from pxr import Sdf, Tf
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.validate.khronos import check_files
@@ -78,6 +79,18 @@ def test_there_are_at_least_200_and_they_never_change(
     again = all_mutants(Path(__file__).resolve().parent / "stages", tmp_path)
     same = [a.data == b.data for a, b in zip(mutants, again, strict=True)]
     assert all(same)
+
+
+def test_what_is_written_by_hand_reaches_the_converter(tmp_path: Path) -> None:
+    unread = []
+    for name, body in hand_written_bodies().items():
+        path = tmp_path / f"{name}.usda"
+        path.write_bytes(body)
+        try:
+            Sdf.Layer.FindOrOpen(str(path))
+        except Tf.ErrorException:
+            unread.append(name)
+    assert unread == []
 
 
 def test_a_part_of_the_hostile_stages(mutants: list[Mutant], tmp_path: Path, khronos: None) -> None:

@@ -20,6 +20,7 @@ from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.peers import Root, read_peers, read_roots
 from reflet_usd.report_table import format_markdown
 from reflet_usd.sandbox import Limits, run_convert
+from reflet_usd.validate.khronos import ValidatorMissingError, find_package
 
 _VALIDATE_S = 900.0
 
@@ -88,6 +89,11 @@ def run(args: argparse.Namespace) -> int:
     if not roots:
         print(f"{args.folder}: no stage matches {args.only!r}", file=sys.stderr)
         return 2
+    try:
+        find_package()
+    except ValidatorMissingError as error:
+        print(error, file=sys.stderr)
+        return 1
     peers = read_peers(args.folder)
     with tempfile.TemporaryDirectory(prefix="reflet-report-") as scratch:
         place = args.keep or Path(scratch)

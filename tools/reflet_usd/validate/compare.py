@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
-from .facts import Array, Camera, Corners, Light, Scene, Surface
+from .compare_rig import camera_values, light_values, matrix_distance
+from .facts import Array, Corners, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
+_UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -67,7 +68,7 @@ class SceneComparer:
             if prim in self.skinned:
                 continue  # glTF ignores the transforms of a skinned mesh's own node
             for expected in truth.get(prim, ())[:1]:
-                value = min(self._matrix_distance(expected, matrix) for matrix in found)
+                value = min(matrix_distance(expected, matrix, self.diagonal) for matrix in found)
                 self.checks.add("matrices", prim, value, at, self.slack)
 
     def cameras(self, truth: Scene, output: Scene, at: str) -> None:
@@ -76,7 +77,7 @@ class SceneComparer:
             found = output.cameras.get(key)
             if self._is_carried(key, found is not None, "Camera"):
                 assert found is not None
-                for text, value in self._camera_values(expected, found):
+                for text, value in camera_values(expected, found, self.diagonal):
                     self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
 
     def lights(self, truth: Scene, output: Scene, at: str) -> None:
@@ -85,7 +86,7 @@ class SceneComparer:
             found = output.lights.get(key)
             if self._is_carried(key, found is not None, "light"):
                 assert found is not None
-                for text, value in self._light_values(expected, found):
+                for text, value in light_values(expected, found, self.diagonal):
                     self.checks.add("lights", key, value, f"{text} {at}", self.slack)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
@@ -123,6 +124,20 @@ class SceneComparer:
             away = distances_to_surfaces(surfaces, found.positions)
             value = max(float(away.max(initial=0.0)), untouched_extent(surfaces, found.positions))
             self.checks.add("surfaces", key, value / self.diagonal, "from the surface", self.slack)
+            self._surface_looks(key, surfaces, found)
+
+    def _surface_looks(self, key: str, surfaces: list[Surface], found: Corners) -> None:
+        """Display colors and materials of curved gprims, as sets over the instances."""
+        bound = {_name(surface.material) for surface in surfaces if surface.material}
+        for name in sorted(bound ^ {_name(path) for path in found.material_paths}):
+            wrong = "is not used" if name in bound else "is used only in the output"
+            self.checks.add("bindings", key, math.inf, f"{name} {wrong}")
+        colors = [surface.color for surface in surfaces if surface.color is not None]
+        if any(surface.undefined_colors for surface in surfaces):
+            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+        elif len(colors) == len(surfaces) and not bound and found.colors is not None:
+            value = set_distance(np.array(colors), np.unique(found.colors, axis=0))
+            self.checks.add("colors", key, value, "display color or opacity")
 
     def _mixed(
         self, key: str, expected: Corners, surfaces: list[Surface], found: Corners | None
@@ -175,7 +190,9 @@ class SceneComparer:
                 self.checks.add("normals", key, angle, "angle")
         self._uvs(key, expected, found, tolerance, both)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
-        if expected.colors is not None and found.colors is not None and unbound:
+        if expected.undefined_colors and unbound:
+            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+        elif expected.colors is not None and found.colors is not None and unbound:
             value = _attribute_distance(
                 (expected.positions, expected.colors),
                 (found.positions, found.colors),
@@ -230,7 +247,9 @@ class SceneComparer:
                 subject = path if declared else key
                 self.checks.add("bindings", subject, math.inf, f"{path} is not used")
                 continue
-            value = set_distance(wanted, found.positions[found.materials == number])
+            drawn = found.positions[found.materials == number]
+            allowed = np.vstack([wanted, expected.optional_positions])
+            value = max(one_way(wanted, drawn), one_way(drawn, allowed))
             self.checks.add("bindings", key, value / self.diagonal, path, self.slack)
 
     def _bounds(self, truth: Scene, output: Scene) -> None:
@@ -248,47 +267,6 @@ class SceneComparer:
         # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
-
-    def _matrix_distance(self, expected: Array, found: Array) -> float:
-        scale = max(float(np.abs(expected[:3, :3]).max()), 1e-30)
-        linear = float(np.abs(expected[:3, :3] - found[:3, :3]).max()) / scale
-        move = float(np.abs(expected[3, :3] - found[3, :3]).max())
-        reach = max(self.diagonal, float(np.abs(expected[3, :3]).max()))
-        return max(linear, move / reach)
-
-    def _camera_values(self, expected: Camera, found: Camera) -> Iterable[tuple[str, float]]:
-        if (expected.yfov is None) != (found.yfov is None):
-            yield "projection", math.inf
-            return
-        if expected.yfov is not None and found.yfov is not None:
-            yield "yfov", _relative(expected.yfov, found.yfov)
-        if expected.ymag is not None and found.ymag is not None:
-            yield "ymag", _relative(expected.ymag, found.ymag)
-        if found.aspect:
-            yield "aspect", _relative(expected.aspect, found.aspect)
-        yield "near", _relative(expected.near_m, found.near_m)
-        if math.isfinite(found.far_m):
-            yield "far", _relative(expected.far_m, found.far_m)
-        yield "place", self._place_distance(expected.matrix, found.matrix)
-        yield "view", _axis_distance(expected.matrix, found.matrix, (1, 2))
-
-    def _light_values(self, expected: Light, found: Light) -> Iterable[tuple[str, float]]:
-        if expected.kind != found.kind and expected.exact:
-            yield f"is {found.kind}, expected {expected.kind}", math.inf
-            return
-        if expected.exact:
-            level = max(float(np.abs(expected.intensity).max()), 1e-30)
-            yield "intensity", float(np.abs(expected.intensity - found.intensity).max()) / level
-        if found.kind != "directional":
-            yield "place", self._place_distance(expected.matrix, found.matrix)
-        if found.kind != "point" and expected.exact:
-            yield "direction", _axis_distance(expected.matrix, found.matrix, (2,))
-        if expected.outer_cone is not None and found.outer_cone is not None:
-            yield "cone", _relative(expected.outer_cone, found.outer_cone)
-
-    def _place_distance(self, expected: Array, found: Array) -> float:
-        reach = max(self.diagonal, float(np.abs(expected[3, :3]).max()))
-        return float(np.linalg.norm(expected[3, :3] - found[3, :3])) / reach
 
 
 def one_way(points: Array, others: Array) -> float:
@@ -350,21 +328,6 @@ def _is_aligned(matrix: Array) -> bool:
     """Whether each axis of the prim stays along some axis of the world."""
     linear = np.abs(matrix[:3, :3])
     return bool((np.sort(linear, axis=1)[:, :2] <= 1e-9 * linear.max()).all())
-
-
-def _relative(expected: float, found: float) -> float:
-    return abs(expected - found) / max(abs(expected), 1e-12)
-
-
-def _axis_distance(expected: Array, found: Array, axes: tuple[int, ...]) -> float:
-    """Largest chord between the unit vectors of the named local axes."""
-    worst = 0.0
-    for axis in axes:
-        first, second = expected[axis, :3], found[axis, :3]
-        lengths = np.linalg.norm(first), np.linalg.norm(second)
-        if min(lengths) > 0:
-            worst = max(worst, float(np.linalg.norm(first / lengths[0] - second / lengths[1])))
-    return worst
 
 
 def _name(path: str) -> str:

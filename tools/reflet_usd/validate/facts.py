@@ -42,6 +42,8 @@ class Corners:
     """Each (n, 2), by primvar name (stage) or attribute name (output), v upward."""
     colors: Array | None = None
     """(n, 4) linear RGBA."""
+    undefined_colors: bool = False
+    """Whether display colors lie on parts of a gprim whose order USD does not define."""
     materials: Indices | None = None
     """(n,) index into `material_paths` of each corner's material; -1 for none."""
     material_paths: list[str] = dataclasses.field(default_factory=list)
@@ -63,6 +65,12 @@ class Surface:
     """0, 1, 2 for X, Y, Z."""
     matrix: Array
     """(4, 4) from the prim's space to the world in meters."""
+    color: Array | None = None
+    """(4,) display color and opacity; None where none or several are authored."""
+    undefined_colors: bool = False
+    """Whether several display colors are authored."""
+    material: str = ""
+    """Path of the bound material; empty for none."""
 
 
 @dataclasses.dataclass

@@ -22,6 +22,10 @@ def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Sc
     outputs: dict[str, list[int]] = {}
     for index, material in enumerate(file.materials):
         outputs.setdefault(file.prim_of(material) or "", []).append(index)
+    # Native instances share one material, which keeps the path it has in one of them.
+    by_name: dict[str, list[int]] = {}
+    for kept, indices in outputs.items():
+        by_name.setdefault(kept.rsplit("/", 1)[-1], []).extend(indices)
     used = {
         path
         for part in rest.corners.values()
@@ -29,13 +33,17 @@ def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Sc
         for index, path in enumerate(part.material_paths)
         if (part.materials == index).any()
     }
-    for path in sorted(used):
+    used |= {surface.material for many in rest.surfaces.values() for surface in many}
+    for path in sorted(used - {""}):
         shader = preview_shader(stage.GetPrimAtPath(path))
         if shader is None:
             # Another kind of surface: what the file shows in its place has to be declared.
             checks.add("materials", path, math.inf, "is not a UsdPreviewSurface")
             continue
-        for index in outputs.get(path, ()):
+        found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], ())
+        if not found:
+            checks.add("materials", path, math.inf, "is not in the output")
+        for index in found:
             _compare_one(checks, path, shader, OutputMaterial(file, index))
 
 

@@ -33,6 +33,8 @@ class LocalMesh:
     flat_shaded: bool
     """Whether each corner's normal is that of its face."""
     double_sided: bool
+    undefined_colors: bool = False
+    """Whether it has display colors on parts whose order USD does not define."""
 
 
 def read_mesh(
@@ -199,10 +201,10 @@ def _colors(prim: Usd.Prim, time: Usd.TimeCode, corners: _CornerMap) -> Array | 
 
 
 def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array:
-    """A primvar's values with its indices applied; empty where they do not fit."""
-    raw = primvar.Get(time)
+    """A primvar's values with its indices applied; empty where there are none that fit."""
+    raw = primvar.Get(time) if primvar else None
     values = array_of(raw, np.float64, width)
-    if primvar.IsIndexed():
+    if primvar and primvar.IsIndexed():
         indices = array_of(primvar.GetIndices(time), np.int64)
         if len(indices) and len(values) and indices.min() >= 0 and indices.max() < len(values):
             return values[indices]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Tf, Usd, UsdGeom
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
@@ -53,6 +53,9 @@ class TruthStage:
 def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     """Open `path` with the purposes and variants of a sidecar's settings; raises StageError."""
     try:
+        layer = Sdf.Layer.FindOrOpen(str(path))
+        if layer is not None:
+            _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
         reason = str(error).strip().splitlines()[-1:]
@@ -88,6 +91,14 @@ def sample_codes(prims: Iterable[Usd.Prim]) -> list[float]:
             codes.update(xformable.GetTimeSamples())
         codes.update(imageable.GetVisibilityAttr().GetTimeSamples())
     return sorted(code for code in codes if math.isfinite(code))
+
+
+def _repair_time_rate(layer: Sdf.Layer) -> None:
+    """Give a layer whose rates are no rates USD's default, in memory: usd-core hangs on 0."""
+    for name in ("timeCodesPerSecond", "framesPerSecond"):
+        root = layer.pseudoRoot
+        if root.HasInfo(name) and not _is_positive(root.GetInfo(name)):
+            layer.pseudoRoot.ClearInfo(name)
 
 
 def _root_metadata(stage: Usd.Stage, name: str) -> Any:

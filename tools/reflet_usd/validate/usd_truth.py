@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from .faces import measure
-from .facts import Array, Corners, Indices, Scene, Surface, transform_points
+from .facts import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
+from .usd_gprim import read_points, read_polyhedron, read_surface
 from .usd_light import read_light
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
 from .usd_walk import StageWalk, is_light
-
-_AXES = {"X": 0, "Y": 1, "Z": 2}
-_CUBE_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 
 
 class TruthReader:
@@ -46,9 +43,9 @@ class TruthReader:
                     scene.lights[place.key] = light
                 else:
                     scene.other[place.key] = prim.GetTypeName()
-            elif (surface := _surface(prim, time, matrix)) is not None:
+            elif (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
-            elif (points := _loose_points(prim, time)) is not None:
+            elif (points := read_points(prim, time)) is not None:
                 clouds.setdefault(place.key, []).append(transform_points(points, matrix))
             else:
                 mesh = self._mesh(prim, time, meshes)
@@ -73,7 +70,7 @@ class TruthReader:
             if prim.IsA(UsdGeom.Mesh):
                 cache[path] = read_mesh(prim, time, face_materials(prim, time))
             else:
-                cache[path] = _polyhedron(prim, time)
+                cache[path] = read_polyhedron(prim, time)
         return cache[path]
 
     def matrices(self, time: Usd.TimeCode) -> dict[str, list[Array]]:
@@ -125,6 +122,7 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
+    result.undefined_colors = any(mesh.undefined_colors for mesh in meshes)
     colors = [mesh.colors for mesh in meshes]
     if all(color is not None for color in colors):
         result.colors = np.vstack(colors)
@@ -170,80 +168,3 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
         index = label(subset.GetPrim())
         result[faces[(faces >= 0) & (faces < len(result))]] = index
     return result, paths
-
-
-def _surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface | None:
-    """The curved gprims; None for everything else."""
-
-    def number(name: str, fallback: float) -> float:
-        value = prim.GetAttribute(name).Get(time) if prim.HasAttribute(name) else None
-        return fallback if value is None else float(value)
-
-    kind = prim.GetTypeName()
-    axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2
-    if kind == "Sphere":
-        radius = number("radius", 1.0)
-        return Surface("sphere", (radius, radius), 0.0, 2, matrix)
-    if kind in ("Cylinder", "Capsule"):
-        radius = number("radius", 1.0 if kind == "Cylinder" else 0.5)
-        height = number("height", 2.0 if kind == "Cylinder" else 1.0)
-        return Surface(kind.lower(), (radius, radius), height, axis, matrix)
-    if kind == "Cone":
-        return Surface("cone", (number("radius", 1.0), 0.0), number("height", 2.0), axis, matrix)
-    if kind in ("Cylinder_1", "Capsule_1"):
-        both = (number("radiusBottom", 1.0), number("radiusTop", 1.0))
-        return Surface(kind[:-2].lower(), both, number("height", 2.0), axis, matrix)
-    return None
-
-
-def _loose_points(prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
-    """Positions of point clouds and linear curves; None for everything else."""
-    linear = prim.IsA(UsdGeom.BasisCurves) and (
-        UsdGeom.BasisCurves(prim).GetTypeAttr().Get(time) == UsdGeom.Tokens.linear
-    )
-    if not (prim.IsA(UsdGeom.Points) or linear):
-        return None
-    points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
-    return points[np.isfinite(points).all(axis=1)]
-
-
-def _polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
-    """Cubes and planes, whose corners are exact."""
-    if prim.IsA(UsdGeom.Cube):
-        half = float(prim.GetAttribute("size").Get(time) or 0.0) / 2
-        points = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
-        faces = np.array(_CUBE_FACES)
-    elif prim.IsA(UsdGeom.Plane):
-        width = float(prim.GetAttribute("width").Get(time) or 0.0) / 2
-        length = float(prim.GetAttribute("length").Get(time) or 0.0) / 2
-        axis = _AXES[str(prim.GetAttribute("axis").Get(time) or "Z")]
-        # Width runs along X (along Z for axis X); length along Y (along Z for axis Y).
-        along = {0: (2, 1), 1: (0, 2), 2: (0, 1)}[axis]
-        points = np.zeros((4, 3))
-        points[:, along[0]] = np.array([-1, 1, 1, -1]) * width
-        points[:, along[1]] = np.array([-1, -1, 1, 1]) * length
-        faces = np.array([[0, 1, 2, 3]] if axis == 2 else [[0, 3, 2, 1]])
-    else:
-        return None
-    return _flat_mesh(prim, time, points[faces].reshape(-1, 3).astype(np.float64), len(faces))
-
-
-def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, corners: Array, faces: int) -> LocalMesh:
-    binding: Any = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    paths = [str(binding.GetPath())] if binding else []
-    color = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-    rgb = array_of(color.Get(time), np.float64, 3) if color else np.zeros((0, 3))
-    colors = np.hstack([rgb, np.ones((1, 1))]).repeat(len(corners), 0) if len(rgb) == 1 else None
-    return LocalMesh(
-        corners,
-        np.full(faces, 4),
-        np.zeros((0, 3)),
-        0,
-        None,
-        {},
-        colors,
-        np.full(faces, 0 if paths else -1),
-        paths,
-        True,
-        bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)),
-    )
