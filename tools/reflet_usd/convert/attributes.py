@@ -89,7 +89,8 @@ def read_primvars(context: Context, prim: Usd.Prim) -> GprimPrimvars:
         name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if _HANDLED.match(name):
             continue
-        if type_name in UV_TYPES and primvar.GetInterpolation() != "constant":
+        is_uv = type_name.startswith("texCoord") or primvar.GetInterpolation() != "constant"
+        if type_name in UV_TYPES and is_uv:
             _read_into(found.uvs, context, prim, primvar)
         elif _FLOAT_TYPES.match(type_name) and primvar.GetInterpolation() != "constant":
             _read_into(found.custom, context, prim, primvar)

@@ -11,18 +11,20 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.attributes import (
     GprimPrimvars,
     attach,
+    inherited_primvars,
     primvar_signature,
     read_display,
     read_primvars,
 )
 from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.gprim import GPRIM_TYPES, tessellate
+from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
+from reflet_usd.convert.nurbs import patch_polygons
 from reflet_usd.convert.pack import texture_transform, wraps_to_black
-from reflet_usd.convert.polygons import Polygons
+from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
@@ -85,6 +87,7 @@ class GeometryBuilder:
     def _build(
         self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
     ) -> BuiltMesh | None:
+        warn_frozen(self.context, prim)
         made = self._surface(prim, deformation is not None)
         if made is None:
             return None
@@ -124,12 +127,18 @@ class GeometryBuilder:
     def _surface(
         self, prim: Usd.Prim, deformed: bool
     ) -> tuple[Surface, Topology, Polygons | None] | None:
+        if prim.GetTypeName() == "Cube":
+            return mesh_surface(self.context, prim, cube_polygons(self.context, prim), 0)
+        if prim.GetTypeName() == "NurbsPatch":
+            return mesh_surface(self.context, prim, patch_polygons(self.context, prim), 0)
+        if prim.GetTypeName() == "TetMesh":
+            return mesh_surface(self.context, prim, tet_polygons(self.context, prim), 0)
         if prim.GetTypeName() in GPRIM_TYPES:
             made = tessellate(self.context, prim)
             return None if made is None else (*made, None)
         # Joint influences and shapes belong to the cage's points.
         level = 0 if deformed else self.context.options.subdiv_level
-        return mesh_surface(self.context, prim, level)
+        return mesh_surface(self.context, prim, read_polygons(self.context, prim), level)
 
     def _primitive(
         self,
@@ -213,6 +222,29 @@ class GeometryBuilder:
         return [*plan.uv_sets, *others], constants
 
 
+_OTHER_SURFACES = ("NurbsPatch", "TetMesh")
+_STILL = ("xformOp", "visibility", "extent", "points", "velocities", "primvars:skel:", "normals")
+
+
+def warn_frozen(context: Context, prim: Usd.Prim) -> None:
+    """Name the animated attributes that stay at their first value."""
+    animated = [
+        attribute.GetName()
+        for attribute in prim.GetAuthoredAttributes()
+        if not attribute.GetName().startswith(_STILL) and attribute.ValueMightBeTimeVarying()
+    ]
+    owners = [(p.GetAttr(), str(p.GetName())) for p in inherited_primvars(prim)]
+    animated += [
+        name
+        for attribute, name in owners
+        if name not in animated and attribute.ValueMightBeTimeVarying()
+    ]
+    if animated:
+        message = f"animated {', '.join(sorted(animated))} stay at their first value"
+        context.ledger.warn("geometry-animation-frozen", prim, message)
+
+
 def is_surface(prim: Usd.Prim) -> bool:
     """Whether `GeometryBuilder` can build this prim."""
-    return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in GPRIM_TYPES
+    type_name = prim.GetTypeName()
+    return prim.IsA(UsdGeom.Mesh) or type_name in GPRIM_TYPES or type_name in _OTHER_SURFACES

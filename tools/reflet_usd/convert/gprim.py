@@ -1,15 +1,16 @@
-"""Tessellates cube, sphere, cylinder, cone, capsule and plane with vertices on the exact bounds."""
+"""Tessellates sphere, cylinder, cone, capsule, plane and cube, vertices on the exact bounds."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd
 
 from reflet_usd.convert.context import Context, authored
 from reflet_usd.convert.normals import unit_rows
+from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, Surface
@@ -35,6 +36,35 @@ class _Quads:
         self.count += len(points)
 
 
+# The cube that USD's own imaging draws; its primvars refer to these points and faces.
+_CUBE_POINTS = np.array(
+    [
+        (1, 1, 1),
+        (-1, 1, 1),
+        (-1, -1, 1),
+        (1, -1, 1),
+        (-1, -1, -1),
+        (-1, 1, -1),
+        (1, 1, -1),
+        (1, -1, -1),
+    ],
+    dtype=np.float64,
+)
+_CUBE_CORNERS = (0, 1, 2, 3, 4, 5, 6, 7, 0, 6, 5, 1, 4, 7, 3, 2, 0, 3, 7, 6, 4, 2, 1, 5)
+
+
+def cube_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
+    """A Cube as six quads; None where its size is not finite."""
+    size = float(authored(prim, "size", context.time, 2.0)) * context.meters_per_unit
+    if not math.isfinite(size):
+        context.ledger.warn("points-non-finite", prim, "the Cube has a size that is not finite")
+        return None
+    corners = np.array(_CUBE_CORNERS, dtype=np.int64)
+    return Polygons(
+        _CUBE_POINTS * (size / 2), np.full(6, 4), corners, np.ones(6, dtype=bool), False, "none"
+    )
+
+
 def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | None:
     """The gprim's surface in meters and what its primvars count; None where it has no size."""
 
@@ -44,9 +74,7 @@ def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | N
     shape = _Quads([], [], [])
     kind = prim.GetTypeName()
     axis = str(authored(prim, "axis", context.time, "Z"))
-    if kind == "Cube":
-        _add_cube(shape, size("size", 2.0))
-    elif kind == "Sphere":
+    if kind == "Sphere":
         _add_lathe(shape, *_arc(size("radius", 1.0), 0.0, -math.pi / 2, math.pi / 2, RINGS))
     elif kind == "Plane":
         # width runs along X, or Z for axis X; length along Y, or Z for axis Y (UsdGeomPlane)
@@ -63,7 +91,7 @@ def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | N
     if not np.isfinite(points).all():
         context.ledger.warn("points-non-finite", prim, f"the {kind} has a size that is not finite")
         return None
-    if kind not in ("Cube", "Sphere", "Plane"):
+    if kind not in ("Sphere", "Plane"):
         points, normals = _along_axis(points, axis), _along_axis(normals, axis)
     return _surface(points, np.concatenate(shape.faces), normals)
 
@@ -83,20 +111,6 @@ def _along_axis(vectors: Array, axis: str) -> Array:
     if axis == "Y":
         return vectors[:, [1, 2, 0]]
     return vectors
-
-
-def _add_cube(shape: _Quads, size: float) -> None:
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (size / 2)
-    for axis in range(3):
-        for sign in (-1.0, 1.0):
-            points = np.empty((4, 3))
-            points[:, axis] = sign * size / 2
-            points[:, (axis + 1) % 3], points[:, (axis + 2) % 3] = corners.T
-            if sign < 0.0:
-                points = points[::-1].copy()
-            normal = np.zeros(3)
-            normal[axis] = sign
-            shape.append(points, np.array([[0, 1, 2, 3]]), np.tile(normal, (4, 1)))
 
 
 def _add_plane(shape: _Quads, width: float, length: float, axis: str) -> None:
@@ -191,4 +205,5 @@ def _surface(points: Array, faces: Array, normals: Array) -> tuple[Surface, Topo
     # Every tessellated point is its own corner: normals are already split where they differ.
     corners = np.arange(len(points))
     surface = Surface(points, corners, triangles, face_of, Stream(normals, corners, by_point=True))
-    return surface, Topology(len(points), len(faces), corners, np.zeros(len(points), np.int64))
+    topology = Topology(len(points), len(faces), corners, np.zeros(len(points), np.int64))
+    return surface, replace(topology, constant_only=True)

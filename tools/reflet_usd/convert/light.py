@@ -18,6 +18,20 @@ from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.scene import Array, Node
 
 _LINKS = ("light:filters", "collection:lightLink:includes", "collection:shadowLink:includes")
+_OUTDATED = (
+    "intensity",
+    "exposure",
+    "color",
+    "normalize",
+    "radius",
+    "width",
+    "height",
+    "length",
+    "angle",
+    "texture:file",
+    "enableColorTemperature",
+    "colorTemperature",
+)
 _SMALLEST_CONE = 1e-3
 # KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which
 # integrates to 2π/3 over the hemisphere.
@@ -34,13 +48,7 @@ class _Source:
 
 
 def light_value(context: Context, prim: Usd.Prim, name: str, fallback: Any) -> Any:
-    """`inputs:name`, or the same without the prefix as older files have it."""
-    for full in (f"inputs:{name}", name):
-        attribute = prim.GetAttribute(full)
-        if attribute and attribute.HasAuthoredValue():
-            value = attribute.Get(context.time)
-            if value is not None:
-                return value
+    """The input `name` of a light, or `fallback`."""
     attribute = prim.GetAttribute(f"inputs:{name}")
     value = attribute.Get(context.time) if attribute else None
     return fallback if value is None else value
@@ -180,6 +188,14 @@ def _warn_unsupported(context: Context, prim: Usd.Prim) -> None:
         relationship = prim.GetRelationship(name)
         if relationship and relationship.GetTargets():
             warn("light-linking-dropped", prim, f"'{name}' has no counterpart")
+    outdated = [
+        attribute.GetName()
+        for attribute in prim.GetAuthoredAttributes()
+        if attribute.GetName() in _OUTDATED
+    ]
+    if outdated:
+        message = f"USD ignores {', '.join(outdated)}, which today are named 'inputs:...'"
+        warn("light-input-outdated", prim, message)
     ies = light_value(context, prim, "shaping:ies:file", None)
     if isinstance(ies, Sdf.AssetPath) and ies.path:
         warn("light-linking-dropped", prim, "an IES profile has no counterpart")

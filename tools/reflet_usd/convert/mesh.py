@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.normals import face_area_vectors, smooth_normals, unit_rows
-from reflet_usd.convert.polygons import Polygons, read_polygons
+from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
 from reflet_usd.convert.refine import refine_polygons
 from reflet_usd.convert.scene import Array
@@ -30,13 +30,12 @@ class DrawnFaces:
 
 
 def mesh_surface(
-    context: Context, prim: Usd.Prim, level: int
+    context: Context, prim: Usd.Prim, polygons: Polygons | None, level: int
 ) -> tuple[Surface, Topology, Polygons] | None:
-    """The mesh without its primvars, or None (with a warning) where nothing can be drawn.
+    """The surface of `polygons` without primvars; None where there are none.
 
     `level` Catmull-Clark steps refine subdivision meshes; triangles keep their authored face.
     """
-    polygons = read_polygons(context, prim)
     if polygons is None:
         return None
     refined, refiner = refine_polygons(context, prim, polygons, level)

@@ -64,6 +64,28 @@ def read_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
     return Polygons(points, counts, corners, drawn, left_handed, str(scheme))
 
 
+def tet_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
+    """The boundary of a TetMesh; its inside is named as lost."""
+    points = read_points(context, prim)
+    faces = authored(prim, "surfaceFaceVertexIndices", context.time, None)
+    if faces is None or len(faces) == 0:
+        computed = UsdGeom.TetMesh.ComputeSurfaceFaces(UsdGeom.TetMesh(prim), context.time)
+        faces = [] if computed is None else computed
+    corners = np.array(faces, dtype=np.int64).reshape(-1)
+    if len(points) == 0 or len(corners) == 0:
+        context.ledger.warn("mesh-empty", prim, "the TetMesh has no points or no faces")
+        return None
+    counts = np.full(len(corners) // 3, 3)
+    drawn = _drawable(context, prim, points, counts, corners)
+    if not drawn.any():
+        context.ledger.warn("mesh-empty", prim, "no face of the TetMesh can be drawn")
+        return None
+    message = "glTF has no tetrahedra; the boundary is carried"
+    context.ledger.warn("tetrahedra-dropped", prim, message)
+    left_handed = authored(prim, "orientation", context.time, None) == UsdGeom.Tokens.leftHanded
+    return Polygons(points, counts, corners, drawn, left_handed, "none")
+
+
 def _integers(context: Context, prim: Usd.Prim, name: str) -> Array:
     value = authored(prim, name, context.time, None)
     return np.array([] if value is None else value, dtype=np.int64)
@@ -95,6 +117,11 @@ def _drawable(
     if not drawn.all():
         message = f"{int((~drawn).sum())} faces have fewer than 3 corners and were dropped"
         context.ledger.warn("face-degenerate", prim, message)
+    collapsed = _collapsed(counts, corners)
+    if (collapsed & drawn).any():
+        message = f"{int((collapsed & drawn).sum())} triangles have no area and were dropped"
+        context.ledger.warn("face-degenerate", prim, message)
+        drawn &= ~collapsed
     corner_faces = np.repeat(np.arange(len(counts)), counts)
     outside = (corners < 0) | (corners >= len(points))
     if outside.any():
@@ -112,6 +139,16 @@ def _drawable(
         message = f"{len(bad)} faces have points that are not finite and were dropped"
         context.ledger.warn("points-non-finite", prim, message)
     return drawn
+
+
+def _collapsed(counts: Array, corners: Array) -> Array:
+    """(F,) triangles that name a point twice."""
+    result = np.zeros(len(counts), dtype=bool)
+    triangles = np.flatnonzero(counts == 3)
+    first = (np.cumsum(counts) - counts)[triangles]
+    a, b, c = (corners[first + offset] for offset in range(3))
+    result[triangles] = (a == b) | (b == c) | (c == a)
+    return result
 
 
 def _holes(context: Context, prim: Usd.Prim, face_count: int) -> Array:

@@ -38,6 +38,8 @@ class Topology:
     corner_faces: Array
     refine: Callable[[Primvar], Primvar] | None = None
     """For refined meshes: carries a primvar of the authored mesh over."""
+    constant_only: bool = False
+    """For tessellated gprims: only constant primvars have a meaning."""
     authored: Topology | None = None
     """For refined meshes: the counts that authored primvars have."""
 
@@ -72,6 +74,10 @@ def to_stream(
 ) -> Stream | None:
     """The primvar over the corners of a surface, or None with `primvar-size-wrong`."""
     interpolation = primvar.interpolation
+    if topology.constant_only and interpolation != "constant":
+        message = f"primvar '{primvar.name}' ({interpolation}) has no meaning on a curved gprim"
+        context.ledger.warn("primvar-interpolation-dropped", prim, message)
+        return None
     count = len(primvar.values if primvar.indices is None else primvar.indices)
     counted = topology.authored or topology
     needed = {

@@ -90,7 +90,7 @@ def refine_polygons(
     context: Context, prim: Usd.Prim, polygons: Polygons, level: int
 ) -> tuple[Polygons, Refiner | None]:
     """The mesh after `level` steps; the mesh itself, with a warning, where that is not possible."""
-    if polygons.scheme in ("none", "bilinear"):
+    if polygons.scheme not in ("catmullClark", "loop"):
         return polygons, None
     reason = _why_not(context, prim, polygons, level)
     if reason:

@@ -72,6 +72,9 @@ class Skeletons:
         bound = self._bound[str(prim.GetPath())]
         query = self._cache.GetSkelQuery(UsdSkel.Skeleton(bound.skeleton))
         skinned = self.is_skinned(prim)
+        if prim.GetAttribute("points").ValueMightBeTimeVarying():
+            message = "animated points of a mesh with joints or shapes stay at their first value"
+            self.context.ledger.warn("points-animation-frozen", prim, message)
         deformation = Deformation(self.context, self.writer, prim, bound.query, query, skinned)
         built = self.geometry.build(prim, deformation)
         if built is None:

@@ -8,7 +8,7 @@ from pxr import Usd, UsdSkel
 from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
-from reflet_usd.convert.mesh import computed_normals, drawn_faces
+from reflet_usd.convert.morph import morph_target
 from reflet_usd.convert.normals import unit_rows
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primitive import PrimitiveParts
@@ -60,6 +60,9 @@ class Deformation:
         if np.linalg.det(linear) < 0.0:
             surface.triangles = surface.triangles[:, [0, 2, 1]]
         self._offsets = [offset @ linear.T for offset in self._offsets]
+        self._normal_offsets = [
+            None if offset is None else offset @ linear.T for offset in self._normal_offsets
+        ]
         self._influences = self._read_influences(len(surface.points))
 
     def finish(self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None) -> None:
@@ -77,7 +80,8 @@ class Deformation:
                 )
         if self._offsets:
             parts.entry["targets"] = [
-                self._target(surface, parts, polygons, index) for index in range(len(self._offsets))
+                morph_target(self.writer, surface, parts, polygons, offsets, normals)
+                for offsets, normals in zip(self._offsets, self._normal_offsets, strict=True)
             ]
 
     def animate(self, node: Node) -> None:
@@ -197,26 +201,6 @@ class Deformation:
         dense = np.zeros((point_count, 3))
         dense[rows] = values
         return dense
-
-    def _target(
-        self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None, index: int
-    ) -> dict[str, int]:
-        offsets = self._offsets[index]
-        target = {"POSITION": self._accessor(offsets[parts.points], bounds=True)}
-        normals = surface.normals
-        if normals is None or polygons is None:
-            return target
-        authored = self._normal_offsets[index]
-        if authored is not None and polygons.scheme == "none":
-            target["NORMAL"] = self._accessor(authored[parts.points])
-        elif polygons.computed_normals:
-            moved = computed_normals(polygons, surface.points + offsets, drawn_faces(polygons))
-            ids = normals.ids[parts.vertices.corners]
-            target["NORMAL"] = self._accessor(moved.values[ids] - normals.values[ids])
-        return target
-
-    def _accessor(self, values: Array, bounds: bool = False) -> int:
-        return self.writer.add_accessor(values.astype(np.float32), ARRAY_BUFFER, bounds)
 
 
 def _packed(joints: Array, weights: Array) -> tuple[Array, Array]:

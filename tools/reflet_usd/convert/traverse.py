@@ -15,6 +15,7 @@ from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light
+from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
 from reflet_usd.convert.xform import column_matrix, place
@@ -150,10 +151,13 @@ class Traversal:
         if self.skeletons.is_bound(prim):
             self.skeletons.fill(prim, node)
         elif is_surface(prim):
-            built = self.geometry.build(prim)
+            keys = point_keys(context, self.writer, prim)
+            built = self.geometry.build(prim, keys)
             if built is not None:
                 node.mesh = built.index
                 node.extras.update(built.extras)
+                if keys is not None:
+                    keys.animate(node)
         elif type_name == "Points":
             node.mesh = build_points(context, self.writer, self.geometry.materials, prim)
         elif is_curves(prim):
