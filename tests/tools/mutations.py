@@ -32,10 +32,11 @@ class Mutant:
         return self.name + self.suffix
 
 
-def all_mutants(seeds: Path, scratch: Path) -> list[Mutant]:
-    """Every mutant, in a fixed order; `scratch` holds the binary forms of the seeds."""
+def all_mutants(seeds: Path) -> list[Mutant]:
+    """Every mutant, in a fixed order, from the seeds' text and binary forms."""
     texts = {path.stem: path.read_bytes() for path in sorted(seeds.glob("*.usda"))}
-    crates = {name: _as_crate(name, data, scratch) for name, data in texts.items()}
+    # Kept as files, for usd-core writes the same layer in other bytes each time.
+    crates = {path.stem: path.read_bytes() for path in sorted(seeds.glob("crates/*.usdc"))}
     packages = {name: _as_package(name, data) for name, data in crates.items()}
     chance = random.Random(20240229)
     mutants = list(_written_by_hand(texts["quads"]))
@@ -102,15 +103,6 @@ def _absurd_words(data: bytes, chance: random.Random) -> bytes:
     return bytes(result)
 
 
-def _as_crate(name: str, data: bytes, scratch: Path) -> bytes:
-    from pxr import Sdf
-
-    text, crate = scratch / f"{name}.usda", scratch / f"{name}.usdc"
-    text.write_bytes(data)
-    Sdf.Layer.FindOrOpen(str(text)).Export(str(crate))
-    return crate.read_bytes()
-
-
 def _as_package(name: str, crate: bytes) -> bytes:
     """A usdz whose root is the crate, aligned to 64 bytes as the format asks."""
     stream = io.BytesIO()
@@ -160,14 +152,14 @@ def _written_by_hand(quads: bytes) -> Iterator[Mutant]:
 def _bomb() -> bytes:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("a.usda", b"#usda 1.0\n" + b" " * (64 << 20))
+        archive.writestr(zipfile.ZipInfo("a.usda"), bytes(64 << 20), zipfile.ZIP_DEFLATED)
     return stream.getvalue()
 
 
 def _escaping_package(quads: bytes) -> bytes:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
-        archive.writestr("../../planted.usda", quads)
+        archive.writestr(zipfile.ZipInfo("../../planted.usda"), quads)
     return stream.getvalue()
 
 

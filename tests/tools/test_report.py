@@ -88,7 +88,7 @@ def test_what_is_expected_of_us_is_what_is_expected_of_rivals() -> None:
 
 def test_without_an_index_every_stage_is_a_root(tmp_path: Path, stages: Path) -> None:
     names = [root.file for root in read_roots(stages)]
-    assert names == sorted(path.name for path in stages.iterdir())
+    assert names == sorted(str(path.relative_to(stages)) for path in stages.rglob("*.usd?"))
     assert read_peers(stages) == {}
 
 
