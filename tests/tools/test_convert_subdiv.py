@@ -114,7 +114,8 @@ def Mesh "M" {{
     int[] faceVertexIndices = [0,1,2,3, 1,4,5,2]
     point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0), (2,0,1), (2,1,1)]
     uniform token faceVaryingLinearInterpolation = "{rule}"
-    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1), (1,0), (2,0), (2,1), (1,1)] (interpolation = "faceVarying")
+    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1), (1,0), (2,0), (2,1), (1,1)] (
+        interpolation = "faceVarying")
     color3f[] primvars:displayColor = [(1,0,0), (0,0,1)] (interpolation = "uniform")
     float[] primvars:heat = [0, 1, 1, 0, 2, 2] (interpolation = "varying")
     int[] holeIndices = [{holes}]

@@ -1,4 +1,4 @@
-"""Owns the tests of transforms: units, axis, op stacks, shear and keys, against USD's own values."""
+"""Owns the tests of transforms: units, axis, op stacks, shear, keys, against USD's values."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_static_stacks_agree_with_usd(tmp_path: Path, axis: str, meters: float) 
 def test_every_euler_order_animated_is_exact(tmp_path: Path, order: str) -> None:
     text = f"""
 def Cube "C" {{
-    float3 xformOp:rotate{order}.timeSamples = {{ 0: (0, 0, 0), 10: (200, -90, 400), 20: (1, 2, 3) }}
+    float3 xformOp:rotate{order}.timeSamples = {{ 0: (0,0,0), 10: (200,-90,400), 20: (1,2,3) }}
     double3 xformOp:translate = (1, 2, 3)
     uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotate{order}"]
 }}

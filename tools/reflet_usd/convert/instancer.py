@@ -231,10 +231,24 @@ def _values(context: Context, prim: Usd.Prim, path: str, time: Usd.TimeCode) -> 
         if value is None or len(value) == 0:
             continue
         if path == "rotation":
-            return unit_quaternions(value)
+            return _instance_rotations(value)
         values = np.array(value, dtype=np.float64).reshape(-1, 3)
         return values * context.meters_per_unit if path == "translation" else values
     return np.zeros((0, 3))
+
+
+def _instance_rotations(value: object) -> Array:
+    """Quaternions (x, y, z, w) as PointInstancer understands them: through GfRotation.
+
+    GfRotation takes the angle from the real part alone and only the axis from the rest, which
+    differs from normalizing where half floats have made the length other than 1.
+    """
+    rows = np.array(value, dtype=np.float64).reshape(-1, 4)
+    lengths = np.linalg.norm(rows[:, :3], axis=1, keepdims=True)
+    turned = lengths > 1e-10
+    axes = np.where(turned, rows[:, :3] / np.where(turned, lengths, 1.0), 0.0)
+    real = np.where(turned, np.clip(rows[:, 3:], -1.0, 1.0), 1.0)
+    return np.concatenate([axes * np.sqrt(1.0 - real * real), real], axis=1)
 
 
 def unit_quaternions(value: object) -> Array:
