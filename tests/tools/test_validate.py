@@ -15,6 +15,7 @@ from reflet_usd import cli
 from reflet_usd.sandbox import run_convert
 from reflet_usd.validate.proof import Proof, prove
 from reflet_usd.validate.table import format_proof
+from reflet_usd.validate.usd_subdivide import Cage, refine
 
 STAGE = """#usda 1.0
 (
@@ -336,3 +337,21 @@ def test_missing_validator_tells_the_command(
     out = build().write(tmp_path / "out.glb")
     assert cli.main(["validate", str(out)]) == 1
     assert "gltf-validator" in capsys.readouterr().err
+
+
+def test_the_reference_refinement_gives_the_known_places() -> None:
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    smooth = refine(Cage(cube, faces, list(range(6)), {}, {}, True))
+    assert len(smooth.faces) == 24
+    # Corner (F + E + (n − 2)·P) / n = (1/3 + 1/3 + 1) / 3; edge (2 + 2·1/2) / 4; face 1.
+    assert np.allclose(np.abs(smooth.points[:8]), 5 / 9)
+    assert np.allclose(np.sort(np.abs(smooth.points[14:]), axis=1), [0, 0.75, 0.75])
+    top = {(2, 3): 10.0, (3, 7): 10.0, (6, 7): 10.0, (2, 6): 10.0}
+    creased = refine(Cage(cube, faces, list(range(6)), top, {}, True))
+    assert np.allclose(creased.points[[2, 3, 6, 7], 1], 1)
+    assert np.allclose(np.abs(creased.points[[2, 3, 6, 7]][:, [0, 2]]), 0.75)
+    sheet = refine(Cage(cube[:4], [[0, 1, 3, 2]], [0], {}, {}, True))
+    assert np.allclose(sheet.points[:4], cube[:4])
+    rounded = refine(Cage(cube[:4], [[0, 1, 3, 2]], [0], {}, {}, False))
+    assert np.allclose(np.abs(rounded.points[:4, 1:]), 0.75)

@@ -111,6 +111,11 @@ def output_facts(file: GltfFile) -> dict[str, Any]:
     }
 
 
+def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
+    """The sidecar's warnings of one name."""
+    return [warning for warning in sidecar.get("warnings", []) if warning["name"] == name]
+
+
 def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks) -> int:
     """Compare at rest and over the animation; returns the number of animated times."""
     # Imported here so that files can be validated alone without usd-core.
@@ -125,7 +130,8 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     truth = open_truth(stage, settings)
     skin_codes = skin_times(truth.stage)
     skinned = bake(truth.stage)
-    reader = TruthReader(truth)
+    cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
+    reader = TruthReader(truth, frozenset(cages))
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     rest = reader.scene(rest_time)

@@ -28,6 +28,8 @@ class TruthStage:
     codes_per_second: float
     time_origin: float
     """The time code that glTF's second 0 stands for."""
+    subdiv_level: int
+    """How many Catmull-Clark steps the output's subdivision meshes went through."""
 
     def world(self, matrix: Gf.Matrix4d) -> Array:
         """A USD local-to-world matrix as one to glTF's world in meters, scale included."""
@@ -76,6 +78,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         axis == "Z",
         float(rate) if _is_positive(rate) else 24.0,
         float(settings.get("timeOrigin") or 0.0),
+        int(settings.get("subdivLevel") or 0),
     )
 
 

@@ -14,14 +14,17 @@ from .usd_gprim import read_points, read_polyhedron, read_surface
 from .usd_light import read_light
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
+from .usd_subdivide import read_refined
 from .usd_walk import StageWalk, is_light
 
 
 class TruthReader:
     """Evaluates one stage at any time; meshes are read once per time and prototype prim."""
 
-    def __init__(self, truth: TruthStage) -> None:
+    def __init__(self, truth: TruthStage, cages: frozenset[str] = frozenset()) -> None:
         self.truth = truth
+        self.cages = cages
+        """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
         self.skipped: dict[str, str] = {}
 
@@ -68,7 +71,11 @@ class TruthReader:
         path = str(prim.GetPath())
         if path not in cache:
             if prim.IsA(UsdGeom.Mesh):
-                cache[path] = read_mesh(prim, time, face_materials(prim, time))
+                materials = face_materials(prim, time)
+                refined = None
+                if self.truth.subdiv_level > 0 and path not in self.cages:
+                    refined = read_refined(prim, time, self.truth.subdiv_level, materials)
+                cache[path] = refined or read_mesh(prim, time, materials)
             else:
                 cache[path] = read_polyhedron(prim, time)
         return cache[path]
