@@ -47,13 +47,14 @@ class StageSummary:
 
 def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
     """Read `stage_path` in this process; `out` is where a trial conversion may write."""
-    from pxr import Tf, Usd, UsdGeom, UsdUtils
+    from pxr import Usd, UsdUtils
 
-    try:
-        stage = Usd.Stage.Open(str(stage_path), Usd.Stage.LoadAll)
-    except Tf.ErrorException as error:
-        reason = str(error).strip().splitlines()[-1].strip()
-        raise ConvertError("stage-unreadable", reason, str(stage_path)) from None
+    from reflet_usd.convert.ledger import Ledger
+    from reflet_usd.convert.stage import open_context
+
+    # Opened as for a conversion, which repairs what usd-core hangs on.
+    context = open_context(stage_path, ConvertOptions(**options), Ledger())
+    stage = context.stage
     layer = stage.GetRootLayer()
     layers, assets, missing = UsdUtils.ComputeAllDependencies(str(stage_path))
     types: collections.Counter[str] = collections.Counter()
@@ -71,9 +72,9 @@ def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumm
     units = layer.pseudoRoot.GetInfo("metersPerUnit")
     has_range = stage.HasAuthoredTimeCodeRange()
     return StageSummary(
-        str(UsdGeom.GetStageUpAxis(stage)),
+        "Z" if context.z_up else "Y",
         float(units) if layer.pseudoRoot.HasInfo("metersPerUnit") else None,
-        float(stage.GetTimeCodesPerSecond()),
+        context.codes_per_second,
         float(stage.GetStartTimeCode()) if has_range else None,
         float(stage.GetEndTimeCode()) if has_range else None,
         str(layer.defaultPrim),
