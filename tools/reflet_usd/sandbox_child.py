@@ -73,8 +73,10 @@ def _outcome(job: dict[str, Any]) -> dict[str, Any]:
             return _error("output-limit", "the output grew past its size limit", job)
         return _internal(error, job)
     except Exception as error:  # the process boundary: everything becomes a named error
+        # By its shape, not its class: a target of another package may bring its own.
+        named: Any = error
         if all(hasattr(error, name) for name in ("name", "message", "path")):
-            return _error(error.name, error.message, {"stage": error.path or job["stage"]})
+            return _error(named.name, named.message, {"stage": named.path or job["stage"]})
         return _internal(error, job)
 
 

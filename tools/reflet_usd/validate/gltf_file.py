@@ -79,7 +79,7 @@ class GltfFile:
         if dtype.kind == "f":
             values = values.astype(np.float64)
         elif accessor.normalized:
-            values = np.maximum(values / float(np.iinfo(dtype).max), -1.0)
+            values = np.maximum(values / float(np.iinfo(np.dtype(dtype).name).max), -1.0)
         return values[:, 0] if width == 1 else values
 
     def _with_sparse(

@@ -40,7 +40,7 @@ def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Sc
             # Another kind of surface: what the file shows in its place has to be declared.
             checks.add("materials", path, math.inf, "is not a UsdPreviewSurface")
             continue
-        found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], ())
+        found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:

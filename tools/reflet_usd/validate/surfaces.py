@@ -59,7 +59,7 @@ def _to_local(points: Array, surface: Surface) -> Array | None:
     """World points in the prim's space with its axis turned to Z; None for a flattened prim."""
     if abs(np.linalg.det(surface.matrix)) < 1e-30:
         return None
-    local = transform_points(points, np.linalg.inv(surface.matrix))
+    local = transform_points(points, np.asarray(np.linalg.inv(surface.matrix), np.float64))
     return local @ _axis_turn(surface.axis)
 
 

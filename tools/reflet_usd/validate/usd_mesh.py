@@ -217,7 +217,7 @@ def array_of(value: Any, dtype: type, width: int = 1) -> Any:
     shape = (0,) if width == 1 else (0, width)
     if value is None:
         return np.zeros(shape, dtype)
-    array = np.asarray(value, dtype=dtype)
+    array: Any = np.asarray(value, dtype=dtype)
     if array.ndim == 0 or (width > 1 and array.ndim == 1):
         array = array.reshape(1, -1) if width > 1 else array.reshape(1)
     return array if array.size else np.zeros(shape, dtype)

@@ -130,8 +130,8 @@ def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
     result.undefined_colors = any(mesh.undefined_colors for mesh in meshes)
-    colors = [mesh.colors for mesh in meshes]
-    if all(color is not None for color in colors):
+    colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
+    if len(colors) == len(meshes):
         result.colors = np.vstack(colors)
     labels: list[Indices] = []
     for mesh in meshes:
