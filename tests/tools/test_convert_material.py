@@ -465,7 +465,8 @@ def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
         float3 outputs:result
     }
 """
-    body = 'color3f[] primvars:paint = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] (interpolation="vertex")'
+    body = "color3f[] primvars:paint = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
+    body += '(interpolation = "vertex")'
     done = convert_text(
         tmp_path,
         stage(

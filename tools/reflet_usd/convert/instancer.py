@@ -11,10 +11,14 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.instancing import add_gpu_instances
-from reflet_usd.convert.scene import Array, Node, identity_or
+from reflet_usd.convert.instancing import (
+    add_gpu_instances,
+    decompose_many,
+    trs_matrices,
+)
+from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.types import ConvertError
-from reflet_usd.convert.xform import align_hemispheres
+from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
 
 PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.
@@ -33,8 +37,18 @@ class Instances:
     prototypes: Array
     """(I,) index into its prototypes."""
     translations: Array
-    rotations: Array
+    quaternions: Array
+    """As authored: half floats are rarely of length 1, and USD does not normalize them."""
     scales: Array
+
+    def transforms(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Translations, unit quaternions and scales of some instances."""
+        rotations = unit_quaternions(self.quaternions[rows])
+        return self.translations[rows], rotations, self.scales[rows]
+
+    def matrices(self, rows: Array) -> Array:
+        """USD's own matrices of some instances, for column vectors."""
+        return trs_matrices(self.translations[rows], self.quaternions[rows], self.scales[rows])
 
 
 class Instancers:
@@ -84,7 +98,7 @@ class Instancers:
                 continue
             prototype = self._prototype(prototype_prim)
             many = len(chosen) > MAX_INSTANCE_NODES and not tracks
-            if many and add_gpu_instances(self.writer, node, prototype, _subset(instances, chosen)):
+            if many and self._add_to_gpu(prim, node, prototype, instances, chosen):
                 continue
             self._add_nodes(prim, node, prototype, instances, chosen, tracks)
 
@@ -93,6 +107,19 @@ class Instancers:
         if path not in self._prototypes:
             self._prototypes[path] = self._prototype_node(prim)
         return self._prototypes[path]
+
+    def _add_to_gpu(
+        self, prim: Usd.Prim, node: Node, prototype: Node, instances: Instances, chosen: Array
+    ) -> bool:
+        exact = decompose_many(instances.matrices(chosen))
+        transforms = exact or instances.transforms(chosen)
+        if not add_gpu_instances(self.writer, node, prototype, transforms):
+            return False
+        if exact is None:
+            off = np.abs(instances.matrices(chosen) - trs_matrices(*transforms)).max()
+            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
+            self.context.ledger.warn("instance-rotation-normalized", prim, message)
+        return True
 
     def _add_nodes(
         self,
@@ -108,18 +135,28 @@ class Instancers:
         if self._node_count > MAX_NODES:
             message = f"point instancers need more than {MAX_NODES} nodes"
             raise ConvertError("instances-too-many", message, str(prim.GetPath()))
-        for row in chosen:
-            instance = node.add(prototype.clone())
+        matrices = instances.matrices(chosen)
+        sheared = 0
+        for matrix, row in zip(matrices, chosen, strict=True):
+            instance = prototype.clone()
             number = int(instances.numbers[row])
             instance.name = f"{prototype.name}_{number}"
             instance.extras = {"instancer": str(prim.GetPath()), "instance": number}
-            instance.translation = identity_or(instances.translations[row], (0.0, 0.0, 0.0))
-            instance.rotation = identity_or(instances.rotations[row], (0.0, 0.0, 0.0, 1.0))
-            instance.scale = identity_or(instances.scales[row], (1.0, 1.0, 1.0))
+            if not tracks:
+                outer = place(instance, matrix)
+                sheared += outer is not instance
+                node.add(outer)
+                continue
+            translation, rotation, scale = (part[0] for part in instances.transforms([row]))
+            assign(node.add(instance), Trs(translation, rotation, scale))
             for path, (times, values) in tracks.items():
                 keys = values[:, number]
-                keys = align_hemispheres(keys) if path == "rotation" else keys
+                if path == "rotation":
+                    keys = align_hemispheres(unit_quaternions(keys))
                 add_track(instance, path, times, keys, self.context.held)
+        if sheared:
+            message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
+            self.context.ledger.warn("shear-split", prim, message)
 
     def _read(
         self, prim: Usd.Prim, instancer: UsdGeom.PointInstancer, prototype_count: int
@@ -225,30 +262,16 @@ def _samples(prim: Usd.Prim, name: str) -> list[float]:
 
 
 def _values(context: Context, prim: Usd.Prim, path: str, time: Usd.TimeCode) -> Array:
-    """Translations in meters, unit quaternions (x, y, z, w) or scales; empty if not authored."""
+    """Translations in meters, quaternions (x, y, z, w) as authored, or scales; may be empty."""
     for name in _NAMES[path]:
         value = authored(prim, name, time, None)
         if value is None or len(value) == 0:
             continue
         if path == "rotation":
-            return _instance_rotations(value)
+            return np.array(value, dtype=np.float64).reshape(-1, 4)
         values = np.array(value, dtype=np.float64).reshape(-1, 3)
         return values * context.meters_per_unit if path == "translation" else values
     return np.zeros((0, 3))
-
-
-def _instance_rotations(value: object) -> Array:
-    """Quaternions (x, y, z, w) as PointInstancer understands them: through GfRotation.
-
-    GfRotation takes the angle from the real part alone and only the axis from the rest, which
-    differs from normalizing where half floats have made the length other than 1.
-    """
-    rows = np.array(value, dtype=np.float64).reshape(-1, 4)
-    lengths = np.linalg.norm(rows[:, :3], axis=1, keepdims=True)
-    turned = lengths > 1e-10
-    axes = np.where(turned, rows[:, :3] / np.where(turned, lengths, 1.0), 0.0)
-    real = np.where(turned, np.clip(rows[:, 3:], -1.0, 1.0), 1.0)
-    return np.concatenate([axes * np.sqrt(1.0 - real * real), real], axis=1)
 
 
 def unit_quaternions(value: object) -> Array:
@@ -257,7 +280,3 @@ def unit_quaternions(value: object) -> Array:
     lengths = np.linalg.norm(rows, axis=1, keepdims=True)
     usable = np.isfinite(lengths) & (lengths > 0.0)
     return np.where(usable, rows / np.where(usable, lengths, 1.0), (0.0, 0.0, 0.0, 1.0))
-
-
-def _subset(instances: Instances, rows: Array) -> tuple[Array, Array, Array]:
-    return instances.translations[rows], instances.rotations[rows], instances.scales[rows]

@@ -22,7 +22,7 @@ def add_gpu_instances(
     placed = _mesh_nodes(prototype)
     if placed is None:
         return False
-    matrices = _matrices(instances)
+    matrices = trs_matrices(*instances)
     parts = []
     for _, matrix in placed:
         if np.array_equal(matrix, np.eye(4)):
@@ -65,8 +65,8 @@ def _local(node: Node) -> Array:
     return Trs(translation, rotation, scale).matrix()
 
 
-def _matrices(instances: Transforms) -> Array:
-    translations, rotations, scales = instances
+def trs_matrices(translations: Array, rotations: Array, scales: Array) -> Array:
+    """Matrices (N, 4, 4) for column vectors; quaternions (x, y, z, w) are taken as they are."""
     x, y, z, w = rotations.T
     matrices = np.zeros((len(x), 4, 4))
     matrices[:, 0, 0], matrices[:, 0, 1] = 1 - 2 * (y * y + z * z), 2 * (x * y - z * w)

@@ -10,7 +10,7 @@ from pxr import Usd
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.stage import open_context
+from reflet_usd.convert.stage import open_context, warn_variants
 from reflet_usd.convert.traverse import Traversal
 from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult
 
@@ -21,6 +21,7 @@ def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> Conver
         raise ConvertError("output-suffix", "expected a name that ends in .glb or .gltf", str(out))
     ledger = Ledger()
     context = open_context(stage_path, options, ledger)
+    warn_variants(context)
     writer = GltfWriter()
     roots = Traversal(context, writer).stage_roots()
     writer.add_nodes(roots, _scene_extras(context))
@@ -61,4 +62,8 @@ def _info(context: Context, writer: GltfWriter) -> dict[str, Any]:
     counted = ("meshes", "materials", "images", "nodes", "cameras", "lights", "skins", "animations")
     info: dict[str, Any] = {name: len(writer.lists.get(name, [])) for name in counted}
     info.update(_scene_extras(context)["usd"])
+    options = context.options
+    info["frames"] = None if options.frames is None else list(options.frames)
+    info["purpose"] = list(options.purpose)
+    info["variants"] = [list(choice) for choice in options.variants]
     return info

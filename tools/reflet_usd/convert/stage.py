@@ -38,7 +38,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        raise ConvertError("stage-unreadable", _first_line(error), str(path)) from None
+        raise ConvertError("stage-unreadable", _reason(error, path), str(path)) from None
     if stage is None:
         raise ConvertError("stage-unreadable", "USD cannot compose it", str(path))
     check_used_layers(stage, roots)
@@ -55,7 +55,7 @@ def _open_root_layer(path: Path) -> Sdf.Layer:
     try:
         layer = open_layer(str(path))
     except Tf.ErrorException as error:
-        raise ConvertError("stage-unreadable", _first_line(error), str(path)) from None
+        raise ConvertError("stage-unreadable", _reason(error, path), str(path)) from None
     if layer is None:
         raise ConvertError("stage-unreadable", "not a USD layer that can be read", str(path))
     return layer
@@ -78,12 +78,13 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         layer.SetPermissionToEdit(was_editable)
 
 
-def _first_line(error: Tf.ErrorException) -> str:
+def _reason(error: Tf.ErrorException, path: Path) -> str:
     """USD's first reason, without the source places of its library."""
     text = " ".join(str(error).split())
     found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
     reason = found.group(1) if found else text or "USD gives no reason"
-    return re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason)[:400]
+    reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
+    return reason.strip()[:400]
 
 
 def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:
@@ -104,6 +105,21 @@ def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> No
                 message = f"{prim_path}{{{set_name}}} has no '{variant}', it has: {known}"
                 raise ConvertError("variant-unknown", message, path)
             variant_set.SetVariantSelection(variant)
+
+
+def warn_variants(context: Context) -> None:
+    """Name the variant sets of which the file keeps the selected variant only."""
+    predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    for prim in Usd.PrimRange.Stage(context.stage, predicate):
+        if not prim.HasVariantSets():
+            continue
+        sets = prim.GetVariantSets()
+        for name in sets.GetNames():
+            count = len(sets.GetVariantSet(name).GetVariantNames())
+            if count > 1:
+                chosen = sets.GetVariantSelection(name)
+                message = f"of {count} variants of '{name}' only '{chosen}' is carried"
+                context.ledger.warn("variants-not-carried", prim, message)
 
 
 def _warn_composition(
