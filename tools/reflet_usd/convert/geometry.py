@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -128,14 +128,17 @@ class GeometryBuilder:
         self, prim: Usd.Prim, deformed: bool
     ) -> tuple[Surface, Topology, Polygons | None] | None:
         if prim.GetTypeName() == "Cube":
-            return mesh_surface(self.context, prim, cube_polygons(self.context, prim), 0)
+            made = mesh_surface(self.context, prim, cube_polygons(self.context, prim), 0)
+            return (
+                None if made is None else (made[0], replace(made[1], assumed_order=True), made[2])
+            )
         if prim.GetTypeName() == "NurbsPatch":
             return mesh_surface(self.context, prim, patch_polygons(self.context, prim), 0)
         if prim.GetTypeName() == "TetMesh":
             return mesh_surface(self.context, prim, tet_polygons(self.context, prim), 0)
         if prim.GetTypeName() in GPRIM_TYPES:
-            made = tessellate(self.context, prim)
-            return None if made is None else (*made, None)
+            curved = tessellate(self.context, prim)
+            return None if curved is None else (*curved, None)
         # Joint influences and shapes belong to the cage's points.
         level = 0 if deformed else self.context.options.subdiv_level
         return mesh_surface(self.context, prim, read_polygons(self.context, prim), level)

@@ -195,8 +195,8 @@ class GltfWriter:
             files = [(out, [text])]
             if self._size:
                 files.insert(0, (buffer_path, self._chunks))
-        text = json.dumps(sidecar, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-        files.insert(0, (out.with_name(out.name + ".json"), [(text + "\n").encode()]))
+        account = json.dumps(sidecar, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        files.insert(0, (out.with_name(out.name + ".json"), [(account + "\n").encode()]))
         _write_together(files)
 
     def _glb_chunks(self) -> list[bytes]:

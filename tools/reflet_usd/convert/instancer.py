@@ -147,7 +147,9 @@ class Instancers:
                 sheared += outer is not instance
                 node.add(outer)
                 continue
-            translation, rotation, scale = (part[0] for part in instances.transforms([row]))
+            translation, rotation, scale = (
+                part[0] for part in instances.transforms(np.array([row]))
+            )
             assign(node.add(instance), Trs(translation, rotation, scale))
             for path, (times, values) in tracks.items():
                 keys = values[:, number]

@@ -155,7 +155,7 @@ class NetworkReader:
             ),
             color_space=str(self.value(node, "sourceColorSpace", "auto")),
         )
-        quads = {}
+        quads: dict[str, Any] = {}
         for name in ("scale", "bias", "fallback"):
             numbers = _numbers(self.value(node, name, None))
             if numbers is not None and len(numbers) in (3, 4):
@@ -187,7 +187,7 @@ class NetworkReader:
             attribute = attributes[0]
             if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
                 numbers = _numbers(attribute.Get(self.context.time)) or (0.0, 0.0)
-                return replace(uv, primvar="", fallback=((*numbers, 0.0, 0.0))[:2])
+                return replace(uv, primvar="", fallback=_pair(numbers))
             node = UsdShade.Shader(attribute.GetPrim())
             kind = shader_id(node)
             self.visit(node)
@@ -206,14 +206,16 @@ class NetworkReader:
                 return uv
             fallback = _numbers(self.value(node, "fallback", None)) or (0.0, 0.0)
             varname = str(self.value(node, "varname", "st") or "st")
-            return replace(uv, primvar=varname, fallback=((*fallback, 0.0, 0.0))[:2])
+            return replace(uv, primvar=varname, fallback=_pair(fallback))
         return uv
 
     def _transform(self, node: UsdShade.Shader, uv: UvRead) -> UvRead:
         scale = _numbers(self.value(node, "scale", None)) or (1.0, 1.0)
         translation = _numbers(self.value(node, "translation", None)) or (0.0, 0.0)
         rotation = _numbers(self.value(node, "rotation", None)) or (0.0,)
-        return replace(uv, scale=scale[:2], rotation_deg=rotation[0], translation=translation[:2])
+        return replace(
+            uv, scale=_pair(scale), rotation_deg=rotation[0], translation=_pair(translation)
+        )
 
 
 def shader_id(shader: UsdShade.Shader) -> str:
@@ -223,6 +225,11 @@ def shader_id(shader: UsdShade.Shader) -> str:
     identifier = shader.GetIdAttr().Get()
     name = "" if identifier is None else str(identifier)
     return _TWINS.get(name, name)
+
+
+def _pair(values: tuple[float, ...]) -> tuple[float, float]:
+    """The first two values; a missing second one is the first."""
+    return values[0], values[1] if len(values) > 1 else values[0]
 
 
 def _numbers(value: Any) -> tuple[float, ...] | None:

@@ -23,7 +23,7 @@ def patch_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
         _direction(context, prim, axis, size) for axis, size in zip("uv", sizes, strict=True)
     ]
     if any(part is None for part in directions) or len(points) != sizes[0] * sizes[1]:
-        context.ledger.warn("nurbs-invalid", prim, "orders, knots and points do not fit together")
+        context.ledger.warn("curves-invalid", prim, "orders, knots and points do not fit together")
         return None
     if not np.isfinite(points).all():
         context.ledger.warn("points-non-finite", prim, "the patch has points that are not finite")

@@ -259,7 +259,7 @@ class PreviewMaterial:
                 info = self.packer.texture([*channels], True, self.slots)
                 extensions["KHR_materials_specular"] = {"specularColorTexture": info}
             else:
-                color = self._unit("specularColor")
+                color = list(self._unit("specularColor"))
                 extensions["KHR_materials_specular"] = {}
             factor = [part / _DIELECTRIC_F0 for part in color]
             extensions["KHR_materials_specular"]["specularColorFactor"] = factor
@@ -307,7 +307,8 @@ class PreviewMaterial:
 
 def _factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:
     """Factors and channels of a read: a plain scale within 0…1 becomes the factor."""
-    factors, channels = [], []
+    factors: list[float] = []
+    channels: list[Channel | None] = []
     indices = (read.channels * count)[:count]
     for index in indices:
         scale, bias = read.scale[index], read.bias[index]

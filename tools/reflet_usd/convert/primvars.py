@@ -38,6 +38,8 @@ class Topology:
     corner_faces: Array
     refine: Callable[[Primvar], Primvar] | None = None
     """For refined meshes: carries a primvar of the authored mesh over."""
+    assumed_order: bool = False
+    """For cubes: points and faces are numbered as in Hydra, UsdGeom does not number them."""
     constant_only: bool = False
     """For tessellated gprims: only constant primvars have a meaning."""
     authored: Topology | None = None
@@ -78,6 +80,9 @@ def to_stream(
         message = f"primvar '{primvar.name}' ({interpolation}) has no meaning on a curved gprim"
         context.ledger.warn("primvar-interpolation-dropped", prim, message)
         return None
+    if topology.assumed_order and interpolation != "constant":
+        message = f"'{primvar.name}' ({interpolation}) is laid over the cube's faces as in Hydra"
+        context.ledger.warn("primvar-order-assumed", prim, message)
     count = len(primvar.values if primvar.indices is None else primvar.indices)
     counted = topology.authored or topology
     needed = {

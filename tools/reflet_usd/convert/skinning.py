@@ -116,8 +116,8 @@ class Deformation:
         if not influences or width < 1:
             warn("skinning-invalid", self.prim, "its joint influences cannot be read")
             return None
-        joints = np.array(influences[0], dtype=np.int64).reshape(-1, width)
-        weights = np.array(influences[1], dtype=np.float64).reshape(-1, width)
+        joints: Array = np.array(influences[0], dtype=np.int64).reshape(-1, width)
+        weights: Array = np.array(influences[1], dtype=np.float64).reshape(-1, width)
         if self.skinning.IsRigidlyDeformed():
             joints, weights = (np.tile(rows[:1], (point_count, 1)) for rows in (joints, weights))
         if len(joints) != point_count or len(weights) != point_count:

@@ -104,8 +104,8 @@ def _complete_axes(linear: Array, lengths: Array, largest: float) -> Array:
             cross = np.cross(known, helper)
         axes[:, column] = cross / np.linalg.norm(cross)
     if (~present).sum() >= 1 and np.linalg.det(axes) < 0.0:
-        column = int(np.flatnonzero(~present)[0])
-        axes[:, column] = -axes[:, column]
+        free = int(np.flatnonzero(~present)[0])
+        axes[:, free] = -axes[:, free]
     return axes
 
 
