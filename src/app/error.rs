@@ -14,10 +14,12 @@ pub enum AppError {
     Usage(String),
     /// The scene or a file that it refers to is wrong: exit code 3.
     Scene(Vec<Diagnostic>),
-    /// A picture to compare cannot be read or written: exit code 2.
+    /// A picture to compare or a table of samples cannot be read or written: exit code 2.
     Picture(Vec<Diagnostic>),
     /// A comparison crossed a threshold, which it said on standard output: exit code 6.
     Threshold,
+    /// Ctrl-C stopped it; what was done until then is kept, and the text says where: exit code 130.
+    Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
     Gpu(GpuError),
     /// Anything else, such as a full disk: exit code 1.
@@ -25,12 +27,13 @@ pub enum AppError {
 }
 
 impl AppError {
-    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 6 threshold crossed.
+    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 6 threshold crossed, 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
             Self::Threshold => 6,
+            Self::Interrupted(_) => super::bench::progress::INTERRUPTED,
             Self::Gpu(
                 GpuError::NoAdapter(_)
                 | GpuError::Limit { .. }
@@ -45,6 +48,7 @@ impl AppError {
     pub fn print(&self) {
         match self {
             Self::Usage(text) | Self::Internal(text) => eprintln!("error: {text}"),
+            Self::Interrupted(text) => eprintln!("{text}"),
             Self::Gpu(error) => eprintln!("error: {error}"),
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
                 print_diagnostics(diagnostics);

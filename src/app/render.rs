@@ -13,7 +13,7 @@ use super::{
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
     render::{RenderError, RenderOptions, Renderer, aov::Aov},
-    scene::desc::{CameraDesc, Method},
+    scene::desc::{CameraDesc, Entry, Method},
 };
 
 /// Renders one picture.
@@ -26,7 +26,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
-    let camera = choose_camera(&loaded, args.camera.as_deref())?;
+    let (_, camera) = choose_camera(&loaded, args.camera.as_deref())?;
 
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
@@ -54,7 +54,8 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     }
 }
 
-fn explain(error: RenderError, own_shaders: bool) -> AppError {
+/// What a failed render means for the user.
+pub fn explain(error: RenderError, own_shaders: bool) -> AppError {
     match error {
         RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
             AppError::from_user_shader(&error)
@@ -111,15 +112,22 @@ fn shader_library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
     }
 }
 
-/// The named camera; without a name `main`, else the first.
-fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<CameraDesc, AppError> {
+/// The named camera with its name; without one `main`, else the first.
+///
+/// # Errors
+/// [`AppError::Usage`] with the names that exist.
+pub fn choose_camera(
+    loaded: &LoadedScene,
+    name: Option<&str>,
+) -> Result<(String, CameraDesc), AppError> {
     let cameras = &loaded.world.cameras;
     let named = |name: &str| cameras.iter().find(|camera| camera.name == name);
     let found = match name {
         Some(name) => named(name),
         None => named("main").or(cameras.first()),
     };
-    found.map(|camera| camera.value.clone()).ok_or_else(|| {
+    let named = |camera: &Entry<CameraDesc>| (camera.name.clone(), camera.value.clone());
+    found.map(named).ok_or_else(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         AppError::Usage(format!(
             "--camera {}: {} has no such camera; it has: {}",

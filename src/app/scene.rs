@@ -1,7 +1,7 @@
 //! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
 
 use std::{
-    env,
+    env, fs,
     path::{Path, PathBuf},
 };
 
@@ -10,7 +10,7 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{desc::SceneDesc, parse},
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse},
     world::{
         World,
         load::{self, LoadOptions},
@@ -22,7 +22,7 @@ use crate::{
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
 /// The scene that is built into the binary.
-const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
 /// A scene as written and as loaded.
 #[derive(Debug)]
@@ -52,9 +52,29 @@ pub fn load_scene(
         Some(path) => parse::load(path, &overrides),
         None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
     };
-    let (desc, mut warnings) = read.map_err(AppError::Scene)?;
+    let name = path.map_or_else(
+        || "the built-in atrium".to_owned(),
+        |path| path.display().to_string(),
+    );
+    load_desc(name, read.map_err(AppError::Scene)?, &from.assets)
+}
+
+/// Loads a scene whose text is at hand; `file` is what messages call it.
+///
+/// # Errors
+/// As [`load_scene`].
+pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
+    let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
+    load_desc(file.display().to_string(), read, &from.assets)
+}
+
+fn load_desc(
+    name: String,
+    (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
+    assets: &[PathBuf],
+) -> Result<LoadedScene, AppError> {
     let options = LoadOptions {
-        assets: asset_folders(&from.assets),
+        assets: asset_folders(assets),
         ..LoadOptions::default()
     };
     let world = load::load(&desc, &options)
@@ -62,10 +82,7 @@ pub fn load_scene(
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
     Ok(LoadedScene {
-        name: path.map_or_else(
-            || "the built-in atrium".to_owned(),
-            |path| path.display().to_string(),
-        ),
+        name,
         desc,
         world,
         num_warnings: warnings.len(),
@@ -93,8 +110,21 @@ fn scene_around(path: &Path) -> String {
     )
 }
 
+/// The text of a scene file, or of the built-in atrium.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
+    match path {
+        None => Ok(ATRIUM.to_owned()),
+        Some(path) if is_model(path) => Ok(scene_around(path)),
+        Some(path) => fs::read_to_string(path)
+            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
+    }
+}
+
 /// The folders of `--assets`, then those of the environment.
-fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()

@@ -169,6 +169,19 @@ impl Renderer {
         compose::ALIASES[last_sub_frame(&self.options)][0].1
     }
 
+    /// Takes over the settings that need no rebuilding: threshold, steps, ray length, bounces. The
+    /// others stay as the renderer was made; so does what its plan left out.
+    pub fn retune(&mut self, settings: &ReflectionDesc) {
+        let lone = self.plan.bounces < self.options.reflection.bounces;
+        if !lone {
+            self.plan.bounces = settings.bounces;
+            self.options.reflection.bounces = settings.bounces;
+        }
+        self.options.reflection.threshold_u = settings.threshold_u;
+        self.options.reflection.steps = settings.steps;
+        self.options.reflection.ray_length_u = settings.ray_length_u;
+    }
+
     /// Takes over moved instances: their poses and the top level, never the static tree.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
         if self.plan.top_level {

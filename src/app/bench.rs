@@ -1,0 +1,332 @@
+//! `bench`: scenes are measured into a folder, which then holds the samples and their report.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+
+use super::{
+    error::AppError,
+    print_out,
+    render::choose_camera,
+    scene::{LoadedScene, load_scene, scene_text},
+};
+use crate::{
+    bench::{
+        choose::{Bound, block, choose},
+        hash::Hash,
+        host::Host,
+        knob::{Knob, method_name},
+        log::{self, Log},
+        report::{
+            Section,
+            page::{Gallery, page},
+            sections,
+        },
+        run::{Bench, BenchError, Outcome, Protocol, Subject, Turn, Watch as _},
+        sample::Sample,
+        score::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        write::write_whole,
+    },
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::RenderError,
+    scene::desc::Method,
+};
+
+pub mod args;
+pub mod paper;
+pub mod progress;
+pub mod shots;
+
+use args::{BenchArgs, Experiment, RunArgs};
+use progress::Progress;
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input before anything is measured; whatever stops the measuring, whose samples are kept.
+pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
+    match &args.experiment {
+        Some(Experiment::Paper(args)) => paper::paper(args),
+        None => {
+            let samples = match &args.samples {
+                Some(path) => {
+                    create_folder(&args.run.output)?;
+                    log::read(path).map_err(of_file)?
+                }
+                None => measure(args)?,
+            };
+            let sections = report(&args.run.output, "Speed against accuracy", &samples, &[])?;
+            match &args.choose {
+                Some(bound) => print_choice(&sections, bound),
+                None => Ok(()),
+            }
+        }
+    }
+}
+
+fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
+    let protocol = protocol(args)?;
+    let subjects = subjects(args)?;
+    run(&open_gpu(&args.run)?, &args.run, &protocol, &subjects)
+}
+
+/// The adapter that the arguments name.
+fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+    Ok(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?)
+}
+
+fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
+    let mut methods: Vec<Method> = Vec::new();
+    for method in args.methods.iter().map(|m| Method::from(*m)) {
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    let turn = match args.knob {
+        None => Turn::Own,
+        Some(knob) if args.values.is_empty() => Turn::One(knob, knob.default_values().to_vec()),
+        Some(knob) => Turn::One(knob, checked(knob, &args.values)?),
+    };
+    Ok(Protocol {
+        methods,
+        turn,
+        sizes: args.sizes.clone(),
+        frames: args.run.frames,
+        warm_up: args.run.warm_up,
+    })
+}
+
+fn checked(knob: Knob, values: &[f64]) -> Result<Vec<f64>, AppError> {
+    let mut kept = values.to_vec();
+    for value in values {
+        let usage = |message| AppError::Usage(format!("--values: {message}"));
+        knob.check(*value).map_err(usage)?;
+    }
+    kept.sort_by(f64::total_cmp);
+    kept.dedup();
+    Ok(kept)
+}
+
+fn subjects(args: &BenchArgs) -> Result<Vec<Subject>, AppError> {
+    let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
+    if paths.is_empty() {
+        paths.push(None);
+    }
+    let load = |path: Option<&Path>| {
+        let loaded = load_scene(path, &args.from, &[])?;
+        let text = scene_text(path)?;
+        let mut name = loaded.name.clone();
+        if !args.from.set.is_empty() {
+            // Changed scenes must not share a chart with unchanged ones.
+            name = format!("{name} with {}", args.from.set.join(", "));
+        }
+        subject(loaded, name, &text, &args.from.set, args.camera.as_deref())
+    };
+    paths.into_iter().map(load).collect()
+}
+
+/// A loaded scene as what is measured.
+///
+/// # Errors
+/// No such camera, a file that has gone.
+pub fn subject(
+    loaded: LoadedScene,
+    name: String,
+    text: &str,
+    overrides: &[String],
+    camera: Option<&str>,
+) -> Result<Subject, AppError> {
+    let (camera_name, camera) = choose_camera(&loaded, camera)?;
+    let mut content = overrides
+        .iter()
+        .fold(Hash::default().add(text), |h, o| h.add(o));
+    for path in &loaded.world.files {
+        let bytes = fs::read(path).map_err(|error| {
+            AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
+        })?;
+        content = content.add(bytes);
+    }
+    Ok(Subject {
+        name,
+        camera_name,
+        camera,
+        reflection: loaded.desc.reflection,
+        image: loaded.desc.image,
+        world: loaded.world,
+        content: content.value(),
+    })
+}
+
+/// Measures the subjects into the folder, and gives all samples that it then holds.
+///
+/// # Errors
+/// A folder that cannot be written to, what the renderer refuses.
+pub fn run(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    subjects: &[Subject],
+) -> Result<Vec<Sample>, AppError> {
+    create_folder(&args.output)?;
+    let path = args.output.join("samples.csv");
+    let mut log = if args.resume {
+        Log::resume(&path)
+    } else {
+        Log::create(&path)
+    }
+    .map_err(of_file)?;
+    let host = Host::of(gpu);
+    let bench = Bench {
+        gpu,
+        library: &ShaderLibrary::embedded(),
+        host: &host,
+        protocol,
+    };
+    let mut progress = Progress::new();
+    let outcome = bench.run(subjects, &mut log, &mut progress);
+    let outcome = outcome.map_err(|error| match error {
+        BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
+        BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),
+        BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
+    })?;
+    if outcome.skipped > 0 {
+        let text = format!(
+            "{} frames were measured before and are kept",
+            outcome.skipped
+        );
+        progress.note(&text);
+    }
+    write_settings(&args.output, protocol, subjects, &host, &outcome)?;
+    if outcome.interrupted {
+        return Err(AppError::Interrupted(format!(
+            "stopped; {} holds {} samples, and --resume measures the rest",
+            path.display(),
+            log.samples().len()
+        )));
+    }
+    Ok(log.samples().to_vec())
+}
+
+/// `bench.json`
+#[derive(Serialize)]
+struct Settings<'a> {
+    host: &'a Host,
+    scenes: Vec<&'a str>,
+    methods: Vec<&'static str>,
+    knob: String,
+    values: Vec<f64>,
+    sizes: &'a [[u32; 2]],
+    frames: u32,
+    warm_up: u32,
+    order: &'static str,
+    reference: String,
+    hit_tolerance_u: f32,
+    hit_tolerance_relative: f32,
+    measured: usize,
+    kept: usize,
+    interrupted: bool,
+}
+
+fn write_settings(
+    folder: &Path,
+    protocol: &Protocol,
+    subjects: &[Subject],
+    host: &Host,
+    outcome: &Outcome,
+) -> Result<(), AppError> {
+    let (knob, values) = match &protocol.turn {
+        Turn::Nothing => ("none".to_owned(), Vec::new()),
+        Turn::Own => ("each method's own".to_owned(), Vec::new()),
+        Turn::One(knob, values) => (knob.name().to_owned(), values.clone()),
+    };
+    let settings = Settings {
+        host,
+        scenes: subjects.iter().map(|s| s.name.as_str()).collect(),
+        methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
+        knob,
+        values,
+        sizes: &protocol.sizes,
+        frames: protocol.frames,
+        warm_up: protocol.warm_up,
+        order: "A B C, C B A, repeated",
+        reference: format!("rt, {} bounces", crate::bench::run::REFERENCE_BOUNCES),
+        hit_tolerance_u: TOLERANCE_U,
+        hit_tolerance_relative: TOLERANCE_RELATIVE,
+        measured: outcome.measured,
+        kept: outcome.skipped,
+        interrupted: outcome.interrupted,
+    };
+    let json = serde_json::to_vec_pretty(&settings)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    write(&folder.join("bench.json"), &json)
+}
+
+/// Draws the report into the folder and says where it is.
+///
+/// # Errors
+/// A folder that cannot be written to.
+pub fn report(
+    folder: &Path,
+    title: &str,
+    samples: &[Sample],
+    galleries: &[Gallery],
+) -> Result<Vec<Section>, AppError> {
+    let sections = sections(samples).map_err(AppError::Internal)?;
+    for chart in sections.iter().flat_map(|s| &s.charts) {
+        write(&folder.join(&chart.name), chart.svg.as_bytes())?;
+    }
+    let path = folder.join("report.html");
+    write(&path, page(title, &sections, galleries).as_bytes())?;
+    for section in &sections {
+        for sentence in &section.sentences {
+            eprintln!("{sentence}");
+        }
+    }
+    eprintln!("wrote {}", path.display());
+    Ok(sections)
+}
+
+fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
+    let mut blocks = Vec::new();
+    let mut refused = false;
+    for section in sections {
+        match choose(&section.group, bound) {
+            Ok(point) => blocks.push(block(point, section.group.masked)),
+            Err(why) => {
+                let sample = section.group.points.first().map(|p| &p.sample);
+                let scene = sample.map_or("", |s| s.scene.as_str());
+                eprintln!("{scene}: {why}");
+                refused = true;
+            }
+        }
+    }
+    print_out(&blocks.join("\n"))?;
+    if refused {
+        Err(AppError::Threshold)
+    } else {
+        Ok(())
+    }
+}
+
+fn create_folder(folder: &Path) -> Result<(), AppError> {
+    fs::create_dir_all(folder).map_err(|error| {
+        AppError::Usage(format!(
+            "--output {}: cannot be made a folder: {error}",
+            folder.display()
+        ))
+    })
+}
+
+fn write(path: &PathBuf, bytes: &[u8]) -> Result<(), AppError> {
+    write_whole(path, bytes)
+        .map_err(|error| AppError::Internal(format!("cannot write {}: {error}", path.display())))
+}
+
+fn of_file(diagnostic: Box<crate::scene::diagnostic::Diagnostic>) -> AppError {
+    AppError::Picture(vec![*diagnostic])
+}
