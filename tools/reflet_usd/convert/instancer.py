@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancing import (
@@ -155,7 +154,7 @@ class Instancers:
                 keys = values[:, number]
                 if path == "rotation":
                     keys = align_hemispheres(unit_quaternions(keys))
-                add_track(instance, path, times, keys, self.context.held)
+                instance.add_track(path, times, keys, self.context.held)
         if sheared:
             message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
             self.context.ledger.warn("shear-split", prim, message)

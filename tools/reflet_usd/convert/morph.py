@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.mesh import computed_normals, drawn_faces
@@ -76,7 +75,7 @@ class PointKeys:
         """Let the weights run through the keys."""
         weights = np.vstack([np.zeros(len(self._keys) - 1), np.eye(len(self._keys) - 1)])
         times = np.array([self.context.seconds(code) for code in self._codes])
-        add_track(node, "weights", times, weights, self.context.held)
+        node.add_track("weights", times, weights, self.context.held)
 
 
 def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKeys | None:

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.scene import Array, Node, Track
+from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import align_hemispheres, column_matrix, place
 
 # glTF turns the short way between keys, so no step may reach half a turn.
@@ -112,7 +112,7 @@ def _turning_node(
     rotations = np.zeros((len(half), 4))
     rotations[:, axis], rotations[:, 3] = np.sin(half), np.cos(half)
     node = Node(name, rotation=rotations[0].copy())
-    node.tracks.append(Track("rotation", np.array(times), rotations))
+    node.add_track("rotation", np.array(times), rotations)
     return node
 
 
@@ -138,5 +138,5 @@ def _simple_link(
     node = Node(name)
     setattr(node, path, rows[0].copy())
     times = np.array([context.seconds(code) for code in codes])
-    node.tracks.append(Track(path, times, rows))
+    node.add_track(path, times, rows)
     return [node]

@@ -12,6 +12,9 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, face_varying_stream
 
+# Beyond float32's range a value is as good as infinite.
+FLOAT32_LIMIT = 3e38
+
 
 @dataclass(frozen=True)
 class Primvar:
@@ -64,10 +67,11 @@ def read_primvar(context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar) -> 
             message = f"primvar '{name}' has indices outside its {len(values)} values"
             context.ledger.warn("primvar-index-out-of-range", prim, message)
             return None
-    if not np.isfinite(values).all():
+    usable = np.abs(np.nan_to_num(values, nan=np.inf)) < FLOAT32_LIMIT
+    if not usable.all():
         message = f"primvar '{name}' has values that are not finite, taken as 0"
         context.ledger.warn("primvar-non-finite", prim, message)
-        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+        values = np.where(usable, values, 0.0)
     return Primvar(name, primvar.GetInterpolation(), values, indices)
 
 

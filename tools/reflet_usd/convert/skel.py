@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.geometry import GeometryBuilder
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -202,7 +201,7 @@ class Skeletons:
                 rows = values[:, order[name]]
                 rows = align_hemispheres(rows) if path == "rotation" else rows
                 if not np.array_equal(rows, np.broadcast_to(rows[0], rows.shape)):
-                    add_track(node, path, times, rows, self.context.held)
+                    node.add_track(path, times, rows, self.context.held)
 
     def _keys(
         self, prim: Usd.Prim, path: str, attribute: Usd.Attribute, count: int

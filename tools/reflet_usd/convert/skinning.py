@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.animation import add_track
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.morph import morph_target
@@ -106,7 +105,7 @@ class Deformation:
         if len(codes) > 1:
             times = np.array([self.context.seconds(code) for code in codes])
             values = np.array([weights(Usd.TimeCode(code)) for code in codes])
-            add_track(node, "weights", times, values, self.context.held)
+            node.add_track("weights", times, values, self.context.held)
 
     def _read_influences(self, point_count: int) -> tuple[Array, Array] | None:
         """Joints and weights (N, 4 n) in the skeleton's joint order, weights summing to 1."""
