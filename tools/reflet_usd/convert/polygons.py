@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored
-from reflet_usd.convert.primvars import FLOAT32_LIMIT, Topology
+from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 
 # Ear clipping takes time in the square of the corners.
@@ -137,8 +137,7 @@ def _drawable(
         drawn[bad] = False
         message = f"{len(bad)} faces name points that do not exist and were dropped"
         context.ledger.warn("index-out-of-range", prim, message)
-    finite = np.isfinite(points).all(axis=1)
-    finite &= (np.abs(np.nan_to_num(points)) < FLOAT32_LIMIT).all(axis=1)
+    finite = in_float32(points).all(axis=1)
     if not finite.all():
         safe = np.where(outside, 0, corners)
         bad = np.unique(corner_faces[~finite[safe] & ~outside])

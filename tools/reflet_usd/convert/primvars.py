@@ -8,12 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, face_varying_stream
-
-# Beyond float32's range a value is as good as infinite.
-FLOAT32_LIMIT = 3e38
 
 
 @dataclass(frozen=True)
@@ -67,7 +64,7 @@ def read_primvar(context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar) -> 
             message = f"primvar '{name}' has indices outside its {len(values)} values"
             context.ledger.warn("primvar-index-out-of-range", prim, message)
             return None
-    usable = np.abs(np.nan_to_num(values, nan=np.inf)) < FLOAT32_LIMIT
+    usable = in_float32(values)
     if not usable.all():
         message = f"primvar '{name}' has values that are not finite, taken as 0"
         context.ledger.warn("primvar-non-finite", prim, message)

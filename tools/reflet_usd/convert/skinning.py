@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.morph import morph_target
 from reflet_usd.convert.normals import unit_rows
@@ -192,7 +192,7 @@ class Deformation:
         values = np.array(value, dtype=np.float64).reshape(-1, 3)
         indices = shape.GetPointIndicesAttr().Get()
         rows = np.arange(len(values)) if indices is None or not len(indices) else np.array(indices)
-        bad = len(rows) != len(values) or not np.isfinite(values).all()
+        bad = len(rows) != len(values) or not in_float32(values).all()
         if bad or rows.min() < 0 or rows.max() >= point_count:
             message = f"'{attribute.GetName()}' does not fit the {point_count} points"
             self.context.ledger.warn("blend-shape-invalid", shape.GetPrim(), message)
