@@ -108,6 +108,7 @@ class OutputReader:
         if not solid:
             return result
         center = result.positions.mean(axis=0) if len(result.positions) else np.zeros(3)
+        result.center = center
         area, volume = 0.0, 0.0
         for part, world in zip(solid, worlds, strict=True):
             sign = math.copysign(1.0, float(np.linalg.det(part.place[:3, :3])))

@@ -101,7 +101,7 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     optional = [transform_points(mesh.optional_positions, matrix) for mesh, matrix in placed]
     everything = np.vstack(worlds)
     result = Corners(everything, np.vstack(optional))
-    center = everything.mean(axis=0)
+    center = result.center = everything.mean(axis=0)
     area, volume = np.zeros(2), np.zeros(2)
     normals, known = [], True
     for (mesh, matrix), world in zip(placed, worlds, strict=True):
