@@ -268,3 +268,14 @@ def test_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConvertError) as caught:
         convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
     assert caught.value.name == "stage-unreadable"
+
+
+@pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
+def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
+    from reflet_usd.validate.proof import prove
+
+    out = tmp_path / "out.glb"
+    convert_stage(stage, out, ConvertOptions())
+    proof = prove(out, stage, khronos=False)
+    failed = [(c.check, c.prim, c.worst) for c in proof.checks if not c.passed]
+    assert proof.passed, failed

@@ -137,7 +137,7 @@ def _drawable(
         drawn[bad] = False
         message = f"{len(bad)} faces name points that do not exist and were dropped"
         context.ledger.warn("index-out-of-range", prim, message)
-    finite = in_float32(points).all(axis=1)
+    finite: Array = np.asarray(in_float32(points).all(axis=1))
     if not finite.all():
         safe = np.where(outside, 0, corners)
         bad = np.unique(corner_faces[~finite[safe] & ~outside])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,6 +28,7 @@ _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", 
 _GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
 # Nested instances multiply: a few lines of text can stand for any number of prims.
 MAX_PRIMS = 1_000_000
+PROGRESS_S = 5.0
 DAMAGE = (ValueError, TypeError, IndexError, OverflowError, UnicodeDecodeError, Tf.ErrorException)
 
 
@@ -56,6 +58,7 @@ class Traversal:
         self.skeletons = Skeletons(context, writer, self.geometry)
         self.instancers = Instancers(context, writer, self.prototype_node)
         self._visited = 0
+        self._last_report = time.monotonic()
 
     def stage_roots(self) -> list[Node]:
         """The scene's nodes: one root that turns Z-up into Y-up, and skinned meshes beside it."""
@@ -99,6 +102,7 @@ class Traversal:
     def _visit(self, prim: Usd.Prim, tree: Tree) -> bool:
         """Place one prim; False where its children are not walked."""
         self._visited += 1
+        self._report_progress()
         if self._visited > MAX_PRIMS:
             message = f"the composed stage has more than {MAX_PRIMS} prims"
             raise ConvertError("too-many-prims", message, str(prim.GetPath()))
@@ -112,6 +116,13 @@ class Traversal:
             )
             self.context.ledger.skip_subtree("prim-damaged", prim, message)
             return False
+
+    def _report_progress(self) -> None:
+        """A line on standard output every few seconds; short conversions print nothing."""
+        now = time.monotonic()
+        if now - self._last_report > PROGRESS_S:
+            self._last_report = now
+            print(f"converting: {self._visited} prims so far", flush=True)
 
     def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
         type_name = prim.GetTypeName()
