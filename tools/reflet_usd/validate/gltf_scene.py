@@ -41,6 +41,8 @@ class OutputReader:
         scene = Scene(matrices=self.matrices(pose))
         pieces: dict[str, list[_Piece]] = {}
         for index in self.poser.order:
+            if index in pose.hidden:
+                continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:
                 scene.cameras[key] = self._camera(node.camera, world)
