@@ -74,7 +74,9 @@ class Poser:
             state = node.get("extensions", {}).get("KHR_node_visibility", {})
             if not state.get("visible", True):
                 hidden.add(number)
-        for animation in tree.get("animations", []) if seconds is not None else ():
+        if seconds is None:
+            return hidden
+        for animation in tree.get("animations", []):
             for channel in animation["channels"]:
                 extensions = channel["target"].get("extensions", {})
                 pointer = extensions.get("KHR_animation_pointer", {}).get("pointer", "")
