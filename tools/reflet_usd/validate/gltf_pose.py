@@ -57,8 +57,9 @@ class Poser:
                         values[key] = self._sample(sampler, channel.target.path, seconds)
         worlds: dict[int, Array] = {}
         hidden = self._hidden(seconds)
+        moved = {node for node, _ in values}
         for node in self.order:
-            local = self._local(node, values)
+            local = self._local(node, values, node in moved)
             parent = self.parents.get(node)
             worlds[node] = local if parent is None else local @ worlds[parent]
             if parent in hidden:
@@ -89,9 +90,9 @@ class Poser:
                     (hidden.discard if shown else hidden.add)(int(match.group(1)))
         return hidden
 
-    def _local(self, index: int, values: dict[tuple[int, str], Array]) -> Array:
+    def _local(self, index: int, values: dict[tuple[int, str], Array], moved: bool) -> Array:
         node = self.file.nodes[index]
-        if node.matrix and not any(key[0] == index for key in values):
+        if node.matrix and not moved:
             return np.array(node.matrix, dtype=np.float64).reshape(4, 4)
         return compose(
             values.get((index, "translation"), np.array(node.translation or (0.0, 0.0, 0.0))),
