@@ -301,3 +301,18 @@ def test_display_color_and_opacity_per_vertex(tmp_path: Path) -> None:
     assert color.max() <= 1.0
     assert "color-clamped" in done.warnings("/M")
     assert done.json["materials"][0]["alphaMode"] == "BLEND"
+
+
+def test_a_huge_outline_takes_seconds_not_minutes() -> None:
+    outline = star(4000, 0.5)
+    triangles, _ = triangulate(outline, np.arange(4000), np.array([4000]))
+    signed = np.array([shoelace(outline[t]) for t in triangles])
+    assert signed.min() > -1e-12
+    assert signed.sum() == pytest.approx(shoelace(outline))
+
+
+def test_values_beyond_float32_are_named(tmp_path: Path) -> None:
+    body = 'double[] primvars:heat = [1, 1e300, 3, 4] (interpolation = "vertex")'
+    done = convert_text(tmp_path, mesh(body, "4/0,1,2,3", SQUARE))
+    assert "primvar-non-finite" in done.warnings("/M")
+    assert np.isfinite(done.attribute(0, 0, "_HEAT")).all()

@@ -229,3 +229,45 @@ def test_interpolation_used_by_these_tests() -> None:
     turn = np.array([[0, 0, 0, 1.0], [0, 0, 1.0, 0]])
     middle = interpolated(times, turn, 0.5, True, False)
     assert middle == pytest.approx([0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+
+
+def test_skinned_prototypes_are_cloned_with_their_joints(tmp_path: Path) -> None:
+    text = (
+        STAGE.format(meters=1)
+        + """
+def PointInstancer "I" {
+    rel prototypes = </Root>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0,0,0), (100,0,0)]
+}
+"""
+    )
+    done = convert_text(tmp_path, text)
+    skins = done.gltf.skins
+    assert len(skins) == 3
+    joints = [joint for skin in skins for joint in skin.joints]
+    assert len(set(joints)) == len(joints)
+    world = done.world(0.0)
+    roots = [world[skin.joints[0]][0, 3] for skin in skins]
+    # The stage's own root and each instance stand at x = 3 plus the instance's place.
+    assert sorted(roots) == pytest.approx([3, 3, 103])
+
+
+def test_native_instances_of_a_skeleton(tmp_path: Path) -> None:
+    text = STAGE.format(meters=1).replace(
+        'def SkelRoot "Root"', 'class SkelRoot "Root"', 1
+    )
+    text += """
+def SkelRoot "A" (instanceable = true
+    inherits = </Root>) {
+}
+def SkelRoot "B" (instanceable = true
+    inherits = </Root>) {
+    double3 xformOp:translate = (7, 0, 1)
+}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world(0.0)
+    assert sorted(
+        world[skin.joints[0]][0, 3] for skin in done.gltf.skins
+    ) == pytest.approx([3, 7])

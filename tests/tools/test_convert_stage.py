@@ -233,3 +233,49 @@ def test_deep_nesting_needs_no_recursion(tmp_path: Path) -> None:
     )
     done = convert_text(tmp_path, text + "}\n" * depth)
     assert len(done.gltf.nodes) == depth + 2
+
+
+@pytest.mark.parametrize(
+    ("text", "prim", "warning"),
+    [
+        ('def Mesh "M" {\nstring[] points = ["x"]\n}\n', "/M", "prim-damaged"),
+        (
+            'def Cube "C" {\ndouble3 xformOp:translate.timeSamples = '
+            "{ 1: (0,0,0), 1e308: (1,0,0), 9: (2,0,0) }\n"
+            'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n',
+            "/",
+            "time-sample-dropped",
+        ),
+        (
+            'def Cube "C" {\nfloat xformOp:rotateY.timeSamples = { 1: 0, 9: nan }\n'
+            'uniform token[] xformOpOrder = ["xformOp:rotateY"]\n}\n',
+            "/C",
+            "transform-non-finite",
+        ),
+    ],
+)
+def test_damaged_values_end_one_prim_only(
+    tmp_path: Path, text: str, prim: str, warning: str
+) -> None:
+    done = convert_text(tmp_path, text + 'def Cube "Fine" {\n}\n')
+    assert warning in done.warnings(prim)
+    assert done.gltf.nodes[done.node("/Fine")].mesh is not None
+
+
+def test_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
+    stage = tmp_path / "bad.usda"
+    stage.write_bytes(b'#usda 1.0\ndef Cube "a\xff\xfe" {\n}\n')
+    with pytest.raises(ConvertError) as caught:
+        convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
+    assert caught.value.name == "stage-unreadable"
+
+
+@pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
+def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
+    from reflet_usd.validate.proof import prove
+
+    out = tmp_path / "out.glb"
+    convert_stage(stage, out, ConvertOptions())
+    proof = prove(out, stage, khronos=False)
+    failed = [(c.check, c.prim, c.worst) for c in proof.checks if not c.passed]
+    assert proof.passed, failed

@@ -13,8 +13,8 @@ from reflet_usd.convert.types import ConvertError
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.validate.khronos import check_files
 
-LIMITS = Limits(memory_bytes=3 << 30, cpu_s=20, wall_s=40.0, output_bytes=64 << 20)
-QUICK = 6
+LIMITS = Limits(memory_bytes=3 << 30, cpu_s=10, wall_s=30.0, output_bytes=64 << 20)
+QUICK = 14
 """The quick run takes every QUICK-th mutant."""
 
 

@@ -115,6 +115,17 @@ def test_the_table_is_right_and_repeatable(folder: Path, tmp_path: Path, khronos
     assert rows["moving.usda"]["proof"]["khronos"]["errors"] == 0
 
 
+SAMPLE = "simple-skin-test|pi_nested|UsdTransform2dTest|UnitsMilli|AnimatedCube|no-primname"
+
+
+def test_a_sample_of_the_corpus(corpus: Path, tmp_path: Path, khronos: None) -> None:
+    details = tmp_path / "report.json"
+    table = tmp_path / "report.md"
+    options = ["--only", SAMPLE, "-o", str(table), "--json", str(details)]
+    assert cli.main(["report", str(corpus), *options]) == 0, table.read_text()
+    assert len(json.loads(details.read_text())) >= 5
+
+
 @pytest.mark.full
 def test_the_whole_corpus(corpus: Path, tmp_path: Path, khronos: None) -> None:
     details = tmp_path / "report.json"

@@ -251,6 +251,10 @@ def stop_animation(file: HandFile) -> None:
     file.gltf.animations = []
 
 
+def hide_ball(file: HandFile) -> None:
+    node(file, "/Ball").extensions = {"KHR_node_visibility": {"visible": False}}
+
+
 def turn_root_away(file: HandFile) -> None:
     node(file, "/").rotation = None
 
@@ -264,6 +268,7 @@ FAULTS = [
     (tilt_normals, "normals"),
     (forget_scale_of_ball, "surfaces"),
     (lose_sheet, "carried"),
+    (hide_ball, "carried"),
     (add_ghost, "unexpected"),
     (widen_camera, "cameras"),
     (dim_light, "lights"),

@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.opchain import chain_of_ops
-from reflet_usd.convert.scene import Array, Node, Track
+from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import (
     Trs,
     align_hemispheres,
@@ -113,14 +113,7 @@ def _set_tracks(
     }
     for path, values in channels.items():
         if not np.array_equal(values, np.broadcast_to(values[0], values.shape)):
-            add_track(node, path, times, values, step)
-
-
-def add_track(node: Node, path: str, times: Array, values: Array, step: bool = False) -> None:
-    """Add keys whose times stay apart as float32; the later of two that meet is dropped."""
-    rounded = times.astype(np.float32)
-    keep = np.concatenate(([True], np.diff(rounded) > 0.0))
-    node.tracks.append(Track(path, times[keep], values[keep], step))
+            node.add_track(path, times, values, step)
 
 
 def interpolate(first: Trs, last: Trs, share: float) -> Trs:
@@ -226,4 +219,4 @@ def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:
     times = np.array([context.seconds(code) for code in codes])
     values = np.array(shown, dtype=np.uint8).reshape(-1, 1)
     node.extras["visible"] = shown[0]
-    add_track(node, "extensions/KHR_node_visibility/visible", times, values, step=True)
+    node.add_track("extensions/KHR_node_visibility/visible", times, values, step=True)

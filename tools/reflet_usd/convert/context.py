@@ -5,10 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.scene import Array
 from reflet_usd.convert.types import ConvertOptions
+
+# Time codes beyond this are damage: in seconds they would not fit float32's precision.
+MAX_CODE = 1e9
 
 
 @dataclass
@@ -37,6 +42,11 @@ class Context:
 
     def codes_in_range(self, codes: list[float]) -> list[float]:
         """The time codes kept under `--frames`, with the range's ends when keys lie outside."""
+        near = [code for code in codes if abs(code) <= MAX_CODE]
+        if len(near) < len(codes):
+            message = f"time samples beyond ±{MAX_CODE:g} were dropped"
+            self.ledger.warn("time-sample-dropped", "/", message)
+            codes = near
         frames = self.options.frames
         if frames is None or not codes:
             return codes
@@ -47,6 +57,15 @@ class Context:
         if codes[-1] > last and kept and kept[-1] < last:
             kept.append(last)
         return kept
+
+
+# Beyond float32's range a value is as good as infinite.
+FLOAT32_LIMIT = 3e38
+
+
+def in_float32(values: Array) -> Array:
+    """Which values are finite as float32 (the same shape, bool)."""
+    return np.abs(np.nan_to_num(values, nan=np.inf)) < FLOAT32_LIMIT
 
 
 def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> Any:

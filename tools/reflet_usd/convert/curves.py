@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.attributes import read_display
-from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.context import Context, authored, in_float32
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
     ELEMENT_ARRAY_BUFFER,
@@ -40,7 +40,7 @@ def build_points(
 ) -> int | None:
     """A mesh of glTF points, or None (with a warning) where there are none."""
     points = read_points(context, prim)
-    finite = np.isfinite(points).all(axis=1)
+    finite = in_float32(points).all(axis=1)
     if not finite.any():
         context.ledger.warn("mesh-empty", prim, "there are no finite points")
         return None
@@ -63,7 +63,7 @@ def build_curves(
     if (counts < 2).any():
         message = f"{int((counts < 2).sum())} curves have fewer than 2 points and were dropped"
         context.ledger.warn("curves-invalid", prim, message)
-    if not np.isfinite(points).all():
+    if not in_float32(points).all():
         context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
         return None
     _warn_width(context, prim, "a glTF line has no width")

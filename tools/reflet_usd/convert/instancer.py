@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.animation import add_track
-from reflet_usd.convert.context import Context, authored, source_path
+from reflet_usd.convert.context import Context, authored, in_float32, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancing import (
     add_gpu_instances,
@@ -155,7 +154,7 @@ class Instancers:
                 keys = values[:, number]
                 if path == "rotation":
                     keys = align_hemispheres(unit_quaternions(keys))
-                add_track(instance, path, times, keys, self.context.held)
+                instance.add_track(path, times, keys, self.context.held)
         if sheared:
             message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
             self.context.ledger.warn("shear-split", prim, message)
@@ -185,7 +184,7 @@ class Instancers:
             return None
         usable = (prototypes >= 0) & (prototypes < prototype_count)
         for values in parts.values():
-            usable &= np.isfinite(values).all(axis=1)
+            usable &= in_float32(values).all(axis=1)
         if not usable.all():
             message = f"{int((~usable).sum())} instances name no prototype or are not finite"
             context.ledger.warn("instancer-invalid", prim, message)
@@ -218,7 +217,7 @@ class Instancers:
                 varying.append(path)
                 continue
             stacked = np.array(keys)
-            if not np.isfinite(stacked).all():
+            if not in_float32(stacked).all():
                 varying.append(path)
                 continue
             times = np.array([context.seconds(code) for code in codes])

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.animation import add_track
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.mesh import computed_normals, drawn_faces
 from reflet_usd.convert.polygons import Polygons
@@ -76,7 +75,7 @@ class PointKeys:
         """Let the weights run through the keys."""
         weights = np.vstack([np.zeros(len(self._keys) - 1), np.eye(len(self._keys) - 1)])
         times = np.array([self.context.seconds(code) for code in self._codes])
-        add_track(node, "weights", times, weights, self.context.held)
+        node.add_track("weights", times, weights, self.context.held)
 
 
 def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKeys | None:
@@ -101,7 +100,7 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
     elif not reason and len(codes) * max(lengths) > MAX_KEYED_POINTS:
         reason = f"the keys hold more than {MAX_KEYED_POINTS} points"
     keys = np.array(values, dtype=np.float64) * context.meters_per_unit
-    if not reason and not np.isfinite(keys).all():
+    if not reason and not in_float32(keys).all():
         reason = "some points are not finite"
     if reason:
         message = f"animated points stay at their first value: {reason}"

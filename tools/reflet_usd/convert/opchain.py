@@ -8,11 +8,13 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.scene import Array, Node, Track
+from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import align_hemispheres, column_matrix, place
 
 # glTF turns the short way between keys, so no step may reach half a turn.
 MAX_STEP_DEG = 120.0
+# Translations and scales beyond this are damage; sampled transforms name it.
+MAX_LENGTH_M = 1e30
 _Op = UsdGeom.XformOp
 _SINGLE_AXES = {_Op.TypeRotateX: 0, _Op.TypeRotateY: 1, _Op.TypeRotateZ: 2}
 # Axes from the outermost node to the innermost: rotateXYZ turns around X first.
@@ -67,11 +69,15 @@ def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[No
         return None
     if kind in _SINGLE_AXES:
         angles = np.array([_angle(op, code, None) for code in codes])
+        if not np.isfinite(angles).all():
+            return None
         return [
             _turning_node(context, f"{name}_{op.GetOpName()}", codes, angles, _SINGLE_AXES[kind])
         ]
     if kind in _EULER_ORDERS:
         order = _EULER_ORDERS[kind]
+        if not np.isfinite(np.array([op.Get(Usd.TimeCode(code)) for code in codes])).all():
+            return None
         axes = order[::-1] if op.IsInverseOp() else order
         return [
             _turning_node(
@@ -112,7 +118,7 @@ def _turning_node(
     rotations = np.zeros((len(half), 4))
     rotations[:, axis], rotations[:, 3] = np.sin(half), np.cos(half)
     node = Node(name, rotation=rotations[0].copy())
-    node.tracks.append(Track("rotation", np.array(times), rotations))
+    node.add_track("rotation", np.array(times), rotations)
     return node
 
 
@@ -133,10 +139,10 @@ def _simple_link(
         path, rows = "translation", np.array(values) * (sign * context.meters_per_unit)
     else:
         path, rows = "scale", np.array(values, dtype=np.float64)
-    if not np.isfinite(rows).all():
+    if not np.isfinite(rows).all() or np.abs(rows).max() > MAX_LENGTH_M:
         return None
     node = Node(name)
     setattr(node, path, rows[0].copy())
     times = np.array([context.seconds(code) for code in codes])
-    node.tracks.append(Track(path, times, rows))
+    node.add_track(path, times, rows)
     return [node]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pxr import Usd
+from pxr import Tf, Usd
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.stage import open_context, warn_variants
+from reflet_usd.convert.stage import error_text, open_context
 from reflet_usd.convert.traverse import Traversal
 from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult
 
@@ -19,9 +19,17 @@ def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> Conver
     """Convert `stage_path` to `out` and its sidecar; see `convert_stage`."""
     if out.suffix.lower() not in (".glb", ".gltf"):
         raise ConvertError("output-suffix", "expected a name that ends in .glb or .gltf", str(out))
+    try:
+        return _convert(stage_path, out, options)
+    except Tf.ErrorException as error:
+        raise ConvertError(
+            "stage-damaged", error_text(error, stage_path), str(stage_path)
+        ) from None
+
+
+def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
     ledger = Ledger()
     context = open_context(stage_path, options, ledger)
-    warn_variants(context)
     writer = GltfWriter()
     roots = Traversal(context, writer).stage_roots()
     writer.add_nodes(roots, _scene_extras(context))

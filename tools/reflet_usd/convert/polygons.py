@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.context import Context, authored, in_float32
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
+
+# Ear clipping takes time in the square of the corners.
+MAX_FACE_CORNERS = 20_000
 
 
 @dataclass
@@ -117,6 +120,11 @@ def _drawable(
     if not drawn.all():
         message = f"{int((~drawn).sum())} faces have fewer than 3 corners and were dropped"
         context.ledger.warn("face-degenerate", prim, message)
+    huge = counts > MAX_FACE_CORNERS
+    if huge.any():
+        message = f"{int(huge.sum())} faces have more than {MAX_FACE_CORNERS} corners, dropped"
+        context.ledger.warn("face-too-large", prim, message)
+        drawn &= ~huge
     collapsed = _collapsed(counts, corners)
     if (collapsed & drawn).any():
         message = f"{int((collapsed & drawn).sum())} triangles have no area and were dropped"
@@ -129,9 +137,7 @@ def _drawable(
         drawn[bad] = False
         message = f"{len(bad)} faces name points that do not exist and were dropped"
         context.ledger.warn("index-out-of-range", prim, message)
-    finite = np.isfinite(points).all(axis=1)
-    # Beyond float32's range a point is as good as infinite.
-    finite &= (np.abs(np.nan_to_num(points)) < 3e38).all(axis=1)
+    finite: Array = np.asarray(in_float32(points).all(axis=1))
     if not finite.all():
         safe = np.where(outside, 0, corners)
         bad = np.unique(corner_faces[~finite[safe] & ~outside])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.surface import Stream, face_varying_stream
 
@@ -64,10 +64,11 @@ def read_primvar(context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar) -> 
             message = f"primvar '{name}' has indices outside its {len(values)} values"
             context.ledger.warn("primvar-index-out-of-range", prim, message)
             return None
-    if not np.isfinite(values).all():
+    usable = in_float32(values)
+    if not usable.all():
         message = f"primvar '{name}' has values that are not finite, taken as 0"
         context.ledger.warn("primvar-non-finite", prim, message)
-        values = np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+        values = np.where(usable, values, 0.0)
     return Primvar(name, primvar.GetInterpolation(), values, indices)
 
 

@@ -61,6 +61,12 @@ class Node:
         self.children.append(child)
         return child
 
+    def add_track(self, path: str, times: Array, values: Array, step: bool = False) -> None:
+        """Animate `path`; of keys whose times meet as float32 the first one stays."""
+        rounded = times.astype(np.float32)
+        keep = np.concatenate(([True], np.diff(rounded) > 0.0))
+        self.tracks.append(Track(path, times[keep], values[keep], step))
+
     def walk(self) -> list[Node]:
         """This node and all below it, parents first, without recursion."""
         found: list[Node] = []

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.animation import add_track
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.geometry import GeometryBuilder
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import unit_quaternions
@@ -202,7 +201,7 @@ class Skeletons:
                 rows = values[:, order[name]]
                 rows = align_hemispheres(rows) if path == "rotation" else rows
                 if not np.array_equal(rows, np.broadcast_to(rows[0], rows.shape)):
-                    add_track(node, path, times, rows, self.context.held)
+                    node.add_track(path, times, rows, self.context.held)
 
     def _keys(
         self, prim: Usd.Prim, path: str, attribute: Usd.Attribute, count: int
@@ -218,7 +217,7 @@ class Skeletons:
             else:
                 scale = self.context.meters_per_unit if path == "translation" else 1.0
                 keys.append(np.array(value, dtype=np.float64).reshape(-1, 3) * scale)
-        if any(len(key) != count or not np.isfinite(key).all() for key in keys):
+        if any(len(key) != count or not in_float32(key).all() for key in keys):
             message = f"animated {path}s do not fit its {count} joints or are not finite"
             self.context.ledger.warn("skeleton-animation-dropped", prim, message)
             return None

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.animation import add_track
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.morph import morph_target
 from reflet_usd.convert.normals import unit_rows
@@ -106,7 +105,7 @@ class Deformation:
         if len(codes) > 1:
             times = np.array([self.context.seconds(code) for code in codes])
             values = np.array([weights(Usd.TimeCode(code)) for code in codes])
-            add_track(node, "weights", times, values, self.context.held)
+            node.add_track("weights", times, values, self.context.held)
 
     def _read_influences(self, point_count: int) -> tuple[Array, Array] | None:
         """Joints and weights (N, 4 n) in the skeleton's joint order, weights summing to 1."""
@@ -193,7 +192,7 @@ class Deformation:
         values = np.array(value, dtype=np.float64).reshape(-1, 3)
         indices = shape.GetPointIndicesAttr().Get()
         rows = np.arange(len(values)) if indices is None or not len(indices) else np.array(indices)
-        bad = len(rows) != len(values) or not np.isfinite(values).all()
+        bad = len(rows) != len(values) or not in_float32(values).all()
         if bad or rows.min() < 0 or rows.max() >= point_count:
             message = f"'{attribute.GetName()}' does not fit the {point_count} points"
             self.context.ledger.warn("blend-shape-invalid", shape.GetPrim(), message)

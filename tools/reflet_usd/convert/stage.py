@@ -16,7 +16,7 @@ from reflet_usd.convert.confinement import (
     cut_foreign_layers,
     open_layer,
 )
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 
@@ -38,7 +38,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        raise ConvertError("stage-unreadable", _reason(error, path), str(path)) from None
+        raise ConvertError("stage-unreadable", error_text(error, path), str(path)) from None
     if stage is None:
         raise ConvertError("stage-unreadable", "USD cannot compose it", str(path))
     check_used_layers(stage, roots)
@@ -55,7 +55,7 @@ def _open_root_layer(path: Path) -> Sdf.Layer:
     try:
         layer = open_layer(str(path))
     except Tf.ErrorException as error:
-        raise ConvertError("stage-unreadable", _reason(error, path), str(path)) from None
+        raise ConvertError("stage-unreadable", error_text(error, path), str(path)) from None
     if layer is None:
         raise ConvertError("stage-unreadable", "not a USD layer that can be read", str(path))
     return layer
@@ -78,9 +78,12 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         layer.SetPermissionToEdit(was_editable)
 
 
-def _reason(error: Tf.ErrorException, path: Path) -> str:
+def error_text(error: Tf.ErrorException, path: Path) -> str:
     """USD's first reason, without the source places of its library."""
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except UnicodeDecodeError:  # USD quotes the bytes that it could not read
+        return "it is not UTF-8 text"
     found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
     reason = found.group(1) if found else text or "USD gives no reason"
     reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
@@ -105,21 +108,6 @@ def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> No
                 message = f"{prim_path}{{{set_name}}} has no '{variant}', it has: {known}"
                 raise ConvertError("variant-unknown", message, path)
             variant_set.SetVariantSelection(variant)
-
-
-def warn_variants(context: Context) -> None:
-    """Name the variant sets of which the file keeps the selected variant only."""
-    predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
-    for prim in Usd.PrimRange.Stage(context.stage, predicate):
-        if not prim.HasVariantSets():
-            continue
-        sets = prim.GetVariantSets()
-        for name in sets.GetNames():
-            count = len(sets.GetVariantSet(name).GetVariantNames())
-            if count > 1:
-                chosen = sets.GetVariantSelection(name)
-                message = f"of {count} variants of '{name}' only '{chosen}' is carried"
-                context.ledger.warn("variants-not-carried", prim, message)
 
 
 def _warn_composition(
@@ -196,9 +184,9 @@ def _read_time(context: Context) -> None:
         context.time_origin = context.options.frames[0]
         context.time = Usd.TimeCode(context.time_origin)
         return
-    keys = [code for code in _first_keys(stage) if math.isfinite(code)]
+    keys = [code for code in _first_keys(stage) if abs(code) <= MAX_CODE]
     start = stage_metadata(stage, "startTimeCode")
-    if start is not None and math.isfinite(start) and keys:
+    if start is not None and abs(start) <= MAX_CODE and keys:
         keys.append(float(start))
     context.time_origin = min(keys, default=0.0)
 
@@ -206,8 +194,10 @@ def _read_time(context: Context) -> None:
 def _first_keys(stage: Usd.Stage) -> list[float]:
     """The first time sample of every animated attribute."""
     keys = []
-    for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
-        for attribute in prim.GetAuthoredAttributes():
-            if attribute.GetNumTimeSamples() > 0:
-                keys.append(attribute.GetTimeSamples()[0])
+    # Prototypes instead of the instances, of which nesting can make any number.
+    for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root):
+            for attribute in prim.GetAuthoredAttributes():
+                if attribute.GetNumTimeSamples() > 0:
+                    keys.append(attribute.GetTimeSamples()[0])
     return keys

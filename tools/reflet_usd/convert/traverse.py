@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Tf, Usd, UsdGeom, UsdLux
 
 from reflet_usd.convert.animation import add_visibility_track, transform_node
 from reflet_usd.convert.camera import add_camera
@@ -18,12 +19,17 @@ from reflet_usd.convert.light import add_light
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
+from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 # Types that only group others: carried by being there.
 _GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
+# Nested instances multiply: a few lines of text can stand for any number of prims.
+MAX_PRIMS = 1_000_000
+PROGRESS_S = 5.0
+DAMAGE = (ValueError, TypeError, IndexError, OverflowError, UnicodeDecodeError, Tf.ErrorException)
 
 
 @dataclass
@@ -51,6 +57,8 @@ class Traversal:
         self.geometry = GeometryBuilder(context, writer)
         self.skeletons = Skeletons(context, writer, self.geometry)
         self.instancers = Instancers(context, writer, self.prototype_node)
+        self._visited = 0
+        self._last_report = time.monotonic()
 
     def stage_roots(self) -> list[Node]:
         """The scene's nodes: one root that turns Z-up into Y-up, and skinned meshes beside it."""
@@ -93,6 +101,30 @@ class Traversal:
 
     def _visit(self, prim: Usd.Prim, tree: Tree) -> bool:
         """Place one prim; False where its children are not walked."""
+        self._visited += 1
+        self._report_progress()
+        if self._visited > MAX_PRIMS:
+            message = f"the composed stage has more than {MAX_PRIMS} prims"
+            raise ConvertError("too-many-prims", message, str(prim.GetPath()))
+        try:
+            warn_variants(self.context, prim)
+            return self._place(prim, tree)
+        except DAMAGE as error:
+            # Values of the wrong type or size, or bytes that USD cannot read: only this prim ends.
+            message = (
+                f"its values cannot be read, it and all below it are left out ({_one_line(error)})"
+            )
+            self.context.ledger.skip_subtree("prim-damaged", prim, message)
+            return False
+
+    def _report_progress(self) -> None:
+        """A line on standard output every few seconds; short conversions print nothing."""
+        now = time.monotonic()
+        if now - self._last_report > PROGRESS_S:
+            self._last_report = now
+            print(f"converting: {self._visited} prims so far", flush=True)
+
+    def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
         type_name = prim.GetTypeName()
         if type_name in _PLACELESS:
             return True
@@ -184,3 +216,22 @@ class Traversal:
         else:
             name, message = "schema-ignored", f"glTF has no place for a {type_name}"
         self.context.ledger.warn(name, prim, message)
+
+
+def warn_variants(context: Context, prim: Usd.Prim) -> None:
+    """Name the variant sets of which the file keeps the selected variant only."""
+    if not prim.HasVariantSets():
+        return
+    sets = prim.GetVariantSets()
+    for name in sets.GetNames():
+        count = len(sets.GetVariantSet(name).GetVariantNames())
+        if count > 1:
+            chosen = sets.GetVariantSelection(name)
+            message = f"of {count} variants of '{name}' only '{chosen}' is carried"
+            context.ledger.warn("variants-not-carried", prim, message)
+
+
+def _one_line(error: Exception) -> str:
+    if isinstance(error, Tf.ErrorException):
+        return "USD cannot read the file's bytes"
+    return " ".join(str(error).split())[:160]

@@ -147,31 +147,39 @@ def _clip_one(flat: Array) -> Array:
     size = len(flat)
     following = np.roll(np.arange(size), -1)
     preceding = np.roll(np.arange(size), 1)
-    alive = np.ones(size, dtype=bool)
-    scores = np.array([_ear_score(flat, alive, preceding[i], i, following[i]) for i in range(size)])
+    # Only corners that turn right can lie inside an ear, and none starts to while ears fall.
+    blocking = _turns(flat[None])[0] <= 0.0
+    blockers = np.flatnonzero(blocking)
+    scores = np.array(
+        [_ear_score(flat, blockers, preceding[i], i, following[i]) for i in range(size)]
+    )
     result = np.empty((size - 2, 3), dtype=np.int64)
     for step in range(size - 2):
         ear = int(np.argmax(scores))
         a, b = int(preceding[ear]), int(following[ear])
         result[step] = (a, ear, b)
-        alive[ear] = False
         scores[ear] = -np.inf
         following[a], preceding[b] = b, a
+        if blocking[ear]:
+            blocking[ear] = False
+            blockers = np.flatnonzero(blocking)
         for corner in (a, b):
-            scores[corner] = _ear_score(flat, alive, preceding[corner], corner, following[corner])
+            scores[corner] = _ear_score(
+                flat, blockers, preceding[corner], corner, following[corner]
+            )
     return result
 
 
-def _ear_score(flat: Array, alive: Array, a: int, b: int, c: int) -> float:
+def _ear_score(flat: Array, blockers: Array, a: int, b: int, c: int) -> float:
     pa, pb, pc = flat[a], flat[b], flat[c]
     turn = float(_cross2(pb - pa, pc - pb))
     size = float(np.square(pb - pa).sum() + np.square(pc - pb).sum() + np.square(pa - pc).sum())
     score = turn / max(size, 1e-300)
     if turn <= 0.0:
         return score - 20.0
-    inside = alive.copy()
-    inside[[a, b, c]] = False
+    points = flat[blockers]
+    inside = (blockers != a) & (blockers != b) & (blockers != c)
     for p, q in ((pa, pb), (pb, pc), (pc, pa)):
-        inside &= _cross2(q - p, flat - p) >= 0.0
-        inside &= (flat != p).any(axis=1)
+        inside &= _cross2(q - p, points - p) >= 0.0
+        inside &= (points != p).any(axis=1)
     return score - 10.0 if inside.any() else score

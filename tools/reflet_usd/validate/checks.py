@@ -44,6 +44,8 @@ _ABSENT = (
     "light-dropped",
     "light-invalid",
     "mesh-empty",
+    "nurbs-*",
+    "[A-Z]*-dropped",
     "purpose-skipped",
     "schema-ignored",
     "subset-dropped",

@@ -35,7 +35,9 @@ class Corners:
     vector_area: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
     """Sum of the faces' area vectors: does not depend on the triangulation, turns with winding."""
     volume_range: tuple[float, float] = (0.0, 0.0)
-    """Signed volume against the mean corner, cubic meters; turns with winding."""
+    """Signed volume of the cones from `center` to the faces, cubic meters; turns with winding."""
+    center: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
+    """(3,) a point among the corners."""
     normals: Array | None = None
     """(n, 3) unit vectors, or None where the stage does not define them exactly."""
     uvs: dict[str, Array] = dataclasses.field(default_factory=dict)

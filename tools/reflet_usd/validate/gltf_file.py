@@ -46,11 +46,12 @@ class GltfFile:
 
     def node_weights(self, index: int) -> list[float]:
         """Default morph weights of node `index`, which pygltflib does not keep, or its mesh's."""
-        own = self._tree["nodes"][index].get("weights")
+        own = self.tree["nodes"][index].get("weights")
         return own or self.meshes[self.nodes[index].mesh].weights or []
 
     @functools.cached_property
-    def _tree(self) -> dict[str, Any]:
+    def tree(self) -> dict[str, Any]:
+        """The file's JSON as it stands, for what pygltflib does not keep."""
         data = self.path.read_bytes()
         if data[:4] == b"glTF":
             length = int.from_bytes(data[12:16], "little")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
 
 from .facts import Array
 from .gltf_file import GltfFile
+
+_VISIBILITY = re.compile(r"/nodes/(\d+)/extensions/KHR_node_visibility/visible")
 
 
 class Poser:
@@ -45,6 +48,7 @@ class Poser:
         """All nodes at `seconds`, or as stored in the file for None."""
         values: dict[tuple[int, str], Array] = {}
         if seconds is not None:
+            seconds = float(np.float32(seconds))  # as keys are stored, so that steps meet them
             for animation in self.file.gltf.animations or []:
                 for channel in animation.channels:
                     if channel.target.node is not None:
@@ -52,16 +56,43 @@ class Poser:
                         key = (channel.target.node, channel.target.path)
                         values[key] = self._sample(sampler, channel.target.path, seconds)
         worlds: dict[int, Array] = {}
+        hidden = self._hidden(seconds)
+        moved = {node for node, _ in values}
         for node in self.order:
-            local = self._local(node, values)
+            local = self._local(node, values, node in moved)
             parent = self.parents.get(node)
             worlds[node] = local if parent is None else local @ worlds[parent]
+            if parent in hidden:
+                hidden.add(node)
         weights = {node: value for (node, path), value in values.items() if path == "weights"}
-        return Pose(worlds, weights)
+        return Pose(worlds, weights, frozenset(hidden))
 
-    def _local(self, index: int, values: dict[tuple[int, str], Array]) -> Array:
+    def _hidden(self, seconds: float | None) -> set[int]:
+        """Nodes that KHR_node_visibility hides themselves, animated by KHR_animation_pointer."""
+        tree = self.file.tree
+        hidden = set()
+        for number, node in enumerate(tree.get("nodes", [])):
+            state = node.get("extensions", {}).get("KHR_node_visibility", {})
+            if not state.get("visible", True):
+                hidden.add(number)
+        if seconds is None:
+            return hidden
+        for animation in tree.get("animations", []):
+            for channel in animation["channels"]:
+                extensions = channel["target"].get("extensions", {})
+                pointer = extensions.get("KHR_animation_pointer", {}).get("pointer", "")
+                match = _VISIBILITY.fullmatch(pointer)
+                if match:
+                    sampler = animation["samplers"][channel["sampler"]]
+                    times = self.file.accessor(sampler["input"])
+                    place = max(int(np.searchsorted(times, seconds, side="right")) - 1, 0)
+                    shown = bool(self.file.accessor(sampler["output"])[place])
+                    (hidden.discard if shown else hidden.add)(int(match.group(1)))
+        return hidden
+
+    def _local(self, index: int, values: dict[tuple[int, str], Array], moved: bool) -> Array:
         node = self.file.nodes[index]
-        if node.matrix and not any(key[0] == index for key in values):
+        if node.matrix and not moved:
             return np.array(node.matrix, dtype=np.float64).reshape(4, 4)
         return compose(
             values.get((index, "translation"), np.array(node.translation or (0.0, 0.0, 0.0))),
@@ -90,11 +121,14 @@ class Poser:
 
 
 class Pose:
-    """World matrices and morph weights of all nodes at one time."""
+    """World matrices and morph weights of all nodes at one time, and which nodes are hidden."""
 
-    def __init__(self, worlds: dict[int, Array], weights: dict[int, Array]) -> None:
+    def __init__(
+        self, worlds: dict[int, Array], weights: dict[int, Array], hidden: frozenset[int]
+    ) -> None:
         self.worlds = worlds
         self.weights = weights
+        self.hidden = hidden
 
 
 def compose(translation: Array, rotation: Array, scale: Array) -> Array:

@@ -41,6 +41,8 @@ class OutputReader:
         scene = Scene(matrices=self.matrices(pose))
         pieces: dict[str, list[_Piece]] = {}
         for index in self.poser.order:
+            if index in pose.hidden:
+                continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:
                 scene.cameras[key] = self._camera(node.camera, world)
@@ -108,6 +110,7 @@ class OutputReader:
         if not solid:
             return result
         center = result.positions.mean(axis=0) if len(result.positions) else np.zeros(3)
+        result.center = center
         area, volume = 0.0, 0.0
         for part, world in zip(solid, worlds, strict=True):
             sign = math.copysign(1.0, float(np.linalg.det(part.place[:3, :3])))

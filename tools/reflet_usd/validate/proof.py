@@ -13,7 +13,7 @@ import numpy as np
 
 from .checks import Check, Checks
 from .compare import SceneComparer
-from .facts import bounds_of
+from .facts import Array, Scene, bounds_of
 from .gltf_file import GltfFile, OutputError
 from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
@@ -71,12 +71,11 @@ def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     proof = Proof(out, stage, report, [], warnings)
     try:
         file = GltfFile(out)
-        proof.facts = output_facts(file)
         checks = Checks(warnings)
         if stage is not None:
-            proof.times = _compare(file, stage, sidecar, checks)
+            _compare(file, stage, sidecar, checks, proof)
         else:
-            _second_reader(OutputReader(file, ()), checks)
+            _look_at(OutputReader(file, ()), None, checks, proof)
         proof.checks = checks.results()
     except OutputError as error:
         proof.unreadable = str(error)
@@ -92,12 +91,12 @@ def read_sidecar(out: Path) -> dict[str, Any]:
     return content if isinstance(content, dict) else {}
 
 
-def output_facts(file: GltfFile) -> dict[str, Any]:
-    """What the file holds: counts and the world box at rest."""
-    reader = OutputReader(file, ())
-    scene = reader.scene(None)
+def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: Proof) -> None:
+    """Note what the file holds at rest, and whether a second reader sees the same."""
+    scene = scene or reader.scene(None)
     box = bounds_of(scene.corners)
-    return {
+    file = reader.file
+    proof.facts = {
         "box": None if box is None else [*map(float, box[0]), *map(float, box[1])],
         "triangles": sum(part.triangles for part in scene.corners.values()),
         "materials": len(file.materials),
@@ -109,6 +108,8 @@ def output_facts(file: GltfFile) -> dict[str, Any]:
         ),
         "animated_nodes": len(reader.poser.animated_nodes()),
     }
+    if box is not None:
+        _second_reader(file, box, checks)
 
 
 def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
@@ -116,8 +117,10 @@ def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
     return [warning for warning in sidecar.get("warnings", []) if warning["name"] == name]
 
 
-def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks) -> int:
-    """Compare at rest and over the animation; returns the number of animated times."""
+def _compare(
+    file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks, proof: Proof
+) -> None:
+    """Compare at rest and over the animation."""
     # Imported here so that files can be validated alone without usd-core.
     from pxr import Usd
 
@@ -144,11 +147,11 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
     compare_materials(checks, truth.stage, file, rest)
-    _second_reader(output, checks)
+    _look_at(output, stored, checks, proof)
     codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
     codes = _within(sorted({*codes, *skin_codes}), frames)
     if len(codes) < 2:
-        return 0
+        return
     for code in _spread(codes, _GEOMETRY_TIMES):
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second
@@ -164,7 +167,7 @@ def _compare(file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Check
         comparer.matrices_of(
             reader.matrices(Usd.TimeCode(code)), output_matrices, f"at time code {code:g}"
         )
-    return len(chosen)
+    proof.times = len(chosen)
 
 
 def _within(codes: list[float], frames: Any) -> list[float]:
@@ -181,17 +184,13 @@ def _spread(codes: list[float], count: int) -> list[float]:
     return [codes[place] for place in places]
 
 
-def _second_reader(output: OutputReader, checks: Checks) -> None:
+def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> None:
     """trimesh must see the same box, where it knows all that the file uses."""
     import trimesh
 
-    file = output.file
     used = set(file.gltf.extensionsUsed or [])
     morphs = any(primitive.targets for mesh in file.meshes for primitive in mesh.primitives)
     if "EXT_mesh_gpu_instancing" in used or file.gltf.skins or morphs:
-        return
-    box = bounds_of(output.scene(None).corners)
-    if box is None:
         return
     try:
         seen = trimesh.load_scene(str(file.path)).bounds

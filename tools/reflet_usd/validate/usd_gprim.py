@@ -5,11 +5,24 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
-from .facts import Array, Surface
-from .usd_mesh import LocalMesh, array_of, flattened
+from .facts import Array, Indices, Surface
+from .usd_mesh import CornerMap, LocalMesh, array_of, corner_colors, flattened
 
 _AXES = {"X": 0, "Y": 1, "Z": 2}
-_CUBE_FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+# Points and faces in the order of UsdGeomCube's mesh in Hydra, which per-face and per-point
+# primvars follow (and OpenUSD's own testUsdImagingGLEmptyMesh writes out).
+_CUBE_POINTS = (
+    (1, 1, 1),
+    (-1, 1, 1),
+    (-1, -1, 1),
+    (1, -1, 1),
+    (-1, -1, -1),
+    (-1, 1, -1),
+    (1, 1, -1),
+    (1, -1, -1),
+)
+_CUBE_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 6, 5, 1), (4, 7, 3, 2), (0, 3, 7, 6), (4, 2, 1, 5))
+_PLANE_FACES = {False: ((0, 1, 2, 3),), True: ((0, 3, 2, 1),)}
 
 
 def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface | None:
@@ -74,35 +87,37 @@ def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
     """Cubes and planes, whose corners are exact."""
     if prim.IsA(UsdGeom.Cube):
         half = float(prim.GetAttribute("size").Get(time) or 0.0) / 2
-        points = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
-        faces = np.array(_CUBE_FACES)
-    elif prim.IsA(UsdGeom.Plane):
-        width = float(prim.GetAttribute("width").Get(time) or 0.0) / 2
-        length = float(prim.GetAttribute("length").Get(time) or 0.0) / 2
-        axis = _AXES[str(prim.GetAttribute("axis").Get(time) or "Z")]
-        # Width runs along X (along Z for axis X); length along Y (along Z for axis Y).
-        along = {0: (2, 1), 1: (0, 2), 2: (0, 1)}[axis]
-        points = np.zeros((4, 3))
-        points[:, along[0]] = np.array([-1, 1, 1, -1]) * width
-        points[:, along[1]] = np.array([-1, -1, 1, 1]) * length
-        faces = np.array([[0, 1, 2, 3]] if axis == 2 else [[0, 3, 2, 1]])
-    else:
+        return _flat_mesh(prim, time, np.array(_CUBE_POINTS) * half, np.array(_CUBE_FACES))
+    if not prim.IsA(UsdGeom.Plane):
         return None
-    return _flat_mesh(prim, time, points[faces].reshape(-1, 3).astype(np.float64), len(faces))
+    width = float(prim.GetAttribute("width").Get(time) or 0.0) / 2
+    length = float(prim.GetAttribute("length").Get(time) or 0.0) / 2
+    axis = _AXES[str(prim.GetAttribute("axis").Get(time) or "Z")]
+    # Width runs along X (along Z for axis X); length along Y (along Z for axis Y).
+    along = {0: (2, 1), 1: (0, 2), 2: (0, 1)}[axis]
+    points = np.zeros((4, 3))
+    points[:, along[0]] = np.array([-1, 1, 1, -1]) * width
+    points[:, along[1]] = np.array([-1, -1, 1, 1]) * length
+    return _flat_mesh(prim, time, points, np.array(_PLANE_FACES[axis != 2]))
 
 
-def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, corners: Array, faces: int) -> LocalMesh:
+def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
     material = _material(prim)
     color, undefined = _color(prim, time)
+    if undefined and prim.IsA(UsdGeom.Cube):
+        colors = corner_colors(prim, time, CornerMap.whole(faces, len(points)))
+        undefined = False
+    else:
+        colors = None if color is None else np.tile(color, (faces.size, 1))
     return LocalMesh(
-        corners,
-        np.full(faces, 4),
+        points[faces].reshape(-1, 3).astype(np.float64),
+        np.full(len(faces), 4),
         np.zeros((0, 3)),
         0,
         None,
         {},
-        None if color is None else np.tile(color, (len(corners), 1)),
-        np.full(faces, 0 if material else -1),
+        colors,
+        np.full(len(faces), 0 if material else -1),
         [material] if material else [],
         True,
         bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)),

@@ -59,7 +59,7 @@ def read_mesh(
         corners.optional_triangles,
         normals,
         _uvs(prim, time, corners),
-        _colors(prim, time, corners),
+        corner_colors(prim, time, corners),
         face_materials[corners.faces],
         paths,
         scheme == "none" and normals is None,
@@ -68,7 +68,7 @@ def read_mesh(
 
 
 @dataclasses.dataclass
-class _CornerMap:
+class CornerMap:
     """Which authored corners are drawn, and where each one's primvar values lie."""
 
     index: Indices
@@ -84,6 +84,19 @@ class _CornerMap:
     totals: dict[str, int]
     """How many elements a primvar of each interpolation must have."""
 
+    @classmethod
+    def whole(cls, faces: Indices, points: int) -> CornerMap:
+        """All corners of (n, k) faces of point indices."""
+        index = np.arange(faces.size)
+        owner = np.repeat(np.arange(len(faces)), faces.shape[1])
+        totals = {
+            "uniform": len(faces),
+            "faceVarying": faces.size,
+            "vertex": points,
+            "varying": points,
+        }
+        return cls(index, faces.reshape(-1), owner, np.arange(len(faces)), index[:0], 0, totals)
+
     def expand(self, values: Array, interpolation: str) -> Array | None:
         """(n, …) values at the corners; None where the count does not fit the topology."""
         if interpolation == "constant" and len(values) >= 1:
@@ -96,7 +109,7 @@ class _CornerMap:
 
 def _usable_corners(
     mesh: UsdGeom.Mesh, time: Usd.TimeCode, counts: Indices, indices: Indices, points: Array
-) -> _CornerMap:
+) -> CornerMap:
     face = np.repeat(np.arange(len(counts)), counts)
     inside = (indices >= 0) & (indices < len(points))
     bad = np.zeros(len(counts), bool)
@@ -120,7 +133,7 @@ def _usable_corners(
         "vertex": len(points),
         "varying": len(points),
     }
-    return _CornerMap(
+    return CornerMap(
         keep,
         indices[keep],
         face[keep],
@@ -158,7 +171,7 @@ def _reversed_faces(keep: Indices, counts: Indices) -> Indices:
     return keep[starts[face] + counts[face] - 1 - local]
 
 
-def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: _CornerMap) -> Array | None:
+def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
     primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar("normals")
     if primvar and primvar.HasAuthoredValue():
         raw, interpolation = primvar.ComputeFlattened(time), primvar.GetInterpolation()
@@ -172,7 +185,7 @@ def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: _CornerMap) -> Arr
     return expanded / length if np.isfinite(length).all() and (length > 1e-12).all() else None
 
 
-def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: _CornerMap) -> dict[str, Array]:
+def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
     result = {}
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
         if str(primvar.GetTypeName()) not in _UV_TYPES:
@@ -184,7 +197,8 @@ def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: _CornerMap) -> dict[str, A
     return result
 
 
-def _colors(prim: Usd.Prim, time: Usd.TimeCode, corners: _CornerMap) -> Array | None:
+def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
+    """(n, 4) display color and opacity at the corners; None where none fits."""
     api = UsdGeom.PrimvarsAPI(prim)
     color = api.FindPrimvarWithInheritance("displayColor")
     opacity = api.FindPrimvarWithInheritance("displayOpacity")

@@ -101,7 +101,7 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     optional = [transform_points(mesh.optional_positions, matrix) for mesh, matrix in placed]
     everything = np.vstack(worlds)
     result = Corners(everything, np.vstack(optional))
-    center = everything.mean(axis=0)
+    center = result.center = everything.mean(axis=0)
     area, volume = np.zeros(2), np.zeros(2)
     normals, known = [], True
     for (mesh, matrix), world in zip(placed, worlds, strict=True):
@@ -135,14 +135,21 @@ def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
         result.colors = np.vstack(colors)
     labels: list[Indices] = []
     for mesh in meshes:
-        offset = len(result.material_paths)
-        face_label = np.where(mesh.materials >= 0, mesh.materials + offset, -1)
+        places = [_place_of(path, result.material_paths) for path in mesh.material_paths]
+        # The last entry answers to index −1, no material.
+        face_label = np.array([*places, -1])[mesh.materials]
         labels.append(np.repeat(face_label, mesh.counts))
-        result.material_paths += mesh.material_paths
     result.materials = np.concatenate(labels)
     result.double_sided = meshes[0].double_sided
     if any(mesh.double_sided != result.double_sided for mesh in meshes):
         result.double_sided = None
+
+
+def _place_of(path: str, paths: list[str]) -> int:
+    """The index of `path` in `paths`, where it is added if it is new."""
+    if path not in paths:
+        paths.append(path)
+    return paths.index(path)
 
 
 def _transform_normals(normals: Array, matrix: Array) -> Array:
@@ -164,10 +171,7 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
         material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial()[0]
         if not material:
             return -1
-        path = str(material.GetPath())
-        if path not in paths:
-            paths.append(path)
-        return paths.index(path)
+        return _place_of(str(material.GetPath()), paths)
 
     result[:] = label(prim)
     for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
