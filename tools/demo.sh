@@ -13,8 +13,5 @@ printf '\n== Building ==\n'
 cargo build --release --locked
 
 printf '\n== Rendering the built-in scene ==\n'
-# Mesa's device-select layer complains about missing desktops; there is nothing to select here.
-export NODEVICE_SELECT=1
-[ -n "${XDG_RUNTIME_DIR:-}" ] || export XDG_RUNTIME_DIR="${TMPDIR:-/tmp}"
 binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
 "$binary" render --output "$root/atrium.png" --stats text

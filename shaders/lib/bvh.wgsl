@@ -52,7 +52,7 @@ var<private> tested_triangles: u32 = 0u;
 // Cut-outs are asked for their alpha outside the traversal, which then starts again behind those
 // that are transparent here: inside the loop the look-up would cost every ray (on llvmpipe two
 // thirds of all tracing time in Sponza), outside only those that meet leaves.
-const MAX_LAYERS = 64u;
+const MAX_LAYERS = 1024u;
 
 fn trace_nearest(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> Hit {
     return trace_solid(origin, direction, t_min, t_max, false);
@@ -65,7 +65,10 @@ fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
 fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
     var hit = traverse(origin, direction, t_min, t_max, shadow);
     if HAS_CUTOUT {
-        for (var layer = 1u; layer < MAX_LAYERS && is_cut_out(hit); layer++) {
+        for (var layer = 0u; is_cut_out(hit); layer++) {
+            if layer == MAX_LAYERS {
+                return Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+            }
             hit = traverse(origin, direction, hit.t, t_max, shadow);
         }
     }

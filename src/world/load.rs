@@ -278,8 +278,28 @@ impl<'a> Loader<'a> {
         let image_files: Vec<_> = image_files.collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?;
+        self.warn_of_reduced(&requests);
         camera::add_default(&mut self.world);
         Ok(self.world)
+    }
+}
+
+impl Loader<'_> {
+    fn warn_of_reduced(&mut self, requests: &[texture::TextureRequest]) {
+        for (texture, request) in self.world.textures.iter().zip(requests) {
+            let largest = texture::LARGEST_KEPT_PX;
+            if texture.width.max(texture.height) > largest {
+                let text = format!(
+                    "{}: {} x {} pixels are rendered as {largest} x {largest}",
+                    texture.name, texture.width, texture.height
+                );
+                let warning = Diagnostic::in_file("texture-reduced", &request.file, text);
+                self.world.warnings.push(Diagnostic {
+                    severity: Severity::Warning,
+                    ..warning
+                });
+            }
+        }
     }
 }
 

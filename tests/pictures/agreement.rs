@@ -83,9 +83,10 @@ fn causes_and_sources_account_for_every_reflective_pixel() {
                 .map(|s| s.pixels);
             assert_eq!(reported, Some(counted), "{method}: {}", cause.name());
         }
-        let rays = causes
-            .iter()
-            .filter(|c| Cause::from_number(**c).is_some_and(|c| c.source() == Source::Traced));
+        let rays = causes.iter().filter(|c| {
+            Cause::from_number(**c)
+                .is_some_and(|c| c.source(picture.stats.method) == Source::Traced)
+        });
         assert_eq!(u64::from(picture.stats.rays), rays.count() as u64);
     }
 }

@@ -14,6 +14,6 @@ fn the_manual_is_up_to_date() {
     let got = fs::read_to_string(&file).unwrap_or_default();
     assert!(
         got == want,
-        "docs/scene.md is stale: UPDATE_DOCS=1 cargo test --test scene_docs"
+        "docs/scene.md is stale: UPDATE_DOCS=1 cargo test --test scene"
     );
 }
