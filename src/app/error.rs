@@ -34,12 +34,9 @@ impl AppError {
             Self::Scene(_) => 3,
             Self::Threshold => 6,
             Self::Interrupted(_) => super::bench::progress::INTERRUPTED,
-            Self::Gpu(
-                GpuError::NoAdapter(_)
-                | GpuError::Limit { .. }
-                | GpuError::OutOfMemory(_)
-                | GpuError::Lost(_),
-            ) => 4,
+            Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
+            // The scene, or the picture that it asks for, is too large.
+            Self::Gpu(GpuError::Limit { .. }) => 3,
             Self::Gpu(_) | Self::Internal(_) => 1,
         }
     }

@@ -1,6 +1,6 @@
 //! `render`: a scene becomes picture files.
 
-use std::path::Path;
+use std::{path::Path, time::Instant};
 
 use super::{
     cli::{RenderArgs, StatsForm},
@@ -8,7 +8,7 @@ use super::{
     output::Output,
     print_json, print_out,
     scene::{LoadedScene, load_scene},
-    stats::Report,
+    stats::{Around, Report},
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
@@ -21,11 +21,14 @@ use crate::{
 /// # Errors
 /// Whatever stops it; no file is left half written.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
+    let started = Instant::now();
     // Cheap checks first: a typo must not cost a minute of rendering.
     let output = Output::new(&args.output)?;
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
+    let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
+    let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     let (_, camera) = choose_camera(&loaded, args.camera.as_deref())?;
 
     let gpu = Gpu::new(&GpuOptions {
@@ -42,11 +45,15 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let picture = renderer
         .picture(&gpu, world, &camera, &aovs)
         .map_err(failed)?;
+    let around = Around {
+        load_ms,
+        first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
+    };
 
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let report = Report::new(&gpu, picture.stats);
+    let report = Report::new(&gpu, picture.stats, around);
     match args.stats {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),

@@ -14,6 +14,7 @@ use crate::{
     world::{
         World,
         load::{self, LoadOptions},
+        usd,
     },
 };
 
@@ -47,6 +48,7 @@ pub fn load_scene(
 ) -> Result<LoadedScene, AppError> {
     let overrides = [from.set.as_slice(), overrides].concat();
     let read = match path {
+        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
         Some(path) => parse::load(path, &overrides),
         None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
     };
@@ -87,6 +89,27 @@ fn load_desc(
     })
 }
 
+/// Whether the argument is a model rather than a scene.
+fn is_model(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    usd::is_stage(path)
+        || ["gltf", "glb"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// A scene for looking at one model: as it is, in daylight.
+fn scene_around(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let file = serde_json::Value::from(name.as_ref());
+    format!(
+        "version = 1\n\
+         [model.model]\nfile = {file}\n\
+         [light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
+         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n"
+    )
+}
+
 /// The text of a scene file, or of the built-in atrium.
 ///
 /// # Errors
@@ -94,6 +117,7 @@ fn load_desc(
 pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
     match path {
         None => Ok(ATRIUM.to_owned()),
+        Some(path) if is_model(path) => Ok(scene_around(path)),
         Some(path) => fs::read_to_string(path)
             .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
     }

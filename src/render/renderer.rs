@@ -90,7 +90,7 @@ impl Renderer {
         let started = Instant::now();
         let trees = Trees::build(world, gpu.largest_storage_buffer())?;
         let tree_ms = started.elapsed().as_secs_f64() * 1e3;
-        let scene = GpuScene::new(gpu, world, &trees, options.reflection.roughness_cutoff)?;
+        let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = if options.general {
             Plan::general(&options.reflection)
         } else {
@@ -157,6 +157,11 @@ impl Renderer {
     /// The length U in metres.
     pub fn unit_m(&self) -> f32 {
         self.unit_m
+    }
+
+    /// How reflections are found.
+    pub fn method(&self) -> Method {
+        self.options.reflection.method
     }
 
     /// The intermediate textures, for AOVs.
