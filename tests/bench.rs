@@ -151,7 +151,7 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     for sample in &first {
         assert_eq!(sample.status, "ok");
         assert!(sample.frame_ms.expect("timed") > 0.0);
-        let sum = sample.screen_percent + sample.traced_percent;
+        let sum = sample.screen_percent + sample.traced_percent + sample.failed_percent;
         let sum = sum + sample.none_percent + sample.rough_percent;
         assert!((sum - 100.0).abs() < 1e-9, "{sum}");
         let causes: f64 = sample.details("cause_", "_px").iter().map(|(_, n)| n).sum();

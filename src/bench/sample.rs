@@ -140,8 +140,10 @@ sample! {
     reflective_px: u64,
     /// Reflective pixels found on screen, percent.
     screen_percent: f64,
-    /// Traced ones (left without reflection by `ssr`).
+    /// Traced ones.
     traced_percent: f64,
+    /// Those that `ssr` leaves without reflection, where others trace.
+    failed_percent: f64,
     /// Those with nothing in reach.
     none_percent: f64,
     /// Those too rough.

@@ -157,6 +157,7 @@ impl Point {
         };
         s.screen_percent = share(|s| s.screen_percent);
         s.traced_percent = share(|s| s.traced_percent);
+        s.failed_percent = share(|s| s.failed_percent);
         s.none_percent = share(|s| s.none_percent);
         s.rough_percent = share(|s| s.rough_percent);
         (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);

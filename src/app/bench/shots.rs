@@ -20,7 +20,7 @@ use crate::{
 pub enum Shot {
     /// As shown.
     Picture(ReflectionDesc),
-    /// Screen blue, traced pink, nothing in reach green, too rough gray.
+    /// Screen blue, traced pink, nothing in reach green, too rough gray, failed red.
     Source(ReflectionDesc),
     /// What it shows less what the reference shows, enlarged.
     Difference(ReflectionDesc),
@@ -67,7 +67,7 @@ pub fn gallery(
     Ok(Gallery {
         title: format!("{}: pictures", subject.name),
         text: "Sources: blue was found on screen, pink was traced, green has nothing in reach, \
-               gray is too rough. ssr alone shows pink pixels without reflection."
+               gray is too rough; red is what ssr alone leaves without reflection."
             .to_owned(),
         figures: figures.into_iter().flatten().collect(),
     })

@@ -34,6 +34,7 @@ pub fn overview(sections: &[Section]) -> String {
         "SSIM frame",
         "screen %",
         "traced %",
+        "failed %",
         "none %",
         "rough %",
         "MiB",
@@ -57,6 +58,7 @@ pub fn overview(sections: &[Section]) -> String {
                 number(s.ssim),
                 format!("{:.1}", s.screen_percent),
                 format!("{:.1}", s.traced_percent),
+                format!("{:.1}", s.failed_percent),
                 format!("{:.1}", s.none_percent),
                 format!("{:.1}", s.rough_percent),
                 format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
@@ -80,7 +82,7 @@ pub fn overview(sections: &[Section]) -> String {
     out + "</table></div>\n"
 }
 
-const HEADS: [&str; 17] = [
+const HEADS: [&str; 18] = [
     "setting",
     "ms a frame (p5 to p95)",
     "reflection ms",
@@ -93,6 +95,7 @@ const HEADS: [&str; 17] = [
     "PSNR frame",
     "screen %",
     "traced %",
+    "failed %",
     "none %",
     "rough %",
     "sum %",
@@ -129,7 +132,7 @@ pub fn points(section: &Section) -> String {
         let label = label(sample);
         let _ = writeln!(
             out,
-            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"16\">failed: {}</td></tr>",
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"17\">failed: {}</td></tr>",
             escape(&label),
             escape(why)
         );
@@ -143,7 +146,8 @@ fn cells(point: &Point) -> Vec<String> {
     let ssim = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.4}"));
     let percent = |value: f64| format!("{value:.1}");
     let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
-    let sum = s.screen_percent + s.traced_percent + s.none_percent + s.rough_percent;
+    let found = s.screen_percent + s.traced_percent + s.failed_percent;
+    let sum = found + s.none_percent + s.rough_percent;
     let psnr = s.psnr_db.map(|db| {
         if db.is_finite() {
             format!("{db:.1}")
@@ -166,6 +170,7 @@ fn cells(point: &Point) -> Vec<String> {
         psnr.unwrap_or("–".to_owned()),
         percent(s.screen_percent),
         percent(s.traced_percent),
+        percent(s.failed_percent),
         percent(s.none_percent),
         percent(s.rough_percent),
         percent(sum),

@@ -282,6 +282,7 @@ fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     };
     sample.screen_percent = percent("screen");
     sample.traced_percent = percent("traced");
+    sample.failed_percent = percent("failed");
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
     for (name, ms) in &stats.passes_ms {
