@@ -168,6 +168,10 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["measured"], 10);
     assert_eq!(json["host"]["adapter"], first[0].adapter.as_str());
+    for chart in ["chart-1-flip.svg", "chart-1-ssim.svg", "course-1-knob.svg"] {
+        let svg = fs::read_to_string(out.join(chart)).expect("a chart");
+        assert!(svg.contains("threshold_u") && svg.ends_with("</svg>\n"), "{chart}");
+    }
     let html = fs::read_to_string(out.join("report.html")).expect("a report");
     assert!(html.ends_with("</html>\n") && html.contains("<svg") && html.contains("<title>"));
     for outside in ["src=\"http", "href=\"http", "@import", "<script"] {

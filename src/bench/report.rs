@@ -56,7 +56,11 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                     charts.push(ChartFile { name, svg });
                 }
             }
-            for (what, course) in [("ms", Course::Milliseconds), ("ssim", Course::Ssim)] {
+            for (what, course) in [
+                ("knob", Course::ErrorByKnob),
+                ("ms", Course::Milliseconds),
+                ("ssim", Course::Ssim),
+            ] {
                 if let Some(svg) = course::draw(&group, course)? {
                     let name = format!("course-{}-{what}.svg", index + 1);
                     charts.push(ChartFile { name, svg });

@@ -34,6 +34,9 @@ pub struct Axes {
     pub metric: Metric,
 }
 
+/// Most dots whose values are written beside them; of more, only those on the front.
+const MAX_NAMED: usize = 24;
+
 /// Pixels of a chart.
 const SIZE: (u32, u32) = (860, 500);
 
@@ -175,12 +178,17 @@ where
             chart.draw_series(line).map_err(said)?;
         }
         let to_pixels = chart.as_coord_spec();
+        let few = dots.len() <= MAX_NAMED;
         for dot in dots {
             let at = to_pixels.translate(&shown(&dot.spot));
             let ends = dot
                 .spread
                 .map(|ends| ends.map(|ms| to_pixels.translate(&(ms, shown(&dot.spot).1)).0));
             mark(&mut overlay, dot, group, axes.metric, at, ends);
+            // Many labels cover each other; the hover text has all of them.
+            if let (Some(value), true) = (dot.point.sample.value, few || dot.is_on_front) {
+                name(&mut overlay, value, at);
+            }
         }
         legend(&mut overlay, dots);
         root.present().map_err(said)?;
@@ -279,15 +287,17 @@ fn mark(
          stroke-width=\"2\"><title>{}</title></circle>",
         escape(&title)
     );
-    if let Some(value) = dot.point.sample.value {
-        let _ = writeln!(
-            out,
-            "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"11\" \
-             fill=\"#444\">{value}</text>",
-            x + 9,
-            y - 7
-        );
-    }
+}
+
+/// A knob's value beside its dot.
+fn name(out: &mut String, value: f64, (x, y): (i32, i32)) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"11\" \
+         fill=\"#444\">{value}</text>",
+        x + 9,
+        y - 7
+    );
 }
 
 /// Methods with their knob, and what the marks mean, in the upper right corner.
