@@ -182,7 +182,7 @@ class SceneComparer:
                 self.checks.add("normals", key, 180.0, "no normals in the output")
             else:
                 step = 2 * math.sin(math.radians(BARS["normals"].limit) / 2)
-                chord = _attribute_distance(
+                chord = attribute_distance(
                     (expected.positions, expected.normals),
                     (found.positions, found.normals),
                     tolerance,
@@ -196,7 +196,7 @@ class SceneComparer:
         if expected.undefined_colors and unbound:
             self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
         elif expected.colors is not None and found.colors is not None and unbound:
-            value = _attribute_distance(
+            value = attribute_distance(
                 (expected.positions, expected.colors),
                 (found.positions, found.colors),
                 tolerance,
@@ -222,7 +222,7 @@ class SceneComparer:
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
             step = BARS["uvs"].limit * reach
             best = min(
-                _attribute_distance(
+                attribute_distance(
                     (expected.positions, candidate),
                     (found.positions, values),
                     tolerance,
@@ -299,7 +299,7 @@ def set_distance(first: Array, second: Array) -> float:
     return max(one_way(first, second), one_way(second, first))
 
 
-def _attribute_distance(
+def attribute_distance(
     expected: tuple[Array, Array],
     found: tuple[Array, Array],
     tolerance: float,
