@@ -14,7 +14,7 @@ from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
-_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061])
+_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -290,7 +290,7 @@ def _distinct(points: Array) -> Array:
     """The points without exact repetitions: corners repeat each vertex about six times."""
     # Equal points have equal projections; different ones share theirs only where 53 bits agree by
     # accident, for the direction fits no lattice.
-    _, first = np.unique(points @ _DIRECTION, return_index=True)
+    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
     return points[first]
 
 
