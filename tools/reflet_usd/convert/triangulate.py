@@ -59,10 +59,13 @@ def _triangulate_equal(points: Array, corner_points: Array, corners: Array) -> A
 
 
 def _needs_other_diagonal(quads: Array) -> Array:
-    """Which quads (F, 4, 3) the diagonal 0-2 would fold over: a reflex corner at 1 or 3."""
-    a, b, c, d = (quads[:, corner] for corner in range(4))
-    first, second = np.cross(b - a, c - a), np.cross(c - a, d - a)
-    return np.einsum("fk,fk->f", first, second) < 0.0
+    """Which quads (F, 4, 3) turn right at corner 1 or 3, so that the diagonal 0-2 is outside.
+
+    Judged in the quad's own plane: a bent quad may fold over a diagonal and still be convex.
+    """
+    turns = _turns(_project(quads))
+    worst = np.argmin(turns, axis=1)
+    return (turns.min(axis=1) < -1e-12 * np.abs(turns).max(axis=1)) & (worst % 2 == 1)
 
 
 def _project(polygons: Array) -> Array:
