@@ -316,3 +316,9 @@ def test_values_beyond_float32_are_named(tmp_path: Path) -> None:
     done = convert_text(tmp_path, mesh(body, "4/0,1,2,3", SQUARE))
     assert "primvar-non-finite" in done.warnings("/M")
     assert np.isfinite(done.attribute(0, 0, "_HEAT")).all()
+
+
+def test_a_bent_convex_quad_keeps_its_first_diagonal() -> None:
+    bent = np.array([[0, 0, 0], [1, 0, 3], [1, 1, 0], [0, 1, 3]], dtype=float)
+    triangles, _ = triangulate(bent, np.arange(4), np.array([4]))
+    assert triangles.tolist() == [[0, 1, 2], [0, 2, 3]]

@@ -232,3 +232,23 @@ def Cube "C" {
     sampler = done.json["animations"][0]["samplers"][0]
     assert done.array(sampler["output"])[:, 0].tolist() == [1, 0]
     assert sampler["interpolation"] == "STEP"
+
+
+@pytest.mark.parametrize(
+    ("diagonal", "scale"),
+    [
+        ((2, 3, 4), (2, 3, 4)),
+        ((2, -3, 4), (2, -3, 4)),
+        ((-2, -3, 4), (2, 3, 4)),
+        ((-1, -1, -1), (-1, -1, -1)),
+        ((0, 0, 5), (0, 0, 5)),
+    ],
+)
+def test_half_turns_are_rotations_and_mirrors_are_scales(
+    diagonal: tuple[float, ...], scale: tuple[float, ...]
+) -> None:
+    matrix = np.diag([*diagonal, 1.0])
+    parts = decompose(matrix)
+    assert parts is not None
+    assert parts.scale == pytest.approx(scale)
+    assert parts.matrix() == pytest.approx(matrix)

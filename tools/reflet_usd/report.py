@@ -20,7 +20,7 @@ from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.peers import Root, read_peers, read_roots
 from reflet_usd.report_table import format_markdown
 from reflet_usd.sandbox import Limits, run_convert
-from reflet_usd.validate.khronos import ValidatorMissingError, find_package
+from reflet_usd.validate.khronos import ValidatorMissingError, check_files, find_package
 
 _VALIDATE_S = 900.0
 
@@ -123,12 +123,24 @@ def convert_all(
             rows.append(item.result())
             if sys.stderr.isatty():
                 print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
+    _run_khronos([row for row in rows if row.proof], place)
     return rows
+
+
+def _run_khronos(rows: list[Row], place: Path) -> None:
+    """Add the Khronos validator's reports, all from one node process."""
+    for row, report in zip(rows, check_files([_out(row.root, place) for row in rows]), strict=True):
+        row.proof["khronos"] = dataclasses.asdict(report)
+        row.proof["passed"] = row.proof["passed"] and report.errors == 0
+
+
+def _out(root: Root, place: Path) -> Path:
+    return place / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".glb")
 
 
 def _one(folder: Path, root: Root, place: Path, limits: Limits) -> Row:
     stage = folder / root.file
-    out = place / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".glb")
+    out = _out(root, place)
     # Stages of a corpus borrow layers and textures from each other's folders.
     options = ConvertOptions(extra_roots=(folder,))
     start = time.monotonic()
@@ -146,7 +158,7 @@ def _one(folder: Path, root: Root, place: Path, limits: Limits) -> Row:
 
 def _check(row: Row, out: Path, stage: Path, folder: Path) -> None:
     """Validate in a process of its own, for usd-core may end the one that reads a stage."""
-    command = [sys.executable, "-m", "reflet_usd", "validate", str(out), "--json"]
+    command = [sys.executable, "-m", "reflet_usd", "validate", str(out), "--json", "--no-khronos"]
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
     try:
         done = subprocess.run(

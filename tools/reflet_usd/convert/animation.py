@@ -40,6 +40,8 @@ def transform_node(context: Context, prim: Usd.Prim) -> tuple[Node, Node, bool]:
     xformable = UsdGeom.Xformable(prim)
     if not xformable:
         return node, node, False
+    if not xformable.GetXformOpOrderAttr().HasAuthoredValue():
+        return node, node, False
     matrix = _finite(context, prim, xformable.GetLocalTransformation(context.time))
     reset = xformable.GetResetXformStack()
     codes = key_codes(context, xformable)

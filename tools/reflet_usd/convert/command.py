@@ -7,7 +7,7 @@ import sys
 from collections import Counter
 
 from reflet_usd.convert import arguments
-from reflet_usd.convert.types import ConvertError
+from reflet_usd.convert.types import ConvertError, count_of
 
 SHOWN_WARNINGS = 20
 
@@ -33,5 +33,5 @@ def run(args: argparse.Namespace) -> int:
     if hidden:
         counts = ", ".join(f"{count} {name}" for name, count in sorted(hidden.items()))
         print(f"warning: and {counts}; all are in {args.output}.json", file=sys.stderr)
-    print(f"{args.stage} -> {args.output} ({len(result.warnings)} warnings)")
+    print(f"{args.stage} -> {args.output} ({count_of(len(result.warnings), 'warning')})")
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -76,18 +77,27 @@ def build_curves(
         lines = _polylines(counts, wrap == "periodic")
         if len(lines) == 0:
             return None
-        return _write(context, writer, materials, prim, points, np.arange(len(points)), lines)
+        curves = np.repeat(np.arange(len(counts)), counts)
+        curves = np.pad(curves, (0, len(points) - len(curves)))
+        topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
+        vertices = np.arange(len(points))
+        return _write(context, writer, materials, prim, points, vertices, lines, topology)
     basis = str(authored(prim, "basis", context.time, "bezier"))
     if basis not in _BASES:
         context.ledger.warn("curves-dropped", prim, f"the basis '{basis}' is not known")
         return None
     message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
     context.ledger.warn("curves-approximated", prim, message)
-    sampled, lines = _sample_cubic(points, counts, basis, wrap)
+    sampled, lines, curves = _sample_cubic(points, counts, basis, wrap)
     if len(sampled) == 0:
         context.ledger.warn("curves-invalid", prim, "no curve has enough points for its basis")
         return None
-    return _write(context, writer, materials, prim, sampled, np.arange(len(sampled)), lines)
+    # Values per control point have no place on the samples; values per curve do.
+    topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), curves)
+    topology = replace(topology, authored=Topology(len(points), len(counts), curves, curves))
+    drop = ("vertex", "varying", "faceVarying")
+    vertices = np.arange(len(sampled))
+    return _write(context, writer, materials, prim, sampled, vertices, lines, topology, drop)
 
 
 def _polylines(counts: Array, closed: bool) -> Array:
@@ -102,14 +112,16 @@ def _polylines(counts: Array, closed: bool) -> Array:
     return np.delete(pairs, ends, axis=0)
 
 
-def _sample_cubic(points: Array, counts: Array, basis: str, wrap: str) -> tuple[Array, Array]:
-    """Points along cubic curves and the lines that join them."""
+def _sample_cubic(
+    points: Array, counts: Array, basis: str, wrap: str
+) -> tuple[Array, Array, Array]:
+    """Points along cubic curves, the lines that join them, and the curve of each point."""
     step = 3 if basis == "bezier" else 1
     t = np.linspace(0.0, 1.0, SEGMENTS_PER_SPAN + 1)
     weights = np.stack([np.ones_like(t), t, t * t, t**3], axis=1) @ _BASES[basis]
-    curves, lengths = [], []
+    curves, lengths, numbers = [], [], []
     start = 0
-    for count in counts:
+    for number, count in enumerate(counts):
         control = points[start : start + count]
         start += count
         if wrap == "periodic":
@@ -125,9 +137,11 @@ def _sample_cubic(points: Array, counts: Array, basis: str, wrap: str) -> tuple[
         curve = np.vstack([samples[:, :-1].reshape(-1, 3), samples[-1, -1:]])
         curves.append(curve)
         lengths.append(len(curve))
+        numbers.append(number)
     if not curves:
-        return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64)
-    return np.concatenate(curves), _polylines(np.array(lengths), False)
+        return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    owners = np.repeat(numbers, lengths)
+    return np.concatenate(curves), _polylines(np.array(lengths), False), owners
 
 
 def _write(
@@ -138,10 +152,17 @@ def _write(
     points: Array,
     vertices: Array,
     lines: Array | None,
+    topology: Topology | None = None,
+    dropped: tuple[str, ...] = (),
 ) -> int:
-    """Points or lines with the gprim's display color; bound materials do not shade them."""
-    count = len(points)
-    topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
+    """Points or lines with the gprim's display color; bound materials do not shade them.
+
+    Primvars of an interpolation in `dropped` are named and left out.
+    """
+    if topology is None:
+        count = len(points)
+        topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
+    topology = replace(topology, dropped=dropped)
     display = read_display(context, prim, topology)
     color = display.stream_for(True, True)
     attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}

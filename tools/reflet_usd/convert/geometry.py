@@ -226,7 +226,16 @@ class GeometryBuilder:
 
 
 _OTHER_SURFACES = ("NurbsPatch", "TetMesh")
-_STILL = ("xformOp", "visibility", "extent", "points", "velocities", "primvars:skel:", "normals")
+_STILL = (
+    "accelerations",
+    "xformOp",
+    "visibility",
+    "extent",
+    "points",
+    "velocities",
+    "primvars:skel:",
+    "normals",
+)
 
 
 def warn_frozen(context: Context, prim: Usd.Prim) -> None:

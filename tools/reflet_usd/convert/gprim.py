@@ -206,4 +206,4 @@ def _surface(points: Array, faces: Array, normals: Array) -> tuple[Surface, Topo
     corners = np.arange(len(points))
     surface = Surface(points, corners, triangles, face_of, Stream(normals, corners, by_point=True))
     topology = Topology(len(points), len(faces), corners, np.zeros(len(points), np.int64))
-    return surface, replace(topology, constant_only=True)
+    return surface, replace(topology, dropped=("uniform", "vertex", "varying", "faceVarying"))

@@ -12,7 +12,7 @@ from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.stage import error_text, open_context
 from reflet_usd.convert.traverse import Traversal
-from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult
+from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, count_of
 
 
 def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
@@ -40,7 +40,7 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
     if options.strict and result.warnings:
         first = result.warnings[0]
         message = (
-            f"{len(result.warnings)} warnings under --strict, the first one:"
+            f"{count_of(len(result.warnings), 'warning')} under --strict, the first one:"
             f" {first.prim}: {first.message} [{first.name}]"
         )
         raise ConvertError("strict", message, str(stage_path))

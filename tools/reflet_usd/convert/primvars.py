@@ -40,8 +40,8 @@ class Topology:
     """For refined meshes: carries a primvar of the authored mesh over."""
     assumed_order: bool = False
     """For cubes: points and faces are numbered as in Hydra, UsdGeom does not number them."""
-    constant_only: bool = False
-    """For tessellated gprims: only constant primvars have a meaning."""
+    dropped: tuple[str, ...] = ()
+    """Interpolations without a meaning on what the gprim became (curved gprims, cubics)."""
     authored: Topology | None = None
     """For refined meshes: the counts that authored primvars have."""
 
@@ -77,8 +77,8 @@ def to_stream(
 ) -> Stream | None:
     """The primvar over the corners of a surface, or None with `primvar-size-wrong`."""
     interpolation = primvar.interpolation
-    if topology.constant_only and interpolation != "constant":
-        message = f"primvar '{primvar.name}' ({interpolation}) has no meaning on a curved gprim"
+    if interpolation in topology.dropped:
+        message = f"primvar '{primvar.name}' ({interpolation}) has no place on the tessellation"
         context.ledger.warn("primvar-interpolation-dropped", prim, message)
         return None
     if topology.assumed_order and interpolation != "constant":

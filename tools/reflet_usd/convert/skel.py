@@ -55,6 +55,13 @@ class Skeletons:
             for query in binding.GetSkinningTargets():
                 self._bound[str(query.GetPrim().GetPath())] = _Bound(query, skeleton)
 
+    def warn_ignored_binding(self, prim: Usd.Prim) -> None:
+        """Name an animation that USD does not apply because the prim's API schema is missing."""
+        relationship = prim.GetRelationship("skel:animationSource")
+        if relationship and relationship.GetTargets() and not prim.HasAPI(UsdSkel.BindingAPI):
+            message = "USD ignores skel:animationSource here, SkelBindingAPI is not applied"
+            self.context.ledger.warn("skel-binding-ignored", prim, message)
+
     def is_bound(self, prim: Usd.Prim) -> bool:
         """Whether joints or blend shapes move this gprim."""
         return str(prim.GetPath()) in self._bound

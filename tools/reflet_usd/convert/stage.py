@@ -87,6 +87,7 @@ def error_text(error: Tf.ErrorException, path: Path) -> str:
     found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
     reason = found.group(1) if found else text or "USD gives no reason"
     reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
+    reason = re.sub(r"parse error matching .*? at '", "cannot parse '", reason)
     return reason.strip()[:400]
 
 

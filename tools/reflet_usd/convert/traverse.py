@@ -135,6 +135,8 @@ class Traversal:
             return False
         if type_name == "SkelRoot":
             self.skeletons.enter(prim)
+        if type_name in ("SkelRoot", "Skeleton"):
+            self.skeletons.warn_ignored_binding(prim)
         node, outer, reset = transform_node(self.context, prim)
         skinned = self.skeletons.is_skinned(prim)
         tree.contents[str(prim.GetPath())] = node

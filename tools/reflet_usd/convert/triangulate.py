@@ -42,19 +42,30 @@ def _triangulate_equal(points: Array, corner_points: Array, corners: Array) -> A
     local = np.broadcast_to(fan, (face_count, size - 2, 3)).copy()
     if size == 3:
         return local
+    if size == 4:
+        local[_needs_other_diagonal(points[corner_points[corners]])] = [[1, 2, 3], [1, 3, 0]]
+        return local
     chunk = max(1, _BATCH_ELEMENTS // (size * size))
     for begin in range(0, face_count, chunk):
         part = slice(begin, begin + chunk)
         flat = _project(points[corner_points[corners[part]]])
         concave = np.flatnonzero(~_is_convex(flat))
-        if size == 4:
-            local[begin + concave] = _split_concave_quads(flat[concave])
-        elif size <= _BATCH_CORNERS:
+        if size <= _BATCH_CORNERS:
             local[begin + concave] = _clip_batch(flat[concave])
         else:
             for face in concave:
                 local[begin + face] = _clip_one(flat[face])
     return local
+
+
+def _needs_other_diagonal(quads: Array) -> Array:
+    """Which quads (F, 4, 3) turn right at corner 1 or 3, so that the diagonal 0-2 is outside.
+
+    Judged in the quad's own plane: a bent quad may fold over a diagonal and still be convex.
+    """
+    turns = _turns(_project(quads))
+    worst = np.argmin(turns, axis=1)
+    return (turns.min(axis=1) < -1e-12 * np.abs(turns).max(axis=1)) & (worst % 2 == 1)
 
 
 def _project(polygons: Array) -> Array:
@@ -91,13 +102,6 @@ def _is_convex(flat: Array) -> Array:
     bends = np.diff(angles, axis=1, append=angles[:, :1])
     bends = np.mod(bends + np.pi, 2.0 * np.pi) - np.pi
     return left & (np.abs(bends.sum(axis=1)) < 3.0 * np.pi)
-
-
-def _split_concave_quads(flat: Array) -> Array:
-    """The diagonal of a concave quad starts at its reflex corner."""
-    reflex = np.argmin(_turns(flat), axis=1)
-    fan = np.array([[0, 1, 2], [0, 2, 3]])
-    return (fan[None] + reflex[:, None, None]) % 4
 
 
 def _clip_batch(flat: Array) -> Array:

@@ -71,6 +71,11 @@ class ConvertResult:
         }
 
 
+def count_of(count: int, noun: str) -> str:
+    """A count with its noun: `1 warning`, `2 warnings`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 class ConvertError(Exception):
     """A conversion that cannot be done, with the name of the reason."""
 

@@ -71,9 +71,14 @@ def quaternion(rotation: Array) -> Array:
 def decompose(matrix: Array) -> Trs | None:
     """The parts of an affine matrix for column vectors, or None where it shears.
 
-    A mirrored matrix gets one negative scale, on x. Columns of zero length keep scale 0.
+    Diagonal matrices keep their signs; other mirrored ones get a negative scale on x. Columns of
+    zero length keep scale 0.
     """
     linear = matrix[:3, :3]
+    diagonal = np.diagonal(linear)
+    turned = np.count_nonzero(diagonal < 0.0) == 2  # half a turn, not a mirror
+    if np.count_nonzero(linear) == np.count_nonzero(diagonal) and not turned:
+        return Trs(matrix[:3, 3].copy(), np.array([0.0, 0.0, 0.0, 1.0]), diagonal.copy())
     lengths = np.linalg.norm(linear, axis=0)
     largest = float(lengths.max())
     if largest == 0.0:

@@ -14,7 +14,7 @@ from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
-_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061])
+_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -182,7 +182,7 @@ class SceneComparer:
                 self.checks.add("normals", key, 180.0, "no normals in the output")
             else:
                 step = 2 * math.sin(math.radians(BARS["normals"].limit) / 2)
-                chord = _attribute_distance(
+                chord = attribute_distance(
                     (expected.positions, expected.normals),
                     (found.positions, found.normals),
                     tolerance,
@@ -196,7 +196,7 @@ class SceneComparer:
         if expected.undefined_colors and unbound:
             self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
         elif expected.colors is not None and found.colors is not None and unbound:
-            value = _attribute_distance(
+            value = attribute_distance(
                 (expected.positions, expected.colors),
                 (found.positions, found.colors),
                 tolerance,
@@ -222,7 +222,7 @@ class SceneComparer:
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
             step = BARS["uvs"].limit * reach
             best = min(
-                _attribute_distance(
+                attribute_distance(
                     (expected.positions, candidate),
                     (found.positions, values),
                     tolerance,
@@ -290,7 +290,7 @@ def _distinct(points: Array) -> Array:
     """The points without exact repetitions: corners repeat each vertex about six times."""
     # Equal points have equal projections; different ones share theirs only where 53 bits agree by
     # accident, for the direction fits no lattice.
-    _, first = np.unique(points @ _DIRECTION, return_index=True)
+    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
     return points[first]
 
 
@@ -299,7 +299,7 @@ def set_distance(first: Array, second: Array) -> float:
     return max(one_way(first, second), one_way(second, first))
 
 
-def _attribute_distance(
+def attribute_distance(
     expected: tuple[Array, Array],
     found: tuple[Array, Array],
     tolerance: float,

@@ -10,6 +10,8 @@ from .facts import Array, Indices
 
 _FLAT = 1e-5
 """A face is flat when no corner leaves its plane by more than this part of its size."""
+_CROSSING = 1e-4
+"""A quad whose better diagonal has this much more area than its area vector crosses itself."""
 _BENT_SLACK = 1.5
 """A bent face of more than four corners can be larger than its fan by about this factor."""
 
@@ -51,9 +53,11 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
     upper = np.where(flat, length, np.maximum(fan_area, length) * _BENT_SLACK)
     quads = np.flatnonzero(counts == 4)
     both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
-    # A flat quad has the area of its better diagonal, also where its sides cross.
-    lower[quads] = both.min(axis=1)
-    upper[quads] = np.where(flat[quads], both.min(axis=1), both.max(axis=1))
+    # A flat quad has the area of its better diagonal, unless its sides cross: then both fold.
+    best = both.min(axis=1)
+    simple = flat[quads] & (best <= length[quads] * (1 + _CROSSING))
+    lower[quads] = best
+    upper[quads] = np.where(simple, best, both.max(axis=1))
     volumes = np.einsum("ij,ij->i", positions[starts] - center, vector) / 3.0
     slack = np.where(flat, 0.0, height * upper)
     return FaceMeasures(

@@ -31,6 +31,24 @@ class OutputMaterial:
         """Whether the file has a texture in the slot of `name` (normal or occlusion)."""
         return getattr(self.material, f"{name}Texture") is not None
 
+    def texcoord(self, name: str) -> int | None:
+        """The UV set that the texture of channel `name` reads; None without such a texture."""
+        pbr, material = self.pbr, self.material
+        slots = {
+            "diffuseColor": pbr and pbr.baseColorTexture,
+            "opacity": pbr and pbr.baseColorTexture,
+            "metallic": pbr and pbr.metallicRoughnessTexture,
+            "roughness": pbr and pbr.metallicRoughnessTexture,
+            "emissiveColor": material.emissiveTexture,
+            "occlusion": material.occlusionTexture,
+            "normal": material.normalTexture,
+        }
+        info = slots.get(name)
+        if info is None:
+            return None
+        moved = (info.extensions or {}).get("KHR_texture_transform", {})
+        return int(moved.get("texCoord", info.texCoord or 0))
+
     def _diffuseColor(self, st: Array) -> Array:  # noqa: N802 - named as the USD input
         return self._base(st)[:, :3]
 

@@ -12,13 +12,18 @@ from .facts import Array, Scene
 from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
 from .usd_material import DEFAULTS, PreviewInput, preview_shader, read_input
+from .uv_compare import UvUse
 
 _SAMPLES = 16
 _VALUES = tuple(name for name in DEFAULTS if name not in ("opacityThreshold", "normal"))
 
 
-def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Scene) -> None:
-    """Compare every material that the stage binds to something it draws."""
+def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Scene) -> list[UvUse]:
+    """Compare every material that the stage binds to something it draws.
+
+    Returns which UV set of the file stands for which primvar, by material.
+    """
+    uses: list[UvUse] = []
     outputs: dict[str, list[int]] = {}
     for index, material in enumerate(file.materials):
         outputs.setdefault(file.prim_of(material) or "", []).append(index)
@@ -44,7 +49,10 @@ def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Sc
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:
-            _compare_one(checks, path, shader, OutputMaterial(file, index))
+            output = OutputMaterial(file, index)
+            _compare_one(checks, path, shader, output)
+            uses += _uv_uses(path, shader, output)
+    return uses
 
 
 def _compare_one(checks: Checks, path: str, shader: object, found: OutputMaterial) -> None:
@@ -64,6 +72,16 @@ def _compare_one(checks: Checks, path: str, shader: object, found: OutputMateria
             continue
         _compare_channel(checks, path, name, expected, found)
     _compare_normal(checks, path, read_input(shader, "normal"), found)
+
+
+def _uv_uses(path: str, shader: object, found: OutputMaterial) -> list[UvUse]:
+    uses = []
+    for name in DEFAULTS:
+        texture = read_input(shader, name).texture
+        number = found.texcoord(name)
+        if texture is not None and texture.primvar and number is not None:
+            uses.append(UvUse(path, texture.primvar, f"TEXCOORD_{number}"))
+    return list(dict.fromkeys(uses))
 
 
 def _compare_channel(

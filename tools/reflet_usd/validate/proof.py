@@ -128,6 +128,7 @@ def _compare(
     from .usd_skel import bake, skin_times
     from .usd_stage import open_truth, sample_codes
     from .usd_truth import TruthReader
+    from .uv_compare import compare_uv_uses
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
@@ -146,7 +147,8 @@ def _compare(
     comparer.matrices(rest, stored, "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
-    compare_materials(checks, truth.stage, file, rest)
+    uses = compare_materials(checks, truth.stage, file, rest)
+    compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
     codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
     codes = _within(sorted({*codes, *skin_codes}), frames)

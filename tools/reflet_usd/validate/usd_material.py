@@ -43,6 +43,8 @@ class TextureRead:
     linearize: bool
     transform: Array
     """(3, 3) acting on row vectors (s, t, 1), from the primvar to the texture."""
+    primvar: str = ""
+    """Name of the primvar that holds the texture coordinates."""
 
     def at(self, st: Array) -> Array:
         """Values (n, channels) at primvar coordinates `st`."""
@@ -128,9 +130,10 @@ def _texture(shader: UsdShade.Shader, output: str, width: int) -> PreviewInput:
     space = str(_value(shader, "sourceColorSpace", "auto"))
     linearize = space == "sRGB" or (space == "auto" and texels.eight_bit and texels.channels >= 3)
     channels = {"r": [0], "g": [1], "b": [2], "a": [3], "rgb": [0, 1, 2]}.get(output, [0])
-    transform = _transform(shader)
-    if transform is None:
+    placed = _transform(shader)
+    if placed is None:
         return PreviewInput(None, None, "its texture coordinates are not a primvar's")
+    transform, primvar = placed
     if width == 3 and len(channels) == 1:
         channels = channels * 3
     read = TextureRead(
@@ -141,12 +144,13 @@ def _texture(shader: UsdShade.Shader, output: str, width: int) -> PreviewInput:
         (first, second),
         linearize,
         transform,
+        primvar,
     )
     return PreviewInput(None, read)
 
 
-def _transform(shader: UsdShade.Shader) -> Array | None:
-    """The chain of UsdTransform2d between the texture and its primvar reader."""
+def _transform(shader: UsdShade.Shader) -> tuple[Array, str] | None:
+    """The chain of UsdTransform2d between the texture and its primvar, and the primvar's name."""
     result = _IDENTITY
     attribute = _producer(shader.GetInput("st"))
     for _ in range(8):
@@ -155,7 +159,7 @@ def _transform(shader: UsdShade.Shader) -> Array | None:
         source = UsdShade.Shader(attribute.GetPrim())
         identifier = source.GetIdAttr().Get() or ""
         if identifier.startswith("UsdPrimvarReader"):
-            return result
+            return result, str(_value(source, "varname", ""))
         if identifier != "UsdTransform2d":
             return None
         result = _transform2d(source) @ result
