@@ -317,6 +317,6 @@ mod tests {
             ..Sample::default()
         };
         let text = header() + &sample.line().replacen(",0,0,", ",wide,0,", 1);
-        assert_eq!(says(&text), "line 2: column width cannot be \"wide\"");
+        assert_eq!(says(&text), "line 2: column frame cannot be \"wide\"");
     }
 }

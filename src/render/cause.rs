@@ -116,6 +116,16 @@ impl Cause {
 }
 
 impl Source {
+    /// All sources; the index is the number in AOVs.
+    pub const ALL: [Self; 6] = [
+        Self::NotReflective,
+        Self::Screen,
+        Self::Traced,
+        Self::Failed,
+        Self::None,
+        Self::Rough,
+    ];
+
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
     pub const fn color(self) -> [u8; 3] {
         match self {

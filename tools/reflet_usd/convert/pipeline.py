@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
-from pxr import Tf, Usd
+from pxr import Ar, Tf, Usd
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -36,7 +37,8 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
     if not writer.lists.get("meshes"):
         ledger.warn("stage-empty", "/", "the stage has nothing to draw")
     counts = ledger.close(_prims(context.stage))
-    result = ConvertResult(ledger.warnings(), counts, _info(context, writer))
+    files = _files_read(context)
+    result = ConvertResult(ledger.warnings(), counts, _info(context, writer), files)
     if options.strict and result.warnings:
         first = result.warnings[0]
         message = (
@@ -46,6 +48,13 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
         raise ConvertError("strict", message, str(stage_path))
     writer.write(out, result.to_json())
     return result
+
+
+def _files_read(context: Context) -> list[str]:
+    """Files on disk; what lies in a usdz package counts as the package."""
+    layers = [layer.realPath for layer in context.stage.GetUsedLayers()]
+    paths = [path for path in (*layers, *context.textures_read) if path]
+    return sorted({os.path.abspath(Ar.SplitPackageRelativePathOuter(path)[0]) for path in paths})
 
 
 def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:
@@ -73,5 +82,6 @@ def _info(context: Context, writer: GltfWriter) -> dict[str, Any]:
     options = context.options
     info["frames"] = None if options.frames is None else list(options.frames)
     info["purpose"] = list(options.purpose)
+    info["subdivLevel"] = options.subdiv_level
     info["variants"] = [list(choice) for choice in options.variants]
     return info

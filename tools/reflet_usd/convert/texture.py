@@ -91,6 +91,7 @@ class TextureLibrary:
             message = f"@{shown}@ is outside the allowed folders; allow it with --root"
             warn("asset-outside-roots", read.prim, message)
             return None
+        self.context.textures_read.add(read.file)
         asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(read.file))
         data = bytes(asset.GetBuffer()) if asset else b""
         try:

@@ -56,6 +56,8 @@ class ConvertResult:
     """Per prim type: how many prims were `carried`, how many `warned` about."""
     info: dict[str, Any] = field(default_factory=dict)
     """Facts needed to compare the file with the stage (units, axis, time origin, counts)."""
+    files: list[str] = field(default_factory=list)
+    """Absolute paths of every layer, package and texture that was read, sorted."""
 
     def __post_init__(self) -> None:
         self.warnings = [
@@ -68,6 +70,7 @@ class ConvertResult:
             "warnings": [asdict(warning) for warning in self.warnings],
             "ledger": self.ledger,
             "info": self.info,
+            "files": self.files,
         }
 
 
