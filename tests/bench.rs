@@ -13,7 +13,7 @@ use std::{
 
 use common::gpu_or_skip;
 use reflet::bench::{
-    report::words,
+    report::{self, words},
     sample::{Sample, detail_columns, header, read_samples},
     summary::{Group, groups},
 };
@@ -170,7 +170,10 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     assert_eq!(json["host"]["adapter"], first[0].adapter.as_str());
     for chart in ["chart-1-flip.svg", "chart-1-ssim.svg", "course-1-knob.svg"] {
         let svg = fs::read_to_string(out.join(chart)).expect("a chart");
-        assert!(svg.contains("threshold_u") && svg.ends_with("</svg>\n"), "{chart}");
+        assert!(
+            svg.contains("threshold_u") && svg.ends_with("</svg>\n"),
+            "{chart}"
+        );
     }
     let html = fs::read_to_string(out.join("report.html")).expect("a report");
     assert!(html.ends_with("</html>\n") && html.contains("<svg") && html.contains("<title>"));
@@ -328,6 +331,31 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
     rows[1].status = "3 pixels hold NaN".to_owned();
     let failed: Vec<_> = groups(&rows).into_iter().flat_map(|g| g.failed).collect();
     assert_eq!(failed[0].1, "3 pixels hold NaN");
+}
+
+#[test]
+fn an_animation_is_averaged_and_drawn_over_its_frames() {
+    let mut rows = Vec::new();
+    for (frame, flip, px) in [(0, 0.1, 100), (95, 0.3, 300)] {
+        for mut row in [sample("ssr", 16.0, 5.0, flip), sample("rt", 3.0, 10.0, 0.0)] {
+            row.fingerprint += &frame.to_string();
+            (row.frame, row.reflective_px) = (frame, px);
+            row.screen_percent = if frame == 0 { 100.0 } else { 20.0 };
+            rows.push(row);
+        }
+    }
+    let group = only_group(&rows);
+    assert_eq!((group.points.len(), group.over_frames.len()), (2, 4));
+    let ssr = &group.points[0].sample;
+    assert!((ssr.mask_flip.expect("a mean") - 0.2).abs() < 1e-12);
+    assert!(
+        (ssr.screen_percent - 40.0).abs() < 1e-12,
+        "{}",
+        ssr.screen_percent
+    );
+    let sections = report::sections(&rows).expect("drawn");
+    let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
+    assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));
 }
 
 #[test]

@@ -139,7 +139,8 @@ impl Point {
     }
 
     /// The point of an animation: errors and shares are means over its frames, those inside the
-    /// mask over the frames whose mask is large enough. Percentiles of errors have no mean.
+    /// mask over the frames whose mask is large enough; shares are of all reflective pixels.
+    /// Percentiles and PSNR have no mean.
     fn averaged(mut self, samples: &[&Sample]) -> Self {
         let mean = |of: fn(&Sample) -> Option<f64>| {
             let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
@@ -147,13 +148,16 @@ impl Point {
         };
         let s = &mut self.sample;
         (s.flip, s.ssim, s.rel_mse) = (mean(|s| s.flip), mean(|s| s.ssim), mean(|s| s.rel_mse));
-        s.psnr_db = mean(|s| s.psnr_db);
+        s.mask_px = mean(|s| Some(s.mask_px as f64)).unwrap_or(0.0) as u64;
+        s.rays = mean(|s| Some(s.rays as f64)).unwrap_or(0.0) as u64;
         s.mask_flip = mean(|s| s.mask_flip);
         s.mask_ssim = mean(|s| s.mask_ssim);
         s.mask_rel_mse = mean(|s| s.mask_rel_mse);
         s.update_ms = mean(|s| s.update_ms);
+        let reflective: f64 = samples.iter().map(|s| s.reflective_px as f64).sum();
         let share = |of: fn(&Sample) -> f64| {
-            samples.iter().map(|s| of(s)).sum::<f64>() / samples.len() as f64
+            let sum: f64 = samples.iter().map(|s| of(s) * s.reflective_px as f64).sum();
+            sum / reflective.max(1.0)
         };
         s.screen_percent = share(|s| s.screen_percent);
         s.traced_percent = share(|s| s.traced_percent);
@@ -161,6 +165,8 @@ impl Point {
         s.none_percent = share(|s| s.none_percent);
         s.rough_percent = share(|s| s.rough_percent);
         (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
+        (s.psnr_db, s.mask_psnr_db) = (None, None); // infinite where one frame is equal
+        (s.false_accepts, s.false_rejects) = (None, None);
         self
     }
 
