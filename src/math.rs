@@ -1,5 +1,7 @@
 //! Bounds and other small geometry over glam, used everywhere below.
 
+pub mod spline;
+
 use glam::{Affine3A, Vec3};
 
 /// An axis-aligned box; empty when `min > max`.

@@ -109,7 +109,7 @@ fn made_up() -> Vec<Sample> {
 
 fn write(folder: &Path, samples: &[Sample]) -> String {
     let text: String = samples.iter().map(Sample::line).collect();
-    fs::write(folder.join("made.csv"), header() + &text).expect("a table");
+    fs::write(folder.join("made.csv"), header() + text.as_str()).expect("a table");
     "made.csv".to_owned()
 }
 

@@ -140,7 +140,8 @@ pub fn subject(
     overrides: &[String],
     camera: Option<&str>,
 ) -> Result<Subject, AppError> {
-    let (camera_name, camera) = choose_camera(&loaded, camera)?;
+    let chosen = &loaded.world.cameras[choose_camera(&loaded, camera)?];
+    let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
     let mut content = overrides
         .iter()
         .fold(Hash::default().with(text), |h, o| h.with(o));

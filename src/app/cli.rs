@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::bench::args::BenchArgs;
+use super::frames::{Shard, parse_shard};
 use crate::{bench::compare::CompareArgs, scene::desc::Method};
 
 /// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
@@ -20,7 +21,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Command {
-    /// Render a scene to a PNG or EXR file
+    /// Render a scene to pictures or a film
     Render(RenderArgs),
     /// Read a scene and everything it refers to, and report every problem; needs no GPU
     Check(CheckArgs),
@@ -34,6 +35,8 @@ pub enum Command {
     Schema,
     /// Print the manual of scene text, as Markdown
     Manual,
+    /// Print the manual of scripts, as Markdown
+    Scripting,
 }
 
 /// Where the scene comes from and what is changed in it.
@@ -53,9 +56,19 @@ pub struct SceneArgs {
 pub struct RenderArgs {
     /// Scene file; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// Picture to write: .png (tone-mapped) or .exr (linear radiance)
+    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### where the number
+    /// of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Frames of the scene's timeline: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub frames: Option<String>,
+    /// Keep the files of frames that were made from the same scene, settings and version
+    #[arg(long)]
+    pub resume: bool,
+    /// Render only the I-th of N parts of the frames, for several machines
+    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
+    pub shard: Option<Shard>,
     /// What is changed in it
     #[command(flatten)]
     pub from: SceneArgs,

@@ -1,6 +1,6 @@
 //! How a command fails: what people read, and the exit code that scripts read.
 
-use std::io::IsTerminal as _;
+use std::{fmt, io::IsTerminal as _};
 
 use crate::{
     gpu::{GpuError, ShaderError},
@@ -22,16 +22,20 @@ pub enum AppError {
     Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
     Gpu(GpuError),
+    /// Some frames of a film have no picture: exit code 5.
+    Frames(Vec<(u32, String)>),
     /// Anything else, such as a full disk: exit code 1.
     Internal(String),
 }
 
 impl AppError {
-    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 6 threshold crossed, 130 interrupted.
+    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 5 some frames failed, 6 threshold crossed, 130
+    /// interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
+            Self::Frames(_) => 5,
             Self::Threshold => 6,
             Self::Interrupted(_) => super::bench::progress::INTERRUPTED,
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
@@ -50,6 +54,13 @@ impl AppError {
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
                 print_diagnostics(diagnostics);
             }
+            Self::Frames(failed) => {
+                let plural = if failed.len() == 1 { "" } else { "s" };
+                eprintln!("error: {} frame{plural} failed:", failed.len());
+                for (frame, why) in failed {
+                    eprintln!("  {frame}: {why}");
+                }
+            }
             Self::Threshold => {}
         }
     }
@@ -57,6 +68,21 @@ impl AppError {
     /// A shader of a folder that the user named is the user's to mend; a built-in one is a bug.
     pub fn from_user_shader(error: &ShaderError) -> Self {
         Self::Usage(format!("--shaders: {error}"))
+    }
+}
+
+/// In one line.
+impl fmt::Display for AppError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(text) | Self::Internal(text) | Self::Interrupted(text) => f.write_str(text),
+            Self::Gpu(error) => error.fmt(f),
+            Self::Scene(all) | Self::Picture(all) => {
+                f.write_str(all.first().map_or("", |first| first.message.as_str()))
+            }
+            Self::Frames(failed) => write!(f, "{} frames failed", failed.len()),
+            Self::Threshold => f.write_str("a threshold was crossed"),
+        }
     }
 }
 

@@ -9,18 +9,24 @@ use clap::Parser as _;
 
 use crate::{
     bench::compare::{CompareArgs, compare},
-    scene::{manual::manual, schema::schema},
+    scene::{manual::manual, schema::schema, script},
 };
 
 pub mod aov;
 pub mod bench;
 pub mod cli;
 pub mod error;
+pub mod film;
+pub mod fingerprint;
+pub mod frames;
 pub mod info;
 pub mod output;
+pub mod progress;
 pub mod render;
 pub mod scene;
+pub mod sequence;
 pub mod stats;
+pub mod temporary;
 
 use cli::{CheckArgs, Cli, Command};
 pub use error::AppError;
@@ -39,6 +45,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Bench(args) => bench::bench(&args),
         Command::Schema => print_json(&schema()),
         Command::Manual => print_out(&manual()),
+        Command::Scripting => print_out(&script::api::manual()),
     }
 }
 

@@ -1,18 +1,22 @@
 //! Picture files: PNG and EXR, written so that a file is there whole or not at all.
 
 use std::{
-    fs::{self, File, OpenOptions},
-    io::{Cursor, Write as _},
+    fs::File,
+    io::{BufReader, Cursor},
     path::{Path, PathBuf},
 };
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Vec2,
-    WritableImage as _,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, MetaData,
+    SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
 };
-use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 
-use super::{aov, error::AppError};
+use super::{
+    aov,
+    error::AppError,
+    fingerprint::KEYWORD,
+    temporary::{Temporary, check_writable},
+};
 use crate::render::{Picture, Plane, PlaneData};
 
 /// What an output file holds.
@@ -49,23 +53,7 @@ impl Output {
                 ));
             }
         };
-        if path.is_dir() {
-            return usage(format!("--output {shown}: is a folder"));
-        }
-        let folder = folder_of(path);
-        if !folder.is_dir() {
-            return usage(format!(
-                "--output {shown}: there is no folder {}; create it first",
-                folder.display()
-            ));
-        }
-        // Creating a file is the only test of permissions that means anything.
-        if let Err(error) = Temporary::create(path) {
-            return usage(format!(
-                "--output {shown}: cannot write to {}: {error}",
-                folder.display()
-            ));
-        }
+        check_writable(path)?;
         Ok(Self {
             path: path.to_owned(),
             format,
@@ -78,16 +66,28 @@ impl Output {
     /// # Errors
     /// [`AppError::Internal`] naming the file; nothing new is left behind.
     pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, AppError> {
+        self.write_marked(picture, None)
+    }
+
+    /// The same with a fingerprint in every file.
+    ///
+    /// # Errors
+    /// As [`Output::write`].
+    pub fn write_marked(
+        &self,
+        picture: &Picture,
+        mark: Option<&str>,
+    ) -> Result<Vec<PathBuf>, AppError> {
         let mut files = Vec::new();
         match self.format {
-            Format::Exr => files.push((self.path.clone(), encode_exr(picture))),
+            Format::Exr => files.push((self.path.clone(), encode_exr(picture, mark))),
             Format::Png => {
                 files.push((
                     self.path.clone(),
-                    encode_png(picture.size, &picture.display),
+                    encode_png(picture.size, &picture.display, mark),
                 ));
                 for plane in &picture.planes {
-                    let png = encode_png(picture.size, &aov::view(plane));
+                    let png = encode_png(picture.size, &aov::view(plane), mark);
                     files.push((self.beside(plane.name), png));
                 }
             }
@@ -113,90 +113,88 @@ impl Output {
         Ok(written)
     }
 
+    /// The same kind of file under another name beside it, which is not checked again.
+    pub fn renamed(&self, path: PathBuf) -> Self {
+        Self {
+            path,
+            format: self.format,
+        }
+    }
+
+    /// Whether all files of a picture with these planes are there, whole and with this fingerprint.
+    pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
+        let has = |found: Option<String>| found.as_deref() == Some(mark);
+        match self.format {
+            Format::Exr => has(exr_mark(&self.path)),
+            Format::Png => {
+                let beside = planes.iter().map(|name| self.beside(name));
+                std::iter::once(self.path.clone())
+                    .chain(beside)
+                    .all(|path| has(png_mark(&path)))
+            }
+        }
+    }
+
     /// `out.png` and `depth` make `out.depth.png`.
     fn beside(&self, name: &str) -> PathBuf {
         self.path.with_extension(format!("{name}.png"))
     }
 }
 
-/// A file under a hidden name beside its goal; gone unless it is renamed.
-struct Temporary {
-    path: PathBuf,
-    file: File,
-    renamed: bool,
-}
-
-impl Temporary {
-    fn create(goal: &Path) -> std::io::Result<Self> {
-        let mut name = std::ffi::OsString::from(".");
-        name.push(goal.file_name().unwrap_or_default());
-        name.push(format!(".{}.tmp", std::process::id()));
-        let path = folder_of(goal).join(name);
-        // A leftover of a killed run may have this name; `create_new` never follows a link.
-        let _ = fs::remove_file(&path);
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&path)?;
-        Ok(Self {
-            path,
-            file,
-            renamed: false,
-        })
-    }
-
-    fn fill(mut self, bytes: &[u8]) -> std::io::Result<Self> {
-        self.file.write_all(bytes)?;
-        self.file.sync_all()?;
-        Ok(self)
-    }
-
-    fn rename_to(mut self, goal: &Path) -> std::io::Result<()> {
-        fs::rename(&self.path, goal)?;
-        self.renamed = true;
-        // The new name itself must survive a crash too; only Unix can sync a folder.
-        if cfg!(unix) {
-            File::open(folder_of(goal))?.sync_all()?;
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.renamed {
-            // Nobody is left to tell, and the next run overwrites it.
-            let _ = fs::remove_file(&self.path);
-        }
-    }
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// RGBA to an opaque PNG.
+/// RGBA to an opaque PNG; `mark` is kept in it as text.
 ///
 /// # Errors
 /// What the encoder says.
-pub fn encode_png(size: [u32; 2], rgba: &[u8]) -> Result<Vec<u8>, String> {
-    let rgb: Vec<u8> = rgba
-        .chunks_exact(4)
-        .flat_map(|texel| [texel[0], texel[1], texel[2]])
-        .collect();
+pub fn encode_png(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(&rgb, size[0], size[1], ExtendedColorType::Rgb8)
-        .map_err(|error| error.to_string())?;
+    let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let written = mark
+        .map_or(Ok(()), |mark| {
+            encoder.add_text_chunk(KEYWORD.to_owned(), mark.to_owned())
+        })
+        .and_then(|()| encoder.write_header())
+        .and_then(|mut writer| {
+            writer.write_image_data(&rgb(rgba))?;
+            writer.finish()
+        });
+    written.map_err(|error| error.to_string())?;
     Ok(bytes)
+}
+
+/// Without alpha, which display colors do not have.
+pub fn rgb(rgba: &[u8]) -> Vec<u8> {
+    let texels = rgba.chunks_exact(4);
+    texels.flat_map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+/// The fingerprint in a PNG that ends as PNGs do.
+fn png_mark(path: &Path) -> Option<String> {
+    let file = BufReader::new(File::open(path).ok()?);
+    let mut reader = png::Decoder::new(file).read_info().ok()?;
+    let mut pixels = vec![0; reader.output_buffer_size()?];
+    reader.next_frame(&mut pixels).ok()?;
+    reader.finish().ok()?;
+    let texts = &reader.info().uncompressed_latin1_text;
+    let found = texts.iter().find(|chunk| chunk.keyword == KEYWORD);
+    found.map(|chunk| chunk.text.clone())
+}
+
+/// The fingerprint in an EXR whose table of contents is complete.
+fn exr_mark(path: &Path) -> Option<String> {
+    let meta = MetaData::read_from_file(path, false).ok()?;
+    let own = &meta.headers.first()?.own_attributes.other;
+    match own.get(&Text::from(KEYWORD))? {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    }
 }
 
 /// Linear color as R, G, B, A and every plane as `name.channel`, in one part: the layout that
 /// most viewers understand.
-fn encode_exr(picture: &Picture) -> Result<Vec<u8>, String> {
+fn encode_exr(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> {
     let mut channels = SmallVec::new();
     for (index, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
         let values = picture.color.iter().skip(index).step_by(4).copied();
@@ -210,9 +208,14 @@ fn encode_exr(picture: &Picture) -> Result<Vec<u8>, String> {
     }
     let size = Vec2(picture.size[0] as usize, picture.size[1] as usize);
     // ZIP: lossless and understood everywhere.
+    let mut attributes = LayerAttributes::default();
+    if let Some(mark) = mark {
+        let text = AttributeValue::Text(Text::from(mark));
+        attributes.other.insert(Text::from(KEYWORD), text);
+    }
     let layer = Layer::new(
         size,
-        LayerAttributes::default(),
+        attributes,
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels),
     );

@@ -1,5 +1,7 @@
 //! Tests of `output.rs`: what is in the files, and that no broken one is ever left.
 
+use std::fs;
+
 use super::*;
 use crate::{
     render::stats::{FrameStats, Shares},

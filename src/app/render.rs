@@ -1,4 +1,4 @@
-//! `render`: a scene becomes picture files.
+//! `render`: a scene becomes pictures or a film.
 
 use std::{path::Path, time::Instant};
 
@@ -8,43 +8,111 @@ use super::{
     output::Output,
     print_json, print_out,
     scene::{LoadedScene, load_scene},
+    sequence,
     stats::{Around, Report},
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::{RenderError, RenderOptions, Renderer, aov::Aov},
-    scene::desc::{CameraDesc, Entry, Method},
+    render::{Picture, RenderError, RenderOptions, Renderer, aov::Aov},
+    scene::{desc::Method, motion::Motion},
 };
 
-/// Renders one picture.
+/// Everything that pictures of one scene are made with.
+pub struct Studio {
+    /// The device.
+    pub gpu: Gpu,
+    /// The scene, posed for the next picture.
+    pub loaded: LoadedScene,
+    /// Further pictures of every frame.
+    pub aovs: Vec<Aov>,
+    /// Whether the shaders come from the user.
+    pub own_shaders: bool,
+    renderer: Renderer,
+    camera: usize,
+}
+
+impl Studio {
+    fn new(
+        args: &RenderArgs,
+        loaded: LoadedScene,
+        camera: usize,
+        aovs: Vec<Aov>,
+        library: &ShaderLibrary,
+    ) -> Result<Self, AppError> {
+        let gpu = Gpu::new(&GpuOptions {
+            adapter_filter: args.adapter.clone(),
+        })?;
+        let options = RenderOptions {
+            reflection: loaded.desc.reflection,
+            image: loaded.desc.image,
+            general: false,
+        };
+        let own_shaders = args.shaders.is_some();
+        let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
+            .map_err(|error| explain(error, own_shaders))?;
+        Ok(Self {
+            gpu,
+            loaded,
+            aovs,
+            own_shaders,
+            renderer,
+            camera,
+        })
+    }
+
+    /// Renders the scene as it is posed.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn picture(&mut self) -> Result<Picture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world);
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.picture(&self.gpu, world, camera, &self.aovs)
+    }
+}
+
+/// Renders one picture, or the frames of a film.
 ///
 /// # Errors
 /// Whatever stops it; no file is left half written.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let started = Instant::now();
     // Cheap checks first: a typo must not cost a minute of rendering.
-    let output = Output::new(&args.output)?;
+    let many = sequence::is_wanted(args)?;
+    let output = if many {
+        None
+    } else {
+        if args.resume || args.shard.is_some() {
+            let text = "--resume and --shard go with --frames";
+            return Err(AppError::Usage(text.to_owned()));
+        }
+        Some(Output::new(&args.output)?)
+    };
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
-    let (_, camera) = choose_camera(&loaded, args.camera.as_deref())?;
-
-    let gpu = Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?;
-    let options = RenderOptions {
-        reflection: loaded.desc.reflection,
-        image: loaded.desc.image,
-        general: false,
+    let camera = choose_camera(&loaded, args.camera.as_deref())?;
+    let Some(output) = output else {
+        let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
+        sequence::check_output(args, &frames)?;
+        let studio = Studio::new(args, loaded, camera, aovs, &library)?;
+        return sequence::render(args, studio, &frames);
     };
-    let failed = |error| explain(error, args.shaders.is_some());
-    let world = &loaded.world;
-    let mut renderer = Renderer::new(&gpu, &library, world, &options).map_err(failed)?;
-    let picture = renderer
-        .picture(&gpu, world, &camera, &aovs)
-        .map_err(failed)?;
+    let mut studio = Studio::new(args, loaded, camera, aovs, &library)?;
+    let motion = Motion::new(&studio.loaded.desc);
+    if !motion.is_still() {
+        let state = motion.pose(motion.first_frame()).map_err(AppError::Scene)?;
+        for line in &state.log {
+            eprintln!("{line}");
+        }
+        studio.loaded.world.apply(&state).map_err(AppError::Scene)?;
+    }
+    let picture = studio
+        .picture()
+        .map_err(|error| explain(error, studio.own_shaders))?;
     let around = Around {
         load_ms,
         first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
@@ -53,7 +121,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let report = Report::new(&gpu, picture.stats, around);
+    let report = Report::new(&studio.gpu, picture.stats, around);
     match args.stats {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),
@@ -61,7 +129,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     }
 }
 
-/// What a failed render means for the user.
+/// What the user sees of a picture that cannot be rendered.
 pub fn explain(error: RenderError, own_shaders: bool) -> AppError {
     match error {
         RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
@@ -119,22 +187,18 @@ fn shader_library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
     }
 }
 
-/// The named camera with its name; without one `main`, else the first.
+/// Which camera is named; without a name `main`, else the first.
 ///
 /// # Errors
 /// [`AppError::Usage`] with the names that exist.
-pub fn choose_camera(
-    loaded: &LoadedScene,
-    name: Option<&str>,
-) -> Result<(String, CameraDesc), AppError> {
+pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     let cameras = &loaded.world.cameras;
-    let named = |name: &str| cameras.iter().find(|camera| camera.name == name);
+    let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
     let found = match name {
         Some(name) => named(name),
-        None => named("main").or(cameras.first()),
+        None => named("main").or((!cameras.is_empty()).then_some(0)),
     };
-    let named = |camera: &Entry<CameraDesc>| (camera.name.clone(), camera.value.clone());
-    found.map(named).ok_or_else(|| {
+    found.ok_or_else(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         AppError::Usage(format!(
             "--camera {}: {} has no such camera; it has: {}",

@@ -33,6 +33,10 @@ pub struct LoadedScene {
     pub desc: SceneDesc,
     /// As loaded.
     pub world: World,
+    /// The scene's text, for fingerprints.
+    pub text: String,
+    /// What was laid over it.
+    pub overrides: Vec<String>,
     /// How many warnings were printed.
     pub num_warnings: usize,
 }
@@ -56,7 +60,10 @@ pub fn load_scene(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    load_desc(name, read.map_err(AppError::Scene)?, &from.assets)
+    // Read a second time, for its fingerprint; what cannot be read was an error before.
+    let read = read.map_err(AppError::Scene)?;
+    let text = scene_text(path)?;
+    load_desc(name, text, overrides, read, &from.assets)
 }
 
 /// Loads a scene whose text is at hand; `file` is what messages call it.
@@ -65,11 +72,14 @@ pub fn load_scene(
 /// As [`load_scene`].
 pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
     let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
-    load_desc(file.display().to_string(), read, &from.assets)
+    let name = file.display().to_string();
+    load_desc(name, text.to_owned(), from.set.clone(), read, &from.assets)
 }
 
 fn load_desc(
     name: String,
+    text: String,
+    overrides: Vec<String>,
     (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
     assets: &[PathBuf],
 ) -> Result<LoadedScene, AppError> {
@@ -77,6 +87,9 @@ fn load_desc(
         assets: asset_folders(assets),
         ..LoadOptions::default()
     };
+    for line in desc.script.iter().flat_map(|s| s.setup_log()) {
+        eprintln!("{line}");
+    }
     let world = load::load(&desc, &options)
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
@@ -85,6 +98,8 @@ fn load_desc(
         name,
         desc,
         world,
+        text,
+        overrides,
         num_warnings: warnings.len(),
     })
 }

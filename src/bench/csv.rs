@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn what_is_written_is_read() {
         let cells = ["plain", "", "a, b", "say \"so\"", "two\nlines"];
-        let text = line(["a", "b", "c", "d", "e"]) + &line(cells);
+        let text = line(["a", "b", "c", "d", "e"]) + line(cells).as_str();
         let table = parse(&text).expect("a table");
         assert_eq!(table.columns, ["a", "b", "c", "d", "e"]);
         assert_eq!(

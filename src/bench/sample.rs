@@ -299,7 +299,7 @@ mod tests {
                 .collect(),
             ..Sample::default()
         };
-        let text = header() + &sample.line();
+        let text = header() + sample.line().as_str();
         let (read, bytes) = read_samples(&text).expect("samples");
         assert_eq!(read, [sample]);
         assert_eq!(bytes, text.len());
@@ -316,7 +316,7 @@ mod tests {
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };
-        let text = header() + &sample.line().replacen(",0,0,", ",wide,0,", 1);
+        let text = header() + sample.line().replacen(",0,0,", ",wide,0,", 1).as_str();
         assert_eq!(says(&text), "line 2: column frame cannot be \"wide\"");
     }
 }

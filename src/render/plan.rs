@@ -64,6 +64,11 @@ pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
         }
 }
 
+/// Whether a material reflects now or may do so in another frame.
+fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
+    can_reflect(&world.materials[material], cutoff) || world.may_change(material)
+}
+
 impl Plan {
     /// Everything a scene may use: the plan that drops nothing, to compare against.
     pub fn general(settings: &ReflectionDesc) -> Self {
@@ -90,7 +95,8 @@ impl Plan {
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
         let (pools, wraps) = samplers(world, &used, places);
-        let reflections = materials().any(|m| can_reflect(m, settings.roughness_cutoff));
+        let cutoff = settings.roughness_cutoff;
+        let reflections = used.iter().any(|&m| may_reflect(world, m, cutoff));
         let lone = reflections && !reflectors_see_each_other(world, settings.roughness_cutoff);
         let mut plan = Self {
             reflections,
@@ -196,7 +202,7 @@ fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
     let scale = world.unit_m() * 16.0;
     for instance in &world.instances {
         let material = &world.materials[instance.material];
-        if !can_reflect(material, cutoff) {
+        if !may_reflect(world, instance.material, cutoff) {
             continue;
         }
         if instance.dynamic {

@@ -187,12 +187,14 @@ impl Renderer {
         self.options.reflection.ray_length_u = settings.ray_length_u;
     }
 
-    /// Takes over moved instances: their poses and the top level, never the static tree.
+    /// Takes over a world whose instances and materials were posed anew: poses, the top level and
+    /// the numbers of materials, never the static tree or a picture.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
         if self.plan.top_level {
             self.trees.update_top_level(world);
         }
         self.scene.update(gpu, world, &self.trees);
+        self.scene.update_materials(gpu, world);
     }
 }
 

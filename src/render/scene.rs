@@ -132,6 +132,17 @@ impl GpuScene {
         }
     }
 
+    /// Uploads the numbers of materials that may change.
+    pub fn update_materials(&self, gpu: &Gpu, world: &World) {
+        for moving in &world.moving.materials {
+            let material = &world.materials[moving.material];
+            let record = gpu_material(material, world, &self.pools.places);
+            let offset = (moving.material * size_of::<GpuMaterial>()) as u64;
+            gpu.queue
+                .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
+        }
+    }
+
     /// The resource with this name in group 1, if there is one.
     pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
         let view = |pool: usize, srgb: usize| {

@@ -5,13 +5,21 @@
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
 
 mod light;
+mod motion;
 
 use std::path::PathBuf;
 
 use glam::{Mat4, Quat, Vec3};
 
-pub use self::light::{LightDesc, LightKind, ShadowMode};
-use super::diagnostic::Span;
+pub use self::{
+    light::{LightDesc, LightKind, ShadowMode},
+    motion::{
+        CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
+        LightMotionDesc, MaterialMotionDesc, MotionDesc, NumberKeyDesc, NumberOscillateDesc,
+        NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc, TrackDesc,
+    },
+};
+use super::{diagnostic::Span, script::Script};
 
 /// A named table such as `[camera.main]`, in file order.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +64,15 @@ pub struct SceneDesc {
     pub reflection: ReflectionDesc,
     /// `[image]`: size, sampling and tone of the picture.
     pub image: ImageDesc,
+    /// `[timeline]`: the frames of a film. Without it the scene is one picture, at time 0.
+    pub timeline: Option<TimelineDesc>,
+    /// `[motion]`: what moves.
+    pub motion: MotionDesc,
+    /// `[params]`: parameters of the script, with names of your choice.
+    pub params: Vec<Entry<ParamValue>>,
+    /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
+    /// `docs/scripting.md`.
+    pub script: Option<Script>,
 }
 
 /// `[camera.NAME]`

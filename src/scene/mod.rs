@@ -3,5 +3,7 @@
 pub mod desc;
 pub mod diagnostic;
 pub mod manual;
+pub mod motion;
 pub mod parse;
 pub mod schema;
+pub mod script;

@@ -3,17 +3,19 @@
 
 mod names;
 mod notes;
+mod params;
 mod range;
 mod read;
 mod report;
+mod script;
 mod set;
-mod suggest;
+pub(super) mod suggest;
 mod syntax;
 mod table;
 mod value;
 mod words;
 
-use std::{fs::File, io::Read as _, path::Path};
+use std::{cell::OnceCell, fs::File, io::Read as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -102,16 +104,24 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
         .iter()
         .map(|o| report.add_source(Path::new("--set"), o))
         .collect();
+    let scripted = OnceCell::new(); // before the tree, which borrows what a script adds
     let (root, shadows) = syntax::parse(text, &mut report);
     let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
     for (text, base) in overrides.iter().zip(bases) {
         set::apply(&mut root, text, base, &mut report);
     }
+    let folder = path.parent().unwrap_or(Path::new(""));
     let nothing = DeTable::new();
+    let scripted = scripted.get_or_init(|| match root.get_ref().as_table() {
+        Some(table) if shadows.is_empty() => script::run(table, folder, &mut report),
+        _ => Default::default(),
+    });
+    script::merge(&mut root, scripted, &mut report);
     let table = root.get_ref().as_table().unwrap_or(&nothing);
     let mut scene =
         Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
-    scene.folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    scene.folder = folder.to_owned();
+    scene.script.clone_from(&scripted.script);
     if shadows.is_empty() {
         names::check(&scene, table, &mut report);
     }

@@ -18,11 +18,14 @@ use crate::scene::{
 };
 
 mod camera;
+mod copies;
 mod extras;
 mod finish;
 mod material;
 mod place;
 mod tangent;
+
+pub(super) use copies::invertible;
 
 /// Where files are looked up and what loading may cost.
 #[derive(Clone, Debug)]
@@ -270,6 +273,9 @@ impl<'a> Loader<'a> {
         };
         self.loaded.clear();
         finish::run(&mut self.world)?;
+        if let Some(script) = &self.desc.script {
+            self.add_files(&script.files());
+        }
         let requests = self.textures.take_used(&mut self.world);
         let image_files = requests.iter().filter_map(|r| match &r.source {
             gltf::ImageSource::File(path) => Some(path.clone()),

@@ -15,6 +15,7 @@ use crate::{
 pub mod bvh;
 pub mod gltf;
 pub mod load;
+pub mod pose;
 pub mod shape;
 pub mod texture;
 pub mod usd;
@@ -40,6 +41,8 @@ pub struct World {
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.
     pub files: Vec<PathBuf>,
+    /// What may change from frame to frame.
+    pub moving: pose::Moving,
 }
 
 /// Most lights in a scene; their uniform block stays far below 64 KiB.

@@ -155,7 +155,7 @@ impl<'a> Studio<'a> {
                 (caption, size, opaque.collect())
             }
         };
-        let png = encode_png(size, &rgba).map_err(AppError::Internal)?;
+        let png = encode_png(size, &rgba, None).map_err(AppError::Internal)?;
         Ok(Figure { caption, png })
     }
 }

@@ -2,7 +2,11 @@
 
 use std::sync::LazyLock;
 
-static SOURCE: &str = concat!(include_str!("../desc.rs"), include_str!("../desc/light.rs"));
+static SOURCE: &str = concat!(
+    include_str!("../desc.rs"),
+    include_str!("../desc/light.rs"),
+    include_str!("../desc/motion.rs")
+);
 
 /// The comment of one type, variant or field.
 #[derive(Debug)]

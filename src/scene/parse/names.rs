@@ -13,6 +13,8 @@ use crate::scene::{
     diagnostic::{Diagnostic, Span},
 };
 
+mod motion;
+
 /// Names that are compared with one that refers to nothing.
 const MOST_SUGGESTED: usize = 1000;
 
@@ -104,6 +106,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
             seen.insert(name, &instance.at);
         }
     }
+    motion::check(scene, root, report);
     if report.errors() == 0 {
         warn(scene, &materials, report);
     }

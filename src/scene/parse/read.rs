@@ -3,6 +3,7 @@
 
 mod instance;
 mod light;
+mod motion;
 
 use std::path::PathBuf;
 
@@ -36,7 +37,13 @@ impl Section for SceneDesc {
             environment: t.table("environment").unwrap_or_default(),
             reflection: t.table("reflection").unwrap_or_default(),
             image: t.table("image").unwrap_or_default(),
+            timeline: t.table("timeline"),
+            motion: t.table("motion").unwrap_or_default(),
+            params: t.params("params"),
+            script: None,
         };
+        // Read before, because it adds to the tables above; asked for here, so that it is a key.
+        t.find::<At<String>>("script", ANY);
         if let Some(light) = scene.lights.get(MOST_LIGHTS) {
             let message = format!(
                 "`{}` is one light too many: at most {MOST_LIGHTS}",

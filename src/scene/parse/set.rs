@@ -101,7 +101,7 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
 }
 
 /// The node with all its positions moved. The parser bounds the depth.
-fn shift(node: Node, by: usize) -> Node {
+pub fn shift(node: Node, by: usize) -> Node {
     let move_by = |at: Range<usize>| at.start + by..at.end + by;
     let at = move_by(node.span());
     let value = match node.into_inner() {
@@ -137,7 +137,18 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
             None => return,
         }
     }
-    if let DeValue::Table(table) = node.get_mut() {
+    if let (DeValue::Table(table), [params]) = (node.get_mut(), above)
+        && params.name == "params"
+        && !table.contains_key(last.name.as_str())
+    {
+        let names: Vec<_> = table.keys().map(|k| k.get_ref().as_ref()).collect();
+        let message = format!("no parameter is named {}", suggest::text(&last.name));
+        let help = match names.is_empty() {
+            true => "the scene has no `[params]`".to_owned(),
+            false => suggest::hint(&last.name, &names, suggest::text, "the names are"),
+        };
+        report.error("dangling-name", &last.at, message).help = Some(help);
+    } else if let DeValue::Table(table) = node.get_mut() {
         // Removed first, so that the key's position is the option's.
         table.remove(last.name.as_str());
         table.insert(

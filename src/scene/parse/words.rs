@@ -8,7 +8,7 @@ use super::{
     suggest,
     value::{Named, Node, Value, wrong_type},
 };
-use crate::scene::desc::{Method, ReflectionMode, ShadowMode, ToneMap};
+use crate::scene::desc::{CurveKind, Ease, Method, ReflectionMode, ShadowMode, ToneMap};
 
 /// Implements [`Value`] for an enum that is written as one of some words.
 macro_rules! words {
@@ -41,6 +41,14 @@ macro_rules! words {
 words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
 words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
+words!(CurveKind {
+    "step" => Self::Step,
+    "linear" => Self::Linear,
+    "catmull_rom" => Self::CatmullRom,
+    "centripetal" => Self::Centripetal,
+    "bezier" => Self::Bezier,
+});
+words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
 
 /// `"a", "b" or "c"`.

@@ -1,16 +1,24 @@
 //! Instances: which mesh stands where with which material, from scene text and file nodes.
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::Affine3A;
 
-use super::{Loader, Source, did_you_mean, error_at, extras::Extras, material::merged};
+use super::{
+    Loader, Source,
+    copies::{Copy, copies, invertible},
+    did_you_mean, error_at,
+    extras::Extras,
+    material::merged,
+};
 use crate::{
     scene::{
-        desc::{
-            InstanceDesc, InstanceMaterialDesc, MaterialDesc, ModelDesc, PlacementDesc, SceneDesc,
-        },
+        desc::{At, InstanceDesc, InstanceMaterialDesc, MaterialDesc, ModelDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
+        motion::moving,
     },
-    world::{Instance, Material},
+    world::{
+        Instance, Material,
+        pose::{MovingInstance, MovingMaterial},
+    },
 };
 
 /// A mesh of a loaded file.
@@ -29,12 +37,15 @@ struct Job<'a> {
     index: Option<usize>,
     instance: Option<&'a InstanceDesc>,
     at: &'a Span,
+    /// Whether it may move.
+    dynamic: bool,
 }
 
 /// Every `[[instance]]`, then the models that none of them names.
 fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     let mut named = vec![false; desc.models.len()];
     let mut jobs = Vec::new();
+    let dynamic = moving(desc);
     for (index, instance) in desc.instances.iter().enumerate() {
         let name = &instance.model.value;
         // A name without a model was reported before.
@@ -45,6 +56,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
                 index: Some(index),
                 instance: Some(instance),
                 at: &instance.at,
+                dynamic: dynamic[index],
             });
         }
     }
@@ -58,6 +70,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
         index: None,
         instance: None,
         at: &entry.at,
+        dynamic: false,
     }));
     jobs
 }
@@ -138,25 +151,18 @@ impl Loader<'_> {
     ) {
         let model = &self.desc.models[job.model];
         let base_name = (job.instance.and_then(|i| i.name.as_ref())).unwrap_or(&model.name);
-        for (copy, (suffix, world_from_model)) in copies(job.instance).enumerate() {
-            let name = format!("{base_name}{suffix}");
+        for (number, copy) in copies(job.instance).enumerate() {
+            let name = format!("{base_name}{}", copy.suffix);
             match source {
                 Source::Broken => return,
                 Source::Shape(mesh) => {
-                    let material = self.shape_material(job, &model.value);
-                    self.push(
-                        name,
-                        *mesh,
-                        material,
-                        world_from_model,
-                        job.instance,
-                        dropped,
-                    );
+                    let look = (*mesh, self.shape_material(job, &model.value));
+                    self.push(job, name, look, &copy, Affine3A::IDENTITY, dropped);
                 }
                 Source::File(loaded) => {
-                    self.place_file(job, *loaded, &name, world_from_model, dropped);
+                    self.place_file(job, *loaded, &name, &copy, dropped);
                     let model_data = &self.loaded[*loaded];
-                    extras.add(model, model_data, &name, world_from_model, copy == 0);
+                    extras.add(model, model_data, &name, copy.world_from_model, number == 0);
                 }
             }
             if self.world.instances.len() > MAX_INSTANCES {
@@ -170,31 +176,35 @@ impl Loader<'_> {
         job: &Job<'_>,
         loaded: usize,
         name: &str,
-        world_from_model: Affine3A,
+        copy: &Copy,
         dropped: &mut Vec<String>,
     ) {
         for i in 0..self.loaded[loaded].placements.len() {
             let placement = self.loaded[loaded].placements[i].clone();
             let mesh = self.file_mesh(loaded, placement.mesh);
-            let material = self.instance_material(job, loaded, placement.material);
+            let look = (
+                mesh,
+                self.instance_material(job, loaded, placement.material),
+            );
             let name = format!("{name}/{}", placement.name);
-            let transform = world_from_model * placement.model_from_object;
-            self.push(name, mesh, material, transform, job.instance, dropped);
+            self.push(job, name, look, copy, placement.model_from_object, dropped);
             if self.world.instances.len() > MAX_INSTANCES {
                 return;
             }
         }
     }
 
+    /// Adds an instance; `look` is its mesh and its material.
     fn push(
         &mut self,
+        job: &Job<'_>,
         name: String,
-        mesh: usize,
-        material: usize,
-        world_from_object: Affine3A,
-        instance: Option<&InstanceDesc>,
+        (mesh, material): (usize, usize),
+        copy: &Copy,
+        model_from_object: Affine3A,
         dropped: &mut Vec<String>,
     ) {
+        let world_from_object = copy.world_from_model * model_from_object;
         let bounds = self.world.meshes[mesh]
             .bounds
             .transformed(&world_from_object);
@@ -203,13 +213,21 @@ impl Loader<'_> {
             dropped.push(name);
             return;
         }
-        let dynamic = instance.is_some_and(|i| i.dynamic);
+        if let (true, Some(desc)) = (job.dynamic, job.index) {
+            self.world.moving.instances.push(MovingInstance {
+                desc,
+                instance: self.world.instances.len(),
+                offset: copy.offset,
+                model_from_object,
+                mirrored: world_from_object.matrix3.determinant() < 0.0,
+            });
+        }
         self.world.instances.push(Instance {
             name,
             mesh,
             material,
             world_from_object,
-            dynamic,
+            dynamic: job.dynamic,
         });
     }
 
@@ -236,16 +254,19 @@ impl Loader<'_> {
             double_sided: true,
             ..Material::default()
         };
-        let mut material = match &model.material {
-            Some(name) => self.named_material(name, base.clone()),
-            None => base.clone(),
-        };
+        let mut name = model.material.as_ref();
+        let mut over = MaterialDesc::default();
         match job.instance.and_then(|i| i.material.as_ref()) {
-            Some(InstanceMaterialDesc::Named(name)) => material = self.named_material(name, base),
-            Some(InstanceMaterialDesc::Override(desc)) => self.apply(desc, &mut material),
+            Some(InstanceMaterialDesc::Named(own)) => name = Some(own),
+            Some(InstanceMaterialDesc::Override(desc)) => over.clone_from(desc),
             None => {}
         }
-        self.add_material(key, material)
+        let mut material = match name {
+            Some(name) => self.named_material(name, base),
+            None => base,
+        };
+        self.apply(&over, &mut material);
+        self.add_moving_material(key, name, over, material)
     }
 
     fn instance_material(&mut self, job: &Job<'_>, loaded: usize, index: usize) -> usize {
@@ -264,7 +285,7 @@ impl Loader<'_> {
                 ..Material::default()
             };
             let material = self.named_material(name, base);
-            return self.add_material(key, material);
+            return self.add_moving_material(key, Some(name), MaterialDesc::default(), material);
         }
         // "*" first, then by name, then the instance: merged before they are applied, so that
         // factors such as uv_scale act once.
@@ -280,6 +301,40 @@ impl Loader<'_> {
         }
         let material = self.file_material(loaded, index, &desc);
         self.add_material(key, material)
+    }
+
+    /// A material that comes from a `[material.NAME]`: if that may change, it is stored apart from
+    /// those that are equal to it now.
+    fn add_moving_material(
+        &mut self,
+        key: MaterialKey,
+        name: Option<&At<String>>,
+        over: MaterialDesc,
+        material: Material,
+    ) -> usize {
+        let desc = self.desc;
+        let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame());
+        let moves = |name: &str| by_script || desc.motion.materials.iter().any(|m| m.name == name);
+        let found = name.filter(|name| moves(&name.value));
+        let found = found.and_then(|n| desc.materials.iter().position(|m| m.name == n.value));
+        let Some(entry) = found else {
+            return self.add_material(key, material);
+        };
+        let of_entry = |m: &&MovingMaterial| m.desc == entry && m.over == over;
+        let mut known = self.world.moving.materials.iter().filter(of_entry);
+        let same = known.find(|m| m.rest == material);
+        let index = same.map_or(self.world.materials.len(), |m| m.material);
+        if index == self.world.materials.len() {
+            self.world.moving.materials.push(MovingMaterial {
+                desc: entry,
+                material: index,
+                over,
+                rest: material.clone(),
+            });
+            self.world.materials.push(material);
+        }
+        self.materials.insert(key, index);
+        index
     }
 
     /// Equal materials are stored once.
@@ -309,40 +364,4 @@ fn list_names(materials: &[Material]) -> String {
     let more = if names.len() > MOST { ", …" } else { "" };
     names.truncate(MOST);
     format!("its materials are {}{more}", names.join(", "))
-}
-
-/// The copies of an instance, each with what its name ends in.
-fn copies(instance: Option<&InstanceDesc>) -> impl Iterator<Item = (String, Affine3A)> + use<> {
-    let base = instance.map_or(Affine3A::IDENTITY, |i| match i.placement {
-        PlacementDesc::Trs {
-            translation,
-            rotation,
-            scale,
-        } => Affine3A::from_scale_rotation_translation(scale, rotation, translation),
-        PlacementDesc::Matrix(matrix) => Affine3A::from_mat4(matrix),
-    });
-    let repeat = instance.and_then(|i| i.repeat);
-    let [nx, ny, nz] = repeat.map_or([1; 3], |r| r.count);
-    let step = repeat.map_or(Vec3::ZERO, |r| r.step);
-    let cells =
-        (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])));
-    cells.map(move |[x, y, z]| {
-        let offset = step * Vec3::new(x as f32, y as f32, z as f32);
-        let suffix = if repeat.is_some() {
-            format!("[{x},{y},{z}]")
-        } else {
-            String::new()
-        };
-        (suffix, Affine3A::from_translation(offset) * base)
-    })
-}
-
-/// Whether rays can be brought into object space without losing all digits: the columns must span
-/// a volume that is not negligible against their lengths.
-fn invertible(transform: &Affine3A) -> bool {
-    const LEAST_VOLUME: f64 = 1e-7; // f32 carries about seven digits
-    let linear = Mat3::from(transform.matrix3).as_dmat3();
-    let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
-    let volume = linear.determinant().abs();
-    transform.is_finite() && volume > lengths * LEAST_VOLUME && transform.inverse().is_finite()
 }

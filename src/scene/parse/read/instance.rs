@@ -1,9 +1,10 @@
 //! Readers of instances: what stands where, and how often.
 
-use glam::{DMat4, DQuat, DVec4, EulerRot, Mat4, Quat, Vec3};
+use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
 use crate::scene::{
     desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
+    motion::turned,
     parse::{
         range::{ANY, range},
         table::{Either, Section, Table},
@@ -73,14 +74,6 @@ fn placement(t: &mut Table) -> PlacementDesc {
         rotation: quat.map_or_else(|| turned(euler), |q| normalized(t, q)),
         scale,
     }
-}
-
-/// Turns about X, then Y, then Z; degrees.
-fn turned(euler_deg: Vec3) -> Quat {
-    // Whole turns are taken off while the number is still exact.
-    let reduced = euler_deg.as_dvec3() % 360.0;
-    let [x, y, z] = reduced.to_array().map(f64::to_radians);
-    DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
 }
 
 fn normalized(t: &mut Table, quat: [f32; 4]) -> Quat {

@@ -4,9 +4,10 @@ use toml::de::DeValue;
 
 use super::{Place, Section, Table};
 use crate::scene::{
-    desc::{At, Entry},
+    desc::{At, Entry, ParamValue},
     parse::{
         notes::{Form, KeyNote},
+        params,
         range::ANY,
         suggest,
         value::{Node, found, wrong_type},
@@ -103,6 +104,22 @@ impl Table<'_, '_> {
             }
         };
         items.iter().filter_map(read).collect()
+    }
+
+    /// Values with names of the user's choice: numbers, texts, switches, arrays of numbers.
+    pub fn params(&mut self, key: &'static str) -> Vec<Entry<ParamValue>> {
+        self.note(key, || {
+            let what = "numbers, texts, true or false, or arrays of numbers, with names";
+            KeyNote::new(key, Form::Value(what.into(), params::schema()))
+        });
+        let Some(node) = self.values.get(key) else {
+            return Vec::new();
+        };
+        let DeValue::Table(values) = node.get_ref() else {
+            wrong_type(node, key, "a table", self.report);
+            return Vec::new();
+        };
+        params::read(values, self.report)
     }
 
     fn describe_nested<T: Section>(&mut self) {

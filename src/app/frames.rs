@@ -1,0 +1,233 @@
+//! Which frames: `--frames` and `--shard`, and the name of each frame's file.
+
+use std::path::{Path, PathBuf};
+
+use super::error::AppError;
+use crate::scene::desc::TimelineDesc;
+
+/// The frames of a command, in the order in which they are rendered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FrameList(pub Vec<u32>);
+
+/// `--shard i/n`: every n-th frame, from the i-th.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub index: u32,
+    /// How many parts there are.
+    pub count: u32,
+}
+
+impl FrameList {
+    /// Reads `--frames`: `all`, or numbers and ranges with commas between, such as `0-949`,
+    /// `1-20:2` or `1,3,5-9`; every frame must be one of the timeline's.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] saying which part is wrong.
+    pub fn parse(text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
+        let usage = |why: String| AppError::Usage(format!("--frames {text}: {why}"));
+        let mut frames = Vec::new();
+        if text.trim() == "all" {
+            frames.extend(timeline.start..=timeline.end);
+            return Ok(Self(frames));
+        }
+        for part in text.split(',') {
+            let [first, last, step] = range(part.trim()).map_err(usage)?;
+            for frame in [first, last] {
+                if !(timeline.start..=timeline.end).contains(&frame) {
+                    return Err(usage(format!(
+                        "frame {frame} is not in the timeline, which has {} to {}",
+                        timeline.start, timeline.end
+                    )));
+                }
+            }
+            frames.extend((first..=last).step_by(step as usize));
+        }
+        let mut sorted = frames.clone();
+        sorted.sort_unstable();
+        match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(usage(format!("frame {} is there twice", pair[0]))),
+            None => Ok(Self(frames)),
+        }
+    }
+
+    /// The part of a shard.
+    pub fn shard(self, shard: Option<Shard>) -> Self {
+        let Some(Shard { index, count }) = shard else {
+            return self;
+        };
+        let own = self.0.into_iter().skip(index as usize - 1);
+        Self(own.step_by(count as usize).collect())
+    }
+}
+
+/// First frame, last frame and step of one part.
+fn range(part: &str) -> Result<[u32; 3], String> {
+    let number = |text: &str| {
+        let text = text.trim();
+        text.parse::<u32>().map_err(|_| match text {
+            "" => format!("a number is missing in \"{part}\""),
+            _ => format!("\"{text}\" is not a frame number, which is 0 or more"),
+        })
+    };
+    let (frames, step) = part
+        .split_once(':')
+        .map_or((part, None), |(f, s)| (f, Some(s)));
+    let step = match step {
+        Some(step) => number(step).map_err(|_| format!("the step \"{step}\" must be 1 or more"))?,
+        None => 1,
+    };
+    let ends = frames.split_once("..").or_else(|| {
+        // A leading minus is a number that is not allowed, not a range.
+        let dash = frames.get(1..).and_then(|rest| rest.find('-'))? + 1;
+        Some((&frames[..dash], &frames[dash + 1..]))
+    });
+    let (first, last) = match ends {
+        Some((first, last)) => (number(first)?, number(last)?),
+        None => (number(frames)?, number(frames)?),
+    };
+    if step == 0 {
+        return Err("the step \"0\" must be 1 or more".to_owned());
+    }
+    if last < first {
+        return Err(format!("\"{part}\" ends before it begins"));
+    }
+    Ok([first, last, step])
+}
+
+/// Reads `--shard`.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn parse_shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/');
+    let pair = parts.and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
+    match pair {
+        Some((index, count)) if (1..=count).contains(&index) => Ok(Shard { index, count }),
+        Some(_) => Err("the part must be 1 to the number of parts".to_owned()),
+        None => Err("expected PART/PARTS, such as 1/4".to_owned()),
+    }
+}
+
+/// A file name with a place for the frame's number, `film.####.png`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Template {
+    folder: PathBuf,
+    before: String,
+    digits: usize,
+    after: String,
+}
+
+impl Template {
+    /// Splits a name at its `#`s; `None` without any.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] where they stand in two places, or the name is not UTF-8.
+    pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
+        let shown = path.display();
+        let Some(name) = path.file_name() else {
+            return Ok(None);
+        };
+        let Some(name) = name.to_str() else {
+            return Err(AppError::Usage(format!(
+                "--output {shown}: the name must be UTF-8"
+            )));
+        };
+        let Some(start) = name.find('#') else {
+            return Ok(None);
+        };
+        let digits = name[start..].chars().take_while(|c| *c == '#').count();
+        let after = &name[start + digits..];
+        if after.contains('#') {
+            return Err(AppError::Usage(format!(
+                "--output {shown}: the frame number can stand in one place only"
+            )));
+        }
+        Ok(Some(Self {
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            before: name[..start].to_owned(),
+            digits,
+            after: after.to_owned(),
+        }))
+    }
+
+    /// The file of a frame; numbers with more digits than `#`s keep them all.
+    pub fn path(&self, frame: u32) -> PathBuf {
+        let digits = self.digits;
+        let name = format!("{}{frame:0digits$}{}", self.before, self.after);
+        self.folder.join(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIMELINE: TimelineDesc = TimelineDesc {
+        fps: 24.0,
+        start: 0,
+        end: 20,
+    };
+
+    fn frames(text: &str) -> Vec<u32> {
+        let list = FrameList::parse(text, &TIMELINE);
+        list.unwrap_or_else(|e| panic!("{text}: {e:?}")).0
+    }
+
+    #[test]
+    fn lists_are_ranges_steps_and_numbers() {
+        assert_eq!(frames("3"), [3]);
+        assert_eq!(frames("1-4"), [1, 2, 3, 4]);
+        assert_eq!(frames("1..4"), [1, 2, 3, 4]);
+        assert_eq!(frames("1-20:6"), [1, 7, 13, 19]);
+        assert_eq!(frames("9, 1,3,5-7"), [9, 1, 3, 5, 6, 7]);
+        assert_eq!(frames("all").len(), 21);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (text, says) in [
+            ("", "a number is missing"),
+            ("1,", "a number is missing"),
+            ("x", "\"x\" is not a frame number"),
+            ("-3", "\"-3\" is not a frame number"),
+            ("5-3", "ends before it begins"),
+            ("1-5:0", "must be 1 or more"),
+            ("1-5:-1", "must be 1 or more"),
+            ("5-21", "frame 21 is not in the timeline, which has 0 to 20"),
+            ("1,3,2-4", "frame 3 is there twice"),
+            ("0-99999999999", "is not a frame number"),
+        ] {
+            match FrameList::parse(text, &TIMELINE) {
+                Err(AppError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),
+                other => panic!("{text}: {other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn shards_cover_every_frame_once() {
+        let all = FrameList(vec![4, 8, 15, 16, 20]);
+        let part = |index| all.clone().shard(Some(Shard { index, count: 3 })).0;
+        assert_eq!(
+            [part(1), part(2), part(3)],
+            [vec![4, 16], vec![8, 20], vec![15]]
+        );
+        assert_eq!(parse_shard("2/3"), Ok(Shard { index: 2, count: 3 }));
+        for bad in ["0/3", "4/3", "1", "a/b", "1/0", "-1/2"] {
+            assert!(parse_shard(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn names_have_their_number_where_it_belongs() {
+        let template = |name: &str| Template::new(Path::new(name));
+        let walk = template("out/walk.####.png")
+            .expect("right")
+            .expect("has one");
+        assert_eq!(walk.path(7), Path::new("out/walk.0007.png"));
+        assert_eq!(walk.path(123_456), Path::new("out/walk.123456.png"));
+        assert_eq!(template("out.png").expect("right"), None);
+        assert!(template("#.#.png").is_err());
+    }
+}

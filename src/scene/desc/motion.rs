@@ -1,0 +1,235 @@
+//! What changes with time, as people write it: the frames of a film, and the tracks that move
+//! cameras, instances, lights and materials.
+
+use glam::Vec3;
+
+use super::{At, Entry};
+use crate::scene::diagnostic::Span;
+
+/// `[timeline]`: the frames of a film.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimelineDesc {
+    /// Frames a second, above 0 and at most 1000. Frame F shows the time F / fps. Default 24.
+    pub fps: f32,
+    /// First frame, 0 to 1000000. Default 0.
+    pub start: u32,
+    /// Last frame, itself shown, 0 to 1000000; not before `start`.
+    pub end: u32,
+}
+
+/// `[motion]`: what moves, by name; what has no motion keeps the value of its own table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MotionDesc {
+    /// `camera.NAME`: paths of a camera.
+    pub cameras: Vec<Entry<CameraMotionDesc>>,
+    /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then.
+    pub instances: Vec<Entry<InstanceMotionDesc>>,
+    /// `light.NAME`: motion of a light.
+    pub lights: Vec<Entry<LightMotionDesc>>,
+    /// `material.NAME`: changing numbers of a `[material.NAME]`.
+    pub materials: Vec<Entry<MaterialMotionDesc>>,
+}
+
+impl MotionDesc {
+    /// Whether nothing moves.
+    pub fn is_empty(&self) -> bool {
+        self.cameras.is_empty()
+            && self.instances.is_empty()
+            && self.lights.is_empty()
+            && self.materials.is_empty()
+    }
+}
+
+/// `[motion.camera.NAME]`
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CameraMotionDesc {
+    /// Track of the position, meters.
+    pub eye: Option<TrackDesc>,
+    /// Track of the point looked at, meters; `{ follow = { instance = "car" } }` looks at an instance.
+    pub target: Option<TrackDesc>,
+    /// Track of the direction that is up in the picture.
+    pub up: Option<TrackDesc>,
+    /// Track of the vertical field of view, degrees, 1 to 170.
+    pub fov_deg: Option<TrackDesc>,
+}
+
+/// `[motion.instance.NAME]`: of an instance that is placed by `translation`, `rotation_deg` or
+/// `rotation_quat`, and `scale`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InstanceMotionDesc {
+    /// Track of where the model's origin goes, meters.
+    pub translation: Option<TrackDesc>,
+    /// Track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is
+    /// applied before the instance's own rotation, so about the model's own axes.
+    pub rotation_deg: Option<TrackDesc>,
+    /// Track of the factors on the model's size; must not pass 0.
+    pub scale: Option<TrackDesc>,
+}
+
+/// `[motion.light.NAME]`: only what the light's `kind` has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightMotionDesc {
+    /// Track of where it stands, meters.
+    pub position: Option<TrackDesc>,
+    /// Track of the direction in which it shines, of any length but 0.
+    pub direction: Option<TrackDesc>,
+    /// Track of the luminous intensity, candela, 0 or more.
+    pub intensity_cd: Option<TrackDesc>,
+    /// Track of the illuminance of a directional light, lux, 0 or more.
+    pub intensity_lux: Option<TrackDesc>,
+    /// Track of the linear color, 0 or more.
+    pub color: Option<TrackDesc>,
+}
+
+/// `[motion.material.NAME]`: numbers of a `[material.NAME]`, wherever it is used. What a track
+/// reaches beyond a number's range is cut off there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialMotionDesc {
+    /// Track of the linear base color, 0 to 1.
+    pub base_color: Option<TrackDesc>,
+    /// Track of the metalness, 0 to 1.
+    pub metallic: Option<TrackDesc>,
+    /// Track of the perceptual roughness, 0 to 1.
+    pub roughness: Option<TrackDesc>,
+    /// Track of the strength of the normal map, 0 to 4.
+    pub normal_scale: Option<TrackDesc>,
+    /// Track of the linear emitted color, 0 or more.
+    pub emission: Option<TrackDesc>,
+    /// Track of the factor on `emission`, 0 or more.
+    pub emission_strength: Option<TrackDesc>,
+    /// Track of the specular reflectance at normal incidence, 0 to 1.
+    pub reflectivity: Option<TrackDesc>,
+}
+
+/// How a path runs between its keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CurveKind {
+    /// `"step"`: keeps a key's value until the next.
+    Step,
+    /// `"linear"`: straight pieces.
+    #[default]
+    Linear,
+    /// `"catmull_rom"`: smooth through all keys, uniform; may overshoot where keys lie unevenly.
+    CatmullRom,
+    /// `"centripetal"`: smooth through all keys, without loops or cusps between them.
+    Centripetal,
+    /// `"bezier"`: shaped by the keys' `handle_in` and `handle_out`.
+    Bezier,
+}
+
+/// How time passes on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ease {
+    /// `"none"`: evenly.
+    #[default]
+    None,
+    /// `"in"`: starts slowly.
+    In,
+    /// `"out"`: ends slowly.
+    Out,
+    /// `"in_out"`: starts and ends slowly.
+    InOut,
+}
+
+/// `eye = { … }`, a track of three numbers: `keys` or `follow` replace the value of the thing's own
+/// table; `orbit`, `rate` and `oscillate` are then added to it, in this order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrackDesc {
+    /// Values at points of time, at least one; held before the first and after the last.
+    pub keys: Vec<KeyDesc>,
+    /// How the path runs between keys. Default `"linear"`.
+    pub curve: CurveKind,
+    /// How time passes from the first key to the last. Default `"none"`.
+    pub ease: Ease,
+    /// Seconds after which the path is back at its first key, above 0 and after the last key; it
+    /// then starts over, for ever and before the first key too. Default: no loop.
+    pub loop_s: Option<f32>,
+    /// Whether the way is covered at constant speed, by arc length; only the first and the last
+    /// key's times count then. Default false.
+    pub constant_speed: bool,
+    /// Takes the position from an instance, wherever that moves.
+    pub follow: Option<FollowDesc>,
+    /// Circles around a center.
+    pub orbit: Option<OrbitDesc>,
+    /// Steady change per second, from time 0.
+    pub rate: Option<Vec3>,
+    /// Swings to and fro.
+    pub oscillate: Option<OscillateDesc>,
+}
+
+/// `roughness = { … }`, a track of one number: `keys` replace the value of the thing's own table;
+/// `rate` and `oscillate` are then added to it.
+pub struct NumberTrackDesc;
+
+/// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyDesc {
+    /// When, seconds; later than the key before.
+    pub at_s: f32,
+    /// The value then. A track of one number keeps it three times.
+    pub value: Vec3,
+    /// How time passes from here to the next key. Default `"none"`.
+    pub ease: Ease,
+    /// For `"bezier"`: control point before the key, relative to it. Default: a third of the way to
+    /// the key before.
+    pub handle_in: Option<Vec3>,
+    /// For `"bezier"`: control point after the key, relative to it. Default: a third of the way to
+    /// the next key.
+    pub handle_out: Option<Vec3>,
+    /// Where the key is written.
+    pub at: Span,
+}
+
+/// `keys = [{ at_s = 0, value = 0.5 }, …]`, in the order of time.
+pub struct NumberKeyDesc;
+
+/// `follow = { instance = "car", offset = [0, 1, 0] }`
+#[derive(Clone, Debug, PartialEq)]
+pub struct FollowDesc {
+    /// `name` of an instance.
+    pub instance: At<String>,
+    /// A point of that instance's model space, meters, so it turns and grows with it. Default [0, 0, 0].
+    pub offset: Vec3,
+}
+
+/// `orbit = { center = [0, 1, 0], period_s = 8 }`: turns the position about an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrbitDesc {
+    /// A point of the axis, meters. Default [0, 0, 0].
+    pub center: Vec3,
+    /// Direction of the axis, not 0; counter-clockwise seen against it. Default [0, 1, 0].
+    pub axis: Vec3,
+    /// Seconds of one turn, above 0.
+    pub period_s: f32,
+    /// Where it begins, in turns. Default 0.
+    pub phase: f32,
+}
+
+/// `oscillate = { amplitude = [0, 0, 20], period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OscillateDesc {
+    /// Farthest it goes, to both sides.
+    pub amplitude: Vec3,
+    /// Seconds of one swing to and fro, above 0.
+    pub period_s: f32,
+    /// Where it begins, in swings. Default 0.
+    pub phase: f32,
+}
+
+/// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
+pub struct NumberOscillateDesc;
+
+/// A parameter of the scene's script.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParamValue {
+    /// A number written without a point.
+    Integer(i64),
+    /// A number written with one.
+    Number(f64),
+    /// `true` or `false`.
+    Switch(bool),
+    /// Text.
+    Text(String),
+    /// An array of numbers.
+    Numbers(Vec<f64>),
+}

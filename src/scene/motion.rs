@@ -1,0 +1,341 @@
+//! The scene at one frame: a pure function of the description, its script and the frame's number.
+
+mod parts;
+mod track;
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
+
+pub use self::parts::{Kind, LightParts, wrong_with_camera};
+use self::track::Track;
+use super::{
+    desc::{
+        CameraDesc, CameraMotionDesc, Entry, InstanceMotionDesc, LightDesc, LightMotionDesc,
+        MaterialDesc, MaterialMotionDesc, PlacementDesc, SceneDesc, TrackDesc,
+    },
+    diagnostic::{Diagnostic, Span},
+};
+
+/// Everything that may differ from frame to frame; the lists are parallel to those of [`SceneDesc`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameState {
+    /// Number of the frame.
+    pub frame: u32,
+    /// Its time, seconds: frame / fps.
+    pub time_s: f64,
+    /// Where each camera stands.
+    pub cameras: Vec<CameraDesc>,
+    /// World from model space of each instance, or of the first of its copies.
+    pub instances: Vec<Affine3A>,
+    /// How each light shines.
+    pub lights: Vec<LightDesc>,
+    /// What each `[material.NAME]` says.
+    pub materials: Vec<MaterialDesc>,
+    /// What the script printed.
+    pub log: Vec<String>,
+}
+
+/// Indices by name.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    /// Of [`SceneDesc::cameras`].
+    pub cameras: HashMap<String, usize>,
+    /// Of [`SceneDesc::instances`]; those without a name cannot be named.
+    pub instances: HashMap<String, usize>,
+    /// Of [`SceneDesc::lights`].
+    pub lights: HashMap<String, usize>,
+    /// Of [`SceneDesc::materials`].
+    pub materials: HashMap<String, usize>,
+    /// Which instances may move.
+    pub dynamic: Vec<bool>,
+}
+
+impl Names {
+    /// Of a scene.
+    pub fn of(desc: &SceneDesc) -> Self {
+        fn entries<T>(list: &[Entry<T>]) -> HashMap<String, usize> {
+            let names = list.iter().enumerate();
+            names.map(|(i, e)| (e.name.clone(), i)).collect()
+        }
+        let named = desc.instances.iter().enumerate();
+        Self {
+            cameras: entries(&desc.cameras),
+            instances: named
+                .filter_map(|(i, e)| Some((e.name.clone()?, i)))
+                .collect(),
+            lights: entries(&desc.lights),
+            materials: entries(&desc.materials),
+            dynamic: moving(desc),
+        }
+    }
+}
+
+/// Which instances may move: those that say so, and those with motion.
+pub fn moving(desc: &SceneDesc) -> Vec<bool> {
+    let named: HashSet<_> = desc.motion.instances.iter().map(|e| &e.name).collect();
+    let moves = |name: &Option<String>| name.as_ref().is_some_and(|name| named.contains(name));
+    let instances = desc.instances.iter();
+    instances.map(|i| i.dynamic || moves(&i.name)).collect()
+}
+
+/// World from model space of a placement at rest.
+pub fn transform(placement: &PlacementDesc) -> Affine3A {
+    match *placement {
+        PlacementDesc::Trs {
+            translation,
+            rotation,
+            scale,
+        } => Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+        PlacementDesc::Matrix(matrix) => Affine3A::from_mat4(matrix),
+    }
+}
+
+/// Turns about X, then Y, then Z, all fixed axes; degrees.
+pub fn turned(euler_deg: Vec3) -> Quat {
+    // Whole turns are taken off while the number is still exact.
+    let reduced = euler_deg.as_dvec3() % 360.0;
+    let [x, y, z] = reduced.to_array().map(f64::to_radians);
+    DQuat::from_euler(EulerRot::ZYX, z, y, x).as_quat()
+}
+
+/// A scene's motion made ready: names resolved, paths measured.
+#[derive(Debug)]
+pub struct Motion<'a> {
+    desc: &'a SceneDesc,
+    rest: FrameState,
+    names: std::sync::Arc<Names>,
+    instances: Vec<(usize, [Option<Track<'a>>; 3])>,
+    cameras: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
+    lights: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
+    materials: Vec<(usize, [Option<Track<'a>>; 7])>,
+}
+
+impl<'a> Motion<'a> {
+    /// Prepares the motion of a scene whose names were checked.
+    pub fn new(desc: &'a SceneDesc) -> Self {
+        let names = Names::of(desc);
+        let rest = FrameState {
+            cameras: desc.cameras.iter().map(|e| e.value.clone()).collect(),
+            instances: desc
+                .instances
+                .iter()
+                .map(|i| transform(&i.placement))
+                .collect(),
+            lights: desc.lights.iter().map(|e| e.value).collect(),
+            materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
+            ..FrameState::default()
+        };
+        let find = |name: &str| names.instances.get(name).copied();
+        let track = |t: &'a Option<TrackDesc>| t.as_ref().map(|t| Track::new(t, find));
+        let motion = &desc.motion;
+        let instance = |e: &'a Entry<InstanceMotionDesc>| {
+            let m = &e.value;
+            let tracks = [&m.translation, &m.rotation_deg, &m.scale].map(track);
+            Some((*names.instances.get(&e.name)?, tracks))
+        };
+        let camera = |e: &'a Entry<CameraMotionDesc>| {
+            let m = &e.value;
+            let tracks = [&m.eye, &m.target, &m.up, &m.fov_deg].map(track);
+            Some((*names.cameras.get(&e.name)?, &e.at, tracks))
+        };
+        let light = |e: &'a Entry<LightMotionDesc>| {
+            let m = &e.value;
+            // A light has one of the intensities.
+            let intensity = if m.intensity_cd.is_some() {
+                &m.intensity_cd
+            } else {
+                &m.intensity_lux
+            };
+            let tracks = [&m.position, &m.direction, intensity, &m.color].map(track);
+            Some((*names.lights.get(&e.name)?, &e.at, tracks))
+        };
+        let material = |e: &'a Entry<MaterialMotionDesc>| {
+            let m = &e.value;
+            let tracks = [
+                &m.base_color,
+                &m.metallic,
+                &m.roughness,
+                &m.normal_scale,
+                &m.emission,
+                &m.emission_strength,
+                &m.reflectivity,
+            ];
+            Some((*names.materials.get(&e.name)?, tracks.map(track)))
+        };
+        Self {
+            instances: motion.instances.iter().filter_map(instance).collect(),
+            cameras: motion.cameras.iter().filter_map(camera).collect(),
+            lights: motion.lights.iter().filter_map(light).collect(),
+            materials: motion.materials.iter().filter_map(material).collect(),
+            rest,
+            names: std::sync::Arc::new(names),
+            desc,
+        }
+    }
+
+    /// Whether frames can differ at all.
+    pub fn is_still(&self) -> bool {
+        let has_frame = self.desc.script.as_ref().is_some_and(|s| s.has_frame());
+        self.desc.motion.is_empty() && !has_frame
+    }
+
+    /// First frame of the timeline, 0 without one.
+    pub fn first_frame(&self) -> u32 {
+        self.desc.timeline.as_ref().map_or(0, |t| t.start)
+    }
+
+    /// The scene at a frame. Nothing but the arguments decides about it: not the frames before, not
+    /// the clock.
+    ///
+    /// # Errors
+    /// What the script does wrong, and cameras or lights that have no direction.
+    pub fn pose(&self, frame: u32) -> Result<FrameState, Vec<Diagnostic>> {
+        let fps = self.desc.timeline.as_ref().map_or(24.0, |t| t.fps);
+        let mut state = self.rest.clone();
+        state.frame = frame;
+        state.time_s = f64::from(frame) / f64::from(fps);
+        for (index, tracks) in &self.instances {
+            state.instances[*index] = self.instance(*index, tracks, state.time_s);
+        }
+        for (index, tracks) in &self.materials {
+            material(&mut state.materials[*index], tracks, state.time_s);
+        }
+        self.follow(&mut state, |_, _| true);
+        if let Some(script) = &self.desc.script {
+            let (moved, touched) = script.frame(state, &self.names, self.desc)?;
+            state = moved;
+            // What follows an instance follows where the script has put it.
+            self.follow(&mut state, |kind, index| !touched.contains(&(kind, index)));
+        }
+        self.check(&state)?;
+        Ok(state)
+    }
+
+    fn instance(&self, index: usize, tracks: &[Option<Track>; 3], time_s: f64) -> Affine3A {
+        let PlacementDesc::Trs {
+            translation,
+            rotation,
+            scale,
+        } = self.desc.instances[index].placement
+        else {
+            return self.rest.instances[index];
+        };
+        let [moves, turns, grows] = tracks;
+        let at = |track: &Option<Track>, base| {
+            track
+                .as_ref()
+                .map_or(base, |t| t.at(time_s, base, &self.rest.instances))
+        };
+        let rotation = turns.as_ref().map_or(rotation, |track| {
+            let turn = turned(track.at(time_s, Vec3::ZERO, &[]));
+            if track.is_absolute() {
+                turn
+            } else {
+                rotation * turn
+            }
+        });
+        Affine3A::from_scale_rotation_translation(
+            at(grows, scale),
+            rotation,
+            at(moves, translation),
+        )
+    }
+
+    /// Moves cameras and lights, which may follow instances.
+    fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
+        let (time_s, instances) = (state.time_s, &state.instances);
+        let set = |slot: &mut Vec3, track: &Option<Track>, rest: Vec3| {
+            if let Some(track) = track {
+                *slot = track.at(time_s, rest, instances);
+            }
+        };
+        for (index, _, [eye, target, up, fov]) in &self.cameras {
+            if !wanted(Kind::Camera, *index) {
+                continue;
+            }
+            let (camera, rest) = (&mut state.cameras[*index], &self.rest.cameras[*index]);
+            set(&mut camera.eye, eye, rest.eye);
+            set(&mut camera.target, target, rest.target);
+            set(&mut camera.up, up, rest.up);
+            if let Some(fov) = fov {
+                camera.fov_deg = fov.number_at(time_s, rest.fov_deg).clamp(1.0, 170.0);
+            }
+        }
+        for (index, _, [position, direction, intensity, color]) in &self.lights {
+            if !wanted(Kind::Light, *index) {
+                continue;
+            }
+            let (light, rest) = (&mut state.lights[*index], &self.rest.lights[*index]);
+            let (mut now, old) = (LightParts::of(&rest.kind), LightParts::of(&rest.kind));
+            set(&mut now.position, position, old.position);
+            set(&mut now.direction, direction, old.direction);
+            if let Some(track) = intensity {
+                now.intensity = track.number_at(time_s, old.intensity).max(0.0);
+            }
+            now.put(&mut light.kind);
+            set(&mut light.color, color, rest.color);
+            light.color = light.color.max(Vec3::ZERO);
+        }
+    }
+
+    fn check(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
+        let frame = state.frame;
+        let mut errors = Vec::new();
+        let mut refuse = |at: &Span, message: String| {
+            errors.push(Diagnostic::at("bad-pose", at.clone(), message));
+        };
+        for (index, at, _) in &self.cameras {
+            if let Some(wrong) = wrong_with_camera(&state.cameras[*index]) {
+                let name = &self.desc.cameras[*index].name;
+                refuse(at, format!("in frame {frame}, camera \"{name}\" {wrong}"));
+            }
+        }
+        for (index, at, _) in &self.lights {
+            let parts = LightParts::of(&state.lights[*index].kind);
+            if !parts.position.is_finite() || parts.direction.try_normalize().is_none() {
+                let name = &self.desc.lights[*index].name;
+                refuse(
+                    at,
+                    format!("in frame {frame}, light \"{name}\" has no direction"),
+                );
+            }
+        }
+        if errors.is_empty() {
+            Ok(())
+        } else {
+            Err(errors)
+        }
+    }
+}
+
+fn material(material: &mut MaterialDesc, tracks: &[Option<Track>; 7], time_s: f64) {
+    let [
+        base_color,
+        metallic,
+        roughness,
+        normal_scale,
+        emission,
+        strength,
+        reflectivity,
+    ] = tracks;
+    let color = |slot: &mut Option<Vec3>, track: &Option<Track>, rest: Vec3, most: f32| {
+        if let Some(track) = track {
+            let value = track.at(time_s, slot.unwrap_or(rest), &[]);
+            *slot = Some(value.clamp(Vec3::ZERO, Vec3::splat(most)));
+        }
+    };
+    let number = |slot: &mut Option<f32>, track: &Option<Track>, rest: f32, most: f32| {
+        if let Some(track) = track {
+            let value = track.number_at(time_s, slot.unwrap_or(rest));
+            *slot = Some(value.clamp(0.0, most));
+        }
+    };
+    color(&mut material.base_color, base_color, Vec3::ONE, 1.0);
+    number(&mut material.metallic, metallic, 0.0, 1.0);
+    number(&mut material.roughness, roughness, 1.0, 1.0);
+    number(&mut material.normal_scale, normal_scale, 1.0, 4.0);
+    color(&mut material.emission, emission, Vec3::ZERO, 1e12);
+    number(&mut material.emission_strength, strength, 1.0, 1e12);
+    number(&mut material.reflectivity, reflectivity, 0.04, 1.0);
+}

@@ -1,0 +1,156 @@
+//! Names in `[motion]`: what moves must exist and must have what is moved.
+
+use toml::de::DeTable;
+
+use super::Names;
+use crate::scene::{
+    desc::{At, Entry, LightKind, MaterialMotionDesc, PlacementDesc, SceneDesc, TrackDesc},
+    diagnostic::{Diagnostic, Span},
+    parse::{report::Report, suggest},
+};
+
+/// Checks all names of `[motion]`, and that there is a timeline to move on.
+pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+    let motion = &scene.motion;
+    let mut cameras = Names::of("camera", root);
+    let mut lights = Names::of("light", root);
+    let mut materials = Names::of("material", root);
+    refer_all(&mut cameras, &motion.cameras, report);
+    refer_all(&mut lights, &motion.lights, report);
+    refer_all(&mut materials, &motion.materials, report);
+    for entry in &motion.instances {
+        refer_instance(scene, &entry.name, &entry.at, report);
+        let fixed = scene.instances.iter().find(|i| {
+            i.name.as_ref() == Some(&entry.name) && matches!(i.placement, PlacementDesc::Matrix(_))
+        });
+        if let Some(instance) = fixed {
+            let message = "an instance that is placed by `matrix` cannot have motion";
+            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+                .help("place it by `translation`, `rotation_deg` and `scale`")
+                .related(instance.at.clone(), "the instance is here");
+            report.push(error);
+        }
+        // A loop of instances that follow each other would have no order.
+        for track in [
+            &entry.value.translation,
+            &entry.value.rotation_deg,
+            &entry.value.scale,
+        ] {
+            if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
+                let message = "an instance cannot follow another one";
+                let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);
+                report.push(error.help("only cameras and lights follow; give it the same keys"));
+            }
+        }
+    }
+    for entry in &motion.cameras {
+        let m = &entry.value;
+        for follow in [&m.eye, &m.target, &m.up].into_iter().filter_map(followed) {
+            refer_instance(scene, &follow.value, &follow.at, report);
+        }
+    }
+    for entry in &motion.lights {
+        check_light(scene, entry, report);
+    }
+    for entry in &motion.materials {
+        check_material(entry, report);
+    }
+    if !motion.is_empty() && scene.timeline.is_none() && report.errors() == 0 {
+        let first = first_motion(scene).unwrap_or_default();
+        let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
+        let warning = Diagnostic::at("no-timeline", first, message);
+        report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+    }
+}
+
+fn first_motion(scene: &SceneDesc) -> Option<Span> {
+    let motion = &scene.motion;
+    let cameras = motion.cameras.iter().map(|e| &e.at);
+    let instances = motion.instances.iter().map(|e| &e.at);
+    let lights = motion.lights.iter().map(|e| &e.at);
+    let materials = motion.materials.iter().map(|e| &e.at);
+    let all = cameras.chain(instances).chain(lights).chain(materials);
+    all.min_by_key(|at| at.range.start).cloned()
+}
+
+fn followed(track: &Option<TrackDesc>) -> Option<&At<String>> {
+    Some(&track.as_ref()?.follow.as_ref()?.instance)
+}
+
+fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
+    for entry in entries {
+        let to = At {
+            value: entry.name.clone(),
+            at: entry.at.clone(),
+        };
+        names.refer(&to, report);
+    }
+}
+
+fn refer_instance(scene: &SceneDesc, name: &str, at: &Span, report: &mut Report) {
+    let mut known = scene.instances.iter().filter_map(|i| i.name.as_deref());
+    if known.clone().any(|k| k == name) {
+        return;
+    }
+    let message = format!("no instance is named {}", suggest::text(name));
+    let help = if known.next().is_none() {
+        "give an `[[instance]]` a `name`".to_owned()
+    } else {
+        let known: Vec<_> = scene
+            .instances
+            .iter()
+            .filter_map(|i| i.name.as_deref())
+            .collect();
+        suggest::hint(name, &known, suggest::text, "the instances with a name are")
+    };
+    report.push(Diagnostic::at("dangling-name", at.clone(), message).help(help));
+}
+
+fn check_light(
+    scene: &SceneDesc,
+    entry: &Entry<crate::scene::desc::LightMotionDesc>,
+    report: &mut Report,
+) {
+    let m = &entry.value;
+    for follow in [&m.position, &m.direction, &m.color]
+        .into_iter()
+        .filter_map(followed)
+    {
+        refer_instance(scene, &follow.value, &follow.at, report);
+    }
+    let Some(light) = scene.lights.iter().find(|l| l.name == entry.name) else {
+        return;
+    };
+    let (kind, lacks): (_, &[(&str, bool)]) = match light.value.kind {
+        LightKind::Point { .. } => (
+            "point",
+            &[
+                ("direction", m.direction.is_some()),
+                ("intensity_lux", m.intensity_lux.is_some()),
+            ],
+        ),
+        LightKind::Spot { .. } => ("spot", &[("intensity_lux", m.intensity_lux.is_some())]),
+        LightKind::Directional { .. } => (
+            "directional",
+            &[
+                ("position", m.position.is_some()),
+                ("intensity_cd", m.intensity_cd.is_some()),
+            ],
+        ),
+    };
+    for (key, _) in lacks.iter().filter(|(_, written)| *written) {
+        let message = format!("`{key}` does not go with a {kind} light");
+        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
+        report.push(error.related(light.at.clone(), "the light is here"));
+    }
+}
+
+fn check_material(entry: &Entry<MaterialMotionDesc>, report: &mut Report) {
+    let m = &entry.value;
+    for track in [&m.base_color, &m.emission].into_iter().flatten() {
+        if track.follow.is_some() || track.orbit.is_some() {
+            let message = "a color is no position: `follow` and `orbit` do not go with it";
+            report.push(Diagnostic::at("wrong-motion", entry.at.clone(), message));
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! Readers of the timeline and of motion: tracks, their keys and helpers.
+
+use glam::Vec3;
+
+use crate::scene::{
+    desc::*,
+    diagnostic::{Diagnostic, Span},
+    parse::{
+        range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
+        table::{Section, Table},
+        value::Value,
+    },
+};
+
+/// Frame numbers.
+const FRAMES: Range = range(0.0, 1e6);
+
+impl Section for TimelineDesc {
+    const TYPE: &'static str = "TimelineDesc";
+    const HEADING: &'static str = "[timeline]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let fps = t.get("fps", range(0.0, 1000.0).above(), 24.0);
+        let start = t.get("start", FRAMES, 0);
+        let end: Option<u32> = t.need("end", FRAMES);
+        if t.clean() && end.is_some_and(|end| end < start) {
+            let message = format!("`end` must not be before `start`, which is {start}");
+            t.refuse("empty-timeline", "end", &message, "both frames are shown");
+        }
+        Some(Self {
+            fps,
+            start,
+            end: end?,
+        })
+    }
+}
+
+impl Section for MotionDesc {
+    const TYPE: &'static str = "MotionDesc";
+    const HEADING: &'static str = "[motion]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            cameras: t.entries("camera"),
+            instances: t.entries("instance"),
+            lights: t.entries("light"),
+            materials: t.entries("material"),
+        })
+    }
+}
+
+impl Section for CameraMotionDesc {
+    const TYPE: &'static str = "CameraMotionDesc";
+    const HEADING: &'static str = "[motion.camera.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            eye: track::<Vec3>(t, "eye", ANY),
+            target: track::<Vec3>(t, "target", ANY),
+            up: track::<Vec3>(t, "up", ANY),
+            fov_deg: track::<f32>(t, "fov_deg", range(1.0, 170.0)),
+        })
+    }
+}
+
+impl Section for InstanceMotionDesc {
+    const TYPE: &'static str = "InstanceMotionDesc";
+    const HEADING: &'static str = "[motion.instance.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            translation: track::<Vec3>(t, "translation", ANY),
+            rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
+            scale: track::<Vec3>(t, "scale", ANY),
+        })
+    }
+}
+
+impl Section for LightMotionDesc {
+    const TYPE: &'static str = "LightMotionDesc";
+    const HEADING: &'static str = "[motion.light.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            position: track::<Vec3>(t, "position", ANY),
+            direction: track::<Vec3>(t, "direction", ANY),
+            intensity_cd: track::<f32>(t, "intensity_cd", FROM_0),
+            intensity_lux: track::<f32>(t, "intensity_lux", FROM_0),
+            color: track::<Vec3>(t, "color", FROM_0),
+        })
+    }
+}
+
+impl Section for MaterialMotionDesc {
+    const TYPE: &'static str = "MaterialMotionDesc";
+    const HEADING: &'static str = "[motion.material.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            base_color: track::<Vec3>(t, "base_color", UNIT),
+            metallic: track::<f32>(t, "metallic", UNIT),
+            roughness: track::<f32>(t, "roughness", UNIT),
+            normal_scale: track::<f32>(t, "normal_scale", range(0.0, 4.0)),
+            emission: track::<Vec3>(t, "emission", FROM_0),
+            emission_strength: track::<f32>(t, "emission_strength", FROM_0),
+            reflectivity: track::<f32>(t, "reflectivity", UNIT),
+        })
+    }
+}
+
+/// What a track moves: one number or three.
+trait Lane: Value {
+    const TRACK: &'static str;
+    const TRACK_HEADING: &'static str;
+    const KEY: &'static str;
+    const KEY_HEADING: &'static str;
+    const SWING: &'static str;
+    const SWING_HEADING: &'static str;
+    /// Whether it may be a position.
+    const IS_VECTOR: bool;
+    fn lanes(self) -> Vec3;
+}
+
+impl Lane for Vec3 {
+    const TRACK: &'static str = "TrackDesc";
+    const TRACK_HEADING: &'static str = "eye = { … }";
+    const KEY: &'static str = "KeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […] }, …]";
+    const SWING: &'static str = "OscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = […], … }";
+    const IS_VECTOR: bool = true;
+    fn lanes(self) -> Vec3 {
+        self
+    }
+}
+
+impl Lane for f32 {
+    const TRACK: &'static str = "NumberTrackDesc";
+    const TRACK_HEADING: &'static str = "roughness = { … }";
+    const KEY: &'static str = "NumberKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … }, …]";
+    const SWING: &'static str = "NumberOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
+    const IS_VECTOR: bool = false;
+    fn lanes(self) -> Vec3 {
+        Vec3::splat(self)
+    }
+}
+
+/// A track whose lanes are `L`s.
+struct TrackOf<L>(TrackDesc, std::marker::PhantomData<L>);
+
+/// A key whose value is an `L`.
+struct KeyOf<L>(KeyDesc, std::marker::PhantomData<L>);
+
+/// A swing whose amplitude is an `L`.
+struct SwingOf<L>(OscillateDesc, std::marker::PhantomData<L>);
+
+/// The track under `key`; the values of its keys must lie in `range`.
+fn track<L: Lane>(t: &mut Table, key: &'static str, range: Range) -> Option<TrackDesc> {
+    let TrackOf(track, _) = t.table::<TrackOf<L>>(key)?;
+    for point in &track.keys {
+        let lanes = point.value.to_array();
+        let wrong = lanes.into_iter().find(|x| !range.contains(f64::from(*x)));
+        if let Some(x) = wrong {
+            let message = format!("`value` of `{key}` must be {}, not {x}", range.words());
+            t.report
+                .push(Diagnostic::at("key-range", point.at.clone(), message));
+        }
+    }
+    Some(track)
+}
+
+impl<L: Lane> Section for TrackOf<L> {
+    const TYPE: &'static str = L::TRACK;
+    const ALSO: &'static [&'static str] = &["TrackDesc"];
+    const HEADING: &'static str = L::TRACK_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        if L::IS_VECTOR {
+            t.one_of(false, &[&["keys"], &["follow"]]);
+            t.one_of(true, &[&["keys", "follow", "orbit", "rate", "oscillate"]]);
+        } else {
+            t.one_of(true, &[&["keys", "rate", "oscillate"]]);
+        }
+        let points: Vec<KeyOf<L>> = t.list("keys");
+        let keys: Vec<_> = points.into_iter().map(|KeyOf(key, _)| key).collect();
+        let track = TrackDesc {
+            curve: t.get("curve", ANY, CurveKind::default()),
+            ease: t.get("ease", ANY, Ease::default()),
+            loop_s: t.find("loop_s", ABOVE_0),
+            constant_speed: t.get("constant_speed", ANY, false),
+            follow: if L::IS_VECTOR {
+                t.table("follow")
+            } else {
+                None
+            },
+            orbit: if L::IS_VECTOR { t.table("orbit") } else { None },
+            rate: t.find::<L>("rate", ANY).map(Lane::lanes),
+            oscillate: t
+                .table::<SwingOf<L>>("oscillate")
+                .map(|SwingOf(swing, _)| swing),
+            keys,
+        };
+        check_keys(t, &track);
+        Some(Self(track, std::marker::PhantomData))
+    }
+}
+
+fn check_keys(t: &mut Table, track: &TrackDesc) {
+    if !t.has("keys") {
+        for key in ["curve", "ease", "loop_s", "constant_speed"] {
+            if t.has(key) {
+                let message = format!("`{key}` shapes the way between `keys`, and there are none");
+                t.refuse("no-keys", key, &message, "write `keys`, or remove it");
+            }
+        }
+        return;
+    }
+    if !t.clean() {
+        return;
+    }
+    let Some(last) = track.keys.last() else {
+        let help = "write `keys = [{ at_s = 0, value = … }, { at_s = 2, value = … }]`";
+        t.refuse("no-keys", "keys", "`keys` must have at least one key", help);
+        return;
+    };
+    for pair in track.keys.windows(2) {
+        if pair[1].at_s <= pair[0].at_s {
+            let message = format!(
+                "`at_s` must be later than that of the key before, which is {}",
+                pair[0].at_s
+            );
+            let error = Diagnostic::at("key-order", pair[1].at.clone(), message);
+            t.report
+                .push(error.related(pair[0].at.clone(), "the key before is here"));
+        }
+    }
+    let run = last.at_s - track.keys[0].at_s;
+    if track.loop_s.is_some_and(|l| l <= run) {
+        let message =
+            format!("`loop_s` must be more than the {run} s from the first key to the last");
+        let help = "in the time left after the last key, the path goes back to the first";
+        t.refuse("key-order", "loop_s", &message, help);
+    }
+    let bent = |key: &&KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
+    if let Some(key) = track.keys.iter().find(bent)
+        && track.curve != CurveKind::Bezier
+    {
+        let message = "`handle_in` and `handle_out` go with `curve = \"bezier\"`";
+        t.report
+            .push(Diagnostic::at("no-handles", key.at.clone(), message));
+    }
+}
+
+impl<L: Lane> Section for KeyOf<L> {
+    const TYPE: &'static str = L::KEY;
+    const ALSO: &'static [&'static str] = &["KeyDesc"];
+    const HEADING: &'static str = L::KEY_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let at_s = t.need("at_s", ANY);
+        let value: Option<L> = t.need("value", ANY);
+        let ease = t.get("ease", ANY, Ease::default());
+        let handle_in: Option<L> = t.find("handle_in", ANY);
+        let handle_out: Option<L> = t.find("handle_out", ANY);
+        let at: Span = t.start();
+        let key = KeyDesc {
+            at_s: at_s?,
+            value: value?.lanes(),
+            ease,
+            handle_in: handle_in.map(Lane::lanes),
+            handle_out: handle_out.map(Lane::lanes),
+            at,
+        };
+        Some(Self(key, std::marker::PhantomData))
+    }
+}
+
+impl<L: Lane> Section for SwingOf<L> {
+    const TYPE: &'static str = L::SWING;
+    const ALSO: &'static [&'static str] = &["OscillateDesc"];
+    const HEADING: &'static str = L::SWING_HEADING;
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let amplitude: Option<L> = t.need("amplitude", ANY);
+        let period_s = t.need("period_s", ABOVE_0);
+        let phase = t.get("phase", ANY, 0.0);
+        let swing = OscillateDesc {
+            amplitude: amplitude?.lanes(),
+            period_s: period_s?,
+            phase,
+        };
+        Some(Self(swing, std::marker::PhantomData))
+    }
+}
+
+impl Section for OrbitDesc {
+    const TYPE: &'static str = "OrbitDesc";
+    const HEADING: &'static str = "orbit = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let center = t.get("center", ANY, Vec3::ZERO);
+        let axis = t.get("axis", ANY, Vec3::Y);
+        let period_s = t.need("period_s", ABOVE_0);
+        let phase = t.get("phase", ANY, 0.0);
+        if t.has("axis") && axis == Vec3::ZERO {
+            let help = "write `axis = [0, 1, 0]` to circle level";
+            t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
+        }
+        Some(Self {
+            center,
+            axis,
+            period_s: period_s?,
+            phase,
+        })
+    }
+}
+
+impl Section for FollowDesc {
+    const TYPE: &'static str = "FollowDesc";
+    const HEADING: &'static str = "follow = { … }";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let instance = t.need("instance", ANY);
+        let offset = t.get("offset", ANY, Vec3::ZERO);
+        Some(Self {
+            instance: instance?,
+            offset,
+        })
+    }
+}

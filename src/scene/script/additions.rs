@@ -1,0 +1,152 @@
+//! What `setup` returns, as scene text: the readers of scene text then check it like any other.
+
+use std::fmt::Write as _;
+
+use glam::{DMat4, DQuat, DVec3};
+use rhai::{Array, Dynamic, Map};
+
+use crate::scene::parse::suggest;
+
+/// Keys of what `setup` returns, and whether they are lists.
+const TABLES: [(&str, &str, bool); 5] = [
+    ("cameras", "camera", false),
+    ("materials", "material", false),
+    ("models", "model", false),
+    ("lights", "light", false),
+    ("instances", "instance", true),
+];
+
+/// The returned map as scene text; nothing for `()`.
+///
+/// # Errors
+/// What is not as `setup` must return it.
+pub fn text(returned: &Dynamic) -> Result<String, String> {
+    if returned.is_unit() {
+        return Ok(String::new());
+    }
+    let Some(map) = returned.read_lock::<Map>() else {
+        let found = returned.type_name();
+        return Err(format!(
+            "setup must return a map such as `#{{ instances: [] }}`, not {found}"
+        ));
+    };
+    let mut out = String::new();
+    if let Some(key) = map
+        .keys()
+        .find(|k| !TABLES.iter().any(|t| t.0 == k.as_str()))
+    {
+        let known = TABLES.map(|t| t.0);
+        let hint = suggest::hint(key, &known, suggest::key, "it may have");
+        return Err(format!("setup cannot return {}; {hint}", suggest::key(key)));
+    }
+    for (key, table, is_list) in TABLES {
+        let Some(value) = map.get(key) else { continue };
+        let wrong = |what: &str| format!("`{key}` of what setup returns must be {what}");
+        if is_list {
+            let list = value.read_lock::<Array>();
+            for item in list.ok_or_else(|| wrong("an array of maps"))?.iter() {
+                let item = item.read_lock::<Map>();
+                let item = item.ok_or_else(|| wrong("an array of maps"))?;
+                let _ = writeln!(out, "[[{table}]]");
+                keys(&mut out, &item)?;
+            }
+        } else {
+            let named = value.read_lock::<Map>();
+            let shape = "a map of names to maps";
+            for (name, item) in named.ok_or_else(|| wrong(shape))?.iter() {
+                let item = item.read_lock::<Map>();
+                let item = item.ok_or_else(|| wrong(shape))?;
+                let _ = writeln!(out, "[{table}.{}]", quoted(name));
+                keys(&mut out, &item)?;
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn keys(out: &mut String, map: &Map) -> Result<(), String> {
+    for (key, item) in map {
+        let _ = write!(out, "{} = ", quoted(key));
+        value(out, item, key)?;
+        out.push('\n');
+    }
+    Ok(())
+}
+
+/// A key or text; plain keys stay as they are.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        toml_text(text)
+    }
+}
+
+fn toml_text(text: &str) -> String {
+    let mut out = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+fn numbers(out: &mut String, list: &[f64]) {
+    let texts: Vec<_> = list.iter().map(|x| number(*x)).collect();
+    let _ = write!(out, "[{}]", texts.join(", "));
+}
+
+/// With a point, so that it is a float; `nan` and `inf` are TOML too, and refused by the readers.
+fn number(x: f64) -> String {
+    match x {
+        x if x.is_nan() => "nan".into(),
+        x => format!("{x:?}"),
+    }
+}
+
+fn value(out: &mut String, item: &Dynamic, key: &str) -> Result<(), String> {
+    if let Ok(i) = item.as_int() {
+        let _ = write!(out, "{i}");
+    } else if let Ok(x) = item.as_float() {
+        out.push_str(&number(x));
+    } else if let Ok(b) = item.as_bool() {
+        let _ = write!(out, "{b}");
+    } else if let Some(text) = item.read_lock::<rhai::ImmutableString>() {
+        out.push_str(&toml_text(&text));
+    } else if let Some(v) = item.read_lock::<DVec3>() {
+        numbers(out, &v.to_array());
+    } else if let Some(q) = item.read_lock::<DQuat>() {
+        numbers(out, &q.to_array());
+    } else if let Some(m) = item.read_lock::<DMat4>() {
+        numbers(out, &m.to_cols_array());
+    } else if let Some(list) = item.read_lock::<Array>() {
+        out.push('[');
+        for (i, item) in list.iter().enumerate() {
+            out.push_str(if i > 0 { ", " } else { "" });
+            value(out, item, key)?;
+        }
+        out.push(']');
+    } else if let Some(map) = item.read_lock::<Map>() {
+        out.push_str("{ ");
+        for (i, (key, item)) in map.iter().enumerate() {
+            out.push_str(if i > 0 { ", " } else { "" });
+            let _ = write!(out, "{} = ", quoted(key));
+            value(out, item, key)?;
+        }
+        out.push_str(" }");
+    } else {
+        let found = item.type_name();
+        return Err(format!(
+            "{} is {found}, which is no value of a scene",
+            suggest::key(key)
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,129 @@
+//! Everything that a script can call beside Rhai itself: one table that registers the functions,
+//! documents them, and holds an example of each that a test runs.
+
+mod math;
+mod random;
+mod scene;
+pub(super) mod value;
+
+use std::fmt::Write as _;
+
+use rhai::Engine;
+
+use super::LIMITS;
+
+/// One function, operator or property.
+pub struct Entry {
+    /// How it is written, such as `vec3(x, y, z)`; several forms with `, ` and code between.
+    pub signature: &'static str,
+    /// What it does.
+    pub text: &'static str,
+    /// An expression that is true.
+    pub example: &'static str,
+    register: fn(&mut Engine),
+}
+
+/// A chapter of the reference.
+pub struct Group {
+    /// Its heading.
+    pub title: &'static str,
+    /// What is in it.
+    pub entries: &'static [Entry],
+}
+
+/// The whole API.
+pub static API: &[Group] = &[
+    Group {
+        title: "The call",
+        entries: scene::CALL,
+    },
+    Group {
+        title: "Posing the scene",
+        entries: scene::POSE,
+    },
+    Group {
+        title: "Vectors",
+        entries: math::VECTORS,
+    },
+    Group {
+        title: "Rotations and matrices",
+        entries: math::ROTATIONS,
+    },
+    Group {
+        title: "Numbers",
+        entries: math::NUMBERS,
+    },
+    Group {
+        title: "Randomness without state",
+        entries: random::RANDOM,
+    },
+];
+
+const INTRODUCTION: &str = include_str!("api/introduction.md");
+
+/// Adds everything to an engine.
+pub fn register(engine: &mut Engine) {
+    value::register_types(engine);
+    for entry in API.iter().flat_map(|group| group.entries) {
+        (entry.register)(engine);
+    }
+}
+
+/// The name in a signature: `place` of `ctx.place(name, position)`.
+fn name_of(signature: &str) -> &str {
+    let call = signature.split('(').next().unwrap_or(signature);
+    call.rsplit('.').next().unwrap_or(call).trim()
+}
+
+/// Every name, for suggestions.
+pub fn names() -> Vec<&'static str> {
+    let entries = API.iter().flat_map(|group| group.entries);
+    let names = entries.flat_map(|e| e.signature.split("; ")).map(name_of);
+    names
+        .filter(|n| n.chars().all(|c| c.is_alphanumeric() || c == '_'))
+        .collect()
+}
+
+/// The signatures of a name.
+pub fn signatures(name: &str) -> Vec<String> {
+    let entries = API.iter().flat_map(|group| group.entries);
+    let forms = entries.flat_map(|e| e.signature.split("; "));
+    forms
+        .filter(|form| name_of(form) == name)
+        .map(|form| format!("`{form}`"))
+        .collect()
+}
+
+/// The manual of scripts as Markdown, `docs/scripting.md`.
+pub fn manual() -> String {
+    let mut out = INTRODUCTION.to_owned();
+    out.push_str("\n## Limits\n\n| what | at most |\n|---|---|\n");
+    for (what, most) in LIMITS {
+        let _ = writeln!(out, "| {what} | {most} |");
+    }
+    for group in API {
+        let _ = write!(
+            out,
+            "\n## {}\n\n| write | meaning | true, for example |\n|---|---|---|\n",
+            group.title
+        );
+        for entry in group.entries {
+            let forms: Vec<_> = entry
+                .signature
+                .split("; ")
+                .map(|f| format!("`{f}`"))
+                .collect();
+            let cells = [
+                forms.join("<br>"),
+                entry.text.to_owned(),
+                format!("`{}`", entry.example),
+            ];
+            let _ = writeln!(
+                out,
+                "| {} |",
+                cells.map(|c| c.replace('|', "\\|")).join(" | ")
+            );
+        }
+    }
+    out
+}

@@ -1,0 +1,283 @@
+//! Vectors, rotations, matrices and the numbers that Rhai leaves out; integers and floats mix.
+
+use glam::{DMat4, DQuat, DVec3};
+use rhai::{Dynamic, Engine, EvalAltResult};
+
+use super::{
+    Entry,
+    value::{fail, number, rotation, scale, vector},
+};
+
+type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
+
+/// Registers a function of one number, for integers too.
+macro_rules! of_one {
+    ($engine:expr, $($name:literal => $function:expr),+ $(,)?) => {
+        $($engine.register_fn($name, |x: i64| { let f: fn(f64) -> f64 = $function; f(x as f64) });)+
+    };
+}
+
+pub static VECTORS: &[Entry] = &[
+    Entry {
+        signature: "vec3(x, y, z); vec3(s)",
+        text: "A vector. An array of three numbers does where the scene expects one.",
+        example: "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)",
+        register: |e| {
+            e.register_fn(
+                "vec3",
+                |x: Dynamic, y: Dynamic, z: Dynamic| -> Result<DVec3> {
+                    Ok(DVec3::new(
+                        number(&x, "x")?,
+                        number(&y, "y")?,
+                        number(&z, "z")?,
+                    ))
+                },
+            );
+            e.register_fn("vec3", |s: Dynamic| number(&s, "s").map(DVec3::splat));
+        },
+    },
+    Entry {
+        signature: "v.x; v.y; v.z",
+        text: "The parts of a vector, which can be set.",
+        example: "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0",
+        register: |e| {
+            e.register_get_set("x", |v: &mut DVec3| v.x, |v: &mut DVec3, x: f64| v.x = x);
+            e.register_get_set("y", |v: &mut DVec3| v.y, |v: &mut DVec3, y: f64| v.y = y);
+            e.register_get_set("z", |v: &mut DVec3| v.z, |v: &mut DVec3, z: f64| v.z = z);
+            e.register_set("x", |v: &mut DVec3, x: i64| v.x = x as f64);
+            e.register_set("y", |v: &mut DVec3, y: i64| v.y = y as f64);
+            e.register_set("z", |v: &mut DVec3, z: i64| v.z = z as f64);
+        },
+    },
+    Entry {
+        signature: "a + b; a - b; a * b; a / b; -a; a == b",
+        text: "Part by part; one side of `*` and the right side of `/` may be a number.",
+        example: "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)",
+        register: vector_operators,
+    },
+    Entry {
+        signature: "dot(a, b); cross(a, b)",
+        text: "Dot and cross product.",
+        example: "dot(vec3(1, 2, 3), vec3(1, 1, 1)) == 6.0 && cross(vec3(1, 0, 0), vec3(0, 1, 0)) == vec3(0, 0, 1)",
+        register: |e| {
+            e.register_fn("dot", |a: DVec3, b: DVec3| a.dot(b));
+            e.register_fn("cross", |a: DVec3, b: DVec3| a.cross(b));
+        },
+    },
+    Entry {
+        signature: "length(v); distance(a, b); normalize(v)",
+        text: "Length, distance of two points, and the direction of a vector that is not 0.",
+        example: "length(vec3(3, 0, 4)) == 5.0 && normalize(vec3(0, 2, 0)) == vec3(0, 1, 0)",
+        register: |e| {
+            e.register_fn("length", |v: DVec3| v.length());
+            e.register_fn("distance", |a: DVec3, b: DVec3| a.distance(b));
+            e.register_fn("normalize", |v: DVec3| -> Result<DVec3> {
+                v.try_normalize()
+                    .map_or_else(|| fail("a vector of length 0 has no direction".into()), Ok)
+            });
+        },
+    },
+];
+
+fn vector_operators(e: &mut Engine) {
+    e.register_fn("+", |a: DVec3, b: DVec3| a + b);
+    e.register_fn("-", |a: DVec3, b: DVec3| a - b);
+    e.register_fn("*", |a: DVec3, b: DVec3| a * b);
+    e.register_fn("/", |a: DVec3, b: DVec3| a / b);
+    e.register_fn("*", |a: DVec3, s: f64| a * s);
+    e.register_fn("*", |a: DVec3, s: i64| a * s as f64);
+    e.register_fn("*", |s: f64, a: DVec3| a * s);
+    e.register_fn("*", |s: i64, a: DVec3| a * s as f64);
+    e.register_fn("/", |a: DVec3, s: f64| a / s);
+    e.register_fn("/", |a: DVec3, s: i64| a / s as f64);
+    e.register_fn("-", |a: DVec3| -a);
+    e.register_fn("==", |a: DVec3, b: DVec3| a == b);
+    e.register_fn("!=", |a: DVec3, b: DVec3| a != b);
+    e.register_fn("to_string", |v: &mut DVec3| {
+        format!("vec3({}, {}, {})", v.x, v.y, v.z)
+    });
+    e.register_fn("to_debug", |v: &mut DVec3| {
+        format!("vec3({}, {}, {})", v.x, v.y, v.z)
+    });
+}
+
+pub static ROTATIONS: &[Entry] = &[
+    Entry {
+        signature: "rotation_deg(x, y, z)",
+        text: "A `quat` from degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.",
+        example: "distance(rotation_deg(0, 0, 90) * vec3(1, 0, 0), vec3(0, 1, 0)) < 1e-6",
+        register: |e| {
+            e.register_fn(
+                "rotation_deg",
+                |x: Dynamic, y: Dynamic, z: Dynamic| -> Result<DQuat> {
+                    let parts = DVec3::new(number(&x, "x")?, number(&y, "y")?, number(&z, "z")?);
+                    rotation(&Dynamic::from(parts))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "axis_deg(axis, degrees)",
+        text: "A `quat` about an axis, counter-clockwise seen against it.",
+        example: "distance(axis_deg(vec3(0, 1, 0), 90) * vec3(1, 0, 0), vec3(0, 0, -1)) < 1e-6",
+        register: |e| {
+            e.register_fn(
+                "axis_deg",
+                |axis: Dynamic, degrees: Dynamic| -> Result<DQuat> {
+                    let Some(axis) = vector(&axis, "the axis")?.try_normalize() else {
+                        return fail("an axis of length 0 has no direction".into());
+                    };
+                    Ok(DQuat::from_axis_angle(
+                        axis,
+                        number(&degrees, "degrees")?.to_radians(),
+                    ))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "facing(direction, up)",
+        text: "A `quat` that turns -Z to `direction` and keeps Y as near to `up` as it can.",
+        example: "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6",
+        register: |e| {
+            e.register_fn(
+                "facing",
+                |direction: Dynamic, up: Dynamic| -> Result<DQuat> {
+                    let (to, up) = (vector(&direction, "the direction")?, vector(&up, "up")?);
+                    let right = to.cross(up).try_normalize();
+                    let (Some(to), Some(right)) = (to.try_normalize(), right) else {
+                        return fail("the direction must not be 0 or along up".into());
+                    };
+                    let turn = glam::DMat3::from_cols(right, right.cross(to), -to);
+                    Ok(DQuat::from_mat3(&turn))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "a * b; q * v; inverse(q); slerp(a, b, t)",
+        text: "Of rotations: first `b`, then `a`; a vector turned; the way back; between two.",
+        example: "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6",
+        register: |e| {
+            e.register_fn("*", |a: DQuat, b: DQuat| a * b);
+            e.register_fn("*", |q: DQuat, v: DVec3| q * v);
+            e.register_fn("inverse", |q: DQuat| q.inverse());
+            e.register_fn("slerp", |a: DQuat, b: DQuat, t: Dynamic| -> Result<DQuat> {
+                Ok(a.slerp(b, number(&t, "t")?))
+            });
+        },
+    },
+    Entry {
+        signature: "mat4(position, rotation, scale)",
+        text: "A matrix that scales, then rotates, then moves; arguments as of `ctx.place`.",
+        example: "mat4([1, 0, 0], [0, 0, 0], 2) * vec3(1, 1, 1) == vec3(3, 2, 2)",
+        register: |e| {
+            e.register_fn(
+                "mat4",
+                |at: Dynamic, turn: Dynamic, size: Dynamic| -> Result<DMat4> {
+                    let (size, turn) = (scale(&size)?, rotation(&turn)?);
+                    let at = vector(&at, "the position")?;
+                    Ok(DMat4::from_scale_rotation_translation(size, turn, at))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "a * b; m * v; inverse(m); direction(m, v)",
+        text: "Of matrices: first `b`, then `a`; a point moved; the way back; a direction, which is not moved.",
+        example: "let m = mat4([1, 2, 3], [0, 0, 0], 1); inverse(m) * (m * vec3(4, 5, 6)) == vec3(4, 5, 6) && direction(m, vec3(0, 1, 0)) == vec3(0, 1, 0)",
+        register: |e| {
+            e.register_fn("*", |a: DMat4, b: DMat4| a * b);
+            e.register_fn("*", |m: DMat4, v: DVec3| m.transform_point3(v));
+            e.register_fn("direction", |m: DMat4, v: DVec3| m.transform_vector3(v));
+            e.register_fn("inverse", |m: DMat4| -> Result<DMat4> {
+                if m.determinant() == 0.0 {
+                    return fail("a singular matrix has no inverse".into());
+                }
+                Ok(m.inverse())
+            });
+        },
+    },
+];
+
+pub static NUMBERS: &[Entry] = &[
+    Entry {
+        signature: "mix(a, b, t)",
+        text: "From `a` at t = 0 to `b` at 1; numbers or vectors.",
+        example: "mix(2, 4, 0.5) == 3.0 && mix(vec3(0), vec3(2), 0.5) == vec3(1)",
+        register: |e| {
+            e.register_fn("mix", |a: DVec3, b: DVec3, t: Dynamic| -> Result<DVec3> {
+                Ok(a.lerp(b, number(&t, "t")?))
+            });
+            e.register_fn("mix", |a: Dynamic, b: Dynamic, t: Dynamic| -> Result<f64> {
+                let (a, b) = (number(&a, "a")?, number(&b, "b")?);
+                Ok(a + (b - a) * number(&t, "t")?)
+            });
+        },
+    },
+    Entry {
+        signature: "clamp(x, low, high)",
+        text: "The number of the range that is nearest to `x`.",
+        example: "clamp(5, 0, 1.5) == 1.5",
+        register: |e| {
+            e.register_fn(
+                "clamp",
+                |x: Dynamic, low: Dynamic, high: Dynamic| -> Result<f64> {
+                    let (low, high) = (number(&low, "low")?, number(&high, "high")?);
+                    Ok(number(&x, "x")?.min(high).max(low))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "smoothstep(low, high, x)",
+        text: "0 below `low`, 1 above `high`, and a smooth way between.",
+        example: "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0",
+        register: |e| {
+            e.register_fn(
+                "smoothstep",
+                |low: Dynamic, high: Dynamic, x: Dynamic| -> Result<f64> {
+                    let (low, high) = (number(&low, "low")?, number(&high, "high")?);
+                    if low >= high {
+                        return fail(format!("`low` must be below `high`, not {low} and {high}"));
+                    }
+                    let u = ((number(&x, "x")? - low) / (high - low)).clamp(0.0, 1.0);
+                    Ok(u * u * (3.0 - 2.0 * u))
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "fract(x)",
+        text: "What is left above the next whole number below: 0 up to 1, also for negative numbers.",
+        example: "fract(2.25) == 0.25 && fract(-0.25) == 0.75",
+        register: |e| {
+            e.register_fn("fract", |x: Dynamic| number(&x, "x").map(|x| x - x.floor()));
+        },
+    },
+    Entry {
+        signature: "radians(degrees); degrees(radians)",
+        text: "Conversion of angles.",
+        example: "degrees(radians(90)) == 90.0",
+        register: |e| {
+            e.register_fn("radians", |x: Dynamic| {
+                number(&x, "degrees").map(f64::to_radians)
+            });
+            e.register_fn("degrees", |x: Dynamic| {
+                number(&x, "radians").map(f64::to_degrees)
+            });
+        },
+    },
+    Entry {
+        signature: "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)",
+        text: "As Rhai's own, of integers too; angles are radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are there as well.",
+        example: "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5",
+        register: |e| {
+            of_one!(e,
+                "sin" => f64::sin, "cos" => f64::cos, "tan" => f64::tan, "asin" => f64::asin,
+                "acos" => f64::acos, "atan" => f64::atan, "sqrt" => f64::sqrt, "exp" => f64::exp,
+                "ln" => f64::ln,
+            );
+        },
+    },
+];

@@ -1,0 +1,133 @@
+//! `ctx`: the call's time and parameters, and posing the scene by name.
+
+use glam::DMat4;
+use rhai::{Dynamic, Map};
+
+use super::{
+    super::context::{Context, position},
+    Entry,
+};
+
+pub static CALL: &[Entry] = &[
+    Entry {
+        signature: "ctx.t",
+        text: "Time of the frame, seconds: `ctx.frame / ctx.fps`.",
+        example: "ctx.t == 0.5",
+        register: |e| {
+            e.register_get("t", |c: &mut Context| c.call.time_s);
+        },
+    },
+    Entry {
+        signature: "ctx.frame",
+        text: "Number of the frame, an integer.",
+        example: "ctx.frame == 12",
+        register: |e| {
+            e.register_get("frame", |c: &mut Context| c.call.frame);
+        },
+    },
+    Entry {
+        signature: "ctx.fps",
+        text: "Frames a second.",
+        example: "ctx.fps == 24.0",
+        register: |e| {
+            e.register_get("fps", |c: &mut Context| c.call.fps);
+        },
+    },
+    Entry {
+        signature: "ctx.start; ctx.end",
+        text: "First and last frame of the timeline.",
+        example: "ctx.start == 0 && ctx.end == 47",
+        register: |e| {
+            e.register_get("start", |c: &mut Context| c.call.range[0]);
+            e.register_get("end", |c: &mut Context| c.call.range[1]);
+        },
+    },
+    Entry {
+        signature: "ctx.params",
+        text: "The scene's `[params]`, changed by `--set params.NAME=VALUE`.",
+        example: "ctx.params.count == 31",
+        register: |e| {
+            e.register_get("params", |c: &mut Context| c.call.params.clone());
+        },
+    },
+];
+
+pub static POSE: &[Entry] = &[
+    Entry {
+        signature: "ctx.place(name, position); ctx.place(name, position, rotation); ctx.place(name, position, rotation, scale); ctx.place(name, matrix)",
+        text: "Places an instance. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. What is left out stays as it is.",
+        example: "ctx.place(\"ball\", [0, 1, 2], [0, 90, 0], 0.5); ctx.position(\"ball\").y == 1.0",
+        register: |e| {
+            e.register_fn("place", |c: &mut Context, name: &str, at: Dynamic| {
+                c.place(name, at)
+            });
+            e.register_fn(
+                "place",
+                |c: &mut Context, name: &str, at: Dynamic, turn: Dynamic| c.turn(name, at, turn),
+            );
+            e.register_fn(
+                "place",
+                |c: &mut Context, name: &str, at: Dynamic, turn: Dynamic, size: Dynamic| {
+                    c.place_all(name, [at, turn, size])
+                },
+            );
+        },
+    },
+    Entry {
+        signature: "ctx.position(name)",
+        text: "Where an instance is in this frame: as the scene's motion or this call has put it.",
+        example: "ctx.position(\"ball\") == vec3(0, 1, 0)",
+        register: |e| {
+            e.register_fn("position", |c: &mut Context, name: &str| {
+                c.matrix(name).map(|m| position(&m))
+            });
+        },
+    },
+    Entry {
+        signature: "ctx.matrix(name)",
+        text: "World from model space of an instance in this frame, a `mat4`.",
+        example: "ctx.matrix(\"ball\") * vec3(0, 0, 0) == ctx.position(\"ball\")",
+        register: |e| {
+            e.register_fn(
+                "matrix",
+                |c: &mut Context, name: &str| -> Result<DMat4, _> { c.matrix(name) },
+            );
+        },
+    },
+    Entry {
+        signature: "ctx.camera(name, #{ … })",
+        text: "Sets any of `eye`, `target`, `up` and `fov_deg` of a camera.",
+        example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
+        register: |e| {
+            e.register_fn("camera", |c: &mut Context, name: &str, keys: Map| {
+                c.camera(name, &keys)
+            });
+        },
+    },
+    Entry {
+        signature: "ctx.light(name, #{ … })",
+        text: "Sets any of `position`, `direction`, `target` (of a spot), `intensity_cd`, `intensity_lux` and `color` that the light's kind has.",
+        example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
+        register: |e| {
+            e.register_fn("light", |c: &mut Context, name: &str, keys: Map| {
+                c.light(name, &keys)
+            });
+        },
+    },
+    Entry {
+        signature: "ctx.material(name, #{ … })",
+        text: "Sets any of `base_color`, `metallic`, `roughness`, `normal_scale`, `emission`, `emission_strength` and `reflectivity` of a `[material.NAME]`.",
+        example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
+        register: |e| {
+            e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {
+                c.material(name, &keys)
+            });
+        },
+    },
+    Entry {
+        signature: "print(value); debug(value)",
+        text: "Writes a line to standard error; `debug` says where it stands.",
+        example: "print(`frame ${ctx.frame}`); true",
+        register: |_| {},
+    },
+];

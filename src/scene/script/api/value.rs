@@ -1,0 +1,114 @@
+//! Types that scripts have beside Rhai's own, and what stands for a number, a vector or a rotation.
+
+use glam::{DMat4, DQuat, DVec3, Vec3};
+use rhai::{Array, Dynamic, Engine, EvalAltResult};
+
+use crate::scene::motion::turned;
+
+type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
+
+/// Names of the types, in messages.
+pub fn register_types(engine: &mut Engine) {
+    engine.register_type_with_name::<DVec3>("vec3");
+    engine.register_type_with_name::<DQuat>("quat");
+    engine.register_type_with_name::<DMat4>("mat4");
+    engine.register_type_with_name::<super::super::context::Context>("ctx");
+}
+
+/// An error at the place of the call.
+pub fn fail<T>(message: String) -> Result<T> {
+    Err(message.into())
+}
+
+fn named(value: &Dynamic) -> String {
+    match value.type_name() {
+        "string" => format!(
+            "the text \"{}\"",
+            value.clone().into_string().unwrap_or_default()
+        ),
+        "array" => format!(
+            "an array of {} values",
+            value.read_lock::<Array>().map_or(0, |a| a.len())
+        ),
+        "map" => "a map".to_owned(),
+        "()" => "nothing".to_owned(),
+        other if other.contains("DVec3") => "a vec3".to_owned(),
+        other if other.contains("DQuat") => "a quat".to_owned(),
+        other if other.contains("DMat4") => "a mat4".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// An integer or a float; finite.
+pub fn number(value: &Dynamic, what: &str) -> Result<f64> {
+    let x = match (value.as_int(), value.as_float()) {
+        (Ok(i), _) => i as f64,
+        (_, Ok(x)) => x,
+        _ => return fail(format!("`{what}` must be a number, not {}", named(value))),
+    };
+    if x.is_finite() {
+        Ok(x)
+    } else {
+        fail(format!("`{what}` must be a finite number, not {x}"))
+    }
+}
+
+/// A vec3 or an array of three numbers; finite.
+pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
+    let v = if let Some(v) = value.read_lock::<DVec3>() {
+        *v
+    } else if let Some(list) = value.read_lock::<Array>().filter(|list| list.len() == 3) {
+        let x = |i: usize| number(&list[i], what);
+        DVec3::new(x(0)?, x(1)?, x(2)?)
+    } else {
+        let found = named(value);
+        return fail(format!(
+            "{what} must be a vec3 or three numbers, not {found}"
+        ));
+    };
+    // What the scene keeps has 32 bits.
+    if v.as_vec3().is_finite() {
+        Ok(v)
+    } else {
+        fail(format!("{what} has a number that is not finite"))
+    }
+}
+
+/// A linear color with each part 0 to `most`.
+pub fn color(value: &Dynamic, what: &str, most: f64) -> Result<Vec3> {
+    let v = vector(value, what)?;
+    if v.to_array().iter().any(|x| !(0.0..=most).contains(x)) {
+        return fail(format!(
+            "`{what}` must be 0 to {most} in each part, not {v}"
+        ));
+    }
+    Ok(v.as_vec3())
+}
+
+/// A quaternion, or degrees about X, then Y, then Z.
+pub fn rotation(value: &Dynamic) -> Result<DQuat> {
+    if let Some(q) = value.read_lock::<DQuat>() {
+        let unit = q.is_finite() && q.length_squared() > 0.0;
+        return if unit {
+            Ok(q.normalize())
+        } else {
+            fail("the rotation is not finite, or zero".to_owned())
+        };
+    }
+    let degrees = vector(value, "the rotation, in degrees,")?;
+    Ok(turned(degrees.as_vec3()).as_dquat())
+}
+
+/// One factor or three; not 0.
+pub fn scale(value: &Dynamic) -> Result<DVec3> {
+    let is_number = value.is_int() || value.is_float();
+    let v = if is_number {
+        DVec3::splat(number(value, "scale")?)
+    } else {
+        vector(value, "the scale")?
+    };
+    if v.to_array().contains(&0.0) {
+        return fail("the scale must not be 0: it would flatten the model".to_owned());
+    }
+    Ok(v)
+}

@@ -1,0 +1,332 @@
+//! `ctx`: what a call sees of the scene, and what it may set.
+
+use std::{
+    collections::HashSet,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use glam::{Affine3A, DMat4, DVec3};
+use rhai::{Dynamic, EvalAltResult, Map};
+
+use super::api::value::{color, fail, number, rotation, scale, vector};
+use crate::scene::{
+    desc::{Entry, LightKind, ParamValue, TimelineDesc},
+    motion::{FrameState, Kind, LightParts, Names, wrong_with_camera},
+    parse::suggest,
+};
+
+type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
+
+/// Time and parameters of a call.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// Seconds.
+    pub time_s: f64,
+    /// Number of the frame.
+    pub frame: i64,
+    /// Frames a second.
+    pub fps: f64,
+    /// First and last frame of the timeline.
+    pub range: [i64; 2],
+    /// `[params]`.
+    pub params: Map,
+}
+
+impl Call {
+    /// Of a frame.
+    pub fn new(params: &[Entry<ParamValue>], timeline: Option<&TimelineDesc>, frame: u32) -> Self {
+        let value = |value: &ParamValue| match value {
+            ParamValue::Integer(i) => Dynamic::from(*i),
+            ParamValue::Number(x) => Dynamic::from(*x),
+            ParamValue::Switch(b) => Dynamic::from(*b),
+            ParamValue::Text(text) => Dynamic::from(text.clone()),
+            ParamValue::Numbers(list) => list
+                .iter()
+                .map(|x| Dynamic::from(*x))
+                .collect::<Vec<_>>()
+                .into(),
+        };
+        // As the scene text's time: its fps has 32 bits.
+        let fps = f64::from(timeline.map_or(24.0, |t| t.fps));
+        Self {
+            time_s: f64::from(frame) / fps,
+            frame: i64::from(frame),
+            fps,
+            range: timeline.map_or([0, 0], |t| [t.start, t.end].map(i64::from)),
+            params: params
+                .iter()
+                .map(|p| (p.name.as_str().into(), value(&p.value)))
+                .collect(),
+        }
+    }
+}
+
+/// The scene as it is being posed.
+#[derive(Debug, Default)]
+struct Scene {
+    state: FrameState,
+    touched: HashSet<(Kind, usize)>,
+}
+
+/// `ctx`, as scripts hold it; all copies are the same scene.
+#[derive(Clone, Debug)]
+pub struct Context {
+    /// Time and parameters.
+    pub call: Arc<Call>,
+    names: Option<Arc<Names>>,
+    scene: Arc<Mutex<Scene>>,
+}
+
+impl Context {
+    /// For `setup`, when there is no scene to pose yet.
+    pub fn for_setup(call: Call) -> Self {
+        Self {
+            call: Arc::new(call),
+            names: None,
+            scene: Arc::default(),
+        }
+    }
+
+    /// For `frame`.
+    pub fn for_frame(call: Call, state: FrameState, names: Arc<Names>) -> Self {
+        let touched = HashSet::new();
+        Self {
+            call: Arc::new(call),
+            names: Some(names),
+            scene: Arc::new(Mutex::new(Scene { state, touched })),
+        }
+    }
+
+    /// The scene as the script has left it.
+    pub fn into_result(self) -> (FrameState, HashSet<(Kind, usize)>) {
+        let scene = std::mem::take(&mut *self.scene());
+        (scene.state, scene.touched)
+    }
+
+    fn scene(&self) -> MutexGuard<'_, Scene> {
+        self.scene.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn names(&self) -> Result<&Names> {
+        let in_setup = "setup adds to the scene by what it returns; only frame can pose it";
+        self.names.as_deref().ok_or_else(|| in_setup.into())
+    }
+
+    fn find(
+        &self,
+        kind: &str,
+        name: &str,
+        table: impl Fn(&Names) -> &std::collections::HashMap<String, usize>,
+    ) -> Result<usize> {
+        let table = table(self.names()?);
+        if let Some(index) = table.get(name) {
+            return Ok(*index);
+        }
+        let mut known: Vec<_> = table.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        known.truncate(1000);
+        let hint = if known.is_empty() {
+            format!("no {kind} of the scene has a name")
+        } else {
+            suggest::hint(name, &known, suggest::text, &format!("the {kind}s are"))
+        };
+        fail(format!(
+            "no {kind} is named {}; {hint}",
+            suggest::text(name)
+        ))
+    }
+
+    /// Index of an instance that may move.
+    fn movable(&self, name: &str) -> Result<usize> {
+        let index = self.find("instance", name, |n| &n.instances)?;
+        if self.names()?.dynamic[index] {
+            return Ok(index);
+        }
+        let shown = suggest::text(name);
+        fail(format!(
+            "instance {shown} stands still; write `dynamic = true` in its [[instance]]"
+        ))
+    }
+
+    fn put(&self, name: &str, pose: impl FnOnce(&Affine3A) -> Result<Affine3A>) -> Result<()> {
+        let index = self.movable(name)?;
+        let mut scene = self.scene();
+        let slot = &mut scene.state.instances[index];
+        let pose = pose(slot)?;
+        let shown = suggest::text(name);
+        if !pose.is_finite() {
+            return fail(format!(
+                "the pose of {shown} has a number that is not finite"
+            ));
+        }
+        if pose.matrix3.determinant() == 0.0 {
+            return fail(format!(
+                "the pose of {shown} is flat: a scale is 0, or the matrix is singular"
+            ));
+        }
+        *slot = pose;
+        Ok(())
+    }
+
+    /// Moves an instance; it keeps its rotation and scale.
+    pub fn place(&self, name: &str, position: Dynamic) -> Result<()> {
+        if let Some(matrix) = position.clone().try_cast::<DMat4>() {
+            return self.put(name, |_| Ok(Affine3A::from_mat4(matrix.as_mat4())));
+        }
+        let position = vector(&position, "the position")?.as_vec3();
+        self.put(name, |old| {
+            Ok(Affine3A {
+                translation: position.into(),
+                ..*old
+            })
+        })
+    }
+
+    /// Places an instance anew.
+    pub fn place_all(&self, name: &str, at: [Dynamic; 3]) -> Result<()> {
+        let [position, turn, size] = at;
+        let position = vector(&position, "the position")?.as_vec3();
+        let (turn, size) = (rotation(&turn)?.as_quat(), scale(&size)?.as_vec3());
+        self.put(name, |_| {
+            Ok(Affine3A::from_scale_rotation_translation(
+                size, turn, position,
+            ))
+        })
+    }
+
+    /// Places an instance anew; it keeps its scale.
+    pub fn turn(&self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
+        let position = vector(&position, "the position")?.as_vec3();
+        let turn = rotation(&turn)?.as_quat();
+        self.put(name, |old| {
+            let (size, _, _) = old.to_scale_rotation_translation();
+            Ok(Affine3A::from_scale_rotation_translation(
+                size, turn, position,
+            ))
+        })
+    }
+
+    /// Where an instance is now.
+    pub fn matrix(&self, name: &str) -> Result<DMat4> {
+        let index = self.find("instance", name, |n| &n.instances)?;
+        Ok(glam::Mat4::from(self.scene().state.instances[index]).as_dmat4())
+    }
+
+    /// Sets keys of a camera.
+    pub fn camera(&self, name: &str, keys: &Map) -> Result<()> {
+        let index = self.find("camera", name, |n| &n.cameras)?;
+        let mut scene = self.scene();
+        let mut camera = scene.state.cameras[index].clone();
+        for (key, value) in keys {
+            let point = || Ok::<_, Box<EvalAltResult>>(vector(value, key)?.as_vec3());
+            match key.as_str() {
+                "eye" => camera.eye = point()?,
+                "target" => camera.target = point()?,
+                "up" => camera.up = point()?,
+                "fov_deg" => camera.fov_deg = ranged(value, key, 1.0, 170.0)?,
+                _ => return unknown(key, "a camera", &["eye", "target", "up", "fov_deg"]),
+            }
+        }
+        if let Some(wrong) = wrong_with_camera(&camera) {
+            return fail(format!("camera {} {wrong}", suggest::text(name)));
+        }
+        scene.state.cameras[index] = camera;
+        scene.touched.insert((Kind::Camera, index));
+        Ok(())
+    }
+
+    /// Sets keys of a light.
+    pub fn light(&self, name: &str, keys: &Map) -> Result<()> {
+        let index = self.find("light", name, |n| &n.lights)?;
+        let mut scene = self.scene();
+        let mut light = scene.state.lights[index];
+        let mut parts = LightParts::of(&light.kind);
+        let (word, known): (_, &[&str]) = match light.kind {
+            LightKind::Point { .. } => ("a point light", &["position", "intensity_cd", "color"]),
+            LightKind::Spot { .. } => (
+                "a spot light",
+                &["position", "direction", "target", "intensity_cd", "color"],
+            ),
+            LightKind::Directional { .. } => (
+                "a directional light",
+                &["direction", "intensity_lux", "color"],
+            ),
+        };
+        if let Some(key) = keys.keys().find(|key| !known.contains(&key.as_str())) {
+            return unknown(key, word, known);
+        }
+        for (key, value) in keys {
+            match key.as_str() {
+                "position" => parts.position = vector(value, key)?.as_vec3(),
+                "direction" => parts.direction = vector(value, key)?.as_vec3(),
+                "color" => light.color = color(value, key, f64::from(f32::MAX))?,
+                "intensity_cd" | "intensity_lux" => {
+                    parts.intensity = ranged(value, key, 0.0, 1e12)?;
+                }
+                _ => {}
+            }
+        }
+        if let Some(target) = keys.get("target") {
+            parts.direction = vector(target, "target")?.as_vec3() - parts.position;
+        }
+        if parts.direction.try_normalize().is_none() {
+            return fail(format!("light {} has no direction", suggest::text(name)));
+        }
+        parts.put(&mut light.kind);
+        scene.state.lights[index] = light;
+        scene.touched.insert((Kind::Light, index));
+        Ok(())
+    }
+
+    /// Sets numbers of a material.
+    pub fn material(&self, name: &str, keys: &Map) -> Result<()> {
+        const KEYS: &[&str] = &[
+            "base_color",
+            "metallic",
+            "roughness",
+            "normal_scale",
+            "emission",
+            "emission_strength",
+            "reflectivity",
+        ];
+        let index = self.find("material", name, |n| &n.materials)?;
+        let mut scene = self.scene();
+        let material = &mut scene.state.materials[index];
+        for (key, value) in keys {
+            match key.as_str() {
+                "base_color" => material.base_color = Some(color(value, key, 1.0)?),
+                "metallic" => material.metallic = Some(ranged(value, key, 0.0, 1.0)?),
+                "roughness" => material.roughness = Some(ranged(value, key, 0.0, 1.0)?),
+                "normal_scale" => material.normal_scale = Some(ranged(value, key, 0.0, 4.0)?),
+                "emission" => material.emission = Some(color(value, key, 1e12)?),
+                "emission_strength" => {
+                    material.emission_strength = Some(ranged(value, key, 0.0, 1e12)?);
+                }
+                "reflectivity" => material.reflectivity = Some(ranged(value, key, 0.0, 1.0)?),
+                _ => return unknown(key, "a material", KEYS),
+            }
+        }
+        Ok(())
+    }
+}
+
+fn unknown<T>(key: &str, of: &str, known: &[&str]) -> Result<T> {
+    let hint = suggest::hint(key, known, suggest::key, "there are");
+    fail(format!(
+        "{of} has no {} that can be set; {hint}",
+        suggest::key(key)
+    ))
+}
+
+fn ranged(value: &Dynamic, key: &str, least: f64, most: f64) -> Result<f32> {
+    let x = number(value, key)?;
+    if !(least..=most).contains(&x) {
+        return fail(format!("`{key}` must be {least} to {most}, not {x}"));
+    }
+    Ok(x as f32)
+}
+
+/// Where a matrix puts the origin.
+pub fn position(matrix: &DMat4) -> DVec3 {
+    matrix.w_axis.truncate()
+}

@@ -1,0 +1,168 @@
+//! The sandbox: which parts of Rhai a script has, and what ends it.
+
+use std::{
+    cell::{Cell, RefCell},
+    panic::resume_unwind,
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
+
+use rhai::{
+    Dynamic, Engine,
+    packages::{
+        ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage,
+        BasicMapPackage, BasicMathPackage, BasicStringPackage, LogicPackage, MoreStringPackage,
+        Package,
+    },
+};
+
+use super::{
+    api,
+    sources::{Resolver, Sources},
+};
+
+/// Longest time of one call.
+pub const DEADLINE: Duration = Duration::from_secs(5);
+/// Most operations of one call.
+const OPERATIONS: u64 = 10_000_000;
+/// Deepest nesting of calls.
+const CALLS: usize = 32;
+/// Deepest nesting of expressions outside and inside functions.
+const DEPTH: [usize; 2] = [64, 48];
+/// Longest text, bytes.
+const TEXT: usize = 64 << 10;
+/// Most elements of an array, with those inside its elements.
+const ARRAY: usize = 50_000;
+/// Most entries of an object map, with those inside its entries.
+const MAP: usize = 50_000;
+/// Most imports.
+const MODULES: usize = 32;
+/// Most functions of a script.
+const FUNCTIONS: usize = 500;
+/// Most variables in a function at a time.
+const VARIABLES: usize = 64;
+/// Most lines that a call may print.
+const LINES: usize = 1000;
+/// Most memory that a call may add to the process, bytes, where the system tells (Linux).
+const MEMORY: u64 = 1 << 30;
+/// Operations between two looks at the clock and at the memory.
+const LOOK_EVERY: u64 = 128;
+/// Stack of the thread that a call runs on, bytes.
+const STACK: usize = 32 << 20;
+
+/// What ends a call, for the manual: what is limited, and where.
+pub const LIMITS: &[(&str, &str)] = &[
+    ("time of one call", "5 s"),
+    ("operations of one call", "10,000,000"),
+    ("memory that one call adds (Linux)", "1 GiB"),
+    ("calls inside calls", "32"),
+    ("nested expressions", "64; 48 inside functions"),
+    ("bytes of a text", "65,536"),
+    (
+        "elements of an array, with those inside its elements",
+        "50,000",
+    ),
+    (
+        "entries of an object map, with those inside its entries",
+        "50,000",
+    ),
+    ("variables of a function at a time", "64"),
+    ("functions", "500"),
+    ("imports", "32"),
+    ("lines printed by a call", "1,000"),
+    ("bytes of a script file", "1,048,576"),
+];
+
+thread_local! {
+    static END: Cell<Option<Instant>> = const { Cell::new(None) };
+    static MEMORY_AT_START: Cell<Option<u64>> = const { Cell::new(None) };
+    static LOG: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// An engine for one script.
+pub fn engine(sources: &Arc<Sources>) -> Engine {
+    let mut engine = Engine::new_raw();
+    // Everything but the core of the language package, which has `sleep`, and the clock.
+    engine.register_global_module(ArithmeticPackage::new().as_shared_module());
+    engine.register_global_module(LogicPackage::new().as_shared_module());
+    engine.register_global_module(BasicMathPackage::new().as_shared_module());
+    engine.register_global_module(BasicStringPackage::new().as_shared_module());
+    engine.register_global_module(MoreStringPackage::new().as_shared_module());
+    engine.register_global_module(BasicArrayPackage::new().as_shared_module());
+    engine.register_global_module(BasicMapPackage::new().as_shared_module());
+    engine.register_global_module(BasicIteratorPackage::new().as_shared_module());
+    engine.register_global_module(BasicFnPackage::new().as_shared_module());
+    engine.disable_symbol("eval");
+    engine.set_strict_variables(true);
+    engine.set_fail_on_invalid_map_property(true);
+    engine.set_max_expr_depths(DEPTH[0], DEPTH[1]);
+    engine.set_max_call_levels(CALLS);
+    // Ending through the progress callback gives a position; this only backs it.
+    engine.set_max_operations(OPERATIONS * 2);
+    engine.set_max_string_size(TEXT);
+    engine.set_max_array_size(ARRAY);
+    engine.set_max_map_size(MAP);
+    engine.set_max_modules(MODULES);
+    engine.set_max_functions(FUNCTIONS);
+    engine.set_max_variables(VARIABLES);
+    engine.on_progress(progress);
+    engine.on_print(|text| print(text.to_owned()));
+    engine.on_debug(|text, source, at| {
+        print(format!("{}:{at:?}: {text}", source.unwrap_or_default()));
+    });
+    engine.set_module_resolver(Resolver(Arc::clone(sources)));
+    api::register(&mut engine);
+    engine
+}
+
+fn progress(operations: u64) -> Option<Dynamic> {
+    if operations > OPERATIONS {
+        return Some("it takes more than 10,000,000 operations".into());
+    }
+    if !operations.is_multiple_of(LOOK_EVERY) {
+        return None;
+    }
+    if END.get().is_some_and(|end| Instant::now() > end) {
+        return Some("it takes longer than 5 s".into());
+    }
+    let grown = resident_bytes()?.saturating_sub(MEMORY_AT_START.get()?);
+    (grown > MEMORY).then(|| "it takes more than 1 GiB of memory".into())
+}
+
+fn print(line: String) {
+    LOG.with_borrow_mut(|log| match log.len() {
+        n if n < LINES => log.push(line),
+        LINES => log.push(format!("… only the first {LINES} lines are shown")),
+        _ => {}
+    });
+}
+
+/// Memory of this process that is in use; `None` where the system does not tell.
+fn resident_bytes() -> Option<u64> {
+    if !cfg!(target_os = "linux") {
+        return None;
+    }
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    let pages: u64 = text.split_whitespace().nth(1)?.parse().ok()?;
+    Some(pages * 4096)
+}
+
+/// Runs a call on its own thread, whose stack holds the deepest calls, and within the limits;
+/// gives what it printed too.
+pub fn run_limited<T: Send>(work: impl FnOnce() -> T + Send) -> (T, Vec<String>) {
+    let limited = || {
+        END.set(Some(Instant::now() + DEADLINE));
+        MEMORY_AT_START.set(resident_bytes());
+        let result = work();
+        (result, LOG.take())
+    };
+    thread::scope(|scope| {
+        let thread = thread::Builder::new()
+            .name("script".into())
+            .stack_size(STACK)
+            .spawn_scoped(scope, limited)
+            .expect("the system can start a thread");
+        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
+}

@@ -1,0 +1,267 @@
+//! What Rhai reports, as messages for people: file, line, column, the calls that led there, the
+//! frame, and what was probably meant.
+
+use rhai::{EvalAltResult as Wrong, ParseError, ParseErrorType, Position};
+
+use super::{api, sources::Sources};
+use crate::scene::{diagnostic::Diagnostic, parse::suggest};
+
+/// A script that does not compile.
+pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
+    let span = sources
+        .span(name, wrong.position())
+        .unwrap_or_else(|| sources.start_of(name));
+    let (message, help) = explain_syntax(wrong.err_type(), sources, name);
+    let error = Diagnostic::at("script-syntax", span, message);
+    match help {
+        Some(help) => error.help(help),
+        None => error,
+    }
+}
+
+fn explain_syntax(
+    wrong: &ParseErrorType,
+    sources: &Sources,
+    name: &str,
+) -> (String, Option<String>) {
+    match wrong {
+        ParseErrorType::VariableUndefined(variable) => {
+            let message = format!("there is no variable {}", suggest::key(variable));
+            let texts = sources.texts();
+            let text = texts
+                .iter()
+                .find(|(n, _)| n == name)
+                .map_or("", |(_, t)| t.as_str());
+            let known = variables(text);
+            let meant = suggest::nearest(variable, known.iter().copied());
+            let help = meant.map_or_else(
+                || "functions see their parameters and what they define with `let`".to_owned(),
+                |meant| format!("did you mean {}?", suggest::key(meant)),
+            );
+            (message, Some(help))
+        }
+        ParseErrorType::LiteralTooLarge(what, most) => {
+            (format!("{what} is too large, at most {most}"), None)
+        }
+        other => (lower_first(&other.to_string()), None),
+    }
+}
+
+/// Every name that a text defines.
+fn variables(text: &str) -> Vec<&str> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let words: Vec<&str> = text
+        .split(|c| !is_name(c))
+        .filter(|w| !w.is_empty())
+        .collect();
+    let defines = |w: &&str| matches!(*w, "let" | "const" | "for" | "as");
+    let mut known: Vec<&str> = words
+        .windows(2)
+        .filter(|pair| defines(&pair[0]))
+        .map(|pair| pair[1])
+        .collect();
+    for definition in text.split("fn ").skip(1) {
+        let parameters = definition.split(['(', ')']).nth(1).unwrap_or("");
+        known.extend(
+            parameters
+                .split(',')
+                .map(str::trim)
+                .filter(|p| !p.is_empty()),
+        );
+    }
+    known
+}
+
+fn lower_first(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| {
+        first.to_lowercase().chain(letters).collect()
+    })
+}
+
+/// A call on the way to the mistake.
+struct Site {
+    what: String,
+    file: String,
+    at: Position,
+}
+
+/// A script that failed while running, `when` being such as `in frame 12`.
+pub fn runtime(
+    wrong: &Wrong,
+    sources: &Sources,
+    name: &str,
+    functions: &[&str],
+    when: Option<&str>,
+) -> Diagnostic {
+    let (mut file, mut inner, mut calls) = (name.to_owned(), wrong, Vec::<Site>::new());
+    loop {
+        let (what, source, next, at) = match inner {
+            Wrong::ErrorInFunctionCall(function, source, next, at) => {
+                (format!("`{function}`"), source, next, *at)
+            }
+            Wrong::ErrorInModule(source, next, at) => ("an import".to_owned(), source, next, *at),
+            _ => break,
+        };
+        calls.push(Site {
+            what,
+            file: file.clone(),
+            at,
+        });
+        if !source.is_empty() {
+            file.clone_from(source);
+        }
+        inner = next;
+    }
+    if let Wrong::ErrorParsing(kind, at) = inner {
+        let (message, help) = explain_syntax(kind, sources, &file);
+        let span = sources
+            .span(&file, *at)
+            .unwrap_or_else(|| sources.start_of(&file));
+        let mut error = Diagnostic::at("script-syntax", span, message);
+        error.help = help;
+        return with_calls(error, &calls, sources);
+    }
+    let (kind, message, help) = explain(inner, functions);
+    let message = match when {
+        Some(when) => format!("{message} ({when})"),
+        None => message,
+    };
+    let own = sources.span(&file, inner.position());
+    let last_call = || calls.iter().rev().find_map(|c| sources.span(&c.file, c.at));
+    // Rhai does not say where some limits were met; the function is known.
+    let function = if when == Some("in setup") {
+        "setup"
+    } else {
+        "frame"
+    };
+    let span = own
+        .or_else(last_call)
+        .unwrap_or_else(|| sources.start_of_function(&file, function));
+    let mut error = Diagnostic::at(kind, span, message);
+    error.help = help;
+    with_calls(error, &calls, sources)
+}
+
+/// Adds the way to the mistake: the last call as a second place, all of them in words.
+fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagnostic {
+    let sites: Vec<_> = calls
+        .iter()
+        .filter_map(|c| Some((c, sources.span(&c.file, c.at)?)))
+        .filter(|(_, span)| *span != error.span)
+        .collect();
+    if let Some((site, span)) = sites.last() {
+        error.related = Some((span.clone(), format!("{} is called here", site.what)));
+    }
+    if sites.len() > 1 {
+        const MOST: usize = 8;
+        let place = |(site, span): &(&Site, crate::scene::diagnostic::Span)| {
+            let line = span
+                .source
+                .as_ref()
+                .map_or(0, |s| s.place(span.range.start).line);
+            format!("{} from {}:{line}", site.what, site.file)
+        };
+        let mut way: Vec<_> = sites.iter().rev().take(MOST).map(place).collect();
+        if sites.len() > MOST {
+            way.push(format!("and {} more calls", sites.len() - MOST));
+        }
+        let way = format!("calls, innermost first: {}", way.join(", "));
+        error.help = Some(match error.help.take() {
+            Some(help) => format!("{help}; {way}"),
+            None => way,
+        });
+    }
+    error
+}
+
+/// Kind of the message, the message, and what to do.
+fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<String>) {
+    let limit = |message: &str| ("script-limit", message.to_owned(), None);
+    match wrong {
+        Wrong::ErrorTerminated(why, _) => {
+            let help = "look for a loop without an end; limits are in docs/scripting.md";
+            (
+                "script-limit",
+                format!("the script was ended: {why}"),
+                Some(help.to_owned()),
+            )
+        }
+        Wrong::ErrorStackOverflow(_) => limit("calls are nested more than 32 deep"),
+        Wrong::ErrorTooManyOperations(_) => limit("the script takes too many operations"),
+        Wrong::ErrorTooManyVariables(_) => limit("a function has more than 64 variables"),
+        Wrong::ErrorTooManyModules(_) => limit("more than 32 imports"),
+        Wrong::ErrorDataTooLarge(what, _) => {
+            let help = "limits are in docs/scripting.md".to_owned();
+            (
+                "script-limit",
+                format!("{} becomes too large", lower_first(what)),
+                Some(help),
+            )
+        }
+        Wrong::ErrorFunctionNotFound(signature, _) => missing_function(signature, functions),
+        Wrong::ErrorVariableNotFound(name, _) => (
+            "script-error",
+            format!("there is no variable {}", suggest::key(name)),
+            None,
+        ),
+        Wrong::ErrorPropertyNotFound(name, _) => {
+            let help = "write `\"name\" in map` to ask whether it is there".to_owned();
+            (
+                "script-error",
+                format!("there is no property {}", suggest::key(name)),
+                Some(help),
+            )
+        }
+        Wrong::ErrorDotExpr(text, _) => missing_property(text),
+        Wrong::ErrorRuntime(value, _) => ("script-error", value.to_string(), None),
+        other => {
+            let text = other.to_string();
+            let text = text.split(" (line ").next().unwrap_or(&text);
+            ("script-error", lower_first(text), None)
+        }
+    }
+}
+
+fn missing_function(signature: &str, functions: &[&str]) -> (&'static str, String, Option<String>) {
+    let (name, arguments) = signature.split_once('(').unwrap_or((signature, ""));
+    let name = name.trim();
+    let arguments = plain_types(arguments.trim_end_matches(')'));
+    let own = api::signatures(name);
+    if !own.is_empty() {
+        let message = format!("{} does not take ({arguments})", suggest::key(name));
+        return (
+            "script-error",
+            message,
+            Some(format!("it is {}", own.join(", or "))),
+        );
+    }
+    let message = format!("there is no function {}", suggest::key(name));
+    let known = api::names().into_iter().chain(functions.iter().copied());
+    let help = suggest::nearest(name, known).map_or_else(
+        || "all functions are listed in docs/scripting.md".to_owned(),
+        |meant| format!("did you mean {}?", suggest::key(meant)),
+    );
+    ("script-error", message, Some(help))
+}
+
+/// Rhai's words for types, as people call them.
+fn plain_types(arguments: &str) -> String {
+    let one = |argument: &str| match argument.trim() {
+        "&str | ImmutableString | String" => "text".to_owned(),
+        "i64" | "f64" => "number".to_owned(),
+        other => other.to_owned(),
+    };
+    arguments.split(',').map(one).collect::<Vec<_>>().join(", ")
+}
+
+fn missing_property(text: &str) -> (&'static str, String, Option<String>) {
+    let name = text.split('\'').nth(1).unwrap_or_default();
+    if !text.starts_with("Unknown property") && !text.contains("property") || name.is_empty() {
+        return ("script-error", lower_first(text), None);
+    }
+    let message = format!("there is no property {}", suggest::key(name));
+    let help = suggest::nearest(name, api::names())
+        .map(|meant| format!("did you mean {}?", suggest::key(meant)));
+    ("script-error", message, help)
+}

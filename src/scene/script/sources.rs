@@ -1,0 +1,244 @@
+//! The files of a script: read only below the scene's folder, kept for messages.
+
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use rhai::{EvalAltResult, ImmutableString, Position, Scope, Shared};
+
+use crate::scene::diagnostic::{Diagnostic, Source, Span};
+
+/// Largest script, bytes.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The texts of a script and of what it imports.
+#[derive(Debug, Default)]
+pub struct Sources {
+    /// Where imports start; `None` forbids them.
+    folder: Option<PathBuf>,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    texts: Vec<(String, Arc<Source>)>,
+    files: Vec<PathBuf>,
+    /// Modules that are being read, outermost first.
+    open: Vec<String>,
+    modules: Vec<(String, Shared<rhai::Module>)>,
+    /// Whether everything was read: frames read no files.
+    sealed: bool,
+}
+
+/// Why a file cannot be read.
+#[derive(Debug)]
+pub struct Problem {
+    message: String,
+    help: &'static str,
+}
+
+impl Problem {
+    /// At the place that names the file.
+    pub fn at(self, at: &Span) -> Box<Diagnostic> {
+        Box::new(Diagnostic::at("script-file", at.clone(), self.message).help(self.help))
+    }
+}
+
+impl Sources {
+    /// Of a script beside a scene.
+    pub fn new(folder: &Path) -> Self {
+        Self {
+            folder: Some(folder.to_owned()),
+            ..Self::default()
+        }
+    }
+
+    /// Of a text that is no file.
+    pub fn without_files() -> Self {
+        Self::default()
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps a text.
+    pub fn add(&self, name: &str, text: &str) {
+        let source = Source {
+            path: name.into(),
+            text: text.to_owned(),
+        };
+        self.state().texts.push((name.to_owned(), Arc::new(source)));
+    }
+
+    /// Reads a file below the folder; gives what messages call it, and its text.
+    pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
+        let refuse = |message: String, help| Err(Problem { message, help });
+        let shown = crate::scene::parse::suggest::text(file);
+        let Some(folder) = &self.folder else {
+            return refuse(format!("{shown} cannot be read here"), "");
+        };
+        let inside = "scripts are read only from the scene's folder and the folders below it";
+        let relative = Path::new(file);
+        let plain = relative
+            .components()
+            .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !plain || file.is_empty() || file.contains('\\') {
+            return refuse(format!("{shown} is not below the scene's folder"), inside);
+        }
+        let path = folder.join(relative);
+        let missing = |what: &str| Problem {
+            message: format!("\"{}\" {what}", path.display()),
+            help: "file names of scripts start from the scene's folder and end in .rhai",
+        };
+        let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => missing("does not exist"),
+            _ => missing(&format!("cannot be read: {e}")),
+        })?;
+        let root = fs::canonicalize(Path::new(".").join(folder))
+            .map_err(|e| missing(&format!("cannot be read: {e}")))?;
+        if !real.starts_with(&root) {
+            return refuse(format!("{shown} leads out of the scene's folder"), inside);
+        }
+        let size = fs::metadata(&real).map_or(0, |m| if m.is_file() { m.len() } else { u64::MAX });
+        if size > MOST_BYTES {
+            return Err(missing(
+                "is not a script: it is no file, or larger than 1 MiB",
+            ));
+        }
+        let text =
+            fs::read_to_string(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
+        let name = path.display().to_string();
+        self.add(&name, &text);
+        self.state().files.push(real);
+        Ok((name, text))
+    }
+
+    /// From now on nothing more is read.
+    pub fn seal(&self) {
+        self.state().sealed = true;
+    }
+
+    /// Names and texts.
+    pub fn texts(&self) -> Vec<(String, String)> {
+        let state = self.state();
+        let texts = state.texts.iter();
+        texts
+            .map(|(name, s)| (name.clone(), s.text.clone()))
+            .collect()
+    }
+
+    /// Paths of the files.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.state().files.clone()
+    }
+
+    fn source(&self, name: &str) -> Option<Arc<Source>> {
+        let state = self.state();
+        let found = state.texts.iter().find(|(known, _)| known == name);
+        found.map(|(_, source)| Arc::clone(source))
+    }
+
+    /// The place of a position in a text: the word that begins there, or one character.
+    pub fn span(&self, name: &str, at: Position) -> Option<Span> {
+        let source = self.source(name)?;
+        let line = at.line()?;
+        let start: usize = source
+            .text
+            .split_inclusive('\n')
+            .take(line - 1)
+            .map(str::len)
+            .sum();
+        let rest = source.text.get(start..)?;
+        let column = at.position().unwrap_or(1).saturating_sub(1);
+        let skipped: usize = rest.chars().take(column).map(char::len_utf8).sum();
+        let begin = start + skipped;
+        let word: usize = source.text[begin..]
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .map(char::len_utf8)
+            .sum();
+        let end = (begin + word.max(1)).min(source.text.len());
+        Some(Span {
+            range: begin.min(end)..end,
+            source: Some(source),
+        })
+    }
+
+    /// The beginning of a text.
+    pub fn start_of(&self, name: &str) -> Span {
+        Span {
+            source: self.source(name),
+            range: 0..0,
+        }
+    }
+
+    /// Where a function is defined.
+    pub fn start_of_function(&self, name: &str, function: &str) -> Span {
+        let mut span = self.start_of(name);
+        let definition = format!("fn {function}");
+        let found = span.source.as_ref().and_then(|s| s.text.find(&definition));
+        if let Some(start) = found {
+            span.range = start..start + definition.len();
+        }
+        span
+    }
+
+    fn known_module(&self, file: &str) -> Option<Shared<rhai::Module>> {
+        let state = self.state();
+        let found = state.modules.iter().find(|(known, _)| known == file);
+        found.map(|(_, module)| module.clone())
+    }
+}
+
+/// Resolves `import "name"` to `name.rhai` below the scene's folder, each file once.
+pub struct Resolver(pub Arc<Sources>);
+
+impl rhai::ModuleResolver for Resolver {
+    fn resolve(
+        &self,
+        engine: &rhai::Engine,
+        _source: Option<&str>,
+        path: &str,
+        at: Position,
+    ) -> Result<Shared<rhai::Module>, Box<EvalAltResult>> {
+        let sources = &self.0;
+        let file = if path.ends_with(".rhai") {
+            path.to_owned()
+        } else {
+            format!("{path}.rhai")
+        };
+        if let Some(module) = sources.known_module(&file) {
+            return Ok(module);
+        }
+        let fail = |message: String| Err(Box::new(EvalAltResult::ErrorRuntime(message.into(), at)));
+        if sources.state().sealed {
+            let text = "imports must stand at the top of a script, outside functions";
+            return fail(text.to_owned());
+        }
+        if sources.state().open.contains(&file) {
+            return fail(format!(
+                "\"{path}\" imports itself, directly or through others"
+            ));
+        }
+        let (name, text) = match sources.read(&file) {
+            Ok(read) => read,
+            Err(problem) => return fail(format!("{}; {}", problem.message, problem.help)),
+        };
+        sources.state().open.push(file.clone());
+        let inside = |wrong| Box::new(EvalAltResult::ErrorInModule(name.clone(), wrong, at));
+        let module = engine
+            .compile(&text)
+            .map_err(|wrong| inside(wrong.into()))
+            .and_then(|mut ast| {
+                ast.set_source(ImmutableString::from(name.as_str()));
+                rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine).map_err(inside)
+            });
+        sources.state().open.pop();
+        let module: Shared<rhai::Module> = module?.into();
+        sources.state().modules.push((file, module.clone()));
+        Ok(module)
+    }
+}

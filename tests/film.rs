@@ -1,0 +1,317 @@
+//! Films: every frame alone is the frame of the film, whatever the order; resuming keeps what is
+//! right and nothing else; failing frames are told.
+
+mod common;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use common::gpu_or_skip;
+use reflet::{
+    scene::{motion::Motion, parse},
+    world::load::{self, LoadOptions},
+};
+
+const SCENE: &str = "
+version = 1
+script = \"s.rhai\"
+timeline = { fps = 10, end = 5 }
+params = { lift = 0.5 }
+image = { size = [24, 16] }
+environment = { color = [0.3, 0.4, 0.5] }
+[camera.main]
+eye = [0, 1, 4]
+target = [0, 0.5, 0]
+[motion.camera.main]
+eye = { orbit = { period_s = 2 } }
+target = { follow = { instance = \"ball\" } }
+[material.mirror]
+metallic = 1
+roughness = 0.5
+[motion.material.mirror]
+roughness = { keys = [{ at_s = 0, value = 0.5 }, { at_s = 0.5, value = 0 }] }
+[material.red]
+base_color = [0.8, 0.1, 0.1]
+[model.floor]
+shape = { kind = \"plane\", size = [4, 4] }
+material = \"mirror\"
+[model.ball]
+shape = { kind = \"sphere\", radius = 0.5, segments = 16 }
+material = \"red\"
+[[instance]]
+model = \"floor\"
+[[instance]]
+name = \"ball\"
+model = \"ball\"
+dynamic = true
+[light.lamp]
+kind = \"point\"
+position = [0, 3, 0]
+intensity_cd = 20
+[motion.light.lamp]
+position = { oscillate = { amplitude = [1, 0, 0], period_s = 0.7 } }
+";
+
+const SCRIPT: &str = "fn frame(ctx) {
+    ctx.place(\"ball\", [0, ctx.params.lift + 0.2 * ctx.frame, 0]);
+    if ctx.frame % 2 == 1 { ctx.material(\"red\", #{ roughness: 0.1 }); }
+}";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("film-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
+    fs::write(folder.join("s.rhai"), SCRIPT).expect("temporary script");
+    folder
+}
+
+/// Runs `reflet render scene.toml`, checks the exit code, gives standard error.
+#[track_caller]
+fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(["render", "scene.toml"])
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+    assert!(!text.contains("panicked"), "{text}");
+    text
+}
+
+fn pictures(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = fs::read_dir(folder)
+        .expect("readable")
+        .map(|e| e.expect("entry").path());
+    let is_picture = |p: &PathBuf| p.extension().is_some_and(|e| e == "png" || e == "exr");
+    let named = |path: PathBuf| {
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        (name, fs::read(&path).expect("readable"))
+    };
+    files.filter(is_picture).map(named).collect()
+}
+
+#[test]
+fn order_and_shards_do_not_change_a_byte() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let whole = folder("whole");
+    let text = render(&whole, &["-o", "f.###.png", "--frames", "all"], 0);
+    assert!(text.contains("frame 5 (6 of 6): wrote f.005.png"), "{text}");
+    let whole = pictures(&whole);
+    assert_eq!(whole.len(), 6);
+    let shuffled = folder("shuffled");
+    render(
+        &shuffled,
+        &["-o", "f.###.png", "--frames", "4,0,5,2-3,1"],
+        0,
+    );
+    assert_eq!(pictures(&shuffled), whole, "another order");
+    let shards = folder("shards");
+    for shard in ["2/2", "1/2"] {
+        render(&shards, &["-o", "f.###.png", "--shard", shard], 0);
+    }
+    assert_eq!(pictures(&shards), whole, "two shards");
+    let alone = folder("alone");
+    render(&alone, &["-o", "f.003.png", "--frames", "3"], 0);
+    assert_eq!(pictures(&alone)["f.003.png"], whole["f.003.png"], "alone");
+    let distinct: std::collections::BTreeSet<_> = whole.values().collect();
+    assert_eq!(distinct.len(), 6, "something moves in every frame");
+}
+
+#[test]
+fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("resume");
+    let frames = [
+        "-o", "f.#.png", "--frames", "0-2", "--aov", "depth", "--resume",
+    ];
+    render(&folder, &frames, 0);
+    let first = pictures(&folder);
+    assert_eq!(first.len(), 6);
+    assert_eq!(render(&folder, &frames, 0).matches(": kept f.").count(), 3);
+    // A frame that is gone, one that is cut short, and a plane that is gone.
+    fs::remove_file(folder.join("f.0.png")).expect("it is there");
+    let bytes = fs::read(folder.join("f.1.png")).expect("it is there");
+    fs::write(folder.join("f.1.png"), &bytes[..bytes.len() - 20]).expect("writable");
+    fs::remove_file(folder.join("f.2.depth.png")).expect("it is there");
+    let text = render(&folder, &frames, 0);
+    assert_eq!(text.matches("wrote").count(), 3, "{text}");
+    assert_eq!(pictures(&folder), first);
+    // Another parameter, another script, another size: nothing is the same.
+    for change in [&["--set", "params.lift=0.6"][..], &["--size", "26x16"]] {
+        let text = render(&folder, &[&frames, change].concat(), 0);
+        assert_eq!(text.matches("wrote").count(), 3, "{text}");
+    }
+    let script = SCRIPT.replace("0.2", "0.21");
+    fs::write(folder.join("s.rhai"), script).expect("writable");
+    let text = render(&folder, &frames, 0);
+    assert_eq!(text.matches("wrote").count(), 3, "{text}");
+    let exr = ["-o", "f.#.exr", "--frames", "0-1", "--resume"];
+    render(&folder, &exr, 0);
+    assert_eq!(render(&folder, &exr, 0).matches(": kept f.").count(), 2);
+}
+
+#[test]
+fn failing_frames_are_told_and_the_others_are_there() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("failing");
+    let script = "fn frame(ctx) {\n  if ctx.frame == 2 { throw \"no such day\" }\n}";
+    fs::write(folder.join("s.rhai"), script).expect("writable");
+    let text = render(&folder, &["-o", "f.#.png", "--frames", "1-3"], 5);
+    assert!(text.contains("s.rhai:2:"), "{text}");
+    assert!(text.contains("1 frame failed:\n  2: no such day"), "{text}");
+    let names: Vec<_> = pictures(&folder).into_keys().collect();
+    assert_eq!(names, ["f.1.png", "f.3.png"]);
+    // A film with a hole is none.
+    let text = render(&folder, &["-o", "f.apng", "--frames", "1-3"], 5);
+    assert!(text.contains("no such day"), "{text}");
+    let left = fs::read_dir(&folder).expect("readable").count();
+    assert_eq!(left, 4, "nothing half written stays");
+}
+
+#[test]
+fn films_in_one_file_decode() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("apng");
+    render(&folder, &["-o", "f.apng"], 0);
+    let file = fs::File::open(folder.join("f.apng")).expect("it is there");
+    let decoder = png::Decoder::new(std::io::BufReader::new(file));
+    let mut reader = decoder.read_info().expect("a PNG");
+    let control = reader.info().animation_control.expect("animated");
+    assert_eq!((control.num_frames, control.num_plays), (6, 0));
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let mut seen = Vec::new();
+    for _ in 0..6 {
+        reader.next_frame(&mut pixels).expect("a frame");
+        let frame = reader.info().frame_control.expect("its control");
+        assert_eq!((frame.delay_num, frame.delay_den), (1, 10));
+        seen.push(pixels.clone());
+    }
+    assert!(seen.windows(2).all(|pair| pair[0] != pair[1]));
+    if Command::new("ffmpeg").arg("-version").output().is_err() {
+        let text = render(&folder, &["-o", "f.mp4"], 2);
+        assert!(text.contains("ffmpeg is not installed"), "{text}");
+    } else {
+        render(&folder, &["-o", "f.mp4"], 0);
+        let bytes = fs::read(folder.join("f.mp4")).expect("it is there");
+        assert_eq!(&bytes[4..8], b"ftyp");
+    }
+}
+
+#[test]
+fn what_cannot_be_asked_for_is_refused() {
+    let folder = folder("usage");
+    for (arguments, says) in [
+        (&["-o", "f.png", "--frames", "0-1"][..], "write f.####.png"),
+        (
+            &["-o", "f.#.png", "--frames", "0-6"],
+            "frame 6 is not in the timeline",
+        ),
+        (
+            &["-o", "f.#.png", "--frames", "3-1"],
+            "ends before it begins",
+        ),
+        (
+            &["-o", "f.#.png", "--frames", "-1"],
+            "is not a frame number",
+        ),
+        (&["-o", "f.#.png", "--frames", "0,0"], "there twice"),
+        (
+            &["-o", "f.#.png", "--shard", "3/2"],
+            "1 to the number of parts",
+        ),
+        (&["-o", "#.#.png"], "one place only"),
+        (&["-o", "no/where/#.png"], "there is no folder"),
+        (&["-o", "f.png", "--resume"], "go with --frames"),
+        (&["-o", "f.apng", "--resume"], "files of their own"),
+        (
+            &["-o", "f.gif", "--frames", "1"],
+            "must end in .png or .exr",
+        ),
+        (
+            &["-o", "f.#.png", "--set", "params.lfit=1"],
+            "did you mean \"lift\"?",
+        ),
+    ] {
+        let code = if says.starts_with("did") { 3 } else { 2 };
+        let text = render(&folder, arguments, code);
+        assert!(text.contains(says), "{arguments:?}: {text}");
+    }
+    fs::write(folder.join("scene.toml"), "version = 1\n").expect("writable");
+    let text = render(&folder, &["-o", "f.#.png"], 2);
+    assert!(text.contains("no [timeline]"), "{text}");
+}
+
+/// A world does not remember the frames before.
+#[test]
+fn applying_poses_leaves_no_trace() {
+    let folder = folder("trace");
+    let (desc, _) = parse::load(&folder.join("scene.toml"), &[]).expect("it is right");
+    let world = load::load(&desc, &LoadOptions::default()).expect("it loads");
+    let motion = Motion::new(&desc);
+    let (mut fresh, mut used) = (world.clone(), world);
+    for frame in [1, 3, 5, 0, 2] {
+        let state = motion.pose(frame).expect("it moves");
+        used.apply(&state).expect("it can be posed");
+    }
+    fresh
+        .apply(&motion.pose(2).expect("it moves"))
+        .expect("it can be posed");
+    for (a, b) in fresh.instances.iter().zip(&used.instances) {
+        assert_eq!(a.world_from_object, b.world_from_object, "{}", a.name);
+    }
+    assert_eq!(fresh.materials, used.materials);
+    assert_eq!(fresh.lights, used.lights);
+    let ball = fresh.instances[1].world_from_object.translation;
+    assert!((ball.y - 0.9).abs() < 1e-6, "{ball}");
+    assert_eq!(fresh.cameras[0].value.target, glam::Vec3::from(ball));
+}
+
+#[test]
+fn the_films_of_the_project_can_be_posed() {
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
+    let mut films = 0;
+    for entry in fs::read_dir(scripts).expect("the folder is there") {
+        let path = entry.expect("entry").path();
+        if path.extension().is_none_or(|e| e != "toml") {
+            continue;
+        }
+        films += 1;
+        let shown = path.display();
+        let (desc, warnings) = parse::load(&path, &[]).unwrap_or_else(|e| panic!("{shown}: {e:?}"));
+        assert_eq!(warnings, [], "{shown}");
+        let mut world =
+            load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{shown}: {e:?}"));
+        let motion = Motion::new(&desc);
+        let end = desc.timeline.as_ref().expect("it is a film").end;
+        for frame in [0, 1, end / 2, end] {
+            let state = motion
+                .pose(frame)
+                .unwrap_or_else(|e| panic!("{shown}: {e:?}"));
+            world
+                .apply(&state)
+                .unwrap_or_else(|e| panic!("{shown}: {e:?}"));
+        }
+    }
+    assert!(films >= 6, "only {films} films");
+}

@@ -1,0 +1,305 @@
+//! Fifty scripts that mean harm or have gone wrong: each is ended by a limit or refused, with a
+//! message, while the process lives on and its memory stays bounded.
+
+use std::{fs, path::Path, time::Instant};
+
+use reflet::scene::{desc::SceneDesc, motion::Motion, parse, script::Script};
+
+const SCENE: &str = "
+version = 1
+timeline = { end = 9 }
+material.paint = {}
+model.ball = { shape = { kind = \"sphere\" }, material = \"paint\" }
+light.lamp = { kind = \"point\", position = [0, 3, 0], intensity_cd = 10 }
+camera.main = {}
+[[instance]]
+name = \"ball\"
+model = \"ball\"
+dynamic = true
+[[instance]]
+name = \"wall\"
+model = \"ball\"
+";
+
+/// Body of `frame`, and what the message must say.
+const FRAMES: &[(&str, &str)] = &[
+    // Without an end.
+    ("loop {}", "was ended"),
+    ("while true { let x = 1; }", "was ended"),
+    ("let i = 0; do { i += 1; } while i >= 0;", "was ended"),
+    ("for i in 0..1000000000 { let x = i; }", "was ended"),
+    (
+        "for i in 0..1000000 { for j in 0..1000000 { let x = j; } }",
+        "was ended",
+    ),
+    ("fn_loop(ctx)", "was ended"),
+    ("loop { try { loop {} } catch { } }", "was ended"),
+    ("let a = [1]; a.map(|x| { loop {} });", "was ended"),
+    ("let a = [3, 1, 2]; loop { a.sort(); }", "was ended"),
+    (
+        "let s = 0; for i in range(0, 10000000000) { s += i % 7; }",
+        "was ended",
+    ),
+    ("let f = || { loop {} }; f.call();", "was ended"),
+    // Too deep.
+    ("down(ctx)", "more than 32 deep"),
+    ("ping(ctx)", "more than 32 deep"),
+    (
+        "let f = |g, n| g.call(g, n + 1); f.call(f, 0);",
+        "more than 32 deep",
+    ),
+    ("fib(ctx, 60)", "more than 32 deep"),
+    // Too large.
+    ("let s = \"x\"; loop { s += s; }", "too large"),
+    ("let a = [1]; loop { a += a; }", "too large"),
+    ("let a = []; loop { a.push(a); }", "too large"),
+    ("let a = []; a.pad(2000000000, 0);", "too large"),
+    ("let s = \"\"; s.pad(2000000000, 'x');", "too large"),
+    (
+        "let m = #{}; for i in 0..1000000000 { m[`k${i}`] = i; }",
+        "was ended",
+    ),
+    ("let m = #{}; loop { m.a = m; }", "was ended"),
+    ("let a = [[0; 1]];", "syntax"),
+    (
+        "let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }",
+        "too large",
+    ),
+    (
+        "let a = []; for i in 0..49000 { a.push(i); } let b = [a, a];",
+        "too large",
+    ),
+    (
+        "let s = \"\"; for i in 0..100000000 { s += \"more text\"; }",
+        "too large",
+    ),
+    (
+        "let b = []; for i in 0..100 { let c = b; c.push(c); b = [c, c, c]; }",
+        "too large",
+    ),
+    ("loop { print(\"a lot of text\"); }", "was ended"),
+    // What is not there.
+    ("eval(\"loop {}\")", "eval"),
+    ("sleep(1000)", "no function `sleep`"),
+    ("timestamp()", "no function `timestamp`"),
+    ("open(\"/etc/passwd\")", "no function `open`"),
+    ("import \"other\" as o;", "imports must stand at the top"),
+    ("undefined_variable", "no variable `undefined_variable`"),
+    ("ctx.state", "no property `state`"),
+    ("exit(7)", "no function `exit`"),
+    // Values that cannot be.
+    ("ctx.place(\"ball\", [0.0 / 0.0, 0, 0])", "finite"),
+    ("ctx.place(\"ball\", [1.0 / 0.0, 0, 0])", "finite"),
+    ("ctx.place(\"ball\", [1e300, 0, 0])", "finite"),
+    (
+        "ctx.place(\"ball\", [0, 0, 0], [0, 0, 0], 0)",
+        "scale must not be 0",
+    ),
+    (
+        "ctx.place(\"ball\", [0, 0, 0], [0, 0, 0], [1, 0, 1])",
+        "scale must not be 0",
+    ),
+    (
+        "ctx.place(\"ball\", mat4([0, 0, 0], [0, 0, 0], 1) * mat4([0, 0, 0], [0, 0, 0], 1e-30))",
+        "flat",
+    ),
+    (
+        "ctx.place(\"nobody\", [0, 0, 0])",
+        "no instance is named \"nobody\"",
+    ),
+    ("ctx.place(\"wall\", [0, 0, 0])", "stands still"),
+    ("ctx.place(1, 2)", "does not take"),
+    (
+        "ctx.material(\"paint\", #{ roughness: \"smooth\" })",
+        "must be a number",
+    ),
+    ("ctx.light(\"lamp\", #{ intensity_cd: -1 })", "0 to"),
+    (
+        "ctx.camera(\"main\", #{ eye: [0, 0, 0], target: [0, 0, 0] })",
+        "same place",
+    ),
+    ("1 / 0", "division by zero"),
+    ("9223372036854775807 + 1", "overflow"),
+    ("[1, 2][5]", "5"),
+    ("throw #{ a: 1 }", "a"),
+];
+
+const HELPERS: &str = "
+fn fn_loop(ctx) { loop {} }
+fn down(ctx) { down(ctx) }
+fn ping(ctx) { pong(ctx) }
+fn pong(ctx) { ping(ctx) }
+fn fib(ctx, n) { fib(ctx, n - 1) + fib(ctx, n - 2) }
+";
+
+fn desc() -> SceneDesc {
+    let read = parse::parse(SCENE, Path::new("scene.toml"), &[]);
+    read.expect("the scene is right").0
+}
+
+/// Largest memory of this process so far, MiB.
+#[cfg(target_os = "linux")]
+fn peak_mib() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux has it");
+    let line = status
+        .lines()
+        .find(|l| l.starts_with("VmHWM"))
+        .expect("it has the peak");
+    let kib = line.split_whitespace().nth(1).expect("a number");
+    kib.parse::<u64>().expect("a number") / 1024
+}
+
+/// Runs a body; gives what is wrong with how it ended.
+fn run((body, says): &(&str, &str)) -> Option<String> {
+    let text = format!("{HELPERS}\nfn frame(ctx) {{\n{body}\n}}");
+    let started = Instant::now();
+    let message = match Script::from_text("hostile.rhai", &text) {
+        Err(error) => error.to_string(),
+        Ok(script) => {
+            let mut scene = desc();
+            scene.script = Some(script);
+            match Motion::new(&scene).pose(3) {
+                Err(errors) => errors[0].to_string(),
+                Ok(_) => "nothing was wrong".to_owned(),
+            }
+        }
+    };
+    let seconds = started.elapsed().as_secs_f64();
+    let told = message.to_lowercase().contains(&says.to_lowercase());
+    let right = told && message.contains("hostile.rhai:") && seconds < 30.0;
+    (!right).then(|| format!("{body} ({seconds:.1} s) should say {says:?}:\n{message}"))
+}
+
+#[test]
+fn every_hostile_frame_is_ended_with_a_message() {
+    assert!(FRAMES.len() >= 50);
+    let (some, others) = FRAMES.split_at(FRAMES.len() / 3);
+    let wrong = std::thread::scope(|scope| {
+        let other = scope.spawn(|| others.iter().filter_map(run).collect::<Vec<_>>());
+        let mut wrong: Vec<_> = some.iter().filter_map(run).collect();
+        wrong.extend(other.join().expect("no panic"));
+        wrong
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
+    #[cfg(target_os = "linux")]
+    assert!(peak_mib() < 2048, "{} MiB", peak_mib());
+}
+
+fn folder(name: &str) -> std::path::PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("script-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(folder.join("scene/parts")).expect("temporary folder");
+    folder.join("scene")
+}
+
+fn load(folder: &Path, script: &str) -> Result<SceneDesc, String> {
+    fs::write(folder.join("s.rhai"), script).expect("temporary file");
+    let text = SCENE.replacen("version = 1", "version = 1\nscript = \"s.rhai\"", 1);
+    let read = parse::parse(&text, &folder.join("scene.toml"), &[]);
+    read.map(|(desc, _)| desc).map_err(|errors| {
+        let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
+        texts.join("\n")
+    })
+}
+
+#[test]
+fn imports_stay_below_the_folder_of_the_scene() {
+    let folder = folder("imports");
+    fs::write(folder.join("parts/legs.rhai"), "fn twice(x) { x * 2 }").expect("temporary file");
+    fs::write(folder.join("../out.rhai"), "fn f() { }").expect("temporary file");
+    fs::write(
+        folder.join("parts/loop.rhai"),
+        "import \"parts/loop\" as l;",
+    )
+    .expect("file");
+    fs::write(folder.join("parts/bad.rhai"), "fn f( {").expect("temporary file");
+    let good = "import \"parts/legs\" as legs;\nfn frame(ctx) { ctx.place(\"ball\", [legs::twice(2), 0, 0]) }";
+    let desc = load(&folder, good).expect("it is below");
+    let state = Motion::new(&desc).pose(0).expect("it runs");
+    assert_eq!(state.instances[0].translation.x, 4.0);
+    assert_eq!(desc.script.as_ref().map(|s| s.files().len()), Some(2));
+    for (import, says) in [
+        ("../out", "not below the scene's folder"),
+        ("/etc/passwd", "not below the scene's folder"),
+        ("parts/../../out", "not below the scene's folder"),
+        ("parts/none", "does not exist"),
+        ("parts/loop", "imports itself"),
+        ("parts/bad", "bad.rhai:1:"),
+    ] {
+        let script = format!("import \"{import}\" as m;\nfn frame(ctx) {{ }}");
+        let error = load(&folder, &script).expect_err(import);
+        assert!(error.contains(says), "{import}: {error}");
+    }
+    #[cfg(unix)]
+    {
+        let link = folder.join("parts/link.rhai");
+        std::os::unix::fs::symlink(folder.join("../out.rhai"), link).expect("a link");
+        let script = "import \"parts/link\" as m;\nfn frame(ctx) { }";
+        let error = load(&folder, script).expect_err("it leads out");
+        assert!(error.contains("leads out"), "{error}");
+    }
+}
+
+#[test]
+fn what_setup_returns_is_checked_as_scene_text() {
+    let folder = folder("setup");
+    for (returned, says) in [
+        ("5", "must return a map"),
+        ("#{ lamps: #{} }", "cannot return `lamps`"),
+        ("#{ instances: 5 }", "an array of maps"),
+        (
+            "#{ instances: [#{ model: \"bal\" }] }",
+            "did you mean \"ball\"?",
+        ),
+        (
+            "#{ instances: [#{ model: \"ball\", name: \"wall\" }] }",
+            "two instances are named",
+        ),
+        ("#{ materials: #{ paint: #{} } }", "but not replace"),
+        (
+            "#{ materials: #{ gold: #{ roughnes: 1 } } }",
+            "did you mean `roughness`?",
+        ),
+        (
+            "#{ materials: #{ gold: #{ roughness: 0.0 / 0.0 } } }",
+            "finite",
+        ),
+        (
+            "#{ materials: #{ gold: #{ roughness: || 1 } } }",
+            "no value of a scene",
+        ),
+        ("ctx.place(\"ball\", [0, 0, 0])", "only frame can pose it"),
+    ] {
+        let script = format!("fn setup(ctx) {{\n{returned}\n}}");
+        let error = load(&folder, &script).expect_err(returned);
+        assert!(error.contains(says), "{returned}: {error}");
+    }
+    let script = "fn setup(ctx) { #{
+        materials: #{ gold: #{ base_color: vec3(1, 0.8, 0.2), metallic: 1 } },
+        lights: #{ \"a b\": #{ kind: \"point\", position: [0, 1, 0], intensity_cd: 3 } },
+        instances: [#{ model: \"ball\", material: \"gold\", rotation_quat: rotation_deg(0, 90, 0) }]
+    } }";
+    let desc = load(&folder, script).expect("it is right");
+    assert_eq!(
+        (
+            desc.materials.len(),
+            desc.lights.len(),
+            desc.instances.len()
+        ),
+        (2, 2, 3)
+    );
+}
+
+#[test]
+fn a_script_without_its_functions_says_so() {
+    let folder = folder("empty");
+    for (script, says) in [
+        ("", "neither `fn setup(ctx)` nor"),
+        ("fn frame() { }", "neither `fn setup(ctx)` nor"),
+        ("fn frame(ctx) {", "s.rhai:1:"),
+        ("let x = y;\nfn frame(ctx) { }", "no variable `y`"),
+    ] {
+        let error = load(&folder, script).expect_err(script);
+        assert!(error.contains(says), "{script}: {error}");
+    }
+}
