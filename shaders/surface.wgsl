@@ -56,7 +56,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
     bary /= max(bary.x + bary.y, 1.0);
     let s = surface_at(hit.x, hit.y, bary, normalize(ray), frame.pixel_spread * plane.t * length(ray));
-    textureStore(view_depth, id.xy, vec4f(dot(s.position - frame.eye, frame.forward), 0.0, 0.0, 0.0));
+    // Depth along this pixel's own ray, so that the position found from it lies on the plane; only
+    // a triangle seen edge-on is too far off for that.
+    let on_plane = distance(bary, plane.bary) < 0.1;
+    let depth_m = select(dot(s.position - frame.eye, frame.forward), plane.t, on_plane);
+    textureStore(view_depth, id.xy, vec4f(depth_m, 0.0, 0.0, 0.0));
     textureStore(surface, id.xy, pack_surface(s));
     textureStore(base_color, id.xy, vec4f(s.base_color, s.occlusion));
     textureStore(emission, id.xy, vec4f(min(s.emission, vec3f(65000.0)), 0.0));

@@ -1,8 +1,66 @@
-//! Reflet renders scenes written as text with hybrid reflections: marched in screen space first,
-//! ray traced only where that fails.
+//! Reflet renders scenes that people write as text, with hybrid reflections after Macedo &
+//! Rodrigues, "Real-time dynamic reflections for realistic rendering of 3D scenes" (The Visual
+//! Computer 34(3), 2018): reflections are marched in screen space first; every pixel that the march
+//! cannot answer honestly goes into a mask; only the mask is ray traced on the GPU.
+//!
+//! # The map
+//!
+//! Data flows one way, and imports only point down this list (`tests/layers.rs` holds it):
+//!
+//! ```text
+//! scene text ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture ──> report
+//!                scene/        world/    render/      render/    app/        bench/
+//! ```
+//!
+//! | place | owns |
+//! |---|---|
+//! | [`app`] | the commands and what they print; exit codes |
+//! | [`bench`] | picture × picture → error; nothing in it knows how a picture was made |
+//! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
+//! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
+//! | [`scene`] | what people can write, its defaults and its manual; no assets |
+//! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
+//! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
+//!
+//! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
+//! needs a device: `gpu/` if it knows no scene, else `render/`. It judges a picture: `bench/`.
+//!
+//! # A frame
+//!
+//! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
+//!    with `shadow = "ray"` need none.
+//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else.
+//! 3. **Surface** resolves the G-buffer from the ids in compute. The function that turns (instance,
+//!    triangle, barycentrics, footprint) into a surface is `surface_at` in
+//!    `shaders/lib/surface.wgsl`, and it is the same one that traced hits use: that is why no seam
+//!    shows between raster and rays.
+//! 4. **Light** keeps view-independent radiance, which screen space may show from another
+//!    direction, apart from the specular of this view, which it may not.
+//! 5. **SSR** marches and names a cause for every reflective pixel ([`render::cause::Cause`]).
+//! 6. **Compact** counts the causes and lists what must be traced; **arguments** sizes the dispatch.
+//! 7. **Trace** follows the listed rays through the static tree and the top level over instances,
+//!    bounce by bounce.
+//! 8. **Blur** (if asked for), **compose** (only the mirror term is replaced), **tone**.
+//!
+//! Method `rt` is `hybrid` with a full mask; `ssr` is `hybrid` without the tracing. A frame depends
+//! on nothing but its scene, its settings and its camera, so any of them can be rendered alone.
+//!
+//! # Rules
+//!
+//! - Every pipeline stays inside `wgpu::Limits::default()` but for buffer and texture sizes, which
+//!   are checked by name. `tests/shaders.rs` asserts it by reflection.
+//! - Groups 0 (frame) and 1 (scene) are shared; group 2 is the pass's own, reflected from its WGSL
+//!   and bound by name. A name that is missing on either side is an error that names the file.
+//! - Shader imports are plain text inclusion, once per file, with a line map: names must survive for
+//!   binding by name and for pipeline overrides, which rules out importers that mangle them.
+//! - Vectors name their spaces (`clip_from_world`), quantities their units (`threshold_m`). The
+//!   length U is the diagonal of the static bounding box / 16, so that the paper's settings carry
+//!   over between scenes.
 
 pub mod app;
 pub mod bench;
+pub mod files;
 pub mod gpu;
 pub mod math;
 pub mod render;

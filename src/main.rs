@@ -5,7 +5,21 @@ use std::{env, panic, process::ExitCode};
 
 use reflet::app;
 
+/// Mesa's choice of devices looks for a Wayland display, and complains aloud on standard error where
+/// even its folder is not named.
+#[expect(
+    unsafe_code,
+    reason = "the environment is changed before any other thread exists"
+)]
+fn name_runtime_folder() {
+    if cfg!(target_os = "linux") && env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: called first thing in `main`, while this is the only thread.
+        unsafe { env::set_var("XDG_RUNTIME_DIR", env::temp_dir()) };
+    }
+}
+
 fn main() -> ExitCode {
+    name_runtime_folder();
     panic::set_hook(Box::new(|panic| {
         eprintln!(
             "internal error: {panic}\nThis is a bug in Reflet {}. Please report it with these \

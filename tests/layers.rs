@@ -7,14 +7,21 @@ use std::{
 };
 
 /// Lower comes first. A file may name modules of its own layer and of those it lists.
-const LAYERS: [(&str, &[&str]); 7] = [
+const LAYERS: [(&str, &[&str]); 8] = [
     ("math", &[]),
+    ("files", &[]),
     ("scene", &["math"]),
-    ("world", &["scene", "math"]),
+    ("world", &["scene", "math", "files"]),
     ("gpu", &["math"]),
     ("render", &["gpu", "world", "scene", "math"]),
-    ("bench", &["render", "gpu", "world", "scene", "math"]),
-    ("app", &["bench", "render", "gpu", "world", "scene", "math"]),
+    (
+        "bench",
+        &["render", "gpu", "world", "scene", "math", "files"],
+    ),
+    (
+        "app",
+        &["bench", "render", "gpu", "world", "scene", "math", "files"],
+    ),
 ];
 
 /// Longest a source file may be.

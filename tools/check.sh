@@ -27,8 +27,6 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
 "$root/tools/setup.sh"
 export PATH="$HOME/.cargo/bin:$PATH"
-# Mesa's device-select layer complains about missing desktops; there is nothing to select here.
-export NODEVICE_SELECT=1
 cd "$root"
 
 heading() { printf '\n== %s ==\n' "$1"; }

@@ -13,7 +13,5 @@ printf '\n== Building ==\n'
 cargo build --release --locked
 
 printf '\n== Rendering the built-in scene ==\n'
-# Mesa's device-select layer complains about missing desktops; there is nothing to select here.
-export NODEVICE_SELECT=1
 binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
 "$binary" render --output "$root/atrium.png" --stats text

@@ -167,6 +167,21 @@ setup_python() {
     echo "ready: .venv"
 }
 
+# The Khronos validator proves converted stages; without node those checks are skipped and say so.
+setup_validator() {
+    [ -f "$root/tools/pyproject.toml" ] || return 0
+    heading "glTF validator"
+    if [ -d "$root/tools/node_modules/gltf-validator" ]; then
+        echo "present: tools/node_modules/gltf-validator"
+    elif has npm; then
+        npm install --no-audit --no-fund --no-save --silent --prefix "$root/tools" \
+            gltf-validator@2.0.0-dev.3.10
+        echo "ready: tools/node_modules/gltf-validator"
+    else
+        echo "missing: npm; checks against the Khronos validator will be skipped"
+    fi
+}
+
 if has apt-get; then
     setup_debian
 else
@@ -174,3 +189,4 @@ else
 fi
 setup_rust
 setup_python
+setup_validator

@@ -5,6 +5,8 @@
 
 override HAS_SHADOW_RAYS: bool = true;
 
+const SHADOW_NEAR_M: f32 = 0.01; // of lights.rs
+
 fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> f32 {
     switch lights[i].shadow {
         case 1u: {
@@ -35,16 +37,16 @@ fn cube_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f
     let rough = abs(position - lights[i].position);
     let texel_m = lights[i].texel * max(rough.x, max(rough.y, rough.z));
     let d = offset_point(position, normal, to_light, texel_m) - lights[i].position;
-    let a = abs(d);
-    let reference = 0.01 / max(max(a.x, max(a.y, a.z)), 1e-6); // SHADOW_NEAR_M of shadow.rs
     let axis = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(to_light.x) > 0.7);
     let u = normalize(cross(to_light, axis)) * texel_m;
     let v = normalize(cross(to_light, u)) * texel_m;
     var lit = 0.0;
     for (var k = 0u; k < 4u; k++) {
-        let x = f32(k & 1u) - 0.5;
-        let y = f32(k >> 1u) - 0.5;
-        lit += textureSampleCompareLevel(shadow_cubes, shadow_sampler, d + u * x + v * y, lights[i].layer, reference);
+        let tap = d + u * (f32(k & 1u) - 0.5) + v * (f32(k >> 1u) - 0.5);
+        // Each tap by its own face's axis: at the edge of two faces their depths differ.
+        let a = abs(tap);
+        let reference = SHADOW_NEAR_M / max(max(a.x, max(a.y, a.z)), 1e-6);
+        lit += textureSampleCompareLevel(shadow_cubes, shadow_sampler, tap, lights[i].layer, reference);
     }
     return lit * 0.25;
 }

@@ -6,14 +6,6 @@ use crate::render::{
 };
 
 /// Sources by their number in the `source` plane.
-const SOURCES: [Source; 5] = [
-    Source::NotReflective,
-    Source::Screen,
-    Source::Traced,
-    Source::None,
-    Source::Rough,
-];
-
 /// A plane as RGBA, 8 bits a channel.
 pub fn view(plane: &Plane) -> Vec<u8> {
     let stride = plane.channels.len().max(1);
@@ -22,7 +14,7 @@ pub fn view(plane: &Plane) -> Vec<u8> {
             let code = codes[0];
             match plane.name {
                 "cause" => Cause::from_number(code).map_or([255; 3], Cause::color),
-                "source" => SOURCES
+                "source" => Source::ALL
                     .get(code as usize)
                     .map_or([255; 3], |source| source.color()),
                 _ => hashed(codes),
@@ -107,7 +99,7 @@ mod tests {
 
     #[test]
     fn sources_are_blue_and_pink_and_ids_are_seen() {
-        for (number, source) in SOURCES.into_iter().enumerate() {
+        for (number, source) in Source::ALL.into_iter().enumerate() {
             assert_eq!(source as usize, number);
         }
         let pixels = |plane: &Plane| -> Vec<[u8; 3]> {

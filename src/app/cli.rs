@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::bench::args::BenchArgs;
 use super::frames::{Shard, parse_shard};
 use crate::{bench::compare::CompareArgs, scene::desc::Method};
 
@@ -28,6 +29,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Judge a picture against a reference
     Compare(CompareArgs),
+    /// Measure speed against accuracy, and draw a report
+    Bench(BenchArgs),
     /// Print the JSON Schema of scene text, for editors
     Schema,
     /// Print the manual of scene text, as Markdown
@@ -163,7 +166,11 @@ impl From<MethodArg> for Method {
     }
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+/// `1280x720` as width and height.
+///
+/// # Errors
+/// A sentence with what is expected.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']);
     let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
     match pair {

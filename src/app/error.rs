@@ -14,10 +14,12 @@ pub enum AppError {
     Usage(String),
     /// The scene or a file that it refers to is wrong: exit code 3.
     Scene(Vec<Diagnostic>),
-    /// A picture to compare cannot be read or written: exit code 2.
+    /// A picture to compare or a table of samples cannot be read or written: exit code 2.
     Picture(Vec<Diagnostic>),
     /// A comparison crossed a threshold, which it said on standard output: exit code 6.
     Threshold,
+    /// Ctrl-C stopped it; what was done until then is kept, and the text says where: exit code 130.
+    Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
     Gpu(GpuError),
     /// Some frames of a film have no picture: exit code 5.
@@ -27,19 +29,18 @@ pub enum AppError {
 }
 
 impl AppError {
-    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 5 some frames failed, 6 threshold crossed.
+    /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 5 some frames failed, 6 threshold crossed, 130
+    /// interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
             Self::Frames(_) => 5,
             Self::Threshold => 6,
-            Self::Gpu(
-                GpuError::NoAdapter(_)
-                | GpuError::Limit { .. }
-                | GpuError::OutOfMemory(_)
-                | GpuError::Lost(_),
-            ) => 4,
+            Self::Interrupted(_) => super::bench::progress::INTERRUPTED,
+            Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
+            // The scene, or the picture that it asks for, is too large.
+            Self::Gpu(GpuError::Limit { .. }) => 3,
             Self::Gpu(_) | Self::Internal(_) => 1,
         }
     }
@@ -48,6 +49,7 @@ impl AppError {
     pub fn print(&self) {
         match self {
             Self::Usage(text) | Self::Internal(text) => eprintln!("error: {text}"),
+            Self::Interrupted(text) => eprintln!("{text}"),
             Self::Gpu(error) => eprintln!("error: {error}"),
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
                 print_diagnostics(diagnostics);
@@ -73,7 +75,7 @@ impl AppError {
 impl fmt::Display for AppError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(text) | Self::Internal(text) => f.write_str(text),
+            Self::Usage(text) | Self::Internal(text) | Self::Interrupted(text) => f.write_str(text),
             Self::Gpu(error) => error.fmt(f),
             Self::Scene(all) | Self::Picture(all) => {
                 f.write_str(all.first().map_or("", |first| first.message.as_str()))

@@ -14,10 +14,11 @@ use super::{
 use crate::{
     render::{
         plan::{Dropped, Plan, can_reflect},
-        textures::places,
+        textures::{self, places},
+        types::GpuVertex,
     },
     scene::desc::LightKind,
-    world::{World, bvh::Trees},
+    world::{Mesh, World, bvh::Trees},
 };
 
 /// What `info --json` prints.
@@ -144,26 +145,25 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     })
 }
 
+/// What vertices and indices will take.
 fn geometry_bytes(world: &World) -> u64 {
-    let meshes = world.meshes.iter();
-    let sizes = meshes.map(|mesh| {
-        size_of_val(mesh.positions.as_slice())
-            + size_of_val(mesh.normals.as_slice())
-            + size_of_val(mesh.tangents.as_slice())
-            + size_of_val(mesh.uv0.as_slice())
-            + size_of_val(mesh.uv1.as_slice())
-            + size_of_val(mesh.colors.as_slice())
+    let mesh = |mesh: &Mesh| {
+        mesh.positions.len() * size_of::<GpuVertex>()
             + size_of_val(mesh.triangles.as_slice())
-    });
-    sizes.sum::<usize>() as u64
+            + size_of_val(mesh.uv1.as_slice())
+    };
+    world.meshes.iter().map(mesh).sum::<usize>() as u64
 }
 
+/// What the texture pools will take: each image at the size of its pool, with all its mips.
 fn texture_bytes(world: &World) -> u64 {
-    // All mip levels together are 4/3 of the largest.
-    let textures = world.textures.iter();
-    textures
-        .map(|texture| texture.rgba.len() as u64 * 4 / 3)
-        .sum()
+    let places = textures::places(&world.textures);
+    let layer = |place: &textures::Place| {
+        let px = u64::from(textures::POOL_PX[place.pool as usize]);
+        // All mip levels together are 4/3 of the largest.
+        px * px * 4 * 4 / 3
+    };
+    places.iter().map(layer).sum()
 }
 
 fn table(info: &Info) -> String {

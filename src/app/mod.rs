@@ -14,6 +14,7 @@ use crate::{
 };
 
 pub mod aov;
+pub mod bench;
 pub mod cli;
 pub mod error;
 pub mod film;
@@ -42,6 +43,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Check(args) => check(&args),
         Command::Info(args) => info::info(&args),
         Command::Compare(args) => run_compare(&args),
+        Command::Bench(args) => bench::bench(&args),
         Command::Schema => print_json(&schema()),
         Command::Manual => print_out(&manual()),
         Command::Scripting => print_out(&script::api::manual()),

@@ -141,8 +141,11 @@ impl Output {
     }
 }
 
-/// RGBA to an opaque PNG.
-fn encode_png(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
+/// RGBA to an opaque PNG; `mark` is kept in it as text.
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode_png(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);

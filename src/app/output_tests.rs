@@ -47,7 +47,7 @@ fn picture() -> Picture {
             tree_ms: 0.0,
             passes_ms: Vec::new(),
             frame_ms: 0.0,
-            shares: Shares::new(&[], [2, 1]),
+            shares: Shares::new(&[], [2, 1], Method::Hybrid),
             rays: 0,
             bytes: Vec::new(),
         },

@@ -1,6 +1,6 @@
 //! `render`: a scene becomes pictures or a film.
 
-use std::path::Path;
+use std::{path::Path, time::Instant};
 
 use super::{
     cli::{RenderArgs, StatsForm},
@@ -9,7 +9,7 @@ use super::{
     print_json, print_out,
     scene::{LoadedScene, load_scene},
     sequence,
-    stats::Report,
+    stats::{Around, Report},
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
@@ -77,6 +77,7 @@ impl Studio {
 /// # Errors
 /// Whatever stops it; no file is left half written.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
+    let started = Instant::now();
     // Cheap checks first: a typo must not cost a minute of rendering.
     let many = sequence::is_wanted(args)?;
     let output = if many {
@@ -90,7 +91,9 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     };
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
+    let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
+    let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     let camera = choose_camera(&loaded, args.camera.as_deref())?;
     let Some(output) = output else {
         let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
@@ -110,11 +113,15 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let picture = studio
         .picture()
         .map_err(|error| explain(error, studio.own_shaders))?;
+    let around = Around {
+        load_ms,
+        first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
+    };
 
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let report = Report::new(&studio.gpu, picture.stats);
+    let report = Report::new(&studio.gpu, picture.stats, around);
     match args.stats {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),
@@ -180,8 +187,11 @@ fn shader_library(folder: Option<&Path>) -> Result<ShaderLibrary, AppError> {
     }
 }
 
-/// The named camera; without a name `main`, else the first.
-fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
+/// Which camera is named; without a name `main`, else the first.
+///
+/// # Errors
+/// [`AppError::Usage`] with the names that exist.
+pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     let cameras = &loaded.world.cameras;
     let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
     let found = match name {

@@ -1,7 +1,7 @@
 //! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
 
 use std::{
-    env,
+    env, fs,
     path::{Path, PathBuf},
 };
 
@@ -10,10 +10,11 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{desc::SceneDesc, parse},
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse},
     world::{
         World,
         load::{self, LoadOptions},
+        usd,
     },
 };
 
@@ -21,7 +22,7 @@ use crate::{
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
 /// The scene that is built into the binary.
-const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
 /// A scene as written and as loaded.
 #[derive(Debug)]
@@ -51,31 +52,50 @@ pub fn load_scene(
 ) -> Result<LoadedScene, AppError> {
     let overrides = [from.set.as_slice(), overrides].concat();
     let read = match path {
+        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
         Some(path) => parse::load(path, &overrides),
         None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
     };
-    let (desc, mut warnings) = read.map_err(AppError::Scene)?;
+    let name = path.map_or_else(
+        || "the built-in atrium".to_owned(),
+        |path| path.display().to_string(),
+    );
+    // Read a second time, for its fingerprint; what cannot be read was an error before.
+    let read = read.map_err(AppError::Scene)?;
+    let text = scene_text(path)?;
+    load_desc(name, text, overrides, read, &from.assets)
+}
+
+/// Loads a scene whose text is at hand; `file` is what messages call it.
+///
+/// # Errors
+/// As [`load_scene`].
+pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
+    let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
+    let name = file.display().to_string();
+    load_desc(name, text.to_owned(), from.set.clone(), read, &from.assets)
+}
+
+fn load_desc(
+    name: String,
+    text: String,
+    overrides: Vec<String>,
+    (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
+    assets: &[PathBuf],
+) -> Result<LoadedScene, AppError> {
     let options = LoadOptions {
-        assets: asset_folders(&from.assets),
+        assets: asset_folders(assets),
         ..LoadOptions::default()
     };
     for line in desc.script.iter().flat_map(|s| s.setup_log()) {
         eprintln!("{line}");
     }
-    let text = match path {
-        // Read a second time, for its fingerprint; what cannot be read was an error before.
-        Some(path) => std::fs::read_to_string(path).unwrap_or_default(),
-        None => ATRIUM.to_owned(),
-    };
     let world = load::load(&desc, &options)
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
     Ok(LoadedScene {
-        name: path.map_or_else(
-            || "the built-in atrium".to_owned(),
-            |path| path.display().to_string(),
-        ),
+        name,
         desc,
         world,
         text,
@@ -84,8 +104,42 @@ pub fn load_scene(
     })
 }
 
+/// Whether the argument is a model rather than a scene.
+fn is_model(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    usd::is_stage(path)
+        || ["gltf", "glb"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// A scene for looking at one model: as it is, in daylight.
+fn scene_around(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let file = serde_json::Value::from(name.as_ref());
+    format!(
+        "version = 1\n\
+         [model.model]\nfile = {file}\n\
+         [light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
+         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n"
+    )
+}
+
+/// The text of a scene file, or of the built-in atrium.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
+    match path {
+        None => Ok(ATRIUM.to_owned()),
+        Some(path) if is_model(path) => Ok(scene_around(path)),
+        Some(path) => fs::read_to_string(path)
+            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
+    }
+}
+
 /// The folders of `--assets`, then those of the environment.
-fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()

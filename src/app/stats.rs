@@ -23,13 +23,29 @@ pub struct Report {
     pub passes_total_ms: f64,
     /// Whether that sum and `frame_ms` differ by more than 10 %.
     pub times_disagree: bool,
-    /// Rays a second of the trace pass, where it was timed.
+    /// Pixels traced a second in the trace pass, where it was timed: further bounces, shadow rays and
+    /// shading are part of its time, not of the count.
     pub rays_per_s: Option<f64>,
+    /// Reading the scene and every file it names, milliseconds.
+    pub load_ms: f64,
+    /// From the program's start to the finished picture, milliseconds.
+    pub first_picture_ms: f64,
+    /// Most memory the program held at once, bytes, where the system tells.
+    pub peak_resident_bytes: Option<u64>,
+}
+
+/// Times around the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Around {
+    /// See [`Report::load_ms`].
+    pub load_ms: f64,
+    /// See [`Report::first_picture_ms`].
+    pub first_picture_ms: f64,
 }
 
 impl Report {
     /// The frame's numbers with the adapter they came from.
-    pub fn new(gpu: &Gpu, frame: FrameStats) -> Self {
+    pub fn new(gpu: &Gpu, frame: FrameStats, around: Around) -> Self {
         let info = &gpu.adapter_info;
         let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
         Self {
@@ -39,6 +55,9 @@ impl Report {
             times_disagree: frame.times_disagree(),
             rays_per_s: frame.rays_per_s(),
             frame,
+            load_ms: around.load_ms,
+            first_picture_ms: around.first_picture_ms,
+            peak_resident_bytes: peak_resident_bytes(),
         }
     }
 
@@ -55,11 +74,13 @@ impl Report {
         let [width, height] = frame.size;
         let samples = frame.samples;
         line("picture", format!("{width} x {height}, samples {samples}"));
+        line("loading", time("scene and files", self.load_ms));
         line("trees", time("built on the CPU", frame.tree_ms));
         for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
             line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
         }
         line("", time("submit to done", frame.frame_ms));
+        line("", time("start to picture", self.first_picture_ms));
         if frame.passes_ms.is_empty() {
             line(
                 "",
@@ -75,7 +96,13 @@ impl Report {
         line("cause", list(&shares.causes));
         line("rays", self.rays());
         let total: u64 = frame.bytes.iter().map(|(_, bytes)| bytes).sum();
-        line("memory", mebibytes(total));
+        line(
+            "memory",
+            format!("{} of buffers and textures", mebibytes(total)),
+        );
+        if let Some(peak) = self.peak_resident_bytes {
+            line("", format!("{} resident at most", mebibytes(peak)));
+        }
         for (class, bytes) in &frame.bytes {
             line("", format!("{class:<26}{:>14}", mebibytes(*bytes)));
         }
@@ -112,6 +139,16 @@ pub fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / (1024.0 * 1024.0))
 }
 
+/// The high-water mark of resident memory, where the system keeps one.
+fn peak_resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +159,9 @@ mod tests {
         counters[1] = 200; // hit
         counters[2] = 50; // hidden
         Report {
+            load_ms: 12.0,
+            first_picture_ms: 300.0,
+            peak_resident_bytes: None,
             adapter: "llvmpipe".to_owned(),
             software: true,
             frame: FrameStats {
@@ -132,7 +172,7 @@ mod tests {
                 tree_ms: 0.5,
                 passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],
                 frame_ms: 4.1,
-                shares: Shares::new(&counters, [100, 10]),
+                shares: Shares::new(&counters, [100, 10], Method::Hybrid),
                 rays: 50,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
@@ -153,7 +193,7 @@ mod tests {
             "source      screen 80.0 %, traced 20.0 %\n",
             "cause       hit 80.0 %, hidden 20.0 %\n",
             "rays        50, 1.25 M rays/s\n",
-            "memory      1.5 MiB\n",
+            "memory      1.5 MiB of buffers and textures\n",
         ] {
             assert!(text.contains(part), "{part:?} in\n{text}");
         }
@@ -169,7 +209,7 @@ mod tests {
         let json = serde_json::to_value(report()).expect("plain data");
         assert_eq!(json["method"], "hybrid");
         assert_eq!(json["shares"]["sources"][0]["name"], "screen");
-        assert_eq!(json["passes_ms"][1][0], "trace");
+        assert_eq!(json["passes_ms"]["trace"], 2.5);
         assert_eq!(json["rays_per_s"], 1.25e6);
     }
 }

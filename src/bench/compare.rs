@@ -13,7 +13,7 @@ use super::{
     },
     picture::{Encoding, Pair, Picture, PictureError},
     read::{Reading, read_picture},
-    report::{Comparison, MaskReport, MaskScores},
+    table::{Comparison, MaskReport, MaskScores},
     write::write_png,
 };
 use crate::scene::diagnostic::Diagnostic;

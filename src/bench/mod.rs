@@ -1,12 +1,25 @@
-//! Judging pictures: metrics, the reading and writing they need, and the command `compare`.
+//! Judging pictures and settings: metrics, the commands `compare` and `bench`, and reports.
 //!
-//! `metric` is pure (pictures in, numbers out); only `read` and `write` touch files.
+//! `metric` and `front` are pure (numbers in, numbers out); `run` measures into a table of samples,
+//! and `report` draws from that table alone. Only `read`, `write` and `log` touch files.
 
+pub mod choose;
 pub mod compare;
+pub mod csv;
+pub mod front;
+pub mod hash;
+pub mod host;
+pub mod knob;
+pub mod log;
 pub mod metric;
 pub mod picture;
 pub mod read;
 pub mod report;
+pub mod run;
+pub mod sample;
+pub mod score;
+pub mod summary;
+pub mod table;
 pub mod write;
 
 use std::path::Path;

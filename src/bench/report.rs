@@ -1,139 +1,76 @@
-//! The result of `compare` as a table for people and as JSON.
+//! The report of a table of samples: sentences, charts and tables, as one page and as SVG files.
+//! Everything is drawn from the table; nothing is measured here.
 
-use std::fmt::{self, Write};
+pub mod chart;
+pub mod course;
+pub mod page;
+pub mod tables;
+pub mod words;
 
-use serde::Serialize;
+use super::sample::Sample;
+use super::summary::{Group, Metric, groups};
+use chart::{Axes, Time, draw};
+use course::Course;
 
-use super::metric::Scores;
-
-/// What `compare` found. Serializes to the JSON that `--json` prints; infinite numbers (the PSNR
-/// of equal pictures) become null.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Comparison {
-    /// The judged picture's file.
-    pub test: String,
-    /// The reference's file.
-    pub reference: String,
-    /// Pixels across.
-    pub width: usize,
-    /// Pixels down.
-    pub height: usize,
-    /// Whether no pixel differs at all.
-    pub identical: bool,
-    /// Scores of the whole frame.
-    pub frame: Scores,
-    /// Scores inside the mask; none without a mask.
-    pub mask: Option<MaskReport>,
-    /// The factor of the difference picture; none when it was not asked for.
-    pub difference_gain: Option<u32>,
-    /// How the files were read, in sentences.
-    pub notes: Vec<String>,
-    /// A sentence per threshold that was crossed or could not be judged; empty is a pass.
-    pub crossed: Vec<String>,
+/// A chart as a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChartFile {
+    /// Name of the file.
+    pub name: String,
+    /// Its SVG.
+    pub svg: String,
 }
 
-/// The mask and the scores inside it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MaskReport {
-    /// Pixels left after erosion.
-    pub area_px: usize,
-    /// The same over the frame, 0 to 1.
-    pub area_share: f64,
-    /// The scores, if there are.
-    #[serde(flatten)]
-    pub scores: MaskScores,
+/// One group with everything that is said and drawn about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// The points.
+    pub group: Group,
+    /// What they mean, a sentence each.
+    pub sentences: Vec<String>,
+    /// Time against error.
+    pub charts: Vec<ChartFile>,
 }
 
-/// Scores, or why there are none.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MaskScores {
-    /// Enough pixels: their scores.
-    Scored(Scores),
-    /// Under 100 pixels: a sentence.
-    TooSmall(String),
-}
-
-impl Comparison {
-    /// Whether every threshold held.
-    pub fn passed(&self) -> bool {
-        self.crossed.is_empty()
-    }
-
-    /// One JSON object, indented, with a line break at its end.
-    pub fn to_json(&self) -> String {
-        let json = serde_json::to_string_pretty(self);
-        json.expect("strings and numbers have a JSON form") + "\n"
-    }
-
-    fn columns(&self) -> Vec<(&'static str, &Scores)> {
-        let mut columns = vec![("frame", &self.frame)];
-        if let Some(MaskScores::Scored(scores)) = self.mask.as_ref().map(|m| &m.scores) {
-            columns.push(("inside mask", scores));
-        }
-        columns
-    }
-}
-
-/// A row of the table.
-type Row = (&'static str, fn(&Scores) -> String);
-
-const ROWS: [Row; 10] = [
-    ("area, px", |s| s.area_px.to_string()),
-    ("area, % of the frame", |s| {
-        format!("{:.2}", 100.0 * s.area_share)
-    }),
-    ("SSIM", |s| {
-        s.ssim
-            .map_or("needs 11 × 11 px".to_owned(), |v| format!("{v:.6}"))
-    }),
-    ("FLIP mean", |s| format!("{:.6}", s.flip_mean)),
-    ("FLIP p95", |s| format!("{:.6}", s.flip_p95)),
-    ("FLIP p99", |s| format!("{:.6}", s.flip_p99)),
-    ("PSNR, dB", |s| format!("{:.3}", s.psnr_db)),
-    ("relMSE", |s| format!("{:.4e}", s.rel_mse)),
-    ("relMSE less top 0.1 %", |s| {
-        format!("{:.4e}", s.rel_mse_trimmed)
-    }),
-    ("largest difference /255", |s| {
-        format!("{:.2}", s.max_difference)
-    }),
-];
-
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "A  {}", self.test)?;
-        writeln!(f, "B  {} (reference)", self.reference)?;
-        let equal = if self.identical {
-            ", equal in every pixel"
-        } else {
-            ""
-        };
-        writeln!(f, "   {} × {} px{equal}\n", self.width, self.height)?;
-        let columns = self.columns();
-        let mut table = String::new();
-        write!(table, "{:24}", "")?;
-        columns
-            .iter()
-            .try_for_each(|(name, _)| write!(table, "{name:>18}"))?;
-        for (name, cell) in ROWS {
-            write!(table, "\n{name:24}")?;
-            columns
-                .iter()
-                .try_for_each(|(_, s)| write!(table, "{:>18}", cell(s)))?;
-        }
-        writeln!(f, "{table}\n")?;
-        if let Some(MaskScores::TooSmall(why)) = self.mask.as_ref().map(|m| &m.scores) {
-            writeln!(f, "mask: {why}")?;
-        }
-        if let Some(gain) = self.difference_gain {
-            writeln!(f, "difference picture: enlarged {gain} times")?;
-        }
-        self.notes
-            .iter()
-            .try_for_each(|note| writeln!(f, "note: {note}"))?;
-        self.crossed
-            .iter()
-            .try_for_each(|line| writeln!(f, "FAILED: {line}"))
-    }
+/// Sections of all samples.
+///
+/// # Errors
+/// A sentence when a chart cannot be drawn.
+pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
+    let groups = groups(samples).into_iter().enumerate();
+    groups
+        .map(|(index, group)| {
+            let mut charts = Vec::new();
+            let is_turned = group.points.iter().any(|p| p.sample.value.is_some());
+            for (what, time, metric) in [
+                ("flip", Time::Frame, Metric::Flip),
+                ("ssim", Time::Frame, Metric::Dissimilarity),
+                ("reflection", Time::Reflection, Metric::Flip),
+            ] {
+                if !is_turned {
+                    break; // single points are a table, not a chart
+                }
+                let axes = Axes { time, metric };
+                if let Some(svg) = draw(&group, axes)? {
+                    let name = format!("chart-{}-{what}.svg", index + 1);
+                    charts.push(ChartFile { name, svg });
+                }
+            }
+            for (what, course) in [
+                ("knob", Course::ErrorByKnob),
+                ("ms", Course::Milliseconds),
+                ("ssim", Course::Ssim),
+            ] {
+                if let Some(svg) = course::draw(&group, course)? {
+                    let name = format!("course-{}-{what}.svg", index + 1);
+                    charts.push(ChartFile { name, svg });
+                }
+            }
+            Ok(Section {
+                sentences: words::sentences(&group),
+                charts,
+                group,
+            })
+        })
+        .collect()
 }

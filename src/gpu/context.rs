@@ -17,6 +17,9 @@ const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 /// Largest picture side that is asked for.
 const MAX_TEXTURE_SIDE: u32 = 16384;
 
+/// Most layers of a texture array that are asked for.
+const MAX_ARRAY_LAYERS: u32 = 2048;
+
 /// How long to wait for submitted work before calling the GPU hung. Software drivers are slow.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(600);
 
@@ -59,7 +62,7 @@ impl fmt::Display for GpuError {
                 unit,
             } => write!(
                 f,
-                "{what} needs {wanted} {unit}, but this adapter allows {limit}"
+                "{what} needs {wanted} {unit}, and at most {limit} are possible here"
             ),
             Self::Shader(error) => error.fmt(f),
             Self::Binding(text) => f.write_str(text),
@@ -99,7 +102,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// What the device was opened with: the defaults, with larger buffers and textures.
     pub limits: wgpu::Limits,
-    /// Optional features that are on: timestamps and the primitive index, where present.
+    /// Optional features that are on: timestamps, where present.
     pub features: wgpu::Features,
     /// The first error nobody was waiting for.
     fault: Arc<Mutex<Option<GpuError>>>,
@@ -144,13 +147,13 @@ impl Gpu {
                 .max_storage_buffer_binding_size
                 .min(MAX_BUFFER_BYTES),
             max_buffer_size: offered.max_buffer_size.min(MAX_BUFFER_BYTES),
+            max_texture_array_layers: offered.max_texture_array_layers.min(MAX_ARRAY_LAYERS),
             max_texture_dimension_2d: offered.max_texture_dimension_2d.min(MAX_TEXTURE_SIDE),
             ..wgpu::Limits::default()
         };
         let wanted = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
-            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES
-            | wgpu::Features::PRIMITIVE_INDEX;
+            | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES;
         let features = adapter.features() & wanted;
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -198,9 +201,10 @@ impl Gpu {
         .map(|filter| self.device.push_error_scope(filter));
         let made = create();
         let mut first = None;
-        // Scopes are a stack: the last one pushed is popped first.
+        // Scopes are a stack: the last one pushed is popped first. What follows from exhausted
+        // memory is reported as invalid too, so memory goes before validation.
         for scope in scopes.into_iter().rev() {
-            first = first.or(pollster::block_on(scope.pop()));
+            first = pollster::block_on(scope.pop()).or(first);
         }
         match first {
             Some(error) => Err(from_wgpu(what, error)),
@@ -375,7 +379,7 @@ mod tests {
         let error = within("triangle buffer", 10, 8, "bytes").expect_err("10 > 8");
         assert_eq!(
             error.to_string(),
-            "triangle buffer needs 10 bytes, but this adapter allows 8"
+            "triangle buffer needs 10 bytes, and at most 8 are possible here"
         );
         assert_eq!(within("triangle buffer", 8, 8, "bytes"), Ok(()));
     }

@@ -118,7 +118,9 @@ impl Aov {
             ),
             Self::Source => {
                 let causes: Vec<u32> = renderer.read(gpu, Target::Cause)?;
-                let source = |c: u32| Cause::from_number(c).map_or(0, |c| c.source() as u32);
+                let source = |c: u32| {
+                    Cause::from_number(c).map_or(0, |c| c.source(renderer.method()) as u32)
+                };
                 (
                     &["source"][..],
                     PlaneData::U32(causes.into_iter().map(source).collect()),

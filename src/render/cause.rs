@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::scene::desc::Method;
+
 /// The outcome of the screen-space march at one pixel; the numbers are those of
 /// `shaders/lib/cause.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -38,8 +40,10 @@ pub enum Source {
     NotReflective,
     /// Found on screen.
     Screen,
-    /// Ray traced (left black by method `ssr`).
+    /// Ray traced.
     Traced,
+    /// Method `ssr`: left black where a ray would have been traced.
+    Failed,
     /// The environment: nothing in reach.
     None,
     /// The environment: too rough.
@@ -82,13 +86,14 @@ impl Cause {
         }
     }
 
-    /// Where such a pixel's reflection comes from.
-    pub const fn source(self) -> Source {
+    /// Where such a pixel's reflection comes from with this method.
+    pub const fn source(self, method: Method) -> Source {
         match self {
             Self::NotReflective => Source::NotReflective,
             Self::Hit => Source::Screen,
             Self::None => Source::None,
             Self::Rough => Source::Rough,
+            _ if matches!(method, Method::Ssr) => Source::Failed,
             _ => Source::Traced,
         }
     }
@@ -111,12 +116,23 @@ impl Cause {
 }
 
 impl Source {
+    /// All sources; the index is the number in AOVs.
+    pub const ALL: [Self; 6] = [
+        Self::NotReflective,
+        Self::Screen,
+        Self::Traced,
+        Self::Failed,
+        Self::None,
+        Self::Rough,
+    ];
+
     /// Color in the `source` picture, sRGB: screen hits blue and traced pink, as in the paper's Fig. 8.
     pub const fn color(self) -> [u8; 3] {
         match self {
             Self::NotReflective => [24, 24, 24],
             Self::Screen => [60, 110, 255],
             Self::Traced => [255, 110, 190],
+            Self::Failed => [200, 40, 40],
             Self::None => [80, 200, 120],
             Self::Rough => [130, 130, 130],
         }

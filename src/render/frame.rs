@@ -7,7 +7,7 @@ use glam::Vec2;
 use crate::{
     gpu::{Gpu, GpuError, readback, timer::sum_by_name},
     math::Bounds,
-    scene::desc::CameraDesc,
+    scene::desc::{CameraDesc, Method},
     world::World,
 };
 
@@ -132,6 +132,7 @@ impl Renderer {
         passes_ms: Vec<(String, f64)>,
         frame_ms: f64,
     ) -> Result<FrameStats, GpuError> {
+        let method = self.options.reflection.method;
         let counters: Vec<u32> = match &self.reflections {
             Some(r) => readback::read_buffer(gpu, &r.list.counters)?,
             None => vec![0; 16],
@@ -152,11 +153,15 @@ impl Renderer {
         Ok(FrameStats {
             size: self.options.image.size,
             samples: self.options.image.samples,
-            method: self.options.reflection.method,
+            method,
             unit_m: self.unit_m,
             tree_ms: self.tree_ms,
-            shares: Shares::new(&counters, self.options.image.size),
-            rays: counters[compact::RAY_COUNTER],
+            shares: Shares::new(&counters, self.options.image.size, method),
+            rays: if method == Method::Ssr {
+                0
+            } else {
+                counters[compact::RAY_COUNTER]
+            },
             passes_ms,
             frame_ms,
             bytes,

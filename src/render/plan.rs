@@ -48,11 +48,15 @@ pub struct Plan {
     pub dropped: Vec<Dropped>,
 }
 
+/// Whether a material has a specular lobe that a reflection could replace.
+pub fn has_specular(material: &Material) -> bool {
+    material.reflectivity > 0.0 || material.metallic > 0.0
+}
+
 /// Whether a material can reflect at all, so that its pixels are worth marching.
 pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
-    let has_specular = material.reflectivity > 0.0 || material.metallic > 0.0;
     let smooth = material.metallic_roughness_texture.is_some() || material.roughness < cutoff;
-    has_specular
+    has_specular(material)
         && match material.reflection {
             ReflectionMode::None => false,
             ReflectionMode::Mirror => true,
@@ -131,7 +135,7 @@ impl Plan {
         drop(
             !self.top_level,
             "top level",
-            "nothing is dynamic and no static mesh is shared",
+            "nothing is dynamic, and copies of static meshes are few enough to bake",
         );
         drop(!self.cutouts, "alpha tests", "no material is cut out");
         drop(!self.textures, "textures", "no material has one");

@@ -90,7 +90,7 @@ impl Renderer {
         let started = Instant::now();
         let trees = Trees::build(world, gpu.largest_storage_buffer())?;
         let tree_ms = started.elapsed().as_secs_f64() * 1e3;
-        let scene = GpuScene::new(gpu, world, &trees, options.reflection.roughness_cutoff)?;
+        let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = if options.general {
             Plan::general(&options.reflection)
         } else {
@@ -159,6 +159,11 @@ impl Renderer {
         self.unit_m
     }
 
+    /// How reflections are found.
+    pub fn method(&self) -> Method {
+        self.options.reflection.method
+    }
+
     /// The intermediate textures, for AOVs.
     pub fn targets(&self) -> &Targets {
         &self.targets
@@ -169,6 +174,19 @@ impl Renderer {
         compose::ALIASES[last_sub_frame(&self.options)][0].1
     }
 
+    /// Takes over the settings that need no rebuilding: threshold, steps, ray length, bounces. The
+    /// others stay as the renderer was made; so does what its plan left out.
+    pub fn retune(&mut self, settings: &ReflectionDesc) {
+        let lone = self.plan.bounces < self.options.reflection.bounces;
+        if !lone {
+            self.plan.bounces = settings.bounces;
+            self.options.reflection.bounces = settings.bounces;
+        }
+        self.options.reflection.threshold_u = settings.threshold_u;
+        self.options.reflection.steps = settings.steps;
+        self.options.reflection.ray_length_u = settings.ray_length_u;
+    }
+
     /// Takes over a world whose instances and materials were posed anew: poses, the top level and
     /// the numbers of materials, never the static tree or a picture.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
@@ -176,8 +194,7 @@ impl Renderer {
             self.trees.update_top_level(world);
         }
         self.scene.update(gpu, world, &self.trees);
-        let cutoff = self.options.reflection.roughness_cutoff;
-        self.scene.update_materials(gpu, world, cutoff);
+        self.scene.update_materials(gpu, world);
     }
 }
 

@@ -16,7 +16,7 @@ use crate::{
 
 use super::{
     geometry::{MeshPlace, buffer, geometry},
-    plan::can_reflect,
+    plan::has_specular,
     textures::{Place, Pools},
     types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE},
 };
@@ -45,6 +45,8 @@ pub struct Draw {
     pub bounds: Bounds,
     /// How.
     pub class: DrawClass,
+    /// Whether its pose, and with it its handedness, may change.
+    pub dynamic: bool,
 }
 
 /// A scene on the GPU.
@@ -76,13 +78,13 @@ impl GpuScene {
     ///
     /// # Errors
     /// A buffer past the adapter's limit, by name, or what wgpu says.
-    pub fn new(gpu: &Gpu, world: &World, trees: &Trees, cutoff: f32) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
         let (vertices, mesh_data, places) = geometry(gpu, &world.meshes)?;
         let pools = Pools::new(gpu, world)?;
         let materials: Vec<GpuMaterial> = world
             .materials
             .iter()
-            .map(|m| gpu_material(m, world, &pools.places, cutoff))
+            .map(|m| gpu_material(m, world, &pools.places))
             .collect();
         let records = records(world, trees, &places);
         let storage = wgpu::BufferUsages::STORAGE;
@@ -109,10 +111,13 @@ impl GpuScene {
             .zip(&trees.instances)
         {
             record.world_from_object = rows(&instance.world_from_object);
+            let mirrored = mirrors(&instance.world_from_object);
+            record.flags = record.flags & !FLAG_MIRRORED | if mirrored { FLAG_MIRRORED } else { 0 };
             record.object_from_world = traced.object_from_world;
         }
         for draw in &mut self.draws {
             let instance = &world.instances[draw.instance as usize];
+            draw.class.mirrored = mirrors(&instance.world_from_object);
             draw.bounds = world.meshes[instance.mesh]
                 .bounds
                 .transformed(&instance.world_from_object);
@@ -128,10 +133,10 @@ impl GpuScene {
     }
 
     /// Uploads the numbers of materials that may change.
-    pub fn update_materials(&self, gpu: &Gpu, world: &World, cutoff: f32) {
+    pub fn update_materials(&self, gpu: &Gpu, world: &World) {
         for moving in &world.moving.materials {
             let material = &world.materials[moving.material];
-            let record = gpu_material(material, world, &self.pools.places, cutoff);
+            let record = gpu_material(material, world, &self.pools.places);
             let offset = (moving.material * size_of::<GpuMaterial>()) as u64;
             gpu.queue
                 .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
@@ -217,11 +222,15 @@ fn records(world: &World, trees: &Trees, places: &[MeshPlace]) -> Vec<GpuInstanc
         .collect()
 }
 
+fn mirrors(transform: &Affine3A) -> bool {
+    transform.matrix3.determinant() < 0.0
+}
+
 fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     DrawClass {
         cutout: material.alpha_cutoff.is_some(),
         double_sided: material.double_sided,
-        mirrored: transform.matrix3.determinant() < 0.0,
+        mirrored: mirrors(transform),
     }
 }
 
@@ -239,6 +248,7 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
                 &world.materials[instance.material],
                 &instance.world_from_object,
             ),
+            dynamic: instance.dynamic,
         })
     };
     world
@@ -249,7 +259,7 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
         .collect()
 }
 
-fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> GpuMaterial {
+fn gpu_material(m: &Material, world: &World, places: &[Place]) -> GpuMaterial {
     let slot =
         |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, places));
     let checker = m.checker;
@@ -266,8 +276,8 @@ fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> G
         checker_size_m: checker.map_or(0.0, |c| c.size_m),
         checker_b: color(1),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
-        // What cannot reflect is not a reflective pixel, whatever the scene calls it.
-        reflection: if can_reflect(m, cutoff) {
+        // Without specular there is nothing to replace, whatever the scene calls it.
+        reflection: if has_specular(m) {
             m.reflection as u32
         } else {
             0

@@ -15,7 +15,7 @@ pub struct Shares {
     pub reflective: u64,
     /// Pixels of each cause but `not_reflective`, with their percentage of the reflective ones.
     pub causes: Vec<Share>,
-    /// The same by source: screen + traced + none + rough = 100 %.
+    /// The same by source: screen + traced (failed with method `ssr`) + none + rough = 100 %.
     pub sources: Vec<Share>,
 }
 
@@ -32,7 +32,7 @@ pub struct Share {
 
 impl Shares {
     /// From the counters of the compact pass.
-    pub fn new(counters: &[u32], size: [u32; 2]) -> Self {
+    pub fn new(counters: &[u32], size: [u32; 2], method: Method) -> Self {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let count = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
         let reflecting = || {
@@ -54,7 +54,7 @@ impl Shares {
             share(
                 name,
                 reflecting()
-                    .filter(|c| c.source() == source)
+                    .filter(|c| c.source(method) == source)
                     .map(count)
                     .sum(),
             )
@@ -66,6 +66,7 @@ impl Shares {
             sources: vec![
                 source("screen", Source::Screen),
                 source("traced", Source::Traced),
+                source("failed", Source::Failed),
                 source("none", Source::None),
                 source("rough", Source::Rough),
             ],
@@ -88,6 +89,7 @@ pub struct FrameStats {
     /// Building all trees on the CPU, milliseconds.
     pub tree_ms: f64,
     /// GPU time of each pass over all sub-frames, milliseconds; empty without timestamps.
+    #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,
     /// From the first submission to the last pixel done, milliseconds.
     pub frame_ms: f64,
@@ -96,6 +98,7 @@ pub struct FrameStats {
     /// Rays traced from pixels in the last sub-frame, without further bounces.
     pub rays: u32,
     /// Bytes of every buffer and texture class.
+    #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
 }
 
@@ -126,4 +129,12 @@ fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S
         Method::Rt => "rt",
         Method::Hybrid => "hybrid",
     })
+}
+
+/// Named values as an object, in their order.
+fn as_map<S: serde::Serializer, T: Serialize>(
+    pairs: &[(String, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }

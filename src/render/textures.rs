@@ -1,16 +1,23 @@
 //! Texture pools: images of about one size share a 2D array, resampled to the array's size so that
 //! hardware wrapping and mips stay right.
 
-use image::{RgbaImage, imageops::FilterType};
 use rayon::prelude::*;
 
 use crate::{
     gpu::{Gpu, GpuError},
-    world::{Texture, World},
+    world::{Texture, World, Wrap, texture::LARGEST_KEPT_PX},
 };
 
 /// Edge of each pool's images, pixels; `pool_px` in `shaders/lib/texture.wgsl` is the same series.
-pub const POOL_PX: [u32; 3] = [512, 1024, 2048];
+pub const POOL_PX: [u32; 3] = [512, 1024, LARGEST_KEPT_PX];
+
+/// How the materials that use a texture sample it; where they differ, as the last one does.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sampling {
+    /// Some material magnifies it without filtering: its texels must stay sharp.
+    nearest: bool,
+    wrap: [Wrap; 2],
+}
 
 /// Where a texture of the world lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,8 +37,6 @@ pub struct Pools {
     pub places: Vec<Place>,
     /// Bytes of all pools with their mips.
     pub bytes: u64,
-    /// Names of images that were larger than the largest pool.
-    pub reduced: Vec<String>,
 }
 
 impl Pools {
@@ -41,19 +46,12 @@ impl Pools {
     /// More images of a size than an array has layers, or what wgpu says.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
         let places = places(&world.textures);
-        let nearest = magnified_nearest(world);
+        let samplings = samplings(world);
         let mut pools = Self {
             views: Vec::new(),
             places,
             bytes: 0,
-            reduced: Vec::new(),
         };
-        let largest = POOL_PX[POOL_PX.len() - 1];
-        for texture in &world.textures {
-            if texture.width.max(texture.height) > largest {
-                pools.reduced.push(texture.name.clone());
-            }
-        }
         for (pool, &px) in POOL_PX.iter().enumerate() {
             let members: Vec<usize> = (0..world.textures.len())
                 .filter(|&i| pools.places[i].pool == pool as u32)
@@ -62,7 +60,7 @@ impl Pools {
             for batch in members.chunks(4) {
                 let chains: Vec<Vec<Vec<u8>>> = batch
                     .par_iter()
-                    .map(|&i| mip_chain(&world.textures[i], px, nearest[i]))
+                    .map(|&i| mip_chain(&world.textures[i], px, samplings[i]))
                     .collect();
                 for (&i, chain) in batch.iter().zip(&chains) {
                     upload(gpu, &array, pools.places[i].layer, px, chain);
@@ -133,15 +131,17 @@ pub fn places(textures: &[Texture]) -> Vec<Place> {
     textures.iter().map(place).collect()
 }
 
-/// Which textures some material magnifies without filtering: their texels must stay sharp.
-fn magnified_nearest(world: &World) -> Vec<bool> {
-    let mut nearest = vec![false; world.textures.len()];
+/// How each texture is resampled to the edge of its pool.
+fn samplings(world: &World) -> Vec<Sampling> {
+    let mut samplings = vec![Sampling::default(); world.textures.len()];
     for material in &world.materials {
         for slot in material.slots().into_iter().flatten() {
-            nearest[slot.texture] |= slot.nearest;
+            let sampling = &mut samplings[slot.texture];
+            sampling.nearest |= slot.nearest;
+            sampling.wrap = slot.wrap;
         }
     }
-    nearest
+    samplings
 }
 
 fn views(array: &wgpu::Texture) -> [wgpu::TextureView; 2] {
@@ -188,11 +188,11 @@ fn upload(gpu: &Gpu, array: &wgpu::Texture, layer: u32, px: u32, chain: &[Vec<u8
 }
 
 /// The image at `px` × `px` and every halving of it.
-fn mip_chain(texture: &Texture, px: u32, nearest: bool) -> Vec<Vec<u8>> {
+fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
     let base = if (texture.width, texture.height) == (px, px) {
         texture.rgba.clone()
     } else {
-        resampled(texture, px, nearest)
+        resampled(texture, px, sampling)
     };
     let mut chain = vec![base];
     let mut edge = px;
@@ -204,15 +204,96 @@ fn mip_chain(texture: &Texture, px: u32, nearest: bool) -> Vec<Vec<u8>> {
     chain
 }
 
-fn resampled(texture: &Texture, px: u32, nearest: bool) -> Vec<u8> {
-    let filter = if nearest {
-        FilterType::Nearest
-    } else {
-        FilterType::Triangle
+/// The image at `px` × `px`: nearest texels, or as the hardware would magnify it, wrapping
+/// included; larger ones are halved first.
+fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
+    let mut size = [texture.width, texture.height];
+    let mut source = std::borrow::Cow::Borrowed(&texture.rgba);
+    if sampling.nearest {
+        return gathered(px, |x, y| {
+            let at = [x * size[0] / px, y * size[1] / px];
+            texel(&source, size, at)
+        });
+    }
+    while size[0] > px || size[1] > px {
+        let factor = size.map(|edge| if edge > px { 2 } else { 1 });
+        let next = size.map(|edge| edge.min(edge.div_ceil(2).max(px)));
+        let next = [0, 1].map(|i| if factor[i] == 2 { next[i] } else { size[i] });
+        source = std::borrow::Cow::Owned(magnified(&source, size, next, sampling, texture.srgb));
+        size = next;
+    }
+    magnified(&source, size, [px, px], sampling, texture.srgb)
+}
+
+fn texel(rgba: &[u8], size: [u32; 2], at: [u32; 2]) -> [u8; 4] {
+    let i = 4 * (at[1] as usize * size[0] as usize + at[0] as usize);
+    [rgba[i], rgba[i + 1], rgba[i + 2], rgba[i + 3]]
+}
+
+fn gathered(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+    (0..px)
+        .flat_map(|y| (0..px).map(move |x| (x, y)))
+        .flat_map(|(x, y)| pixel(x, y))
+        .collect()
+}
+
+/// Bilinear, between texel centers; across the border as the texture wraps; colors as light.
+fn magnified(rgba: &[u8], size: [u32; 2], to: [u32; 2], sampling: Sampling, srgb: bool) -> Vec<u8> {
+    let taps = |axis: usize| -> Vec<([u32; 2], f32)> {
+        let edge = i64::from(size[axis]);
+        let place = |i: i64| match sampling.wrap[axis] {
+            Wrap::Repeat => i.rem_euclid(edge) as u32,
+            // Mirrored at the border, the next texel is the last one again.
+            Wrap::Clamp | Wrap::Mirror => i.clamp(0, edge - 1) as u32,
+        };
+        let tap = |x: u32| {
+            let at = (x as f32 + 0.5) * size[axis] as f32 / to[axis] as f32 - 0.5;
+            let low = at.floor();
+            ([place(low as i64), place(low as i64 + 1)], at - low)
+        };
+        (0..to[axis]).map(tap).collect()
     };
-    RgbaImage::from_raw(texture.width, texture.height, texture.rgba.clone())
-        .map(|image| image::imageops::resize(&image, px, px, filter).into_raw())
-        .unwrap_or_else(|| vec![255; (px * px * 4) as usize])
+    let (across, down) = (taps(0), taps(1));
+    let tables = SrgbTables::get();
+    let mut out = Vec::with_capacity(to[0] as usize * to[1] as usize * 4);
+    for (ys, fy) in &down {
+        for (xs, fx) in &across {
+            let corners = [
+                [xs[0], ys[0]],
+                [xs[1], ys[0]],
+                [xs[0], ys[1]],
+                [xs[1], ys[1]],
+            ];
+            let corners = corners.map(|at| texel(rgba, size, at));
+            let weights = [
+                (1.0 - fx) * (1.0 - fy),
+                fx * (1.0 - fy),
+                (1.0 - fx) * fy,
+                fx * fy,
+            ];
+            for c in 0..4 {
+                let is_light = srgb && c < 3;
+                let value = |code: u8| {
+                    if is_light {
+                        f32::from(tables.light[code as usize]) / 65535.0
+                    } else {
+                        f32::from(code) / 255.0
+                    }
+                };
+                let mean: f32 = corners
+                    .iter()
+                    .zip(weights)
+                    .map(|(t, w)| value(t[c]) * w)
+                    .sum();
+                out.push(if is_light {
+                    tables.code[(mean * 4095.0).round() as usize]
+                } else {
+                    (mean * 255.0).round() as u8
+                });
+            }
+        }
+    }
+    out
 }
 
 /// Each pixel the mean of four; colors are averaged as light, not as sRGB codes.

@@ -203,7 +203,7 @@ pub enum ShapeDesc {
     Sphere {
         /// Radius, meters, above 0. Default 0.5.
         radius: f32,
-        /// Divisions around, 3 to 4096; half as many from pole to pole. More is rounder. Default 128.
+        /// Divisions around, 3 to 1024; half as many from pole to pole. More is rounder. Default 128.
         segments: u32,
     },
     /// `"cylinder"`: axis Y, standing on y = 0, with caps.
@@ -212,7 +212,7 @@ pub enum ShapeDesc {
         radius: f32,
         /// Height, meters, above 0. Default 1.
         height: f32,
-        /// Divisions around, 3 to 4096. Default 64.
+        /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
     /// `"cone"`: axis Y, standing on y = 0, with a cap below.
@@ -221,7 +221,7 @@ pub enum ShapeDesc {
         radius: f32,
         /// Height, meters, above 0. Default 1.
         height: f32,
-        /// Divisions around, 3 to 4096. Default 64.
+        /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
 }

@@ -10,6 +10,7 @@ use super::{
     World,
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
+    usd,
 };
 use crate::scene::{
     desc::{At, ModelDesc, ModelSource, SceneDesc},
@@ -217,7 +218,12 @@ impl<'a> Loader<'a> {
     }
 
     fn read_file(&mut self, path: &Path, named_at: &Span) -> Option<usize> {
-        match read_guarded(path, &self.sandbox) {
+        let read = if usd::is_stage(path) {
+            self.read_stage(path)
+        } else {
+            read_guarded(path, &self.sandbox)
+        };
+        match read {
             Ok(mut model) => {
                 self.world.warnings.append(&mut model.warnings);
                 self.add_files(&model.files);
@@ -233,6 +239,22 @@ impl<'a> Loader<'a> {
                 None
             }
         }
+    }
+
+    /// A stage is read as the glTF file that it is converted to, but known by its own files.
+    fn read_stage(&mut self, path: &Path) -> Result<Model, Vec<Diagnostic>> {
+        let named = |fault: Fault| {
+            let mut error = Diagnostic::in_file(fault.name, path, fault.message);
+            error.help = fault.help;
+            vec![error]
+        };
+        let converted = usd::convert(path, &self.folders).map_err(named)?;
+        let folder = converted.glb.parent().unwrap_or(Path::new("."));
+        let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
+        let mut model = read_guarded(&converted.glb, &sandbox)?;
+        model.warnings.extend(converted.warnings);
+        model.files = converted.files;
+        Ok(model)
     }
 
     fn add_files(&mut self, files: &[PathBuf]) {
@@ -262,8 +284,28 @@ impl<'a> Loader<'a> {
         let image_files: Vec<_> = image_files.collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?;
+        self.warn_of_reduced(&requests);
         camera::add_default(&mut self.world);
         Ok(self.world)
+    }
+}
+
+impl Loader<'_> {
+    fn warn_of_reduced(&mut self, requests: &[texture::TextureRequest]) {
+        for (texture, request) in self.world.textures.iter().zip(requests) {
+            let largest = texture::LARGEST_KEPT_PX;
+            if texture.width.max(texture.height) > largest {
+                let text = format!(
+                    "{}: {} x {} pixels are rendered as {largest} x {largest}",
+                    texture.name, texture.width, texture.height
+                );
+                let warning = Diagnostic::in_file("texture-reduced", &request.file, text);
+                self.world.warnings.push(Diagnostic {
+                    severity: Severity::Warning,
+                    ..warning
+                });
+            }
+        }
     }
 }
 

@@ -18,6 +18,7 @@ pub mod load;
 pub mod pose;
 pub mod shape;
 pub mod texture;
+pub mod usd;
 
 /// A loaded scene: geometry in object space, placed by instances.
 #[derive(Clone, Debug, Default)]
@@ -102,7 +103,7 @@ pub struct Material {
     pub emission: Vec3,
     /// Strength of the normal map.
     pub normal_scale: f32,
-    /// Strength of the occlusion map, 0 to 1; darkens the environment's diffuse light only.
+    /// Strength of the occlusion map, 0 to 1; darkens the environment's light, not that of lamps.
     pub occlusion_strength: f32,
     /// Cut-out threshold; `None` is opaque.
     pub alpha_cutoff: Option<f32>,

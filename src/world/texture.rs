@@ -18,6 +18,9 @@ use super::{
 };
 use crate::scene::diagnostic::Diagnostic;
 
+/// Longest edge that a picture is rendered with, pixels; larger images are reduced to it.
+pub const LARGEST_KEPT_PX: u32 = 2048;
+
 /// What decoding may cost.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureLimits {

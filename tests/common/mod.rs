@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test uses every helper")]
 
+use std::path::{Path, PathBuf};
+
 use reflet::gpu::{Gpu, GpuError, GpuOptions};
 
 /// The GPU, or `None` after saying `SKIPPED` where there is no adapter.
@@ -17,5 +19,37 @@ pub fn gpu_or_skip() -> Option<Gpu> {
             None
         }
         Err(error) => panic!("{error}"),
+    }
+}
+
+/// A folder of files that are not part of the project: named by an environment variable, else
+/// beside the checkout. `None` after saying `SKIPPED` where it does not exist.
+pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
+    let beside = || {
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../shared")
+            .join(name)
+    };
+    let folder = std::env::var_os(variable).map_or_else(beside, PathBuf::from);
+    if !folder.is_dir() {
+        eprintln!(
+            "SKIPPED: there is no folder {} ({variable})",
+            folder.display()
+        );
+        return None;
+    }
+    Some(folder)
+}
+
+/// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).
+pub struct Random(pub u64);
+
+impl Random {
+    /// A number below `n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % n as u64) as usize
     }
 }

@@ -12,7 +12,7 @@ use image::{DynamicImage, ImageFormat};
 use reflet::{
     bench::{
         compare::{CompareArgs, compare},
-        report::Comparison,
+        table::Comparison,
     },
     scene::diagnostic::Diagnostic,
 };

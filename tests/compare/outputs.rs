@@ -155,7 +155,7 @@ fn thresholds_hold_for_frame_and_mask() {
     });
     let mask = folder.png("m.png", mask);
     let score = run(&b, &a, &["--mask", text(&mask)]).expect("compares");
-    let reflet::bench::report::MaskScores::Scored(inside) =
+    let reflet::bench::table::MaskScores::Scored(inside) =
         &score.mask.as_ref().expect("a mask").scores
     else {
         panic!("not scored")

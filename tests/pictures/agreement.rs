@@ -83,9 +83,10 @@ fn causes_and_sources_account_for_every_reflective_pixel() {
                 .map(|s| s.pixels);
             assert_eq!(reported, Some(counted), "{method}: {}", cause.name());
         }
-        let rays = causes
-            .iter()
-            .filter(|c| Cause::from_number(**c).is_some_and(|c| c.source() == Source::Traced));
+        let rays = causes.iter().filter(|c| {
+            Cause::from_number(**c)
+                .is_some_and(|c| c.source(picture.stats.method) == Source::Traced)
+        });
         assert_eq!(u64::from(picture.stats.rays), rays.count() as u64);
     }
 }
@@ -230,4 +231,86 @@ fn moved_instances_and_lights_look_as_if_built_there() {
         .picture(gpu, &world, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(moved.display, built.display);
+}
+
+/// A lamp between posts and balls in the corner of a room: its shadows cross all faces of the cube.
+const ROOM: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 3.2, 5.5]
+target = [0, 0.6, 0]
+fov_deg = 60
+[light.lamp]
+kind = "point"
+position = [0, 1.1, 0]
+intensity_cd = 6
+shadow = "SHADOW"
+[environment]
+color = [0.03, 0.03, 0.03]
+[material.white]
+base_color = [0.8, 0.8, 0.8]
+reflectivity = 0
+[model.room]
+shape = { kind = "plane", size = [8, 8] }
+material = "white"
+[model.post]
+shape = { kind = "cylinder", radius = 0.12, height = 0.9 }
+material = "white"
+[model.ball]
+shape = { kind = "sphere", radius = 0.25 }
+material = "white"
+[[instance]]
+model = "room"
+[[instance]]
+model = "room"
+translation = [0, 0, -3]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "room"
+translation = [-4, 0, 0]
+rotation_deg = [0, 0, -90]
+[[instance]]
+model = "post"
+translation = [-1.1, 0, -1.1]
+repeat = { count = [2, 1, 2], step = [2.2, 0, 2.2] }
+[[instance]]
+model = "ball"
+translation = [-1.6, 0.25, 0.2]
+repeat = { count = [2, 1, 1], step = [3.2, 0, 0] }
+[[instance]]
+model = "ball"
+translation = [0.15, 0.35, -1.4]
+[image]
+size = [192, 120]
+"#;
+
+#[test]
+fn cube_maps_agree_with_shadow_rays() {
+    let Some(gpu) = gpu() else { return };
+    let of = |shadow| render(gpu, &ROOM.replace("SHADOW", shadow), &[], &[]);
+    let (map, ray) = (of("map"), of("ray"));
+    // Edges of shadows are filtered in one and hard in the other; everything else is the same.
+    let differing = share_differing(&map, &ray, 12);
+    assert!(
+        differing < 0.02,
+        "{:.2} % of the pixels differ",
+        100.0 * differing
+    );
+    // No speck: a pixel is never much darker than all of its eight neighbors.
+    for picture in [&map, &ray] {
+        let [width, height] = picture.size;
+        let light = |x: u32, y: u32| picture.display[4 * (y * width + x) as usize];
+        for y in 1..height - 1 {
+            for x in 1..width - 1 {
+                let around = (0..9)
+                    .filter(|k| *k != 4)
+                    .map(|k| light(x + k % 3 - 1, y + k / 3 - 1));
+                let darkest = around.min().unwrap_or(0);
+                assert!(
+                    light(x, y).saturating_add(24) >= darkest,
+                    "a dark speck at ({x}, {y})"
+                );
+            }
+        }
+    }
 }

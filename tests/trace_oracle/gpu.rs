@@ -54,8 +54,10 @@ pub struct Answer {
     pub triangle: u32,
     padding: u32,
     pub bary: [f32; 2],
-    pub blocked: u32,
+    flags: u32,
     padding2: u32,
+    pub blocked: u32,
+    padding3: u32,
     pub visited_nodes: u32,
     pub tested_triangles: u32,
 }

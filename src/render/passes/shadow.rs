@@ -30,6 +30,8 @@ gpu_struct! {
 }
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Most bytes of all cube maps, and of all flat maps.
+const MAX_MAP_BYTES: u64 = 4 << 30;
 /// Uniform offsets are multiples of this everywhere.
 const SLOT_BYTES: u64 = 256;
 
@@ -109,6 +111,17 @@ fn array(
     };
     let (px, count) = (px.max(1), layers.max(least));
     gpu.check_texture_size("a shadow map", px, px)?;
+    let bytes = 4 * u64::from(px) * u64::from(px) * u64::from(count);
+    if bytes > MAX_MAP_BYTES {
+        return Err(GpuError::Limit {
+            what: format!(
+                "{layers} shadow maps of {px}x{px} (lower shadow_px, or use shadow = \"ray\")"
+            ),
+            wanted: bytes,
+            limit: MAX_MAP_BYTES,
+            unit: "bytes",
+        });
+    }
     let made = gpu.scoped("shadow maps", || {
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
@@ -130,7 +143,6 @@ fn array(
         });
         (texture, view)
     })?;
-    let bytes = 4 * u64::from(px) * u64::from(px) * u64::from(count);
     Ok((made.0, made.1, bytes))
 }
 

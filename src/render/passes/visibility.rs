@@ -39,11 +39,18 @@ impl Visibility {
     ) -> Result<Self, GpuError> {
         let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
         for draw in draws {
-            if pipelines.iter().all(|(class, _)| *class != draw.class) {
-                pipelines.push((
-                    draw.class,
-                    pipeline(gpu, shader, shared, draw.class, constants)?,
-                ));
+            let mut needed = vec![draw.class];
+            if draw.dynamic {
+                let mirrored = !draw.class.mirrored;
+                needed.push(DrawClass {
+                    mirrored,
+                    ..draw.class
+                });
+            }
+            for class in needed {
+                if pipelines.iter().all(|(known, _)| *known != class) {
+                    pipelines.push((class, pipeline(gpu, shader, shared, class, constants)?));
+                }
             }
         }
         Ok(Self { pipelines })

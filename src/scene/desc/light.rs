@@ -56,6 +56,6 @@ pub struct LightDesc {
     pub color: Vec3,
     /// How its shadows are found. Default `"map"`.
     pub shadow: ShadowMode,
-    /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper. Default 1024.
+    /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper; a directional light's map spans the whole scene, so large scenes need more, or `shadow = "ray"`. The most that a point light asks for holds for all of them, and so for the others. Default 1024.
     pub shadow_px: u32,
 }

@@ -17,7 +17,7 @@ use super::{
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
 /// Divisions around a curved shape.
-const SEGMENTS: Range = range(3.0, 4096.0);
+const SEGMENTS: Range = range(3.0, 1024.0);
 /// Most lights of a scene.
 const MOST_LIGHTS: usize = 64;
 

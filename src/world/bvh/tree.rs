@@ -1,7 +1,8 @@
 //! One compressed wide tree over boxes, by obvhs.
 
-use std::time::Duration;
+use std::{borrow::Cow, time::Duration};
 
+use glam::Vec3A;
 use obvhs::{
     BvhBuildParams,
     aabb::Aabb,
@@ -33,13 +34,40 @@ impl Tree {
             max_prims_per_leaf: 3,
             ..BvhBuildParams::fast_build()
         };
-        let tree = build_cwbvh(boxes, params, &mut Duration::default());
+        let tree = build_cwbvh(&distinct(boxes), params, &mut Duration::default());
         Self {
             stack_need: stack_need(&tree.nodes),
             nodes: tree.nodes,
             order: tree.primitive_indices,
         }
     }
+}
+
+/// The boxes, those that share a center with another one grown by a little of their own. The builder
+/// pairs each box with its nearest neighbor; among equal ones all choose alike, one pair comes of
+/// each round, and a thousand copies in one place would take a thousand rounds.
+fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
+    let center = |b: &Aabb| ((b.min + b.max) * 0.5).to_array().map(f32::to_bits);
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    order.sort_unstable_by_key(|&i| center(&boxes[i]));
+    let mut grown = Cow::Borrowed(boxes);
+    let mut equal = 0u32;
+    for pair in order.windows(2) {
+        if center(&boxes[pair[0]]) != center(&boxes[pair[1]]) {
+            equal = 0;
+            continue;
+        }
+        equal += 1;
+        let original = &boxes[pair[1]];
+        let size = (original.max - original.min).max_element();
+        let reach = original.min.abs().max(original.max.abs()).max_element();
+        // Weyl's sequence: never the same twice, in no order that neighbors in space share.
+        let share = (equal.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1u32 << 24) as f32;
+        let growth = (size * 1e-3).max(reach * 1e-5) * share;
+        let axis = [Vec3A::X, Vec3A::Y, Vec3A::Z][equal as usize % 3];
+        grown.to_mut()[pair[1]] = Aabb::new(original.min - axis * growth, original.max);
+    }
+    grown
 }
 
 /// Shifts what nodes refer to: children by `node_shift`, primitives by `primitive_shift`.

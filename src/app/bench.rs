@@ -1,0 +1,378 @@
+//! `bench`: scenes are measured into a folder, which then holds the samples and their report.
+
+use std::{fs, path::Path};
+
+use serde::Serialize;
+
+use super::{
+    error::AppError,
+    print_out,
+    render::choose_camera,
+    scene::{LoadedScene, load_scene, scene_text},
+};
+use crate::{
+    bench::{
+        choose::{Bound, block, choose},
+        hash::Hash,
+        host::Host,
+        knob::{Knob, method_name},
+        log::{self, Log},
+        report::{
+            Section,
+            page::{Gallery, page},
+            sections,
+        },
+        run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch},
+        sample::Sample,
+        score::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        write::write_whole,
+    },
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::RenderError,
+    scene::{desc::Method, diagnostic::Diagnostic},
+};
+
+pub mod args;
+pub mod paper;
+pub mod progress;
+pub mod shots;
+pub mod walk;
+
+use args::{BenchArgs, Experiment, RunArgs};
+use progress::Progress;
+use walk::Walk;
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input before anything is measured; whatever stops the measuring, whose samples are kept.
+pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
+    match &args.experiment {
+        Some(Experiment::Paper(args)) => paper::paper(args),
+        None => {
+            let samples = match &args.samples {
+                Some(path) => {
+                    create_folder(&args.run.output)?;
+                    log::read(path).map_err(|d| of_file(*d))?
+                }
+                None => measure(args)?,
+            };
+            let sections = report(&args.run.output, "Speed against accuracy", &samples, &[])?;
+            match &args.choose {
+                Some(bound) => print_choice(&sections, bound),
+                None => Ok(()),
+            }
+        }
+    }
+}
+
+fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
+    let protocol = protocol(args)?;
+    let subjects = subjects(args)?;
+    run(&open_gpu(&args.run)?, &args.run, &protocol, &subjects)
+}
+
+/// The adapter that the arguments name.
+fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+    Ok(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?)
+}
+
+fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
+    let mut methods: Vec<Method> = Vec::new();
+    for method in args.methods.iter().map(|m| Method::from(*m)) {
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    let turn = match args.knob {
+        None => Turn::Own,
+        Some(knob) if args.values.is_empty() => Turn::One(knob, knob.default_values().to_vec()),
+        Some(knob) => Turn::One(knob, checked(knob, &args.values)?),
+    };
+    Ok(Protocol {
+        methods,
+        turn,
+        sizes: args.sizes.clone(),
+        frames: args.run.frames,
+        warm_up: args.run.warm_up,
+    })
+}
+
+fn checked(knob: Knob, values: &[f64]) -> Result<Vec<f64>, AppError> {
+    let mut kept = values.to_vec();
+    for value in values {
+        let usage = |message| AppError::Usage(format!("--values: {message}"));
+        knob.check(*value).map_err(usage)?;
+    }
+    kept.sort_by(f64::total_cmp);
+    kept.dedup();
+    Ok(kept)
+}
+
+fn subjects(args: &BenchArgs) -> Result<Vec<Subject>, AppError> {
+    let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
+    if paths.is_empty() {
+        paths.push(None);
+    }
+    let load = |path: Option<&Path>| {
+        let loaded = load_scene(path, &args.from, &[])?;
+        let text = scene_text(path)?;
+        let mut name = loaded.name.clone();
+        if !args.from.set.is_empty() {
+            // Changed scenes must not share a chart with unchanged ones.
+            name = format!("{name} with {}", args.from.set.join(", "));
+        }
+        subject(loaded, name, &text, &args.from.set, args.camera.as_deref())
+    };
+    paths.into_iter().map(load).collect()
+}
+
+/// A loaded scene as what is measured.
+///
+/// # Errors
+/// No such camera, a file that has gone.
+pub fn subject(
+    loaded: LoadedScene,
+    name: String,
+    text: &str,
+    overrides: &[String],
+    camera: Option<&str>,
+) -> Result<Subject, AppError> {
+    let chosen = &loaded.world.cameras[choose_camera(&loaded, camera)?];
+    let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
+    let mut content = overrides
+        .iter()
+        .fold(Hash::default().with(text), |h, o| h.with(o));
+    for path in &loaded.world.files {
+        let bytes = fs::read(path).map_err(|error| {
+            AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
+        })?;
+        content = content.with(bytes);
+    }
+    Ok(Subject {
+        name,
+        camera_name,
+        camera,
+        reflection: loaded.desc.reflection,
+        image: loaded.desc.image,
+        world: loaded.world,
+        content: content.value(),
+        frame: 0,
+        motion: None,
+    })
+}
+
+/// Measures the subjects into the folder, and gives all samples that it then holds.
+///
+/// # Errors
+/// A folder that cannot be written to, what the renderer refuses.
+pub fn run(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    subjects: &[Subject],
+) -> Result<Vec<Sample>, AppError> {
+    let scenes: Vec<&str> = subjects.iter().map(|s| s.name.as_str()).collect();
+    run_with(gpu, args, protocol, &scenes, |bench, log, watch| {
+        bench.run(subjects, log, watch)
+    })
+}
+
+/// Measures every `every`-th frame of a walk, one after another: each takes over the renderers of
+/// the one before.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_walk(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    walk: &mut Walk,
+    every: u32,
+) -> Result<Vec<Sample>, AppError> {
+    let scene = walk.at(0).name.clone();
+    run_with(gpu, args, protocol, &[&scene], |bench, log, watch| {
+        let mut sum = Outcome::default();
+        for frame in (0..walk::FRAMES).step_by(every as usize) {
+            watch.note(&format!("frame {frame} of {}", walk::FRAMES));
+            let outcome = bench.run(std::slice::from_ref(walk.at(frame)), log, watch)?;
+            sum.measured += outcome.measured;
+            sum.skipped += outcome.skipped;
+            sum.interrupted |= outcome.interrupted || watch.is_stopped();
+            if sum.interrupted {
+                break;
+            }
+        }
+        Ok(sum)
+    })
+}
+
+fn run_with(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    scenes: &[&str],
+    measure: impl FnOnce(&Bench, &mut Log, &mut dyn Watch) -> Result<Outcome, BenchError>,
+) -> Result<Vec<Sample>, AppError> {
+    create_folder(&args.output)?;
+    let path = args.output.join("samples.csv");
+    let mut log = if args.resume {
+        Log::resume(&path)
+    } else {
+        Log::create(&path)
+    }
+    .map_err(|d| of_file(*d))?;
+    let host = Host::of(gpu);
+    let bench = Bench {
+        gpu,
+        library: &ShaderLibrary::embedded(),
+        host: &host,
+        protocol,
+        stock: Stock::default(),
+    };
+    let mut progress = Progress::new();
+    let outcome = measure(&bench, &mut log, &mut progress).map_err(|error| match error {
+        BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
+        BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),
+        BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
+    })?;
+    if outcome.skipped > 0 {
+        let text = format!(
+            "{} frames were measured before and are kept",
+            outcome.skipped
+        );
+        progress.note(&text);
+    }
+    write_settings(&args.output, protocol, scenes, &host, &outcome)?;
+    if outcome.interrupted {
+        return Err(AppError::Interrupted(format!(
+            "stopped; {} holds {} samples, and --resume measures the rest",
+            path.display(),
+            log.samples().len()
+        )));
+    }
+    Ok(log.samples().to_vec())
+}
+
+/// `bench.json`
+#[derive(Serialize)]
+struct Settings<'a> {
+    host: &'a Host,
+    scenes: &'a [&'a str],
+    methods: Vec<&'static str>,
+    knob: String,
+    values: Vec<f64>,
+    sizes: &'a [[u32; 2]],
+    frames: u32,
+    warm_up: u32,
+    order: &'static str,
+    reference: String,
+    hit_tolerance_u: f32,
+    hit_tolerance_relative: f32,
+    measured: usize,
+    kept: usize,
+    interrupted: bool,
+}
+
+fn write_settings(
+    folder: &Path,
+    protocol: &Protocol,
+    scenes: &[&str],
+    host: &Host,
+    outcome: &Outcome,
+) -> Result<(), AppError> {
+    let (knob, values) = match &protocol.turn {
+        Turn::Nothing => ("none".to_owned(), Vec::new()),
+        Turn::Own => ("each method's own".to_owned(), Vec::new()),
+        Turn::One(knob, values) => (knob.name().to_owned(), values.clone()),
+    };
+    let settings = Settings {
+        host,
+        scenes,
+        methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
+        knob,
+        values,
+        sizes: &protocol.sizes,
+        frames: protocol.frames,
+        warm_up: protocol.warm_up,
+        order: "A B C, C B A, repeated",
+        reference: format!("rt, {} bounces", crate::bench::run::REFERENCE_BOUNCES),
+        hit_tolerance_u: TOLERANCE_U,
+        hit_tolerance_relative: TOLERANCE_RELATIVE,
+        measured: outcome.measured,
+        kept: outcome.skipped,
+        interrupted: outcome.interrupted,
+    };
+    let json = serde_json::to_vec_pretty(&settings)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    write(&folder.join("bench.json"), &json)
+}
+
+/// Draws the report into the folder and says where it is.
+///
+/// # Errors
+/// A folder that cannot be written to.
+pub fn report(
+    folder: &Path,
+    title: &str,
+    samples: &[Sample],
+    galleries: &[Gallery],
+) -> Result<Vec<Section>, AppError> {
+    let sections = sections(samples).map_err(AppError::Internal)?;
+    for chart in sections.iter().flat_map(|s| &s.charts) {
+        write(&folder.join(&chart.name), chart.svg.as_bytes())?;
+    }
+    let path = folder.join("report.html");
+    write(&path, page(title, &sections, galleries).as_bytes())?;
+    for section in &sections {
+        for sentence in &section.sentences {
+            eprintln!("{sentence}");
+        }
+    }
+    eprintln!("wrote {}", path.display());
+    Ok(sections)
+}
+
+fn print_choice(sections: &[Section], bound: &Bound) -> Result<(), AppError> {
+    let mut blocks = Vec::new();
+    let mut refused = false;
+    for section in sections {
+        match choose(&section.group, bound) {
+            Ok(point) => blocks.push(block(point, section.group.masked)),
+            Err(why) => {
+                let sample = section.group.points.first().map(|p| &p.sample);
+                let scene = sample.map_or("", |s| s.scene.as_str());
+                eprintln!("{scene}: {why}");
+                refused = true;
+            }
+        }
+    }
+    if !blocks.is_empty() {
+        print_out(&blocks.join("\n"))?;
+    }
+    if refused {
+        Err(AppError::Threshold)
+    } else {
+        Ok(())
+    }
+}
+
+fn create_folder(folder: &Path) -> Result<(), AppError> {
+    fs::create_dir_all(folder).map_err(|error| {
+        AppError::Usage(format!(
+            "--output {}: cannot be made a folder: {error}",
+            folder.display()
+        ))
+    })
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
+    write_whole(path, bytes)
+        .map_err(|error| AppError::Internal(format!("cannot write {}: {error}", path.display())))
+}
+
+fn of_file(diagnostic: Diagnostic) -> AppError {
+    AppError::Picture(vec![diagnostic])
+}

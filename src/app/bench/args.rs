@@ -1,0 +1,121 @@
+//! The words of `bench` on the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use crate::{
+    app::cli::{MethodArg, SceneArgs, parse_size},
+    bench::{choose::Bound, knob::Knob},
+};
+
+/// `bench`
+#[derive(Clone, Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct BenchArgs {
+    /// What else can be measured
+    #[command(subcommand)]
+    pub experiment: Option<Experiment>,
+    /// Scene files; without one, the built-in atrium
+    pub scenes: Vec<PathBuf>,
+    /// What is changed in them
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Methods to compare, of ssr, hybrid and rt
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "ssr,hybrid,rt"
+    )]
+    pub methods: Vec<MethodArg>,
+    /// What to turn: threshold_u, steps, ray_length_u, bounces or scale; without it each method's
+    /// own (ssr: steps, hybrid: threshold_u, rt: bounces)
+    #[arg(long, value_name = "KNOB", value_parser = parse_knob)]
+    pub knob: Option<Knob>,
+    /// What to turn it to, such as 0.005,0.025,0.065
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "knob")]
+    pub values: Vec<f64>,
+    /// Sizes such as 640x360,1280x720; without any, the scene's own
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
+    pub sizes: Vec<[u32; 2]>,
+    /// Which camera of the scenes; without it `main`, else the first
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// How it is measured and where it is written
+    #[command(flatten)]
+    pub run: RunArgs,
+    /// Draw the report of this table of samples and measure nothing
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["scenes", "resume"])]
+    pub samples: Option<PathBuf>,
+    /// Print the cheapest setting that meets a bound as a [reflection] block: "ssim>=0.98",
+    /// "psnr>=40", "flip<=0.01", "relmse<=0.001" or "ms<=4"
+    #[arg(long, value_name = "BOUND", value_parser = Bound::parse)]
+    pub choose: Option<Bound>,
+}
+
+/// How frames are measured and where samples go.
+#[derive(Clone, Debug, Args)]
+pub struct RunArgs {
+    /// Timed frames of each setting, 1 to 100000; from 20 on, percentiles are reported
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+    /// Untimed frames before them, 1 to 1000
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub warm_up: u32,
+    /// Folder for samples.csv, bench.json, report.html and the charts; made if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// Add to the samples that the folder holds, measuring only what they lack
+    #[arg(long)]
+    pub resume: bool,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// What else can be measured.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Experiment {
+    /// Repeat an experiment of the paper; without its assets, on the built-in atrium
+    Paper(PaperArgs),
+}
+
+/// `bench paper`
+#[derive(Clone, Debug, Args)]
+pub struct PaperArgs {
+    /// Which experiment
+    pub figure: PaperExperiment,
+    /// Folder to search for the models; repeatable. The folders of REFLET_ASSETS come last
+    #[arg(long, value_name = "DIR")]
+    pub assets: Vec<PathBuf>,
+    /// Of the walk of scenario2, measure every N-th frame, 1 to 475
+    #[arg(long, value_name = "N", default_value_t = 95, value_parser = clap::value_parser!(u32).range(1..=475))]
+    pub every: u32,
+    /// Sizes such as 640x480,1280x720; without any, 640x360
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
+    pub sizes: Vec<[u32; 2]>,
+    /// How it is measured and where it is written
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// The paper's experiments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum PaperExperiment {
+    /// Fig. 1: what T does, 27 values
+    Fig1,
+    /// Table 1 and Fig. 3: where the time goes
+    Scenario1,
+    /// Figs. 4 to 7: a walk of 950 frames among moving figures
+    Scenario2,
+    /// Tables 2 and 3, Fig. 8: five surfaces and two ray lengths
+    Scenario3,
+}
+
+fn parse_knob(text: &str) -> Result<Knob, String> {
+    Knob::from_name(text).ok_or_else(|| {
+        let names = Knob::ALL.map(Knob::name);
+        format!("there is no such knob; choose from {}", names.join(", "))
+    })
+}

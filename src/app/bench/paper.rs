@@ -1,0 +1,348 @@
+//! `bench paper`: the experiments of Macedo and Rodrigues (2018), each as scenes, settings and
+//! pictures; on the built-in atrium where their models are missing.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    args::{PaperArgs, PaperExperiment},
+    open_gpu, report, run, run_walk,
+    shots::{Shot, gallery},
+    subject,
+    walk::{self, Walk},
+};
+use crate::{
+    app::{
+        cli::SceneArgs,
+        error::AppError,
+        scene::{ATRIUM, asset_folders, load_text},
+    },
+    bench::{
+        knob::Knob,
+        run::{Protocol, Subject, Turn},
+    },
+    scene::desc::{Method, ReflectionDesc},
+};
+
+/// Size without `--sizes`: what a CPU draws in a second.
+const SIZE: [u32; 2] = [640, 360];
+
+/// Where the paper's experiments happen.
+const SPONZA: &str = "Sponza";
+
+/// The paper's three thresholds, in U.
+const THRESHOLDS: [f64; 3] = [0.005, 0.025, 0.065];
+
+/// Ray lengths of Scenario 3, in U.
+const RAY_LENGTHS: [u32; 2] = [4, 16];
+
+/// An experiment as scene text.
+struct Stage {
+    /// Where it happens, for tables.
+    place: &'static str,
+    /// File name for messages.
+    file: &'static str,
+    text: &'static str,
+    /// One scene each: what it shows, and what is changed for it.
+    cases: Vec<(String, Vec<String>)>,
+}
+
+/// A surface of Scenario 3: its name, changes to the paper's scene, and to the atrium if it has
+/// the like.
+type Surface = (
+    &'static str,
+    &'static [&'static str],
+    Option<&'static [&'static str]>,
+);
+
+const ON_FLOOR: &str = "instance.0.translation=[-4.4, 0.0, 0.0]";
+
+const SURFACES: [Surface; 5] = [
+    (
+        "ground",
+        &[],
+        Some(&["material.floor.reflection=\"mirror\""]),
+    ),
+    (
+        "ground with normal map",
+        &["model.surface.file=\"ground_10m_normalmap.glb\""],
+        None,
+    ),
+    (
+        "sphere",
+        &[
+            "model.surface.file=\"sphere_25k.glb\"",
+            "instance.0.scale=2.0",
+            ON_FLOOR,
+        ],
+        Some(&["material.chrome.reflection=\"mirror\""]),
+    ),
+    (
+        "sphere with normal map",
+        &[
+            "model.surface.file=\"sphere_25k_normalmap.glb\"",
+            "instance.0.scale=2.0",
+            ON_FLOOR,
+        ],
+        None,
+    ),
+    (
+        "bunny",
+        &[
+            "model.surface.file=\"bunny_69k.glb\"",
+            "instance.0.scale=2.0",
+            "instance.0.rotation_deg=[0, -90, 0]",
+            ON_FLOOR,
+        ],
+        Some(&["material.brass.reflection=\"mirror\""]),
+    ),
+];
+
+/// Reflective materials of the atrium.
+const ATRIUM_REFLECTORS: [&str; 4] = ["floor", "chrome", "brass", "glass_mirror"];
+
+/// Runs an experiment and draws its report.
+///
+/// # Errors
+/// As `bench`.
+pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
+    let stage = stage(args.figure, &asset_folders(&args.assets));
+    let sizes = if args.sizes.is_empty() {
+        vec![SIZE]
+    } else {
+        args.sizes.clone()
+    };
+    let protocol = Protocol {
+        methods: vec![Method::Ssr, Method::Hybrid, Method::Rt],
+        turn: match args.figure {
+            PaperExperiment::Fig1 => Turn::One(Knob::ThresholdU, thresholds()),
+            _ => Turn::Nothing,
+        },
+        sizes,
+        frames: args.run.frames,
+        warm_up: args.run.warm_up,
+    };
+    let subjects = stage.subjects(&args.assets)?;
+    let gpu = open_gpu(&args.run)?;
+    let mut galleries = Vec::new();
+    let mut show = |subject: &Subject| {
+        let shots = shots(args.figure, &subject.reflection);
+        galleries.push(gallery(&gpu, subject, protocol.sizes[0], &shots)?);
+        Ok::<_, AppError>(())
+    };
+    let samples = if args.figure == PaperExperiment::Scenario2 {
+        let subject = subjects.into_iter().next();
+        let subject = subject.ok_or_else(|| AppError::Internal("no scene".to_owned()))?;
+        let mut walk = Walk::new(subject, stage.place == SPONZA);
+        let samples = run_walk(&gpu, &args.run, &protocol, &mut walk, args.every)?;
+        show(walk.at(walk::FRAMES / 4))?;
+        samples
+    } else {
+        let samples = run(&gpu, &args.run, &protocol, &subjects)?;
+        subjects.iter().try_for_each(show)?;
+        samples
+    };
+    let title = match args.figure {
+        PaperExperiment::Fig1 => "The paper's Fig. 1: the threshold T",
+        PaperExperiment::Scenario1 => "The paper's Scenario 1: where the time goes",
+        PaperExperiment::Scenario2 => "The paper's Scenario 2: a walk among moving figures",
+        PaperExperiment::Scenario3 => "The paper's Scenario 3: surfaces and ray lengths",
+    };
+    report(&args.run.output, title, &samples, &galleries)?;
+    Ok(())
+}
+
+/// 24 values from 0.0005 to 0.5, equal steps in their logarithm, and the paper's three.
+fn thresholds() -> Vec<f64> {
+    let step = |i: i32| 0.0005 * 1000f64.powf(f64::from(i) / 23.0);
+    // Three digits are what a reader wants to type again.
+    let rounded = |value: f64| {
+        let unit = 10f64.powf(value.log10().floor() - 2.0);
+        let text = format!("{:.7}", (value / unit).round() * unit);
+        text.parse().unwrap_or(value)
+    };
+    let mut values: Vec<f64> = (0..24).map(step).map(rounded).chain(THRESHOLDS).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The scene with the paper's models where all are found, else the atrium, which it says.
+fn stage(experiment: PaperExperiment, folders: &[PathBuf]) -> Stage {
+    let (file, text, models) = match experiment {
+        PaperExperiment::Fig1 => (
+            "sponza.toml",
+            include_str!("../../../scenes/paper/sponza.toml"),
+            &["sponza.glb"][..],
+        ),
+        PaperExperiment::Scenario1 => (
+            "scenario1.toml",
+            include_str!("../../../scenes/paper/scenario1.toml"),
+            &["sponza.glb"][..],
+        ),
+        PaperExperiment::Scenario2 => (
+            "scenario2.toml",
+            include_str!("../../../scenes/paper/scenario2.toml"),
+            &["sponza.glb", "buddha_50k.glb"][..],
+        ),
+        PaperExperiment::Scenario3 => (
+            "scenario3.toml",
+            include_str!("../../../scenes/paper/scenario3.toml"),
+            &[
+                "sponza.glb",
+                "armadillo_70k.glb",
+                "trex_40k.glb",
+                "ground_10m.glb",
+                "ground_10m_normalmap.glb",
+                "sphere_25k.glb",
+                "sphere_25k_normalmap.glb",
+                "bunny_69k.glb",
+            ][..],
+        ),
+    };
+    let is_missing = |model: &&&str| !folders.iter().any(|folder| folder.join(model).is_file());
+    let missing: Vec<&str> = models.iter().filter(is_missing).copied().collect();
+    let has_models = missing.is_empty();
+    if !has_models {
+        eprintln!(
+            "{} is in no folder of --assets or REFLET_ASSETS: this runs on the built-in atrium \
+             instead",
+            missing.join(", ")
+        );
+    }
+    let cases = match experiment {
+        PaperExperiment::Fig1 => vec![("Fig. 1".to_owned(), Vec::new())],
+        PaperExperiment::Scenario1 => vec![("Scenario 1".to_owned(), Vec::new())],
+        PaperExperiment::Scenario2 => vec![("Scenario 2".to_owned(), moving(has_models))],
+        PaperExperiment::Scenario3 => surfaces(has_models),
+    };
+    if has_models {
+        Stage {
+            place: SPONZA,
+            file,
+            text,
+            cases,
+        }
+    } else {
+        Stage {
+            place: "built-in atrium",
+            file: "atrium.toml",
+            text: ATRIUM,
+            cases,
+        }
+    }
+}
+
+/// In the atrium, whose things stand still as written, the ball and the cone move.
+fn moving(has_models: bool) -> Vec<String> {
+    let things = if has_models { &[][..] } else { &["12", "13"] };
+    let dynamic = |index: &&str| format!("instance.{index}.dynamic=true");
+    things.iter().map(dynamic).collect()
+}
+
+fn surfaces(has_models: bool) -> Vec<(String, Vec<String>)> {
+    let mut cases = Vec::new();
+    for (name, in_paper, in_atrium) in SURFACES {
+        let changes: Vec<String> = if has_models {
+            in_paper.iter().map(|c| (*c).to_owned()).collect()
+        } else if let Some(changes) = in_atrium {
+            // One reflector at a time, as in the paper.
+            let none = |m: &str| format!("material.{m}.reflection=\"none\"");
+            let others = ATRIUM_REFLECTORS.into_iter().map(none);
+            others
+                .chain(changes.iter().map(|c| (*c).to_owned()))
+                .collect()
+        } else {
+            eprintln!("{name}: the built-in atrium has no such surface, so it is left out");
+            continue;
+        };
+        for length in RAY_LENGTHS {
+            let mut changes = changes.clone();
+            changes.push(format!("reflection.ray_length_u={length}"));
+            cases.push((format!("Scenario 3, {name}, ray length {length}"), changes));
+        }
+    }
+    cases
+}
+
+impl Stage {
+    fn subjects(&self, assets: &[PathBuf]) -> Result<Vec<Subject>, AppError> {
+        let load = |(what, changes): &(String, Vec<String>)| {
+            let from = SceneArgs {
+                set: changes.clone(),
+                assets: assets.to_vec(),
+            };
+            let loaded = load_text(self.text, Path::new(self.file), &from)?;
+            let name = format!("{what} ({})", self.place);
+            subject(loaded, name, self.text, changes, None)
+        };
+        self.cases.iter().map(load).collect()
+    }
+}
+
+/// What is shown of every scene.
+fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
+    let with = |method, threshold_u: f32| ReflectionDesc {
+        method,
+        threshold_u,
+        ..*settings
+    };
+    let own = settings.threshold_u;
+    match experiment {
+        PaperExperiment::Fig1 => {
+            let mut shots = vec![Shot::Picture(with(Method::Rt, own))];
+            for method in [Method::Ssr, Method::Hybrid] {
+                let of = |t: &f64| Shot::Picture(with(method, *t as f32));
+                shots.extend(THRESHOLDS.iter().map(of));
+            }
+            let of = |t: &f64| Shot::Source(with(Method::Hybrid, *t as f32));
+            shots.extend(THRESHOLDS.iter().map(of));
+            shots
+        }
+        _ => vec![
+            Shot::Picture(with(Method::Rt, own)),
+            Shot::Picture(with(Method::Hybrid, own)),
+            Shot::Picture(with(Method::Ssr, own)),
+            Shot::Source(with(Method::Hybrid, own)),
+            Shot::Difference(with(Method::Hybrid, own)),
+            Shot::Difference(with(Method::Ssr, own)),
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sweep_has_27_values_in_order() {
+        let values = thresholds();
+        assert_eq!(values.len(), 27);
+        assert!(
+            values.windows(2).all(|pair| pair[0] < pair[1]),
+            "{values:?}"
+        );
+        assert_eq!((values[0], values[26]), (0.0005, 0.5));
+        assert!(THRESHOLDS.iter().all(|t| values.contains(t)));
+    }
+
+    #[test]
+    fn without_models_every_experiment_runs_in_the_atrium() {
+        for experiment in [
+            PaperExperiment::Fig1,
+            PaperExperiment::Scenario1,
+            PaperExperiment::Scenario2,
+            PaperExperiment::Scenario3,
+        ] {
+            let stage = stage(experiment, &[]);
+            assert_eq!(stage.place, "built-in atrium");
+            let subjects = stage.subjects(&[]).expect("loads");
+            let expected = if experiment == PaperExperiment::Scenario3 {
+                6
+            } else {
+                1
+            };
+            assert_eq!(subjects.len(), expected);
+            let moves = subjects[0].world.instances.iter().any(|i| i.dynamic);
+            assert_eq!(moves, experiment == PaperExperiment::Scenario2);
+        }
+    }
+}

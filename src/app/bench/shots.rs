@@ -1,0 +1,161 @@
+//! Pictures for reports: what a setting shows, where its reflections come from, how it errs.
+
+use crate::{
+    app::{aov, error::AppError, output::encode_png, render::explain},
+    bench::{
+        compare::difference_picture,
+        knob::method_name,
+        picture::Pair,
+        report::page::{Figure, Gallery},
+        run::{REFERENCE_BOUNCES, Subject},
+        score::View,
+    },
+    gpu::{Gpu, ShaderLibrary},
+    render::{Picture, RenderOptions, Renderer, aov::Aov},
+    scene::desc::{ImageDesc, Method, ReflectionDesc},
+};
+
+/// A picture of a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shot {
+    /// As shown.
+    Picture(ReflectionDesc),
+    /// Screen blue, traced pink, nothing in reach green, too rough gray, failed red.
+    Source(ReflectionDesc),
+    /// What it shows less what the reference shows, enlarged.
+    Difference(ReflectionDesc),
+}
+
+impl Shot {
+    fn settings(&self) -> ReflectionDesc {
+        match self {
+            Self::Picture(settings) | Self::Source(settings) | Self::Difference(settings) => {
+                *settings
+            }
+        }
+    }
+}
+
+/// Renders the shots of a scene; those that share a method share a renderer.
+///
+/// # Errors
+/// What the renderer refuses.
+pub fn gallery(
+    gpu: &Gpu,
+    subject: &Subject,
+    size: [u32; 2],
+    shots: &[Shot],
+) -> Result<Gallery, AppError> {
+    let mut figures: Vec<Option<Figure>> = vec![None; shots.len()];
+    let mut reference = None;
+    // The reference comes first: differences need it.
+    for method in [Method::Rt, Method::Hybrid, Method::Ssr] {
+        let mut studio = Studio::new(gpu, subject, size, method)?;
+        if method == Method::Rt {
+            let settings = ReflectionDesc {
+                bounces: REFERENCE_BOUNCES,
+                ..subject.reflection
+            };
+            reference = Some(studio.view(&settings)?);
+        }
+        for (shot, figure) in shots.iter().zip(&mut figures) {
+            if shot.settings().method == method {
+                *figure = Some(studio.figure(shot, reference.as_ref())?);
+            }
+        }
+    }
+    Ok(Gallery {
+        title: format!("{}: pictures", subject.name),
+        text: "Sources: blue was found on screen, pink was traced, green has nothing in reach, \
+               gray is too rough; red is what ssr alone leaves without reflection."
+            .to_owned(),
+        figures: figures.into_iter().flatten().collect(),
+    })
+}
+
+/// A renderer of one method with what it looks at.
+struct Studio<'a> {
+    gpu: &'a Gpu,
+    subject: &'a Subject,
+    renderer: Renderer,
+}
+
+impl<'a> Studio<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        subject: &'a Subject,
+        size: [u32; 2],
+        method: Method,
+    ) -> Result<Self, AppError> {
+        let options = RenderOptions {
+            reflection: ReflectionDesc {
+                method,
+                bounces: REFERENCE_BOUNCES,
+                ..subject.reflection
+            },
+            image: ImageDesc {
+                size,
+                ..subject.image
+            },
+            general: false,
+        };
+        let library = ShaderLibrary::embedded();
+        let renderer = Renderer::new(gpu, &library, &subject.world, &options);
+        Ok(Self {
+            gpu,
+            subject,
+            renderer: renderer.map_err(|e| explain(e, false))?,
+        })
+    }
+
+    fn render(&mut self, settings: &ReflectionDesc, planes: &[Aov]) -> Result<Picture, AppError> {
+        let (world, camera) = (&self.subject.world, &self.subject.camera);
+        self.renderer.retune(settings);
+        let picture = self.renderer.picture(self.gpu, world, camera, planes);
+        picture.map_err(|e| explain(e, false))
+    }
+
+    fn view(&mut self, settings: &ReflectionDesc) -> Result<View, AppError> {
+        let picture = self.render(settings, &[])?;
+        View::new(&picture, picture.size).map_err(|e| AppError::Internal(e.to_string()))
+    }
+
+    fn figure(&mut self, shot: &Shot, reference: Option<&View>) -> Result<Figure, AppError> {
+        let settings = shot.settings();
+        let label = format!(
+            "{}, T = {} U",
+            method_name(settings.method),
+            settings.threshold_u
+        );
+        let (caption, size, rgba) = match shot {
+            Shot::Picture(_) => {
+                let picture = self.render(&settings, &[])?;
+                (label, picture.size, picture.display)
+            }
+            Shot::Source(_) => {
+                let picture = self.render(&settings, &[Aov::Source])?;
+                let plane = picture.planes.first().map(aov::view);
+                let shares = &picture.stats.shares.sources;
+                let shares = shares
+                    .iter()
+                    .map(|s| format!("{} {:.1} %", s.name, s.percent));
+                let shares = shares.collect::<Vec<_>>().join(", ");
+                let caption = format!("{label}: sources ({shares})");
+                (caption, picture.size, plane.unwrap_or_default())
+            }
+            Shot::Difference(_) => {
+                let view = self.view(&settings)?;
+                let size = [view.display.width() as u32, view.display.height() as u32];
+                let reference = reference.unwrap_or(&view);
+                let pair = Pair::new(&view.display, &reference.display);
+                let pair = pair.map_err(|e| AppError::Internal(e.to_string()))?;
+                let (gain, rgb) = difference_picture(&pair);
+                let opaque = rgb.chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]);
+                let caption = format!("{label}: difference from the reference, × {gain}");
+                (caption, size, opaque.collect())
+            }
+        };
+        let png = encode_png(size, &rgba, None).map_err(AppError::Internal)?;
+        Ok(Figure { caption, png })
+    }
+}

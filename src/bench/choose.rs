@@ -1,0 +1,212 @@
+//! `--choose`: the setting on the Pareto front that meets a bound, as a ready `[reflection]` block.
+
+use std::fmt::Write as _;
+
+use super::{
+    front::{Spot, best_within, cheapest_within},
+    summary::{Group, Metric, Point, digits},
+};
+
+/// What a bound limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// SSIM, at least.
+    Ssim,
+    /// Mean FLIP, at most.
+    Flip,
+    /// PSNR in dB, at least.
+    Psnr,
+    /// relMSE, at most.
+    RelMse,
+    /// Milliseconds a frame, at most.
+    Ms,
+}
+
+/// Such as `ssim>=0.98`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// What is limited.
+    pub quantity: Quantity,
+    /// The limit.
+    pub limit: f64,
+}
+
+const QUANTITIES: [(&str, Quantity, &str); 5] = [
+    ("ssim", Quantity::Ssim, ">="),
+    ("psnr", Quantity::Psnr, ">="),
+    ("flip", Quantity::Flip, "<="),
+    ("relmse", Quantity::RelMse, "<="),
+    ("ms", Quantity::Ms, "<="),
+];
+
+impl Bound {
+    /// Reads a bound.
+    ///
+    /// # Errors
+    /// A sentence with what may be written.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let forms = "ssim>=X, psnr>=X, flip<=X, relmse<=X or ms<=X";
+        let written = [">=", "<="].into_iter().find_map(|sign| {
+            text.split_once(sign)
+                .map(|(name, limit)| (name, sign, limit))
+        });
+        let Some((name, sign, limit)) = written else {
+            return Err(format!("expected {forms}"));
+        };
+        let name = name.trim().to_ascii_lowercase();
+        let Some((_, quantity, right)) = QUANTITIES.iter().find(|(known, ..)| *known == name)
+        else {
+            return Err(format!("\"{name}\" cannot be bounded; expected {forms}"));
+        };
+        if sign != *right {
+            return Err(format!(
+                "{name}{sign} bounds the wrong side; write {name}{right}"
+            ));
+        }
+        let limit = limit.trim().parse::<f64>().ok();
+        let limit = limit.filter(|l| l.is_finite() && *l >= 0.0);
+        let limit = limit.ok_or(format!("after {sign} expected a number that is 0 or more"))?;
+        Ok(Self {
+            quantity: *quantity,
+            limit,
+        })
+    }
+
+    /// The bounded value of a point, such that less is better, with the limit on the same scale.
+    fn value(&self, point: &Point, masked: bool) -> Option<[f64; 2]> {
+        let s = &point.sample;
+        let value = match (self.quantity, masked) {
+            (Quantity::Ssim, true) => -s.mask_ssim?,
+            (Quantity::Ssim, false) => -s.ssim?,
+            (Quantity::Psnr, true) => -s.mask_psnr_db?,
+            (Quantity::Psnr, false) => -s.psnr_db?,
+            (Quantity::Flip, _) => point.error(Metric::Flip, masked)?,
+            (Quantity::RelMse, _) => point.error(Metric::RelMse, masked)?,
+            (Quantity::Ms, _) => point.ms.median,
+        };
+        let limit = match self.quantity {
+            Quantity::Ssim | Quantity::Psnr => -self.limit,
+            _ => self.limit,
+        };
+        Some([value, limit])
+    }
+}
+
+/// The chosen point of a group: under a bound of error the fastest, under one of time the one with
+/// the least FLIP. Either is on the front of what was bounded.
+///
+/// # Errors
+/// A sentence with the closest point when none meets the bound.
+pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> {
+    let values = group.points.iter();
+    let known: Vec<(&Point, [f64; 2])> = values
+        .filter_map(|p| bound.value(p, group.masked).map(|v| (p, v)))
+        .collect();
+    let spots: Vec<Spot> = match bound.quantity {
+        Quantity::Ms => known
+            .iter()
+            .map(|(p, [ms, _])| Spot {
+                ms: *ms,
+                error: p.error(Metric::Flip, group.masked).unwrap_or(f64::INFINITY),
+            })
+            .collect(),
+        _ => known
+            .iter()
+            .map(|(p, [error, _])| Spot {
+                ms: p.ms.median,
+                error: *error,
+            })
+            .collect(),
+    };
+    let Some((_, [_, limit])) = known.first() else {
+        return Err("no setting of this scene could be judged".to_owned());
+    };
+    let found = match bound.quantity {
+        Quantity::Ms => best_within(&spots, *limit),
+        _ => cheapest_within(&spots, *limit),
+    };
+    found.map(|index| known[index].0).ok_or_else(|| {
+        let closest = known.iter().min_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
+        let (point, [value, _]) = closest.expect("not empty");
+        format!(
+            "no setting meets the bound; the closest is {} with {}",
+            point.label(),
+            digits(value.abs())
+        )
+    })
+}
+
+/// The point's settings as scene text, with what they were measured to give.
+pub fn block(point: &Point, masked: bool) -> String {
+    let s = &point.sample;
+    let region = if masked {
+        "in reflections"
+    } else {
+        "of the frame"
+    };
+    let error = |metric| point.error(metric, masked).map_or("?".to_owned(), digits);
+    let ssim = if masked { s.mask_ssim } else { s.ssim };
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let mut line = |line: String| {
+        let _ = writeln!(text, "{line}");
+    };
+    line(format!(
+        "# {} at {} x {} on {}: {} ms a frame,",
+        s.scene,
+        s.width,
+        s.height,
+        s.adapter,
+        digits(point.ms.median)
+    ));
+    line(format!(
+        "# SSIM {} and FLIP {} {region} against rt with {} bounces",
+        ssim.map_or("?".to_owned(), |v| format!("{v:.4}")),
+        error(Metric::Flip),
+        s.reference_bounces
+    ));
+    line("[reflection]".to_owned());
+    line(format!("method = \"{}\"", s.method));
+    line(format!("threshold_u = {:?}", s.threshold_u));
+    line(format!("steps = {}", s.steps));
+    line(format!("ray_length_u = {:?}", s.ray_length_u));
+    line(format!("bounces = {}", s.bounces));
+    line(format!("roughness_cutoff = {:?}", s.roughness_cutoff));
+    line(format!("unit_m = {:?}", s.unit_m));
+    line(format!("fade = {}", s.fade));
+    line(format!("blur_px = {:?}", s.blur_px));
+    if s.scale != 1.0 {
+        let side = |side: u32| (f64::from(side) * s.scale).round() as u32;
+        line(String::new());
+        line("# enlarged bilinearly when shown".to_owned());
+        line("[image]".to_owned());
+        line(format!("size = [{}, {}]", side(s.width), side(s.height)));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_read_and_mistakes_are_explained() {
+        let bound = Bound::parse(" SSIM >= 0.98").expect("a bound");
+        assert_eq!((bound.quantity, bound.limit), (Quantity::Ssim, 0.98));
+        assert_eq!(
+            Bound::parse("ms<=4").expect("a bound").quantity,
+            Quantity::Ms
+        );
+        for (text, says) in [
+            ("ssim", "expected ssim>=X"),
+            ("speed>=3", "\"speed\" cannot be bounded"),
+            ("ssim<=0.9", "write ssim>="),
+            ("ms>=4", "write ms<="),
+            ("ms<=fast", "expected a number"),
+            ("flip<=NaN", "expected a number"),
+        ] {
+            let error = Bound::parse(text).expect_err(text);
+            assert!(error.contains(says), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! The table of samples on disk: appended to and flushed as samples come, read to resume.
+
+use std::{
+    collections::HashMap,
+    fs::{self, File, OpenOptions},
+    io::Write as _,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    file_error,
+    sample::{Sample, header, read_samples},
+};
+use crate::scene::diagnostic::Diagnostic;
+
+/// An open table of samples.
+#[derive(Debug)]
+pub struct Log {
+    path: PathBuf,
+    file: File,
+    samples: Vec<Sample>,
+    /// Repetitions by fingerprint.
+    known: HashMap<String, Vec<u32>>,
+}
+
+impl Log {
+    /// Starts a new table.
+    ///
+    /// # Errors
+    /// When the file exists already or cannot be created.
+    pub fn create(path: &Path) -> Result<Self, Box<Diagnostic>> {
+        if path.exists() {
+            return Err(file_error(
+                "samples-exist",
+                path,
+                "this table of samples exists already",
+                "add --resume to measure only what it lacks, or choose another folder with -o",
+            ));
+        }
+        let file = OpenOptions::new().append(true).create_new(true).open(path);
+        let mut log = Self {
+            path: path.to_owned(),
+            file: file.map_err(|e| unwritable(path, &e))?,
+            samples: Vec::new(),
+            known: HashMap::new(),
+        };
+        log.write(&header())?;
+        Ok(log)
+    }
+
+    /// Opens a table to add to it; creates it where there is none. A last line that was cut off
+    /// is removed.
+    ///
+    /// # Errors
+    /// When the file cannot be read or written, is no table of samples, or has other columns.
+    pub fn resume(path: &Path) -> Result<Self, Box<Diagnostic>> {
+        let text = match fs::read_to_string(path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                return Self::create(path);
+            }
+            read => read.map_err(|e| unreadable(path, &e))?,
+        };
+        if text.is_empty() {
+            // Stopped before its header was written: nothing is lost.
+            fs::remove_file(path).map_err(|e| unwritable(path, &e))?;
+            return Self::create(path);
+        }
+        let (samples, whole_bytes) = parse(path, &text)?;
+        if text.lines().next().map(|line| line.to_owned() + "\n") != Some(header()) {
+            return Err(file_error(
+                "other-columns",
+                path,
+                "this table was written by another version, which has other columns",
+                "measure into another folder with -o",
+            ));
+        }
+        let file = OpenOptions::new().append(true).open(path);
+        let file = file.map_err(|e| unwritable(path, &e))?;
+        file.set_len(whole_bytes as u64)
+            .map_err(|e| unwritable(path, &e))?;
+        let mut log = Self {
+            path: path.to_owned(),
+            file,
+            samples: Vec::new(),
+            known: HashMap::new(),
+        };
+        samples.into_iter().for_each(|sample| log.keep(sample));
+        Ok(log)
+    }
+
+    /// Appends a sample and flushes it.
+    ///
+    /// # Errors
+    /// A full disk or a lost folder.
+    pub fn append(&mut self, sample: Sample) -> Result<(), Box<Diagnostic>> {
+        self.write(&sample.line())?;
+        self.keep(sample);
+        Ok(())
+    }
+
+    /// Whether the table holds this frame.
+    pub fn has(&self, fingerprint: &str, repetition: u32) -> bool {
+        let known = self.known.get(fingerprint);
+        known.is_some_and(|repetitions| repetitions.contains(&repetition))
+    }
+
+    /// All samples, those from before included.
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    fn keep(&mut self, sample: Sample) {
+        let known = self.known.entry(sample.fingerprint.clone()).or_default();
+        known.push(sample.repetition);
+        self.samples.push(sample);
+    }
+
+    /// One write per line, so that a reader sees whole lines.
+    fn write(&mut self, line: &str) -> Result<(), Box<Diagnostic>> {
+        self.file
+            .write_all(line.as_bytes())
+            .and_then(|()| self.file.flush())
+            .map_err(|e| unwritable(&self.path, &e))
+    }
+}
+
+/// Reads the samples of a file.
+///
+/// # Errors
+/// When it cannot be read, is no table of samples, or holds none.
+pub fn read(path: &Path) -> Result<Vec<Sample>, Box<Diagnostic>> {
+    let text = fs::read_to_string(path).map_err(|e| unreadable(path, &e))?;
+    let (samples, _) = parse(path, &text)?;
+    if samples.is_empty() {
+        let message = "this table holds no samples";
+        let help = "measure some with `reflet bench`";
+        return Err(file_error("no-samples", path, message, help));
+    }
+    Ok(samples)
+}
+
+fn parse(path: &Path, text: &str) -> Result<(Vec<Sample>, usize), Box<Diagnostic>> {
+    read_samples(text).map_err(|error| {
+        let help = "it must be a samples.csv as `reflet bench` writes it";
+        file_error("bad-samples", path, error.to_string(), help)
+    })
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {
+    let message = format!("cannot be read: {error}");
+    file_error("unreadable-samples", path, message, "check the path")
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {
+    let message = format!("cannot be written: {error}");
+    let help = "choose a folder that can be written to with -o";
+    file_error("unwritable-samples", path, message, help)
+}

@@ -1,0 +1,169 @@
+//! Quantities over a number as SVG, a line per method: time and SSIM over the frames of an
+//! animation, errors over a knob.
+
+use plotters::prelude::*;
+
+use super::chart::color;
+use crate::bench::summary::{Group, Metric, Point, digits};
+
+/// What is drawn over what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// Wall time over the frames of an animation.
+    Milliseconds,
+    /// SSIM of the frame over the frames of an animation.
+    Ssim,
+    /// FLIP over the one knob that all points share.
+    ErrorByKnob,
+}
+
+/// Lines and how they are labeled.
+struct Plot {
+    lines: Vec<(&'static str, Vec<(f64, f64)>)>,
+    x_title: String,
+    y_title: &'static str,
+    /// Whether x is the logarithm (base 10) of what its labels say.
+    log_x: bool,
+    bottom: f64,
+    top: f64,
+}
+
+const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
+
+/// Draws a course; none where a group has nothing of the kind.
+///
+/// # Errors
+/// What the drawing library says.
+pub fn draw(group: &Group, course: Course) -> Result<Option<String>, String> {
+    let plot = match course {
+        Course::ErrorByKnob => over_knob(group),
+        _ => over_frames(group, course),
+    };
+    plot.map(|plot| svg(&plot)).transpose()
+}
+
+fn over_frames(group: &Group, course: Course) -> Option<Plot> {
+    let value = |point: &Point| match course {
+        Course::Milliseconds => Some(point.frame_ms.median),
+        _ => point.sample.ssim,
+    };
+    let line = |method: &'static str| {
+        let of = group.over_frames.iter();
+        let of = of.filter(|(_, point)| point.sample.method == method);
+        let dot = |(frame, point): &(u32, Point)| Some((f64::from(*frame), value(point)?));
+        (method, of.filter_map(dot).collect::<Vec<_>>())
+    };
+    let lines = METHODS.map(line).to_vec();
+    let [low, high] = range(&lines)?;
+    let (bottom, top, y_title) = match course {
+        Course::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
+        _ => (low - 0.1 * (1.0 - low).max(1e-4), 1.0, "SSIM, whole frame"),
+    };
+    Some(Plot {
+        lines,
+        x_title: "frame".to_owned(),
+        y_title,
+        log_x: false,
+        bottom,
+        top,
+    })
+}
+
+/// A method that the knob does nothing for is a level line.
+fn over_knob(group: &Group) -> Option<Plot> {
+    let knob = group.points.first()?.sample.knob.clone()?;
+    let values = group.points.iter().filter_map(|p| p.sample.value);
+    let [first, last] = values.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], v| {
+        [low.min(v), high.max(v)]
+    });
+    let is_shared = |p: &Point| p.sample.knob.as_deref() == Some(knob.as_str());
+    if !group.points.iter().all(is_shared) || first >= last {
+        return None;
+    }
+    let log_x = first > 0.0 && last > 8.0 * first;
+    let x = |value: f64| if log_x { value.log10() } else { value };
+    let line = |method: &'static str| {
+        let of = group.points.iter().filter(|p| p.sample.method == method);
+        let dots = of.filter_map(|p| Some((p.sample.value, p.error(Metric::Flip, group.masked)?)));
+        let ends = |(value, error): (Option<f64>, f64)| match value {
+            Some(value) => vec![(x(value), error)],
+            None => vec![(x(first), error), (x(last), error)],
+        };
+        (method, dots.flat_map(ends).collect::<Vec<_>>())
+    };
+    let lines = METHODS.map(line).to_vec();
+    let [_, high] = range(&lines)?;
+    Some(Plot {
+        lines,
+        x_title: knob,
+        y_title: if group.masked {
+            "FLIP, in reflections"
+        } else {
+            "FLIP, whole frame"
+        },
+        log_x,
+        bottom: 0.0,
+        top: (high * 1.15).max(1e-6),
+    })
+}
+
+/// The smallest and largest value; none of fewer than two dots.
+fn range(lines: &[(&str, Vec<(f64, f64)>)]) -> Option<[f64; 2]> {
+    let values = || lines.iter().flat_map(|(_, line)| line).map(|(_, y)| *y);
+    let low = values().fold(f64::INFINITY, f64::min);
+    let high = values().fold(f64::NEG_INFINITY, f64::max);
+    (values().count() > 1).then_some([low, high])
+}
+
+fn svg(plot: &Plot) -> Result<String, String> {
+    let said = |e: &dyn std::fmt::Display| format!("the chart cannot be drawn: {e}");
+    let xs = || {
+        plot.lines
+            .iter()
+            .flat_map(|(_, line)| line)
+            .map(|(x, _)| *x)
+    };
+    let first = xs().fold(f64::INFINITY, f64::min);
+    let last = xs().fold(f64::NEG_INFINITY, f64::max).max(first + 1e-9);
+    let shown = |x: &f64| digits(if plot.log_x { 10f64.powf(*x) } else { *x });
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (860, 360)).into_drawing_area();
+        root.fill(&WHITE).map_err(|e| said(&e))?;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(14)
+            .margin_right(34)
+            .x_label_area_size(44)
+            .y_label_area_size(74)
+            .build_cartesian_2d(first..last, plot.bottom..plot.top)
+            .map_err(|e| said(&e))?;
+        chart
+            .configure_mesh()
+            .x_desc(plot.x_title.as_str())
+            .y_desc(plot.y_title)
+            .x_label_formatter(&shown)
+            .y_label_formatter(&|v| digits(*v))
+            .light_line_style(RGBColor(242, 242, 242))
+            .bold_line_style(RGBColor(220, 220, 220))
+            .label_style(("sans-serif", 13))
+            .axis_desc_style(("sans-serif", 14))
+            .draw()
+            .map_err(|e| said(&e))?;
+        for (method, line) in plot.lines.iter().filter(|(_, line)| !line.is_empty()) {
+            let stroke = color(method).stroke_width(2);
+            let series = LineSeries::new(line.clone(), stroke).point_size(3);
+            let drawn = chart.draw_series(series).map_err(|e| said(&e))?;
+            let key = move |(x, y)| PathElement::new(vec![(x, y), (x + 20, y)], stroke);
+            drawn.label(*method).legend(key);
+        }
+        chart
+            .configure_series_labels()
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(204, 204, 204))
+            .label_font(("sans-serif", 13))
+            .draw()
+            .map_err(|e| said(&e))?;
+        root.present().map_err(|e| said(&e))?;
+    }
+    Ok(svg)
+}

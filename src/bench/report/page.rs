@@ -1,0 +1,194 @@
+//! The page `report.html`: complete in one file, readable offline, nothing fetched.
+
+use std::fmt::Write as _;
+
+use super::{
+    Section,
+    chart::escape,
+    tables::{breakdown, overview, points},
+};
+use crate::bench::summary::digits;
+
+/// A picture for the page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// Under it.
+    pub caption: String,
+    /// A PNG file.
+    pub png: Vec<u8>,
+}
+
+/// Figures under one heading.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Gallery {
+    /// The heading.
+    pub title: String,
+    /// What to look for.
+    pub text: String,
+    /// Side by side.
+    pub figures: Vec<Figure>,
+}
+
+const STYLE: &str = "\
+:root{color-scheme:light dark}
+body{font:15px/1.5 system-ui,sans-serif;max-width:1180px;margin:2rem auto;padding:0 1.2rem}
+h1{font-size:1.7rem;margin:0 0 .3rem}h2{font-size:1.25rem;margin:2.4rem 0 .4rem}
+h3{font-size:1rem;margin:1.4rem 0 .3rem}
+.sub{opacity:.75;margin:.1rem 0}
+ul.words{padding-left:1.2rem}ul.words li{margin:.3rem 0}ul.words li:first-child{font-weight:600}
+.charts{display:flex;flex-wrap:wrap;gap:14px}
+.charts figure,.shots figure{margin:0}
+.charts svg{max-width:100%;height:auto;border:1px solid #8884;border-radius:6px;background:#fff}
+.scroll{overflow-x:auto}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px}
+th,td{padding:.25rem .55rem;border-bottom:1px solid #8883;text-align:right;white-space:nowrap}
+th:first-child,td:first-child,td.left,th.left{text-align:left}
+tr.front td:first-child::after{content:' ●';color:#c60}
+tr.failed td{opacity:.75;font-style:italic}
+.bar{display:flex;height:15px;min-width:300px;border-radius:3px;overflow:hidden}
+.bar i{display:block;height:100%}
+.shots{display:grid;grid-template-columns:repeat(auto-fill,minmax(330px,1fr));gap:12px}
+.shots img{width:100%;border-radius:4px;image-rendering:pixelated}
+figcaption{font-size:13px;opacity:.85}
+.key span{display:inline-block;margin-right:1rem;font-size:13px}
+.key b{display:inline-block;width:.8em;height:.8em;margin-right:.35em;border-radius:2px}
+";
+
+/// The page with all sections and galleries.
+pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String {
+    let mut out = format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<title>{}</title>\n\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
+         <style>{STYLE}</style></head><body>\n<h1>{}</h1>\n",
+        escape(title),
+        escape(title)
+    );
+    out += &host(sections);
+    if sections.len() > 1 {
+        out += &overview(sections);
+    }
+    for section in sections {
+        out += &self::section(section);
+    }
+    for gallery in galleries {
+        out += &self::gallery(gallery);
+    }
+    out += "</body></html>\n";
+    out
+}
+
+/// The machines that the samples name.
+fn host(sections: &[Section]) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    let points = sections.iter().flat_map(|s| &s.group.points);
+    for s in points.map(|p| &p.sample) {
+        let software = if s.software { " (software)" } else { "" };
+        let timing = match s.timing.as_str() {
+            "gpu_timestamps" => "passes timed by GPU timestamps",
+            "cpu_waits" => "each pass submitted and waited for alone, timed on the CPU",
+            _ => "passes not timed: this adapter has no timestamps",
+        };
+        let line = format!(
+            "{}{software}, {}, {}; {}; {}. Reflet {} at {}; {timing}; {} untimed frames first, \
+             settings measured in turns (A B C, C B A).",
+            s.adapter, s.driver, s.backend, s.cpu, s.os, s.version, s.commit, s.warm_up
+        );
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    let paragraph = |line: &String| format!("<p class=\"sub\">{}</p>\n", escape(line));
+    lines.iter().map(paragraph).collect()
+}
+
+fn section(section: &Section) -> String {
+    let samples = section.group.points.iter().map(|p| &p.sample);
+    let failed = section.group.failed.iter().map(|(sample, _)| sample);
+    let Some(s) = samples.chain(failed).next() else {
+        return String::new();
+    };
+    let heading = format!(
+        "{}, camera {}, {} × {}",
+        s.scene, s.camera, s.width, s.height
+    );
+    let mut out = format!("<h2>{}</h2>\n<ul class=\"words\">", escape(&heading));
+    for sentence in &section.sentences {
+        let _ = write!(out, "<li>{}</li>", escape(sentence));
+    }
+    let _ = write!(
+        out,
+        "</ul>\n<p class=\"sub\">Milliseconds a frame are the setting's own reflection passes and \
+         one median of the passes that all settings share (shadow, G-buffer, light, tone), so \
+         that their noise decides nothing; wall time is as measured. Reference: rt with {} bounces and rays of {} U (U = {} m). Its \
+         own errors are therefore 0 but for bounces and ray length.</p>\n<div class=\"charts\">",
+        s.reference_bounces,
+        s.reference_ray_length_u,
+        digits(f64::from(s.unit_m))
+    );
+    for chart in &section.charts {
+        let _ = writeln!(out, "<figure>{}</figure>", chart.svg);
+    }
+    out += "</div>\n";
+    out += &points(section);
+    out += &breakdown(&section.group.points);
+    out
+}
+
+fn gallery(gallery: &Gallery) -> String {
+    let mut out = format!(
+        "<h2>{}</h2>\n<p>{}</p>\n<div class=\"shots\">",
+        escape(&gallery.title),
+        escape(&gallery.text)
+    );
+    for figure in &gallery.figures {
+        let caption = escape(&figure.caption);
+        let _ = writeln!(
+            out,
+            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\">\
+             <figcaption>{caption}</figcaption></figure>",
+            base64(&figure.png)
+        );
+    }
+    out + "</div>\n"
+}
+
+/// RFC 4648, with padding.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let group = chunk
+            .iter()
+            .fold(0_u32, |bits, b| bits << 8 | u32::from(*b));
+        let group = group << (8 * (3 - chunk.len()));
+        for digit in 0..4 {
+            if digit <= chunk.len() {
+                text.push(char::from(
+                    DIGITS[(group >> (18 - 6 * digit)) as usize & 63],
+                ));
+            } else {
+                text.push('=');
+            }
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_that_of_the_rfc() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+        assert_eq!(base64(&[0xFB, 0xFF]), "+/8=");
+    }
+}

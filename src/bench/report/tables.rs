@@ -1,0 +1,238 @@
+//! The tables of the page: all settings, their errors, shares and times, pass by pass.
+
+use std::fmt::Write as _;
+
+use plotters::style::RGBColor;
+
+use super::{
+    Section,
+    chart::{color, escape},
+    words::spots,
+};
+use crate::bench::{
+    front::front,
+    summary::{Metric, Point, digits, label},
+};
+
+/// Colors of passes in bars.
+const PASS_COLORS: [&str; 12] = [
+    "#4e79a7", "#a0cbe8", "#59a14f", "#8cd17d", "#e15759", "#b07aa1", "#d4a6c8", "#f28e2b",
+    "#ffbe7d", "#79706e", "#bab0ac", "#9d7660",
+];
+
+/// All sections in one table, with the time of `hybrid` over that of `rt`.
+pub fn overview(sections: &[Section]) -> String {
+    let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>scene</th>\
+                   <th class=\"left\">setting</th>"
+        .to_owned();
+    let heads = [
+        "ms",
+        "refl. ms",
+        "refl. ms / rt",
+        "FLIP refl.",
+        "SSIM refl.",
+        "SSIM frame",
+        "screen %",
+        "traced %",
+        "failed %",
+        "none %",
+        "rough %",
+        "MiB",
+    ];
+    out.extend(heads.iter().map(|head| format!("<th>{head}</th>")));
+    out += "</tr>\n";
+    for group in sections.iter().map(|s| &s.group) {
+        let reflection = |p: &Point| p.reflection_ms.map(|r| r.median);
+        let rt = group.points.iter().find(|p| p.sample.method == "rt");
+        let rt = rt.and_then(reflection);
+        for point in &group.points {
+            let s = &point.sample;
+            let number = |v: Option<f64>| v.map_or("–".to_owned(), digits);
+            let ratio = reflection(point).zip(rt).map(|(ms, rt)| ms / rt);
+            let cells = [
+                digits(point.ms.median),
+                number(reflection(point)),
+                number(ratio),
+                number(s.mask_flip),
+                number(s.mask_ssim),
+                number(s.ssim),
+                format!("{:.1}", s.screen_percent),
+                format!("{:.1}", s.traced_percent),
+                format!("{:.1}", s.failed_percent),
+                format!("{:.1}", s.none_percent),
+                format!("{:.1}", s.rough_percent),
+                format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
+            ];
+            let _ = write!(
+                out,
+                "<tr><td>{}, {} × {}</td><td class=\"left\">{}</td>",
+                escape(&s.scene),
+                s.width,
+                s.height,
+                escape(&point.label())
+            );
+            out.extend(
+                cells
+                    .iter()
+                    .map(|cell| format!("<td>{}</td>", escape(cell))),
+            );
+            out += "</tr>\n";
+        }
+    }
+    out + "</table></div>\n"
+}
+
+const HEADS: [&str; 18] = [
+    "setting",
+    "ms a frame (p5 to p95)",
+    "reflection ms",
+    "wall ms",
+    "FLIP refl.",
+    "SSIM refl.",
+    "relMSE refl.",
+    "FLIP frame",
+    "SSIM frame",
+    "PSNR frame",
+    "screen %",
+    "traced %",
+    "failed %",
+    "none %",
+    "rough %",
+    "sum %",
+    "false accepts",
+    "false rejects (T)",
+];
+
+/// Every setting with its errors, shares and verdicts.
+pub fn points(section: &Section) -> String {
+    let group = &section.group;
+    let mut out = "<h3>All settings (● on the Pareto front by FLIP)</h3>\n\
+                   <div class=\"scroll\"><table><tr>"
+        .to_owned();
+    out.extend(HEADS.iter().map(|head| format!("<th>{head}</th>")));
+    out += "</tr>\n";
+    let (spots, judged) = spots(group, Metric::Flip);
+    let on_front = front(&spots);
+    for point in &group.points {
+        let index = judged.iter().position(|p| std::ptr::eq(*p, point));
+        let class = if index.is_some_and(|i| on_front[i]) {
+            " class=\"front\""
+        } else {
+            ""
+        };
+        let _ = write!(out, "<tr{class}>");
+        out.extend(
+            cells(point)
+                .iter()
+                .map(|c| format!("<td>{}</td>", escape(c))),
+        );
+        out += "</tr>\n";
+    }
+    for (sample, why) in &group.failed {
+        let label = label(sample);
+        let _ = writeln!(
+            out,
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"17\">failed: {}</td></tr>",
+            escape(&label),
+            escape(why)
+        );
+    }
+    out + "</table></div>\n"
+}
+
+fn cells(point: &Point) -> Vec<String> {
+    let s = &point.sample;
+    let number = |value: Option<f64>| value.map_or("–".to_owned(), digits);
+    let ssim = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.4}"));
+    let percent = |value: f64| format!("{value:.1}");
+    let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
+    let found = s.screen_percent + s.traced_percent + s.failed_percent;
+    let sum = found + s.none_percent + s.rough_percent;
+    let psnr = s.psnr_db.map(|db| {
+        if db.is_finite() {
+            format!("{db:.1}")
+        } else {
+            "equal".to_owned()
+        }
+    });
+    vec![
+        point.label(),
+        point.ms.text(),
+        point
+            .reflection_ms
+            .map_or("–".to_owned(), |r| digits(r.median)),
+        digits(point.frame_ms.median),
+        number(s.mask_flip),
+        ssim(s.mask_ssim),
+        number(s.mask_rel_mse),
+        number(s.flip),
+        ssim(s.ssim),
+        psnr.unwrap_or("–".to_owned()),
+        percent(s.screen_percent),
+        percent(s.traced_percent),
+        percent(s.failed_percent),
+        percent(s.none_percent),
+        percent(s.rough_percent),
+        percent(sum),
+        count(s.false_accepts),
+        count(s.false_rejects),
+    ]
+}
+
+/// Where the time of each setting goes, to one scale, and the memory it holds.
+pub fn breakdown(points: &[Point]) -> String {
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in points.iter().flat_map(|p| &p.passes_ms) {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    if names.is_empty() {
+        return String::new();
+    }
+    let color = |name: &str| {
+        let index = names.iter().position(|known| *known == name).unwrap_or(0);
+        PASS_COLORS[index % PASS_COLORS.len()]
+    };
+    let mut out = "<h3>Where the time goes (median ms of each pass) and memory</h3>\n\
+                   <p class=\"key\">"
+        .to_owned();
+    for name in &names {
+        let _ = write!(
+            out,
+            "<span><b style=\"background:{}\"></b>{name}</span>",
+            color(name)
+        );
+    }
+    out += "</p><div class=\"scroll\"><table><tr><th>setting</th><th class=\"left\">share</th>";
+    out.extend(names.iter().map(|name| format!("<th>{name}</th>")));
+    out += "<th>MiB</th></tr>\n";
+    let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
+    for point in points {
+        let RGBColor(r, g, b) = self::color(&point.sample.method);
+        let _ = write!(
+            out,
+            "<tr><td style=\"border-left:4px solid rgb({r},{g},{b})\">{}</td>\
+             <td class=\"left\"><div class=\"bar\">",
+            escape(&point.label())
+        );
+        for (name, ms) in &point.passes_ms {
+            let _ = write!(
+                out,
+                "<i style=\"width:{:.2}%;background:{}\" title=\"{name}: {} ms\"></i>",
+                100.0 * ms / longest,
+                color(name),
+                digits(*ms)
+            );
+        }
+        out += "</div></td>";
+        out.extend(
+            names
+                .iter()
+                .map(|name| format!("<td>{}</td>", digits(point.pass_ms(name)))),
+        );
+        let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
+        let _ = writeln!(out, "<td>{mebibytes:.1}</td></tr>");
+    }
+    out + "</table></div>\n"
+}

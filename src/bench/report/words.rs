@@ -1,0 +1,216 @@
+//! What the points of a group mean, in sentences: who wins, at equal time, at equal error, and
+//! from which share of rays on marching first stops paying.
+
+use crate::bench::{
+    front::{Costs, Spot, best_within, break_even_share, cheapest_within, front},
+    summary::{Group, Metric, Point, digits},
+};
+
+/// Passes that a march adds or that a full trace needs no more of.
+const MARCH: [&str; 2] = ["ssr", "compact"];
+
+/// The spots of a group, with the points they belong to.
+pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
+    let judged = |point| -> Option<(Spot, &Point)> {
+        let error = Point::error(point, metric, group.masked)?;
+        let ms = point.ms.median;
+        Some((Spot { ms, error }, point))
+    };
+    group.points.iter().filter_map(judged).unzip()
+}
+
+/// Everything worth saying, by FLIP.
+pub fn sentences(group: &Group) -> Vec<String> {
+    let (spots, points) = spots(group, Metric::Flip);
+    if points.is_empty() {
+        return vec!["No setting could be judged.".to_owned()];
+    }
+    let mut sentences = vec![verdict(&spots, &points)];
+    sentences.extend(equal_time(&spots, &points));
+    sentences.extend(equal_error(&spots, &points));
+    sentences.extend(break_even(&points));
+    sentences.push(region(group));
+    if points.iter().any(|p| p.ms.p5_p95.is_none()) {
+        let n = points.iter().map(|p| p.ms.n).min().unwrap_or(0);
+        sentences.push(format!(
+            "With n = {n} frames a setting, n is too small for percentiles: medians only."
+        ));
+    }
+    sentences
+}
+
+fn of_method(points: &[&Point], method: &str) -> Vec<usize> {
+    let indices = points.iter().enumerate();
+    let of = indices.filter(|(_, p)| p.sample.method == method);
+    of.map(|(i, _)| i).collect()
+}
+
+fn pick(spots: &[Spot], indices: &[usize]) -> Vec<Spot> {
+    indices.iter().map(|&i| spots[i]).collect()
+}
+
+/// Which methods are on the front, and whether `rt` wins outright.
+fn verdict(spots: &[Spot], points: &[&Point]) -> String {
+    let on_front = front(spots);
+    let is_on = |method: &str| of_method(points, method).iter().any(|&i| on_front[i]);
+    let adapter = &points[0].sample.adapter;
+    let methods: Vec<&str> = ["ssr", "hybrid", "rt"]
+        .into_iter()
+        .filter(|m| is_on(m))
+        .collect();
+    let measured = |method: &str| points.iter().any(|p| p.sample.method == method);
+    let others = measured("ssr") || measured("hybrid");
+    if methods == ["rt"] && others {
+        return format!(
+            "rt wins outright on this adapter ({adapter}): no setting of another method is \
+             faster or errs less."
+        );
+    }
+    let mut text = format!(
+        "On the Pareto front on {adapter}: {}.",
+        methods.join(" and ")
+    );
+    if measured("hybrid") && measured("rt") && !is_on("hybrid") {
+        text += " hybrid is nowhere on it: whatever it reaches, another setting reaches sooner.";
+    }
+    text
+}
+
+/// What the others reach in the time that a method's most accurate setting takes.
+fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
+    let rt = of_method(points, "rt");
+    let anchor = cheapest_within(&pick(spots, &rt), f64::INFINITY).map(|i| rt[i])?;
+    let ms = spots[anchor].ms;
+    let reached: Vec<String> = ["ssr", "hybrid", "rt"]
+        .into_iter()
+        .filter_map(|method| {
+            let indices = of_method(points, method);
+            if indices.is_empty() {
+                return None;
+            }
+            let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
+            Some(best.map_or_else(
+                || format!("{method} is not done with any setting"),
+                |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
+            ))
+        })
+        .collect();
+    Some(format!(
+        "Equal time: in the {} ms that rt's fastest setting takes, {} (FLIP).",
+        digits(ms),
+        reached.join("; ")
+    ))
+}
+
+/// What `hybrid` and `rt` take to err no more than the other's best.
+fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
+    let [hybrid, rt] = ["hybrid", "rt"].map(|method| of_method(points, method));
+    let [hybrid_spots, rt_spots] = [&hybrid, &rt].map(|indices| pick(spots, indices));
+    let best = best_within(&hybrid_spots, f64::INFINITY)?;
+    let error = hybrid_spots[best].error;
+    let traced = cheapest_within(&rt_spots, error);
+    let Some(traced) = traced else {
+        return Some(format!(
+            "Equal error: no setting of rt errs as little as {} does (FLIP {}).",
+            points[hybrid[best]].label(),
+            digits(error)
+        ));
+    };
+    let [hybrid_ms, rt_ms] = [hybrid_spots[best].ms, rt_spots[traced].ms];
+    let percent = 100.0 * (1.0 - hybrid_ms / rt_ms);
+    let compared = if percent >= 0.0 {
+        format!("{percent:.1} % less")
+    } else {
+        format!("{:.1} % more", -percent)
+    };
+    let mut text = format!(
+        "Equal error: at FLIP {} or less, {} takes {} ms and {} takes {} ms; hybrid takes \
+         {compared}.",
+        digits(error),
+        points[hybrid[best]].label(),
+        digits(hybrid_ms),
+        points[rt[traced]].label(),
+        digits(rt_ms)
+    );
+    let ssr = of_method(points, "ssr");
+    if !ssr.is_empty() {
+        let found = cheapest_within(&pick(spots, &ssr), error).map(|i| ssr[i]);
+        text += &found.map_or_else(
+            || " ssr never errs so little.".to_owned(),
+            |i| format!(" {} takes {} ms.", points[i].label(), digits(spots[i].ms)),
+        );
+    }
+    Some(text)
+}
+
+/// The costs of a `hybrid` point beside an `rt` point with the same rays.
+pub fn costs(hybrid: &Point, rt: &Point) -> Costs {
+    let march = |point: &Point| MARCH.iter().map(|name| point.pass_ms(name)).sum::<f64>();
+    Costs {
+        march_ms: march(hybrid) - march(rt),
+        full_trace_ms: rt.pass_ms("trace"),
+        partial_trace_ms: hybrid.pass_ms("trace"),
+        partial_rays: hybrid.sample.rays as f64,
+        full_rays: rt.sample.rays as f64,
+    }
+}
+
+/// The `rt` point that traces the same rays as `hybrid` would without marching.
+pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point> {
+    let same = |p: &&&Point| {
+        let (a, b) = (&p.sample, &hybrid.sample);
+        b.method == "hybrid"
+            && a.method == "rt"
+            && (a.bounces, a.scale) == (b.bounces, b.scale)
+            && a.ray_length_u == b.ray_length_u
+    };
+    points.iter().find(same).copied()
+}
+
+/// The break-even share at the `hybrid` setting that errs least.
+fn break_even(points: &[&Point]) -> Option<String> {
+    let pairs = points
+        .iter()
+        .filter_map(|p| Some((*p, counterpart(p, points)?)));
+    let least = |a: &(&Point, &Point), b: &(&Point, &Point)| {
+        let error = |p: &Point| p.error(Metric::Flip, false).unwrap_or(f64::INFINITY);
+        error(a.0).total_cmp(&error(b.0))
+    };
+    let (hybrid, rt) = pairs.min_by(least)?;
+    let costs = costs(hybrid, rt);
+    let share = break_even_share(&costs)?;
+    let actual = 100.0 * costs.partial_rays / costs.full_rays;
+    let measured = format!(
+        "{} marches for {} ms and traces {actual:.1} % of rt's rays in {} ms; rt traces all in {} ms",
+        hybrid.label(),
+        digits(costs.march_ms),
+        digits(costs.partial_trace_ms),
+        digits(costs.full_trace_ms)
+    );
+    Some(if share <= 0.0 {
+        format!(
+            "Break-even: none on this adapter, since marching alone takes longer than tracing \
+             every ray ({measured})."
+        )
+    } else if share >= 1.0 {
+        format!("Break-even: marching first pays whatever the share of rays ({measured}).")
+    } else {
+        format!(
+            "Break-even: marching first pays while it leaves less than {:.1} % of the rays \
+             ({measured}).",
+            100.0 * share
+        )
+    })
+}
+
+fn region(group: &Group) -> String {
+    let px = group.points.first().map_or(0, |p| p.sample.mask_px);
+    if group.masked {
+        format!("Errors are those of the {px} reflective pixels (eroded by 5 px).")
+    } else {
+        format!(
+            "The mask of reflective pixels has {px} px, which is too small to score: errors are \
+             those of the whole frame, which background flatters."
+        )
+    }
+}

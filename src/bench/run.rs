@@ -1,0 +1,331 @@
+//! Scenes × methods × settings × sizes × repetitions → samples, appended to the table as they come.
+
+use std::{cell::RefCell, fmt, path::Path, time::Instant};
+
+use super::{
+    host::Host,
+    knob::{Knob, Variant},
+    log::Log,
+    score::{Errors, Hits, PLANES, Reference, View},
+};
+use crate::{
+    gpu::{Gpu, ShaderLibrary},
+    render::{RenderError, RenderOptions, Renderer},
+    scene::{
+        desc::{CameraDesc, ImageDesc, Method, ReflectionDesc},
+        diagnostic::Diagnostic,
+    },
+    world::World,
+};
+
+mod block;
+
+/// Bounces of the reference: the most that a scene may ask for.
+pub const REFERENCE_BOUNCES: u32 = 16;
+
+/// A scene to be measured.
+#[derive(Debug)]
+pub struct Subject {
+    /// What tables call it.
+    pub name: String,
+    /// Name of the camera.
+    pub camera_name: String,
+    /// Its view.
+    pub camera: CameraDesc,
+    /// The loaded scene.
+    pub world: World,
+    /// Its reflection settings.
+    pub reflection: ReflectionDesc,
+    /// Its picture settings; the size is the protocol's.
+    pub image: ImageDesc,
+    /// Hash of the scene text, its overrides and every file it names.
+    pub content: u64,
+    /// Frame of an animation, 0 for a still scene.
+    pub frame: u32,
+    /// What the frames of one animation have in common: they share renderers, which take over
+    /// moved instances. None for a still scene.
+    pub motion: Option<u64>,
+}
+
+/// What is measured of each scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Protocol {
+    /// Methods to compare.
+    pub methods: Vec<Method>,
+    /// What is turned.
+    pub turn: Turn,
+    /// Sizes; none takes the scene's own.
+    pub sizes: Vec<[u32; 2]>,
+    /// Timed frames of each variant, 1 or more.
+    pub frames: u32,
+    /// Untimed frames before them, 1 or more.
+    pub warm_up: u32,
+}
+
+/// What is turned, and to which values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Turn {
+    /// Nothing: the scene's own settings.
+    Nothing,
+    /// One knob for all methods.
+    One(Knob, Vec<f64>),
+    /// Each method's own knob, see [`Knob::own`].
+    Own,
+}
+
+/// Who watches the run, and may stop it.
+pub trait Watch {
+    /// `done` of `total` frames are behind; `what` is next.
+    fn step(&mut self, what: &str, done: usize, total: usize);
+    /// Something worth telling.
+    fn note(&mut self, text: &str);
+    /// Whether to stop after the current frame.
+    fn is_stopped(&self) -> bool;
+}
+
+/// What a run did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outcome {
+    /// Frames that were measured now.
+    pub measured: usize,
+    /// Frames that the table held already.
+    pub skipped: usize,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+}
+
+/// Why nothing more could be measured.
+#[derive(Clone, Debug)]
+pub enum BenchError {
+    /// The renderer or the GPU refused.
+    Render(RenderError),
+    /// A file cannot be read or written, or holds something else.
+    File(Box<Diagnostic>),
+}
+
+impl fmt::Display for BenchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Render(error) => error.fmt(f),
+            Self::File(diagnostic) => f.write_str(&diagnostic.message),
+        }
+    }
+}
+
+impl std::error::Error for BenchError {}
+
+impl<E: Into<RenderError>> From<E> for BenchError {
+    fn from(error: E) -> Self {
+        Self::Render(error.into())
+    }
+}
+
+/// What every measurement of a run shares.
+pub struct Bench<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The shaders.
+    pub library: &'a ShaderLibrary,
+    /// What samples say about the machine.
+    pub host: &'a Host,
+    /// What is measured.
+    pub protocol: &'a Protocol,
+    /// Renderers that the next frame of an animation takes over.
+    pub stock: Stock,
+}
+
+/// Renderers kept between the frames of an animation.
+#[derive(Debug, Default)]
+pub struct Stock(RefCell<Vec<(u64, [u32; 2], Ready)>>);
+
+/// A renderer that shows its subject.
+#[derive(Debug)]
+struct Ready {
+    method: Method,
+    renderer: Renderer,
+    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    update_ms: Option<f64>,
+}
+
+impl Protocol {
+    /// All variants of a scene, methods in order.
+    pub fn variants(&self, settings: &ReflectionDesc) -> Vec<Variant> {
+        let of = |&method: &Method| match &self.turn {
+            Turn::Nothing => vec![Variant::fixed(method, settings)],
+            Turn::One(knob, values) => Variant::turned(method, settings, *knob, values),
+            Turn::Own => {
+                let knob = Knob::own(method);
+                Variant::turned(method, settings, knob, &knob.default_values())
+            }
+        };
+        self.methods.iter().flat_map(of).collect()
+    }
+
+    /// The sizes for a scene.
+    pub fn sizes_of(&self, image: &ImageDesc) -> Vec<[u32; 2]> {
+        if self.sizes.is_empty() {
+            vec![image.size]
+        } else {
+            self.sizes.clone()
+        }
+    }
+
+    /// The reference's settings: every pixel traced, as far and as often as any variant.
+    pub fn reference(&self, settings: &ReflectionDesc) -> ReflectionDesc {
+        let lengths = self.variants(settings).into_iter();
+        let longest = lengths.map(|v| v.reflection.ray_length_u);
+        ReflectionDesc {
+            method: Method::Rt,
+            bounces: REFERENCE_BOUNCES,
+            ray_length_u: longest.fold(settings.ray_length_u, f32::max),
+            ..*settings
+        }
+    }
+}
+
+impl Bench<'_> {
+    /// Measures every subject into `log`. Frames that the log holds under the same fingerprint
+    /// are not measured again.
+    ///
+    /// # Errors
+    /// What the renderer or the disk refuses; samples taken until then are in the log.
+    pub fn run(
+        &self,
+        subjects: &[Subject],
+        log: &mut Log,
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, BenchError> {
+        let blocks = block::blocks(self, subjects);
+        let missing = blocks.iter().map(|block| block.missing(self, log));
+        let total = missing.sum();
+        let planned: usize = blocks.iter().map(|b| b.variants.len()).sum();
+        let mut outcome = Outcome {
+            skipped: planned * self.protocol.frames as usize - total,
+            ..Outcome::default()
+        };
+        for block in &blocks {
+            if watch.is_stopped() {
+                break;
+            }
+            block.measure(self, log, watch, total, &mut outcome)?;
+        }
+        outcome.interrupted = watch.is_stopped() && outcome.measured < total;
+        Ok(outcome)
+    }
+
+    /// A renderer of this frame that can be retuned to any of the protocol's settings.
+    fn ready(
+        &self,
+        subject: &Subject,
+        method: Method,
+        size: [u32; 2],
+    ) -> Result<Ready, BenchError> {
+        let mut stock = self.stock.0.borrow_mut();
+        let fits = |(motion, its_size, ready): &(u64, [u32; 2], Ready)| {
+            Some(*motion) == subject.motion && *its_size == size && ready.method == method
+        };
+        let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).2);
+        let mut renderer = match kept {
+            Some(ready) => ready.renderer,
+            None => self.renderer(subject, method, size)?,
+        };
+        let started = Instant::now();
+        let update_ms = subject.motion.map(|_| {
+            renderer.update(self.gpu, &subject.world);
+            started.elapsed().as_secs_f64() * 1e3
+        });
+        Ok(Ready {
+            method,
+            renderer,
+            update_ms,
+        })
+    }
+
+    /// Keeps renderers for the next frame, if there may be one.
+    fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<Ready>) {
+        if let Some(motion) = subject.motion {
+            let mut stock = self.stock.0.borrow_mut();
+            stock.extend(ready.into_iter().map(|ready| (motion, size, ready)));
+        }
+    }
+
+    fn renderer(
+        &self,
+        subject: &Subject,
+        method: Method,
+        size: [u32; 2],
+    ) -> Result<Renderer, BenchError> {
+        let options = RenderOptions {
+            reflection: ReflectionDesc {
+                method,
+                // The plan leaves out what this many bounces do not need.
+                bounces: REFERENCE_BOUNCES,
+                ..subject.reflection
+            },
+            image: ImageDesc {
+                size,
+                ..subject.image
+            },
+            general: false,
+        };
+        Ok(Renderer::new(
+            self.gpu,
+            self.library,
+            &subject.world,
+            &options,
+        )?)
+    }
+
+    /// The reference's picture with a renderer of method `rt`.
+    fn reference(&self, subject: &Subject, rt: &mut Renderer) -> Result<Reference, BenchError> {
+        rt.retune(&self.protocol.reference(&subject.reflection));
+        let picture = rt.picture(self.gpu, &subject.world, &subject.camera, &PLANES)?;
+        Reference::new(&picture).map_err(|why| {
+            let scene = Path::new(&subject.name);
+            let message = format!("the reference cannot judge anything: {why}");
+            BenchError::File(Box::new(Diagnostic::in_file("bad-pixels", scene, message)))
+        })
+    }
+
+    /// Errors and verdicts of one variant's picture.
+    fn judge(
+        &self,
+        subject: &Subject,
+        variant: &Variant,
+        renderer: &mut Renderer,
+        reference: &Reference,
+        size: [u32; 2],
+    ) -> Result<block::Judged, BenchError> {
+        let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
+        renderer.retune(&variant.reflection);
+        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
+        let errors: Result<Errors, String> = View::new(&picture, size)
+            .and_then(|view| reference.errors(&view))
+            .map_err(|e| e.to_string());
+        let mut verdicts = None;
+        if let (Some(hits), true) = (Hits::new(&picture), variant.method != Method::Rt) {
+            renderer.retune(&ReflectionDesc {
+                threshold_u: f32::MAX.sqrt(),
+                ..variant.reflection
+            });
+            let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, &PLANES)?;
+            let unit_m = renderer.unit_m();
+            let length_m = variant.reflection.ray_length_u * unit_m;
+            verdicts = Hits::new(&picture)
+                .map(|boundless| reference.verdicts(&hits, &boundless, length_m, unit_m));
+            renderer.retune(&variant.reflection);
+        }
+        Ok(match (errors, verdicts.transpose()) {
+            (Ok(errors), Ok(verdicts)) => block::Judged {
+                errors: Some(errors),
+                verdicts,
+                failure: None,
+            },
+            (Err(failure), _) | (_, Err(failure)) => block::Judged {
+                errors: None,
+                verdicts: None,
+                failure: Some(failure),
+            },
+        })
+    }
+}

@@ -1,0 +1,322 @@
+//! One timed frame with every setting and error: a row of `samples.csv`.
+
+use super::csv::{self, CsvError, Table};
+use crate::render::{cause::Cause, passes};
+
+/// A value that a cell holds.
+trait Cell: Sized {
+    fn text(&self) -> String;
+    fn of(text: &str) -> Option<Self>;
+}
+
+macro_rules! plain_cells {
+    ($($kind:ty),*) => {$(
+        impl Cell for $kind {
+            fn text(&self) -> String {
+                self.to_string()
+            }
+            fn of(text: &str) -> Option<Self> {
+                text.parse().ok()
+            }
+        }
+    )*};
+}
+
+plain_cells!(String, u32, u64, f32, f64, bool);
+
+/// An empty cell is nothing.
+impl<T: Cell> Cell for Option<T> {
+    fn text(&self) -> String {
+        self.as_ref().map_or(String::new(), Cell::text)
+    }
+    fn of(text: &str) -> Option<Self> {
+        if text.is_empty() {
+            Some(None)
+        } else {
+            T::of(text).map(Some)
+        }
+    }
+}
+
+macro_rules! sample {
+    ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
+        /// One timed frame. Errors and shares are those of its picture, which every repetition
+        /// of a setting has in common; none means not measured or not measurable.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Sample {
+            $($(#[$doc])* pub $name: $kind,)*
+            /// Values of [`detail_columns`], in their order; 0 where there are none.
+            pub detail: Vec<f64>,
+        }
+
+        /// Columns that every table of samples must have.
+        const FIXED: &[&str] = &[$(stringify!($name)),*];
+
+        impl Sample {
+            fn fixed_cells(&self) -> Vec<String> {
+                vec![$(self.$name.text()),*]
+            }
+
+            fn read(cell: &dyn Fn(&'static str) -> Result<String, String>) -> Result<Self, String> {
+                Ok(Self {
+                    $($name: read_cell(stringify!($name), &cell(stringify!($name))?)?,)*
+                    detail: Vec::new(),
+                })
+            }
+        }
+    };
+}
+
+sample! {
+    /// Of everything that decides the picture and its cost, hexadecimal.
+    fingerprint: String,
+    /// Scene file, or `the built-in atrium`.
+    scene: String,
+    /// Camera of the scene.
+    camera: String,
+    /// Frame of an animation, 0 for a still scene.
+    frame: u32,
+    /// Pixels across, as shown.
+    width: u32,
+    /// Pixels down, as shown.
+    height: u32,
+    /// `ssr`, `hybrid` or `rt`.
+    method: String,
+    /// What is turned; none for the scene's own settings.
+    knob: Option<String>,
+    /// What it is turned to; none where the knob does nothing for the method.
+    value: Option<f64>,
+    /// T, in U.
+    threshold_u: f32,
+    /// Most steps of the march.
+    steps: u32,
+    /// Ray length, in U.
+    ray_length_u: f32,
+    /// Most reflections in a row.
+    bounces: u32,
+    /// Side of the rendered picture over that of the shown one.
+    scale: f64,
+    /// Roughness below which `auto` materials reflect.
+    roughness_cutoff: f32,
+    /// U, meters.
+    unit_m: f32,
+    /// Whether reflections fade along the ray.
+    fade: bool,
+    /// Blur of the reflection, pixels.
+    blur_px: f32,
+    /// Sub-frames.
+    samples: u32,
+    /// Exposure, stops.
+    exposure_ev: f32,
+    /// Tone map.
+    tone_map: String,
+    /// Bounces of the reference, which is `rt`.
+    reference_bounces: u32,
+    /// Ray length of the reference, in U.
+    reference_ray_length_u: f32,
+    /// Untimed frames before the first.
+    warm_up: u32,
+    /// Which of the timed frames this is, from 0.
+    repetition: u32,
+    /// `ok`, or what failed.
+    status: String,
+    /// How passes were timed.
+    timing: String,
+    /// Wall time from the first submission to the last pixel done, milliseconds.
+    frame_ms: Option<f64>,
+    /// Sum of the passes, milliseconds.
+    passes_ms: Option<f64>,
+    /// The same of march, compaction, tracing and blur.
+    reflection_ms: Option<f64>,
+    /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
+    update_ms: Option<f64>,
+    /// Building all trees, milliseconds; no part of a frame.
+    tree_ms: f64,
+    /// Rays traced from pixels.
+    rays: u64,
+    /// Bytes of all buffers and textures.
+    bytes: u64,
+    /// Pixels that reflect.
+    reflective_px: u64,
+    /// Reflective pixels found on screen, percent.
+    screen_percent: f64,
+    /// Traced ones.
+    traced_percent: f64,
+    /// Those that `ssr` leaves without reflection, where others trace.
+    failed_percent: f64,
+    /// Those with nothing in reach.
+    none_percent: f64,
+    /// Those too rough.
+    rough_percent: f64,
+    /// SSIM of the frame.
+    ssim: Option<f64>,
+    /// Mean FLIP of the frame.
+    flip: Option<f64>,
+    /// 95th percentile of FLIP.
+    flip_p95: Option<f64>,
+    /// 99th percentile of FLIP.
+    flip_p99: Option<f64>,
+    /// PSNR of the frame, dB; `inf` when equal.
+    psnr_db: Option<f64>,
+    /// relMSE of the frame.
+    rel_mse: Option<f64>,
+    /// Largest difference of a channel, of 255.
+    max_difference: Option<f64>,
+    /// Reflective pixels that are scored apart.
+    mask_px: u64,
+    /// SSIM inside the mask; none where it is too small.
+    mask_ssim: Option<f64>,
+    /// Mean FLIP inside the mask.
+    mask_flip: Option<f64>,
+    /// 95th percentile of FLIP inside the mask.
+    mask_flip_p95: Option<f64>,
+    /// 99th percentile of FLIP inside the mask.
+    mask_flip_p99: Option<f64>,
+    /// PSNR inside the mask.
+    mask_psnr_db: Option<f64>,
+    /// relMSE inside the mask.
+    mask_rel_mse: Option<f64>,
+    /// Largest difference inside the mask.
+    mask_max_difference: Option<f64>,
+    /// Answers that the march gave and a ray contradicts.
+    false_accepts: Option<u64>,
+    /// Crossings that T refused and a ray confirms.
+    false_rejects: Option<u64>,
+    /// Adapter.
+    adapter: String,
+    /// Driver and its version.
+    driver: String,
+    /// Graphics API.
+    backend: String,
+    /// Whether the adapter is the CPU.
+    software: bool,
+    /// Operating system.
+    os: String,
+    /// Processor.
+    cpu: String,
+    /// Version of Reflet.
+    version: String,
+    /// Commit of Reflet.
+    commit: String,
+}
+
+fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
+    T::of(text).ok_or_else(|| format!("column {column} cannot be \"{text}\""))
+}
+
+/// The columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px` and
+/// `false_reject_NAME_px`.
+pub fn detail_columns() -> Vec<String> {
+    let passes = passes::ALL
+        .iter()
+        .map(|pass| format!("pass_{}_ms", pass.name));
+    let causes = || {
+        Cause::ALL
+            .into_iter()
+            .filter(|c| *c != Cause::NotReflective)
+    };
+    passes
+        .chain(causes().map(|c| format!("cause_{}_px", c.name())))
+        .chain([Cause::Hit, Cause::None].map(|c| format!("false_accept_{}_px", c.name())))
+        .chain([format!("false_reject_{}_px", Cause::Hidden.name())])
+        .collect()
+}
+
+/// The header of a table of samples.
+pub fn header() -> String {
+    let fixed = FIXED.iter().map(|name| (*name).to_owned());
+    csv::line(fixed.chain(detail_columns()))
+}
+
+impl Sample {
+    /// The sample as a line of the table.
+    pub fn line(&self) -> String {
+        let detail = self.detail.iter().map(f64::to_string);
+        csv::line(self.fixed_cells().into_iter().chain(detail))
+    }
+
+    /// The values whose column starts with `prefix` and ends with `suffix`, with what is between.
+    pub fn details(&self, prefix: &str, suffix: &str) -> Vec<(String, f64)> {
+        let columns = detail_columns().into_iter().zip(&self.detail);
+        let of = |(column, value): (String, &f64)| {
+            let name = column.strip_prefix(prefix)?.strip_suffix(suffix)?;
+            Some((name.to_owned(), *value))
+        };
+        columns.filter_map(of).collect()
+    }
+
+    /// Whether the frame was measured.
+    pub fn is_ok(&self) -> bool {
+        self.status == "ok"
+    }
+}
+
+/// Reads a table of samples; the position of its columns is free, and others are ignored.
+///
+/// # Errors
+/// A text that is no table, a missing column, a cell that cannot be; the line is named.
+pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
+    let table = csv::parse(text)?;
+    let details = detail_columns();
+    let read = |(index, row): (usize, &Vec<String>)| {
+        let line = index + 2;
+        let failed = |message: String| CsvError { line, message };
+        let mut sample = Sample::read(&|name| cell(&table, row, name)).map_err(failed)?;
+        for name in &details {
+            // A pass that did not exist when the table was written took no time.
+            let text = cell(&table, row, name).unwrap_or_else(|_| "0".to_owned());
+            sample.detail.push(read_cell(name, &text).map_err(failed)?);
+        }
+        Ok(sample)
+    };
+    let samples = table.rows.iter().enumerate().map(read);
+    let samples = samples.collect::<Result<Vec<_>, _>>()?;
+    Ok((samples, table.whole_bytes))
+}
+
+fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
+    let index = table.columns.iter().position(|column| column == name);
+    index
+        .map(|i| row[i].clone())
+        .ok_or_else(|| format!("there is no column {name}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_survive_the_table() {
+        let sample = Sample {
+            scene: "a, \"b\"".to_owned(),
+            threshold_u: 0.025,
+            value: Some(0.1 + 0.2),
+            psnr_db: Some(f64::INFINITY),
+            frame_ms: None,
+            software: true,
+            detail: (0..detail_columns().len())
+                .map(|i| i as f64 / 3.0)
+                .collect(),
+            ..Sample::default()
+        };
+        let text = header() + sample.line().as_str();
+        let (read, bytes) = read_samples(&text).expect("samples");
+        assert_eq!(read, [sample]);
+        assert_eq!(bytes, text.len());
+        let passes = read[0].details("pass_", "_ms");
+        assert_eq!(passes[0], ("shadow".to_owned(), 0.0));
+        assert_eq!(passes.len(), passes::ALL.len());
+    }
+
+    #[test]
+    fn faults_are_named_with_their_line() {
+        let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
+        assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
+        let sample = Sample {
+            detail: vec![0.0; detail_columns().len()],
+            ..Sample::default()
+        };
+        let text = header() + sample.line().replacen(",0,0,", ",wide,0,", 1).as_str();
+        assert_eq!(says(&text), "line 2: column frame cannot be \"wide\"");
+    }
+}

@@ -1,0 +1,273 @@
+//! A rendered picture against the reference: errors of the frame and inside the reflective
+//! pixels, and what the march found against what the rays found.
+
+use super::{
+    metric::{
+        Maps, Scores,
+        error::ErrorMap,
+        flip,
+        hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
+        mask::Mask,
+        ssim::SsimMap,
+    },
+    picture::{Encoding, Pair, Picture, PictureError},
+};
+use crate::render::{self, Plane, PlaneData, aov::Aov, cause::Cause};
+
+/// The planes that scoring reads.
+pub const PLANES: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflectance];
+
+/// How far the march may lie from the ray, in U: a fifth of the paper's T.
+pub const TOLERANCE_U: f32 = 0.005;
+/// The same as a share of the distance.
+pub const TOLERANCE_RELATIVE: f32 = 0.01;
+
+/// A rendered picture as the metrics see it.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// Linear radiance, for relMSE.
+    pub linear: Picture,
+    /// Display color after exposure and tone mapping, for everything else.
+    pub display: Picture,
+}
+
+/// Where mirror rays ended.
+#[derive(Clone, Debug)]
+pub struct Hits {
+    /// Cause per pixel.
+    pub cause: Vec<u32>,
+    /// Distance per pixel, meters; infinite where nothing was met.
+    pub distance_m: Vec<f32>,
+    /// Instance per pixel.
+    pub instance: Vec<u32>,
+}
+
+/// The reference of one camera and size.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Its picture.
+    pub view: View,
+    /// What its rays met first.
+    pub hits: Hits,
+    /// The reflective pixels, eroded.
+    pub mask: Mask,
+}
+
+/// Errors of one picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Errors {
+    /// Of the whole frame.
+    pub frame: Scores,
+    /// Inside the mask; none where it is too small.
+    pub mask: Option<Scores>,
+    /// The mask's pixels.
+    pub mask_px: usize,
+}
+
+impl View {
+    /// From a rendered picture, enlarged bilinearly to `size` where it is smaller.
+    ///
+    /// # Errors
+    /// A pixel that is NaN, infinite or negative.
+    pub fn new(picture: &render::Picture, size: [u32; 2]) -> Result<Self, PictureError> {
+        let [width, height] = size.map(|side| side as usize);
+        let rgb = |p: &[f32]| [p[0], p[1], p[2]];
+        let linear: Vec<[f32; 3]> = picture.color.chunks_exact(4).map(rgb).collect();
+        let code = |p: &[u8]| [p[0], p[1], p[2]].map(f32::from);
+        let display: Vec<[f32; 3]> = picture.display.chunks_exact(4).map(code).collect();
+        let fit = |pixels| enlarge(pixels, picture.size, size);
+        Ok(Self {
+            linear: Picture::new(width, height, Encoding::Linear, fit(linear))?,
+            display: Picture::new(width, height, Encoding::Display, fit(display))?,
+        })
+    }
+}
+
+/// Resamples bilinearly, pixel centers at half integers, edges repeated.
+fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
+    if from == to {
+        return pixels;
+    }
+    let axis = |i: u32, axis: usize| {
+        let at = (i as f32 + 0.5) * from[axis] as f32 / to[axis] as f32 - 0.5;
+        let at = at.clamp(0.0, (from[axis] - 1) as f32);
+        let low = at as usize;
+        (low, (low + 1).min(from[axis] as usize - 1), at.fract())
+    };
+    let columns: Vec<_> = (0..to[0]).map(|x| axis(x, 0)).collect();
+    let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t);
+    let mut enlarged = Vec::with_capacity(to[0] as usize * to[1] as usize);
+    for y in 0..to[1] {
+        let (top, bottom, ty) = axis(y, 1);
+        let [top, bottom] = [top, bottom].map(|row| &pixels[row * from[0] as usize..]);
+        enlarged.extend(columns.iter().map(|&(left, right, tx)| {
+            let upper = mix(top[left], top[right], tx);
+            mix(upper, mix(bottom[left], bottom[right], tx), ty)
+        }));
+    }
+    enlarged
+}
+
+impl Hits {
+    /// From a picture with [`PLANES`]; `None` when one is missing.
+    pub fn new(picture: &render::Picture) -> Option<Self> {
+        let PlaneData::U32(cause) = plane(picture, Aov::Cause)? else {
+            return None;
+        };
+        let PlaneData::F32(distance_m) = plane(picture, Aov::HitDistance)? else {
+            return None;
+        };
+        let PlaneData::U32(ids) = plane(picture, Aov::HitIds)? else {
+            return None;
+        };
+        Some(Self {
+            cause: cause.clone(),
+            distance_m: distance_m.clone(),
+            instance: ids.iter().step_by(2).copied().collect(),
+        })
+    }
+
+    /// The crossing that the march refused as too far behind, where the same march without a
+    /// threshold (`boundless`) takes it; nothing at other refused pixels, whose `distance_m` is
+    /// that of the traced ray.
+    fn candidates(&self, boundless: &Self) -> (Vec<f32>, Vec<u32>) {
+        // A march that met a pixel beside its own may measure a little less than nothing.
+        let met = |hits: &Self, i: usize| {
+            let distance_m = hits.distance_m[i];
+            let at_least_0 = if distance_m < 0.0 { 0.0 } else { distance_m };
+            (at_least_0, hits.instance[i])
+        };
+        let of = |i: usize| match Cause::from_number(self.cause[i]) {
+            Some(Cause::Hit) => met(self, i),
+            Some(Cause::Hidden) if boundless.cause[i] == Cause::Hit as u32 => met(boundless, i),
+            _ => (f32::INFINITY, 0),
+        };
+        (0..self.cause.len()).map(of).unzip()
+    }
+}
+
+fn plane(picture: &render::Picture, aov: Aov) -> Option<&PlaneData> {
+    let named = |plane: &&Plane| plane.name == aov.name();
+    picture.planes.iter().find(named).map(|plane| &plane.data)
+}
+
+impl Reference {
+    /// From a picture with [`PLANES`].
+    ///
+    /// # Errors
+    /// A sentence: a pixel that is NaN, infinite or negative, a missing plane.
+    pub fn new(picture: &render::Picture) -> Result<Self, String> {
+        let view = View::new(picture, picture.size).map_err(|e| e.to_string())?;
+        let hits = Hits::new(picture).ok_or("the reference lacks its hit planes")?;
+        let Some(PlaneData::F32(weights)) = plane(picture, Aov::Reflectance) else {
+            return Err("the reference lacks its reflectance plane".to_owned());
+        };
+        let [width, height] = picture.size.map(|side| side as usize);
+        let mask = Mask::reflective(width, height, weights).map_err(|e| e.to_string())?;
+        Ok(Self { view, hits, mask })
+    }
+
+    /// Errors of `view`, which has the reference's size.
+    ///
+    /// # Errors
+    /// When the sizes differ.
+    pub fn errors(&self, view: &View) -> Result<Errors, PictureError> {
+        let linear = Pair::new(&view.linear, &self.view.linear)?;
+        let (test, reference) = (view.display.pixels(), self.view.display.pixels());
+        let (width, height) = (self.view.display.width(), self.view.display.height());
+        let maps = Maps {
+            ssim: SsimMap::of_display(width, height, test, reference),
+            flip: flip::flip_map(width, height, test, reference),
+            error: ErrorMap::of(&linear, test, reference),
+        };
+        let scorable = self.mask.is_scorable();
+        Ok(Errors {
+            frame: maps.scores(None),
+            mask: scorable.then(|| maps.scores(Some(&self.mask))),
+            mask_px: self.mask.area(),
+        })
+    }
+
+    /// False accepts and rejects of a march of `length_m`, per cause. `boundless` is the same
+    /// march without a threshold. Surfaces are told apart by instance.
+    ///
+    /// # Errors
+    /// A sentence: planes of another size, an unknown cause.
+    pub fn verdicts(
+        &self,
+        hits: &Hits,
+        boundless: &Hits,
+        length_m: f32,
+        unit_m: f32,
+    ) -> Result<Vec<CauseTally>, String> {
+        let (screen_m, screen) = hits.candidates(boundless);
+        let cut = |&d: &f32| if d <= length_m { d } else { f32::INFINITY };
+        let ray_m: Vec<f32> = self.hits.distance_m.iter().map(cut).collect();
+        let planes = HitPlanes {
+            cause: &hits.cause,
+            screen: HitPlane {
+                distance_m: &screen_m,
+                surface: &screen,
+            },
+            ray: HitPlane {
+                distance_m: &ray_m,
+                surface: &self.hits.instance,
+            },
+        };
+        let tolerance = Tolerance {
+            absolute_m: TOLERANCE_U * unit_m,
+            relative: TOLERANCE_RELATIVE,
+        };
+        tally(&planes, &codes(), tolerance).map_err(|e| e.to_string())
+    }
+}
+
+/// What each cause means for the march.
+fn codes() -> Vec<CauseCode> {
+    let code = |cause: Cause| CauseCode {
+        code: cause as u32,
+        name: cause.name(),
+        verdict: match cause {
+            Cause::Hit => Verdict::Accepted,
+            Cause::None => Verdict::Empty,
+            Cause::NotReflective | Cause::Rough | Cause::Unmarched => Verdict::NotAsked,
+            Cause::Hidden | Cause::BackFace | Cause::Reflector => Verdict::Rejected,
+            Cause::OffScreen | Cause::Steps => Verdict::Rejected,
+        },
+    };
+    Cause::ALL.into_iter().map(code).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn enlarging_keeps_constants_and_ramps() {
+        let flat = enlarge(vec![[0.5; 3]; 6], [3, 2], [7, 5]);
+        assert!(flat.len() == 35 && flat.iter().all(|p| *p == [0.5; 3]));
+        let ramp: Vec<[f32; 3]> = (0..4).map(|i| [i as f32; 3]).collect();
+        let twice = enlarge(ramp, [4, 1], [8, 1]);
+        let values: Vec<f32> = twice.iter().map(|p| p[0]).collect();
+        assert_eq!(values, [0.0, 0.25, 0.75, 1.25, 1.75, 2.25, 2.75, 3.0]);
+    }
+
+    #[test]
+    fn refused_crossings_come_from_the_boundless_march() {
+        let hits = |cause: [Cause; 4], distance_m: [f32; 4]| Hits {
+            cause: cause.map(|c| c as u32).to_vec(),
+            distance_m: distance_m.to_vec(),
+            instance: vec![3; 4],
+        };
+        let marched = hits(
+            [Cause::Hit, Cause::Hidden, Cause::Hidden, Cause::OffScreen],
+            [1.0, 9.0, 9.0, 9.0],
+        );
+        let boundless = hits(
+            [Cause::Hit, Cause::Hit, Cause::BackFace, Cause::OffScreen],
+            [1.0, 2.0, 0.0, 0.0],
+        );
+        let (distances, _) = marched.candidates(&boundless);
+        assert_eq!(distances, [1.0, 2.0, f32::INFINITY, f32::INFINITY]);
+    }
+}

@@ -1,0 +1,330 @@
+//! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
+
+use super::sample::Sample;
+
+/// Repetitions below which no percentiles are given.
+pub const MIN_SPREAD_N: usize = 20;
+
+/// Repeated measurements of one quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// How many.
+    pub n: usize,
+    /// Their median.
+    pub median: f64,
+    /// 5th and 95th percentile; none below [`MIN_SPREAD_N`].
+    pub p5_p95: Option<[f64; 2]>,
+}
+
+/// One setting of one method: what its frames have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The first of its frames, for settings, errors and shares.
+    pub sample: Sample,
+    /// Milliseconds of a frame. Where passes are timed: its own reflection passes, and for all
+    /// others, which every method shares, the median over the settings of its group; else wall
+    /// time.
+    pub ms: Spread,
+    /// Wall time.
+    pub frame_ms: Spread,
+    /// Milliseconds of the passes that find reflections, where they are timed.
+    pub reflection_ms: Option<Spread>,
+    /// Median milliseconds of each pass that ran.
+    pub passes_ms: Vec<(String, f64)>,
+}
+
+/// Points that may share a chart: one scene, camera, size, reference, adapter and commit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// In the order of the table.
+    pub points: Vec<Point>,
+    /// Settings that could not be judged or timed, with what failed.
+    pub failed: Vec<(Sample, String)>,
+    /// Whether errors are those inside the mask: it is large enough in all points.
+    pub masked: bool,
+    /// Of an animation, every frame on its own: its number and its point. `points` then are means
+    /// over the frames that were measured. Empty for a still scene.
+    pub over_frames: Vec<(u32, Point)>,
+}
+
+/// What errs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// Mean FLIP.
+    Flip,
+    /// 1 − SSIM.
+    Dissimilarity,
+    /// relMSE.
+    RelMse,
+}
+
+impl Metric {
+    /// On axes and in sentences.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flip => "FLIP",
+            Self::Dissimilarity => "1 − SSIM",
+            Self::RelMse => "relMSE",
+        }
+    }
+}
+
+impl Spread {
+    /// Of some values; none of nothing.
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        if values.is_empty() || values.iter().any(|v| v.is_nan()) {
+            return None;
+        }
+        values.sort_by(f64::total_cmp);
+        Some(Self {
+            n: values.len(),
+            median: percentile(&values, 0.5),
+            p5_p95: (values.len() >= MIN_SPREAD_N)
+                .then(|| [0.05, 0.95].map(|p| percentile(&values, p))),
+        })
+    }
+
+    /// Such as `4.21 ms (4.10 to 4.63)`, or with the remark that n is too small.
+    pub fn text(&self) -> String {
+        let median = digits(self.median);
+        match self.p5_p95 {
+            Some([low, high]) => format!("{median} ({} to {})", digits(low), digits(high)),
+            None => format!("{median} (n = {} is too small for p5–p95)", self.n),
+        }
+    }
+}
+
+/// A number with three significant digits, for people.
+pub fn digits(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    if !(1e-3..1e6).contains(&magnitude) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2 - magnitude.log10().floor() as i32).max(0);
+    format!("{value:.*}", decimals as usize)
+}
+
+/// Interpolated between ranks (definition 7 of Hyndman and Fan 1996); `sorted` is not empty.
+fn percentile(sorted: &[f64], p: f64) -> f64 {
+    let rank = p * (sorted.len() - 1) as f64;
+    let low = sorted[rank.floor() as usize];
+    let high = sorted[rank.ceil() as usize];
+    low + rank.fract() * (high - low)
+}
+
+impl Point {
+    fn new(samples: &[&Sample]) -> Option<Self> {
+        let spread = |of: fn(&Sample) -> Option<f64>| {
+            let values: Option<Vec<f64>> = samples.iter().map(|s| of(s)).collect();
+            values.and_then(Spread::of)
+        };
+        let frame_ms = spread(|s| s.frame_ms)?;
+        let first = samples.first()?;
+        let passes = first.details("pass_", "_ms").into_iter().enumerate();
+        let median = |(index, (name, _)): (usize, (String, f64))| {
+            let of = |s: &&Sample| s.details("pass_", "_ms")[index].1;
+            let spread = Spread::of(samples.iter().map(of).collect())?;
+            (spread.median > 0.0).then_some((name, spread.median))
+        };
+        Some(Self {
+            ms: frame_ms,
+            frame_ms,
+            reflection_ms: spread(|s| s.reflection_ms),
+            passes_ms: passes.filter_map(median).collect(),
+            sample: (*first).clone(),
+        })
+    }
+
+    /// The point of an animation: errors and shares are means over its frames, those inside the
+    /// mask over the frames whose mask is large enough; shares are of all reflective pixels.
+    /// Percentiles and PSNR have no mean.
+    fn averaged(mut self, samples: &[&Sample]) -> Self {
+        let mean = |of: fn(&Sample) -> Option<f64>| {
+            let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
+            (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        };
+        let s = &mut self.sample;
+        (s.flip, s.ssim, s.rel_mse) = (mean(|s| s.flip), mean(|s| s.ssim), mean(|s| s.rel_mse));
+        s.mask_px = mean(|s| Some(s.mask_px as f64)).unwrap_or(0.0) as u64;
+        s.rays = mean(|s| Some(s.rays as f64)).unwrap_or(0.0) as u64;
+        s.mask_flip = mean(|s| s.mask_flip);
+        s.mask_ssim = mean(|s| s.mask_ssim);
+        s.mask_rel_mse = mean(|s| s.mask_rel_mse);
+        s.update_ms = mean(|s| s.update_ms);
+        let reflective: f64 = samples.iter().map(|s| s.reflective_px as f64).sum();
+        let share = |of: fn(&Sample) -> f64| {
+            let sum: f64 = samples.iter().map(|s| of(s) * s.reflective_px as f64).sum();
+            sum / reflective.max(1.0)
+        };
+        s.screen_percent = share(|s| s.screen_percent);
+        s.traced_percent = share(|s| s.traced_percent);
+        s.failed_percent = share(|s| s.failed_percent);
+        s.none_percent = share(|s| s.none_percent);
+        s.rough_percent = share(|s| s.rough_percent);
+        (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
+        (s.psnr_db, s.mask_psnr_db) = (None, None); // infinite where one frame is equal
+        (s.false_accepts, s.false_rejects) = (None, None);
+        self
+    }
+
+    /// Its error, inside the mask or over the frame.
+    pub fn error(&self, metric: Metric, masked: bool) -> Option<f64> {
+        let s = &self.sample;
+        let [flip, ssim, rel_mse] = if masked {
+            [s.mask_flip, s.mask_ssim, s.mask_rel_mse]
+        } else {
+            [s.flip, s.ssim, s.rel_mse]
+        };
+        match metric {
+            Metric::Flip => flip,
+            // Rounding can put equal pictures a little over 1.
+            Metric::Dissimilarity => ssim.map(|ssim| (1.0 - ssim).max(0.0)),
+            Metric::RelMse => rel_mse,
+        }
+    }
+
+    /// Milliseconds of a pass; 0 where it did not run.
+    pub fn pass_ms(&self, name: &str) -> f64 {
+        let found = self.passes_ms.iter().find(|(pass, _)| pass == name);
+        found.map_or(0.0, |(_, ms)| *ms)
+    }
+
+    /// Such as `hybrid, threshold_u = 0.025`.
+    pub fn label(&self) -> String {
+        label(&self.sample)
+    }
+}
+
+/// What people call a sample's setting.
+pub fn label(sample: &Sample) -> String {
+    match (&sample.knob, sample.value) {
+        (Some(knob), Some(value)) => format!("{}, {knob} = {value}", sample.method),
+        _ => sample.method.clone(),
+    }
+}
+
+/// Sorts samples into groups and points, both in the order of their first sample.
+pub fn groups(samples: &[Sample]) -> Vec<Group> {
+    let mut groups: Vec<(String, Vec<&Sample>)> = Vec::new();
+    for sample in samples {
+        collect(&mut groups, group_key(sample), sample);
+    }
+    groups
+        .into_iter()
+        .map(|(_, samples)| group(&samples))
+        .collect()
+}
+
+/// What must be equal for points to be compared: above all the machine and the reference.
+fn group_key(s: &Sample) -> String {
+    format!(
+        "{:?}",
+        (
+            (&s.scene, &s.camera, s.width, s.height, s.samples),
+            (&s.adapter, &s.driver, &s.backend, &s.timing),
+            (&s.version, &s.commit, &s.os, &s.cpu),
+            (s.reference_bounces, s.reference_ray_length_u.to_bits()),
+        )
+    )
+}
+
+fn collect<'a>(groups: &mut Vec<(String, Vec<&'a Sample>)>, key: String, sample: &'a Sample) {
+    match groups.iter_mut().find(|(known, _)| *known == key) {
+        Some((_, members)) => members.push(sample),
+        None => groups.push((key, vec![sample])),
+    }
+}
+
+fn group(samples: &[&Sample]) -> Group {
+    let mut variants: Vec<(String, Vec<&Sample>)> = Vec::new();
+    let moves = samples.iter().any(|s| s.frame != samples[0].frame);
+    for sample in samples {
+        let key = if moves {
+            label(sample)
+        } else {
+            sample.fingerprint.clone()
+        };
+        collect(&mut variants, key, sample);
+    }
+    let mut over_frames = Vec::new();
+    let (mut points, mut failed) = (Vec::new(), Vec::new());
+    for (_, samples) in variants {
+        let broken = samples.iter().find(|sample| !sample.is_ok());
+        match (broken, Point::new(&samples)) {
+            (Some(sample), _) => failed.push(((*sample).clone(), sample.status.clone())),
+            (None, Some(point)) if moves => {
+                over_frames.extend(by_frame(&samples));
+                points.push(point.averaged(&samples));
+            }
+            (None, Some(point)) => points.push(point),
+            (None, None) => failed.push((samples[0].clone(), "was not timed".to_owned())),
+        }
+    }
+    share_common_passes(&mut points, samples);
+    let masked = points.iter().all(|p| p.sample.mask_flip.is_some());
+    Group {
+        points,
+        failed,
+        masked,
+        over_frames,
+    }
+}
+
+/// The points of each frame of one setting.
+fn by_frame(samples: &[&Sample]) -> Vec<(u32, Point)> {
+    let mut frames: Vec<(String, Vec<&Sample>)> = Vec::new();
+    for sample in samples {
+        collect(&mut frames, sample.frame.to_string(), sample);
+    }
+    let point = |(_, samples): (String, Vec<&Sample>)| {
+        Some((samples.first()?.frame, Point::new(&samples)?))
+    };
+    frames.into_iter().filter_map(point).collect()
+}
+
+/// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not
+/// decide between methods, so all points of one rendered size are charged the same for them.
+fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
+    for point in points {
+        let scale = point.sample.scale;
+        let common = |s: &&&Sample| Some(s.passes_ms? - s.reflection_ms?);
+        let alike = samples.iter().filter(|s| s.scale == scale && s.is_ok());
+        let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
+        if let (Some(common), Some(own)) = (common, point.reflection_ms) {
+            let total = |ms: f64| ms + common.median;
+            point.ms = Spread {
+                n: own.n,
+                median: total(own.median),
+                p5_p95: own.p5_p95.map(|ends| ends.map(total)),
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_need_twenty_values() {
+        let ramp = |n: usize| (0..n).map(|i| i as f64).collect::<Vec<_>>();
+        let few = Spread::of(ramp(19)).expect("values");
+        assert_eq!((few.n, few.median, few.p5_p95), (19, 9.0, None));
+        assert!(few.text().contains("n = 19 is too small"));
+        let many = Spread::of(ramp(21)).expect("values");
+        assert_eq!(many.p5_p95, Some([1.0, 19.0]));
+        assert_eq!(Spread::of(vec![1.0, 2.0]).expect("values").median, 1.5);
+        assert_eq!(Spread::of(Vec::new()), None);
+    }
+
+    #[test]
+    fn numbers_keep_three_digits() {
+        let of = [0.0, 0.012345, 1.2345, 12.345, 123.45, 1234.5, 1.5e-5];
+        let texts = of.map(digits);
+        let expected = ["0", "0.0123", "1.23", "12.3", "123", "1234", "1.50e-5"];
+        assert_eq!(texts, expected);
+    }
+}

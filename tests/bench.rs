@@ -1,0 +1,402 @@
+//! `bench` as people meet it: samples, report, resuming, choosing, and what it refuses.
+
+mod common;
+
+use std::{
+    collections::HashSet,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use common::gpu_or_skip;
+use reflet::bench::{
+    report::{self, words},
+    sample::{Sample, detail_columns, header, read_samples},
+    summary::{Group, groups},
+};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    folder
+}
+
+/// Runs `reflet bench`, checks the exit code, and gives standard output and standard error.
+#[track_caller]
+fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .arg("bench")
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .env_remove("REFLET_ASSETS")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
+    let texts =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {texts:?}");
+    assert!(!texts[1].contains("panicked"), "{}", texts[1]);
+    texts
+}
+
+fn samples(folder: &Path) -> Vec<Sample> {
+    let text = fs::read_to_string(folder.join("samples.csv")).expect("samples");
+    read_samples(&text).expect("a table of samples").0
+}
+
+/// A frame of a made-up scene: method, its value, milliseconds, FLIP; SSIM is 1 − FLIP.
+fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {
+    Sample {
+        fingerprint: format!("{method}-{value}"),
+        scene: "made up".to_owned(),
+        camera: "main".to_owned(),
+        width: 640,
+        height: 360,
+        method: method.to_owned(),
+        knob: Some("steps".to_owned()),
+        value: Some(value),
+        threshold_u: 0.025,
+        steps: value as u32,
+        ray_length_u: 16.0,
+        bounces: 3,
+        scale: 1.0,
+        status: "ok".to_owned(),
+        frame_ms: Some(ms + 1.0),
+        passes_ms: Some(ms),
+        reflection_ms: Some(ms - 3.0),
+        mask_px: 1000,
+        mask_flip: Some(flip),
+        mask_ssim: Some(1.0 - flip),
+        flip: Some(flip / 10.0),
+        ssim: Some(1.0 - flip / 10.0),
+        adapter: "made-up adapter".to_owned(),
+        reference_bounces: 16,
+        detail: vec![0.0; detail_columns().len()],
+        ..Sample::default()
+    }
+}
+
+fn set(sample: &mut Sample, column: &str, value: f64) {
+    let index = detail_columns().iter().position(|name| name == column);
+    sample.detail[index.expect("a column")] = value;
+}
+
+/// ssr is fast and wrong, hybrid between, rt exact; one hybrid setting is dominated.
+fn made_up() -> Vec<Sample> {
+    let mut rows = vec![
+        sample("ssr", 16.0, 5.0, 0.4),
+        sample("ssr", 128.0, 6.0, 0.3),
+        sample("hybrid", 16.0, 8.0, 0.05),
+        sample("hybrid", 128.0, 9.0, 0.01),
+        sample("hybrid", 256.0, 12.0, 0.02),
+        sample("rt", 3.0, 10.0, 0.001),
+    ];
+    for row in &mut rows[2..5] {
+        row.rays = 250;
+        set(row, "pass_ssr_ms", 1.5);
+        set(row, "pass_trace_ms", 1.0);
+    }
+    rows[5].rays = 1000;
+    set(&mut rows[5], "pass_ssr_ms", 0.5);
+    set(&mut rows[5], "pass_trace_ms", 3.0);
+    rows
+}
+
+fn write(folder: &Path, samples: &[Sample]) -> String {
+    let text: String = samples.iter().map(Sample::line).collect();
+    fs::write(folder.join("made.csv"), header() + text.as_str()).expect("a table");
+    "made.csv".to_owned()
+}
+
+fn only_group(samples: &[Sample]) -> Group {
+    let mut groups = groups(samples);
+    assert_eq!(groups.len(), 1);
+    groups.remove(0)
+}
+
+#[test]
+fn a_run_writes_samples_settings_and_a_report_and_resumes() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("run");
+    let run = [
+        "--sizes",
+        "64x36",
+        "--knob",
+        "threshold_u",
+        "--values",
+        "0.001,0.1",
+        "--frames",
+        "2",
+        "--warm-up",
+        "1",
+        "-o",
+        "out",
+    ];
+    exits(&folder, &run, 0);
+    let out = folder.join("out");
+    let first = samples(&out);
+    // Two values of two methods and one rt, which T does not touch; two frames each.
+    assert_eq!(first.len(), 10);
+    // A B C D E, then E D C B A.
+    let order: Vec<&str> = first.iter().map(|s| s.fingerprint.as_str()).collect();
+    let mirrored: Vec<&str> = order[5..].iter().rev().copied().collect();
+    assert_eq!(order[..5], mirrored[..]);
+    for sample in &first {
+        assert_eq!(sample.status, "ok");
+        assert!(sample.frame_ms.expect("timed") > 0.0);
+        let sum = sample.screen_percent + sample.traced_percent + sample.failed_percent;
+        let sum = sum + sample.none_percent + sample.rough_percent;
+        assert!((sum - 100.0).abs() < 1e-9, "{sum}");
+        let causes: f64 = sample.details("cause_", "_px").iter().map(|(_, n)| n).sum();
+        assert_eq!(causes as u64, sample.reflective_px);
+        assert_eq!(sample.false_accepts.is_some(), sample.method != "rt");
+    }
+    let error = |method: &str| {
+        let of = first.iter().find(|s| s.method == method).expect("measured");
+        of.flip.expect("judged")
+    };
+    assert!(error("rt") <= error("hybrid") && error("hybrid") < error("ssr"));
+
+    let json = fs::read_to_string(out.join("bench.json")).expect("settings");
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["measured"], 10);
+    assert_eq!(json["host"]["adapter"], first[0].adapter.as_str());
+    for chart in ["chart-1-flip.svg", "chart-1-ssim.svg", "course-1-knob.svg"] {
+        let svg = fs::read_to_string(out.join(chart)).expect("a chart");
+        assert!(
+            svg.contains("threshold_u") && svg.ends_with("</svg>\n"),
+            "{chart}"
+        );
+    }
+    let html = fs::read_to_string(out.join("report.html")).expect("a report");
+    assert!(html.ends_with("</html>\n") && html.contains("<svg") && html.contains("<title>"));
+    for outside in ["src=\"http", "href=\"http", "@import", "<script"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+
+    let [_, error] = exits(&folder, &run, 2);
+    assert!(error.contains("--resume"), "{error}");
+    // A torn last line is measured again; whole ones are kept as they are.
+    let text = fs::read_to_string(out.join("samples.csv")).expect("samples");
+    fs::write(out.join("samples.csv"), &text[..text.len() - 20]).expect("torn");
+    let resume = [&run[..], &["--resume"]].concat();
+    let [_, error] = exits(&folder, &resume, 0);
+    assert!(error.contains("9 frames were measured before"), "{error}");
+    let second = samples(&out);
+    assert_eq!((second.len(), &second[..9]), (10, &first[..9]));
+    let [_, error] = exits(&folder, &resume, 0);
+    assert!(error.contains("10 frames were measured before"), "{error}");
+    assert_eq!(samples(&out), second);
+}
+
+/// Ctrl-C in the middle: what was measured stays, and a second run adds the rest.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_keeps_its_samples() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("interrupted");
+    let run = [
+        "--sizes", "64x36", "--knob", "bounces", "--values", "1,2", "-o", ".",
+    ];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    let command = command.current_dir(&folder).arg("bench").args(run);
+    let command = command
+        .args(["--frames", "2000"])
+        .env("NODEVICE_SELECT", "1");
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("starts");
+    let csv = folder.join("samples.csv");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while fs::read_to_string(&csv).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(Instant::now() < deadline, "nothing was measured");
+        assert!(child.try_wait().expect("a child").is_none(), "it ended");
+        thread::sleep(Duration::from_millis(20));
+    }
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .expect("kill")
+            .success()
+    );
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("--resume measures the rest"), "{said}");
+    let kept = samples(&folder);
+    assert!(kept.len() >= 3 && kept.len() < 10_000, "{}", kept.len());
+    let json = fs::read_to_string(folder.join("bench.json")).expect("settings");
+    assert!(json.contains("\"interrupted\": true"), "{json}");
+    let settings = kept.iter().map(|s| &s.fingerprint).collect::<HashSet<_>>();
+    exits(
+        &folder,
+        &[&run[..], &["--frames", "1", "--resume"]].concat(),
+        0,
+    );
+    assert!(samples(&folder).len() >= kept.len() && settings.len() <= 5);
+}
+
+#[test]
+fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
+    let folder = folder("choose");
+    let csv = write(&folder, &made_up());
+    for (bound, method, steps) in [
+        ("ssim>=0.97", "hybrid", 128), // 8 ms reach 0.95 only
+        ("ssim>=0.5", "ssr", 16),
+        ("flip<=0.005", "rt", 3),
+        ("ms<=9.5", "hybrid", 128),
+        ("ms<=7", "ssr", 128),
+    ] {
+        let [block, _] = exits(
+            &folder,
+            &["--samples", &csv, "-o", ".", "--choose", bound],
+            0,
+        );
+        let lines: Vec<&str> = block.lines().collect();
+        assert!(lines.contains(&"[reflection]"), "{block}");
+        assert!(
+            lines.contains(&format!("method = \"{method}\"").as_str()),
+            "{bound}: {block}"
+        );
+        assert!(
+            lines.contains(&format!("steps = {steps}").as_str()),
+            "{bound}: {block}"
+        );
+    }
+    let [out, error] = exits(
+        &folder,
+        &["--samples", &csv, "-o", ".", "--choose", "ms<=1"],
+        6,
+    );
+    assert_eq!(out, "");
+    assert!(
+        error.contains("the closest is ssr, steps = 16 with 5.00"),
+        "{error}"
+    );
+}
+
+#[test]
+fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
+    let text = words::sentences(&only_group(&made_up())).join("\n");
+    for part in [
+        "On the Pareto front on made-up adapter: ssr and hybrid and rt.",
+        "in the 10.0 ms that rt's fastest setting takes, ssr, steps = 128 errs 0.300; \
+         hybrid, steps = 128 errs 0.0100",
+        "at FLIP 0.0100 or less, hybrid, steps = 128 takes 9.00 ms and rt, steps = 3 takes \
+         10.0 ms; hybrid takes 10.0 % less. ssr never errs so little.",
+        // (3.0 − 1.0) / (1.0 / 250 · 1000)
+        "marching first pays while it leaves less than 50.0 % of the rays",
+        "traces 25.0 % of rt's rays",
+        "n is too small for percentiles",
+    ] {
+        assert!(text.contains(part), "{part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn rt_that_wins_outright_is_said_to() {
+    let mut rows = made_up();
+    (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    assert!(
+        text.starts_with("rt wins outright on this adapter"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
+    let mut rows = made_up();
+    for row in &mut rows {
+        (row.mask_px, row.mask_flip, row.mask_ssim) = (60, None, None);
+    }
+    let group = only_group(&rows);
+    assert!(!group.masked);
+    let text = words::sentences(&group).join("\n");
+    assert!(
+        text.contains("60 px, which is too small to score"),
+        "{text}"
+    );
+    rows[0].adapter = "another".to_owned();
+    assert_eq!(groups(&rows).len(), 2);
+    rows[1].status = "3 pixels hold NaN".to_owned();
+    let failed: Vec<_> = groups(&rows).into_iter().flat_map(|g| g.failed).collect();
+    assert_eq!(failed[0].1, "3 pixels hold NaN");
+}
+
+#[test]
+fn an_animation_is_averaged_and_drawn_over_its_frames() {
+    let mut rows = Vec::new();
+    for (frame, flip, px) in [(0, 0.1, 100), (95, 0.3, 300)] {
+        for mut row in [sample("ssr", 16.0, 5.0, flip), sample("rt", 3.0, 10.0, 0.0)] {
+            row.fingerprint += &frame.to_string();
+            (row.frame, row.reflective_px) = (frame, px);
+            row.screen_percent = if frame == 0 { 100.0 } else { 20.0 };
+            rows.push(row);
+        }
+    }
+    let group = only_group(&rows);
+    assert_eq!((group.points.len(), group.over_frames.len()), (2, 4));
+    let ssr = &group.points[0].sample;
+    assert!((ssr.mask_flip.expect("a mean") - 0.2).abs() < 1e-12);
+    assert!(
+        (ssr.screen_percent - 40.0).abs() < 1e-12,
+        "{}",
+        ssr.screen_percent
+    );
+    let sections = report::sections(&rows).expect("drawn");
+    let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
+    assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));
+}
+
+#[test]
+fn bad_input_is_refused_before_anything_is_measured() {
+    let folder = folder("bad");
+    fs::write(folder.join("empty.csv"), "").expect("a file");
+    fs::write(folder.join("rowless.csv"), header()).expect("a file");
+    fs::write(folder.join("other.csv"), "a,b\n1,2\n").expect("a file");
+    fs::write(folder.join("file"), "").expect("a file");
+    for (arguments, code, says) in [
+        (
+            &["--knob", "speed"][..],
+            2,
+            "choose from threshold_u, steps",
+        ),
+        (
+            &["--knob", "steps", "--values", "3"],
+            2,
+            "a whole number from 8 to 4096",
+        ),
+        (&["--knob", "steps", "--values", "many"], 2, "many"),
+        (&["--values", "3"], 2, "--knob"),
+        (&["--methods", "ssr,magic"], 2, "magic"),
+        (&["--frames", "0"], 2, "1..=100000"),
+        (&["--sizes", "64"], 2, "WIDTHxHEIGHT"),
+        (&["--choose", "speed>=3"], 2, "cannot be bounded"),
+        (&["--samples", "none.csv"], 2, "cannot be read"),
+        (&["--samples", "empty.csv"], 2, "is empty"),
+        (&["--samples", "rowless.csv"], 2, "holds no samples"),
+        (
+            &["--samples", "other.csv"],
+            2,
+            "there is no column fingerprint",
+        ),
+        (&["none.toml"], 3, "none.toml"),
+        (&["--camera", "none"], 2, "it has: main, side"),
+        (&["-o", "file/below"], 2, "cannot be made a folder"),
+        (&["paper", "fig9"], 2, "fig1"),
+    ] {
+        let [_, error] = exits(&folder, arguments, code);
+        assert!(error.contains(says), "{arguments:?} says {error}");
+        assert!(!folder.join("bench/samples.csv").exists(), "{arguments:?}");
+    }
+}

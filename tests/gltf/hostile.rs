@@ -1,0 +1,288 @@
+//! Broken glTF files: a named error at a named place, never a panic.
+
+use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
+use serde_json::{Value, json};
+
+#[test]
+fn the_unharmed_file_loads() {
+    let world = rich().world();
+    assert_eq!(
+        (
+            world.instances.len(),
+            world.lights.len(),
+            world.textures.len()
+        ),
+        (3, 1, 2)
+    );
+    assert!(world.warnings.is_empty(), "{:#?}", world.warnings);
+}
+
+#[test]
+fn a_glb_cut_anywhere_is_refused() {
+    let bytes = rich().glb();
+    let folder = Folder::new();
+    for length in 0..bytes.len() {
+        folder.write("m.glb", &bytes[..length]);
+        let (name, message) = one_error(load_scene(&scene(&folder.0, "m.glb")));
+        let expected = if length < 4 {
+            "gltf-json"
+        } else {
+            "glb-broken"
+        };
+        assert_eq!(name, expected, "cut at {length}: {message}");
+    }
+}
+
+#[test]
+fn glb_chunks_must_fit() {
+    let good = Doc::triangle().glb();
+    let json_length = u32::from_le_bytes([good[12], good[13], good[14], good[15]]) as usize;
+    let bin = 20 + json_length;
+    let folder = Folder::new();
+    for (at, value) in [
+        (12, u32::MAX),
+        (12, 0),
+        (12, json_length as u32 + 4),
+        (bin, u32::MAX),
+        (bin, 40),
+        (8, u32::MAX),
+    ] {
+        let mut bytes = good.clone();
+        bytes[at..at + 4].copy_from_slice(&value.to_le_bytes());
+        folder.write("m.glb", bytes);
+        let (name, message) = one_error(load_scene(&scene(&folder.0, "m.glb")));
+        assert!(
+            ["glb-broken", "gltf-json"].contains(&name),
+            "{value} at {at}: {name}: {message}"
+        );
+    }
+    for (at, byte, name) in [(4, 1, "gltf-version"), (16, b'X', "glb-broken")] {
+        let mut bytes = good.clone();
+        bytes[at] = byte;
+        folder.write("m.glb", bytes);
+        assert_eq!(one_error(load_scene(&scene(&folder.0, "m.glb"))).0, name);
+    }
+}
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
+fn every_wrong_value_is_named() {
+    let huge = u64::MAX;
+    let cases: &[(&str, Value, &str)] = &[
+        ("/asset/version", json!("1.0"), "gltf-version"),
+        ("/scene", json!(9), "gltf-node"),
+        ("/scenes/0/nodes", json!([99]), "gltf-node"),
+        ("/nodes/2/children", json!([99]), "gltf-node"),
+        ("/nodes/0/mesh", json!(9), "gltf-node"),
+        ("/nodes/1/camera", json!(9), "gltf-node"),
+        (
+            "/nodes/1/extensions/KHR_lights_punctual/light",
+            json!(9),
+            "gltf-node",
+        ),
+        ("/nodes/0/rotation", json!([0, 0, 0, 0]), "gltf-node"),
+        ("/nodes/0/scale", json!([1e39, 1, 1]), "gltf-node"),
+        (
+            "/nodes/0/matrix",
+            json!([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0]),
+            "gltf-node",
+        ),
+        (
+            "/nodes/2/extensions/EXT_mesh_gpu_instancing/attributes/SCALE",
+            json!(0),
+            "gltf-node",
+        ),
+        (
+            "/nodes/2/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION",
+            json!(99),
+            "gltf-accessor",
+        ),
+        (
+            "/meshes/0/primitives/0/attributes/POSITION",
+            json!(99),
+            "gltf-index",
+        ),
+        (
+            "/meshes/0/primitives/0/attributes/NORMAL",
+            json!(2),
+            "gltf-accessor",
+        ),
+        (
+            "/meshes/0/primitives/0/attributes/TEXCOORD_0",
+            json!(5),
+            "gltf-attribute",
+        ),
+        ("/meshes/0/primitives/0/indices", json!(0), "gltf-accessor"),
+        ("/meshes/0/primitives/0/indices", json!(99), "gltf-index"),
+        ("/meshes/0/primitives/0/material", json!(9), "gltf-index"),
+        ("/meshes/0/primitives/0/mode", json!(9), "gltf-mode"),
+        ("/accessors/0/count", json!(0), "gltf-accessor"),
+        ("/accessors/0/count", json!(4), "gltf-accessor"),
+        ("/accessors/0/count", json!(huge), "gltf-accessor"),
+        ("/accessors/0/byteOffset", json!(huge), "gltf-accessor"),
+        ("/accessors/0/byteOffset", json!(2), "gltf-accessor"),
+        ("/accessors/0/componentType", json!(5124), "gltf-accessor"),
+        ("/accessors/0/type", json!("VEC9"), "gltf-accessor"),
+        ("/accessors/0/bufferView", json!(99), "gltf-accessor"),
+        ("/accessors/3/componentType", json!(5120), "gltf-accessor"),
+        ("/accessors/4/sparse/count", json!(0), "gltf-accessor"),
+        ("/accessors/4/sparse/count", json!(huge), "gltf-accessor"),
+        (
+            "/accessors/4/sparse/indices/byteOffset",
+            json!(huge),
+            "gltf-accessor",
+        ),
+        (
+            "/accessors/4/sparse/values/bufferView",
+            json!(99),
+            "gltf-accessor",
+        ),
+        ("/bufferViews/0/buffer", json!(9), "gltf-buffer-view"),
+        ("/bufferViews/0/byteOffset", json!(huge), "gltf-buffer-view"),
+        ("/bufferViews/0/byteLength", json!(huge), "gltf-buffer-view"),
+        ("/bufferViews/0/byteStride", json!(6), "gltf-buffer-view"),
+        ("/bufferViews/0/byteStride", json!(8), "gltf-accessor"),
+        ("/buffers/0/byteLength", json!(huge), "buffer-short"),
+        ("/buffers/0/uri", json!("nothing.bin"), "file-not-found"),
+        ("/buffers/0/uri", json!("data:;base64,!!"), "uri-broken"),
+        ("/buffers/0/uri", json!("data:"), "uri-broken"),
+        ("/materials/0/normalTexture/index", json!(9), "gltf-index"),
+        ("/materials/0/alphaMode", json!("GLASS"), "gltf-material"),
+        ("/textures/0/source", json!(9), "gltf-index"),
+        ("/textures/0/sampler", json!(9), "gltf-index"),
+        ("/samplers/0/wrapS", json!(9), "gltf-sampler"),
+        ("/images/0/bufferView", json!(99), "gltf-index"),
+        ("/images/0/uri", json!("a.png"), "gltf-image"),
+        (
+            "/extensions/KHR_lights_punctual/lights/0/type",
+            json!("laser"),
+            "gltf-light",
+        ),
+        (
+            "/extensions/KHR_lights_punctual/lights/0/intensity",
+            json!(-1),
+            "gltf-light",
+        ),
+        ("/cameras/0/perspective/yfov", json!(0), "gltf-camera"),
+        ("/accessors/0/count", json!(-1), "gltf-json"),
+        ("/nodes", json!(7), "gltf-json"),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut doc = rich();
+        let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
+        let parent = doc.json.pointer_mut(parent).expect(pointer);
+        match key.parse::<usize>() {
+            Ok(i) if parent.is_array() => parent[i] = value.clone(),
+            _ => parent[key] = value.clone(),
+        }
+        let errors = doc
+            .load()
+            .err()
+            .unwrap_or_else(|| panic!("{pointer} = {value} loads"));
+        assert_eq!(
+            errors[0].name, *expected,
+            "{pointer} = {value}: {}",
+            errors[0].message
+        );
+        assert!(errors[0].file.is_some(), "{pointer}");
+    }
+}
+
+#[test]
+fn messages_name_file_and_place() {
+    let mut doc = rich();
+    let bad = doc.accessor("SCALAR", 5123, 3, &[0, 0, 1, 0, 9, 0]);
+    doc.primitive("indices", bad.into());
+    let errors = doc.load().expect_err("index out of range");
+    let expected =
+        "mesh 0 \"wall\" primitive 0: index 9 at place 2 is out of range, there are 3 vertices";
+    assert_eq!(
+        (errors[0].name, errors[0].message.as_str()),
+        ("gltf-index", expected)
+    );
+    assert!(
+        errors[0]
+            .file
+            .as_ref()
+            .is_some_and(|f| f.ends_with("m.glb"))
+    );
+
+    let mut doc = rich();
+    doc.json["accessors"][1]["componentType"] = 5125.into();
+    let (name, message) = doc.error();
+    assert_eq!(name, "gltf-accessor");
+    assert_eq!(
+        message,
+        "mesh 0 \"wall\" primitive 0: NORMAL: accessor 1 is VEC3 U32, which is not allowed here"
+    );
+}
+
+#[test]
+fn the_node_tree_must_be_a_tree() {
+    let trees = [
+        ("its own child", json!([{"children": [0]}]), vec![0]),
+        (
+            "a circle",
+            json!([{"children": [1]}, {"children": [0]}]),
+            vec![0],
+        ),
+        (
+            "a circle elsewhere",
+            json!([{}, {"children": [2]}, {"children": [1]}]),
+            vec![0],
+        ),
+        (
+            "two parents",
+            json!([{"children": [2]}, {"children": [2]}, {}]),
+            vec![0, 1],
+        ),
+        (
+            "the same child twice",
+            json!([{"children": [1, 1]}, {}]),
+            vec![0],
+        ),
+        (
+            "a root with a parent",
+            json!([{"children": [1]}, {}]),
+            vec![0, 1],
+        ),
+        ("a root twice", json!([{}]), vec![0, 0]),
+    ];
+    for (what, nodes, roots) in trees {
+        let mut doc = Doc::triangle();
+        doc.json["nodes"] = nodes;
+        doc.json["scenes"][0]["nodes"] = json!(roots);
+        assert_eq!(doc.error().0, "gltf-node", "{what}");
+    }
+    for (length, loads) in [(200, true), (100_000, false)] {
+        let mut doc = Doc::triangle();
+        let chain = (0..length).map(|i| {
+            if i + 1 < length {
+                json!({"children": [i + 1]})
+            } else {
+                json!({"mesh": 0})
+            }
+        });
+        doc.json["nodes"] = chain.collect();
+        assert_eq!(doc.load().is_ok(), loads, "{length} levels");
+    }
+}
+
+#[test]
+fn accessors_without_data_are_bounded() {
+    let mut doc = Doc::triangle();
+    doc.json["accessors"][0] = json!({"componentType": 5126, "count": 3, "type": "VEC3"});
+    assert!(
+        doc.load().is_ok_and(|w| w.instances.is_empty()),
+        "three zeros make no triangle"
+    );
+    doc.json["accessors"][0]["count"] = 4_000_000_000u64.into();
+    assert_eq!(doc.error().0, "geometry-too-large");
+    // Many primitives of the same large accessor run into the budget, not into memory.
+    doc.json["accessors"][0]["count"] = (1u64 << 22).into();
+    doc.json["meshes"][0]["primitives"] = Value::Array(vec![
+        json!({"attributes": {"POSITION": 0}, "mode": 0});
+        10_000
+    ]);
+    assert!(doc.load().is_ok(), "points are not even read");
+}

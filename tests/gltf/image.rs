@@ -1,0 +1,129 @@
+//! Images inside glTF files: decoded to 8-bit RGBA, or refused by name before they cost anything.
+
+use std::{
+    io::Cursor,
+    time::{Duration, Instant},
+};
+
+use crate::kit::{Doc, Folder, one_error, png, rich, scene};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
+use reflet::world::{
+    Texture,
+    load::{LoadOptions, load},
+};
+use serde_json::json;
+
+fn textured(image: &[u8]) -> Doc {
+    let mut doc = Doc::triangle();
+    let texture = doc.texture(image);
+    let pbr = json!({"baseColorTexture": {"index": texture}});
+    doc.add("materials", json!({"pbrMetallicRoughness": pbr}));
+    doc.primitive("material", 0.into());
+    doc
+}
+
+fn decoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Texture {
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .into()
+        .write_to(&mut bytes, format)
+        .expect("encoded");
+    let mut world = textured(&bytes.into_inner()).world();
+    world.textures.remove(0)
+}
+
+#[test]
+fn every_depth_becomes_rgba8() {
+    let gray = ImageBuffer::from_pixel(3, 2, Luma([0x8000u16]));
+    let texture = decoded(gray, ImageFormat::Png);
+    assert_eq!((texture.width, texture.height), (3, 2));
+    assert_eq!(texture.rgba, [128, 128, 128, 255].repeat(6));
+    assert!(texture.name.contains("m.glb: image 0"), "{}", texture.name);
+    let rgb16 = ImageBuffer::from_pixel(1, 1, Rgb([0u16, 0x4040, 0xFFFF]));
+    assert_eq!(decoded(rgb16, ImageFormat::Png).rgba, [0, 64, 255, 255]);
+    let rgb = ImageBuffer::from_pixel(16, 16, Rgb([200u8, 100, 50]));
+    // The stated type says PNG: the content decides.
+    let jpeg = decoded(rgb, ImageFormat::Jpeg).rgba;
+    let near = |p: &[u8]| {
+        p.iter()
+            .zip([200, 100, 50, 255])
+            .all(|(a, b)| a.abs_diff(b) <= 3)
+    };
+    assert!(jpeg.chunks(4).all(near), "{:?}", &jpeg[..4]);
+    let gray = ImageBuffer::from_pixel(16, 16, Luma([77u8]));
+    assert!(
+        decoded(gray, ImageFormat::Jpeg).rgba[..3]
+            .iter()
+            .all(|v| v.abs_diff(77) <= 1)
+    );
+}
+
+/// Loads a file with this image and gives the error's name.
+fn image_error(image: &[u8]) -> &'static str {
+    let doc = textured(image);
+    let start = Instant::now();
+    let (name, message) = doc.error();
+    assert!(message.starts_with("image 0"), "{message}");
+    assert!(start.elapsed() < Duration::from_secs(2), "{message}");
+    name
+}
+
+#[test]
+fn image_bombs_are_stopped_at_the_header() {
+    let good = png(4, 4, [1, 2, 3, 4]);
+    let sized = |width: u32, height: u32| {
+        let mut bytes = good.clone();
+        bytes[16..20].copy_from_slice(&width.to_be_bytes());
+        bytes[20..24].copy_from_slice(&height.to_be_bytes());
+        bytes
+    };
+    for (width, height) in [(100_000, 100_000), (16385, 1), (0, 4), (u32::MAX, u32::MAX)] {
+        assert_eq!(
+            image_error(&sized(width, height)),
+            "image-too-large",
+            "{width} × {height}"
+        );
+    }
+    assert_eq!(image_error(&sized(8, 8)), "image-broken", "wrong checksum");
+    // One pixel over the JPEG limit of this loader, in an otherwise endless header.
+    let jpeg = [
+        &[0xFF, 0xD8, 0xFF, 0xC0, 0, 17, 8, 0x40, 0x01, 0x40, 0x01, 3][..],
+        &[0; 9],
+    ]
+    .concat();
+    assert_eq!(image_error(&jpeg), "image-too-large");
+    for (bytes, expected) in [
+        (&good[..good.len() / 2], "image-broken"),
+        (&good[..20], "image-broken"),
+        (&[0xFF, 0xD8, 0xFF][..], "image-broken"),
+        (&[0xFF, 0xD8, 0xFF, 0xDA, 0, 2][..], "image-broken"),
+        (b"RIFF\0\0\0\0WEBPVP8 ", "image-unsupported"),
+        (b"<svg></svg>", "image-unsupported"),
+    ] {
+        assert_eq!(image_error(bytes), expected, "{bytes:?}");
+    }
+}
+
+#[test]
+fn all_images_together_have_a_budget() {
+    let folder = Folder::new();
+    folder.write("m.glb", rich().glb()); // 4 × 4 pixels, twice: 128 bytes
+    let desc = scene(&folder.0, "m.glb");
+    for (image_budget_bytes, max_texture_px, expected) in [
+        (128, 4, None),
+        (127, 4, Some("image-budget")),
+        (128, 3, Some("image-too-large")),
+    ] {
+        let options = LoadOptions {
+            image_budget_bytes,
+            max_texture_px,
+            ..LoadOptions::default()
+        };
+        assert_eq!(load(&desc, &options).err().map(|e| e[0].name), expected);
+    }
+    let options = LoadOptions {
+        max_file_bytes: 100,
+        ..LoadOptions::default()
+    };
+    assert_eq!(one_error(load(&desc, &options)).0, "file-too-large");
+}

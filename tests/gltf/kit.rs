@@ -1,0 +1,379 @@
+//! Small glTF files made in code, and their loading, for the tests beside.
+#![allow(dead_code, reason = "not every test uses every helper")] // each test file uses its own part
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicU32, Ordering},
+};
+
+use glam::{Quat, Vec3};
+use reflet::{
+    scene::{
+        desc::{At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, SceneDesc},
+        diagnostic::{Diagnostic, Severity, Span},
+    },
+    world::{
+        World,
+        load::{LoadOptions, load},
+    },
+};
+use serde_json::{Value, json};
+
+/// A folder of its own, removed at the end.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    pub fn new() -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let name = format!(
+            "reflet-gltf-{}-{}",
+            std::process::id(),
+            NEXT.fetch_add(1, Ordering::Relaxed)
+        );
+        let path = std::env::temp_dir().join(name);
+        fs::create_dir_all(&path).expect("temporary folder");
+        Self(path)
+    }
+
+    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.0.join(name);
+        fs::create_dir_all(path.parent().expect("inside the folder")).expect("folder");
+        fs::write(&path, bytes).expect("temporary file");
+        path
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A glTF document under construction; its one buffer is GLB's binary chunk.
+#[derive(Clone)]
+pub struct Doc {
+    pub json: Value,
+    pub bin: Vec<u8>,
+}
+
+impl Doc {
+    /// No content yet.
+    pub fn empty() -> Self {
+        let json = json!({
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [],
+            "meshes": [], "accessors": [], "bufferViews": [], "buffers": [{"byteLength": 0}],
+            "materials": [], "textures": [], "images": [], "samplers": [],
+            "extensionsUsed": [], "extensionsRequired": []
+        });
+        Self {
+            json,
+            bin: Vec::new(),
+        }
+    }
+
+    /// One node with one mesh of one right-angled triangle in z = 0, counter-clockwise.
+    pub fn triangle() -> Self {
+        let mut doc = Self::empty();
+        let positions = doc.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
+        doc.root_node(json!({"name": "wall", "mesh": mesh}));
+        doc
+    }
+
+    /// Appends to a top-level array and gives the index.
+    pub fn add(&mut self, array: &str, value: Value) -> usize {
+        let list = self.json[array].as_array_mut().expect("top-level array");
+        list.push(value);
+        list.len() - 1
+    }
+
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        let offset = self.bin.len();
+        self.bin.extend_from_slice(bytes);
+        self.json["buffers"][0]["byteLength"] = self.bin.len().into();
+        self.add(
+            "bufferViews",
+            json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}),
+        )
+    }
+
+    pub fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
+        let view = self.view(bytes);
+        self.add(
+            "accessors",
+            json!({"bufferView": view, "componentType": component, "count": count, "type": kind}),
+        )
+    }
+
+    pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        let lanes = match kind {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            _ => 4,
+        };
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.accessor(kind, 5126, values.len() / lanes, &bytes)
+    }
+
+    pub fn mesh(&mut self, primitive: Value) -> usize {
+        self.add("meshes", json!({"name": "wall", "primitives": [primitive]}))
+    }
+
+    pub fn root_node(&mut self, node: Value) -> usize {
+        let index = self.add("nodes", node);
+        self.json["scenes"][0]["nodes"]
+            .as_array_mut()
+            .expect("nodes")
+            .push(index.into());
+        index
+    }
+
+    /// An image in the binary chunk and a texture for it.
+    pub fn texture(&mut self, png: &[u8]) -> usize {
+        let view = self.view(png);
+        let image = self.add(
+            "images",
+            json!({"bufferView": view, "mimeType": "image/png"}),
+        );
+        self.add("textures", json!({"source": image}))
+    }
+
+    /// Sets a key of the first primitive.
+    pub fn primitive(&mut self, key: &str, value: Value) {
+        self.json["meshes"][0]["primitives"][0][key] = value;
+    }
+
+    pub fn attribute(&mut self, name: &str, accessor: usize) {
+        self.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor.into();
+    }
+
+    pub fn glb(&self) -> Vec<u8> {
+        let mut json = serde_json::to_vec(&self.json).expect("JSON");
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let mut bin = self.bin.clone();
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        let mut out = b"glTF\x02\0\0\0".to_vec();
+        out.extend(((12 + 8 + json.len() + 8 + bin.len()) as u32).to_le_bytes());
+        out.extend((json.len() as u32).to_le_bytes());
+        out.extend(b"JSON");
+        out.extend(json);
+        out.extend((bin.len() as u32).to_le_bytes());
+        out.extend(b"BIN\0");
+        out.extend(bin);
+        out
+    }
+
+    /// Writes it as GLB and loads it as the model `m`.
+    pub fn load(&self) -> Result<World, Vec<Diagnostic>> {
+        let folder = Folder::new();
+        folder.write("m.glb", self.glb());
+        load_scene(&scene(&folder.0, "m.glb"))
+    }
+
+    /// Must load.
+    pub fn world(&self) -> World {
+        self.load().unwrap_or_else(|e| panic!("{e:#?}"))
+    }
+
+    /// Must be refused with one error; gives its name and message.
+    pub fn error(&self) -> (&'static str, String) {
+        one_error(self.load())
+    }
+}
+
+pub fn one_error(result: Result<World, Vec<Diagnostic>>) -> (&'static str, String) {
+    let errors = result.expect_err("this must be refused");
+    assert_eq!(errors.len(), 1, "{errors:#?}");
+    assert_eq!(errors[0].severity, Severity::Error);
+    (errors[0].name, errors[0].message.clone())
+}
+
+/// A scene in `folder` with `file` as model `m`, standing once at the origin.
+pub fn scene(folder: &Path, file: &str) -> SceneDesc {
+    let source = ModelSource::File(at(file));
+    let model = ModelDesc {
+        source,
+        material: None,
+        overrides: Vec::new(),
+        lights: true,
+    };
+    SceneDesc {
+        folder: folder.to_owned(),
+        models: vec![entry("m", model)],
+        ..SceneDesc::default()
+    }
+}
+
+pub fn load_scene(desc: &SceneDesc) -> Result<World, Vec<Diagnostic>> {
+    load(desc, &LoadOptions::default())
+}
+
+pub fn at(text: &str) -> At<String> {
+    At {
+        value: text.to_owned(),
+        at: Span::default(),
+    }
+}
+
+pub fn entry<T>(name: &str, value: T) -> Entry<T> {
+    Entry {
+        name: name.into(),
+        at: Span::default(),
+        value,
+    }
+}
+
+/// Names of the world's warnings.
+pub fn warnings(world: &World) -> Vec<&'static str> {
+    world.warnings.iter().map(|w| w.name).collect()
+}
+
+/// A PNG of one color.
+pub fn png(width: u32, height: u32, rgba: [u8; 4]) -> Vec<u8> {
+    let mut out = std::io::Cursor::new(Vec::new());
+    let picture = image::RgbaImage::from_pixel(width, height, image::Rgba(rgba));
+    picture
+        .write_to(&mut out, image::ImageFormat::Png)
+        .expect("PNG");
+    out.into_inner()
+}
+
+/// A file that uses every kind of reference.
+pub fn rich() -> Doc {
+    let mut doc = Doc::triangle();
+    let normals = doc.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+    let uv = doc.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+    let indices = doc.accessor("SCALAR", 5123, 3, &[0, 0, 1, 0, 2, 0]);
+    doc.attribute("NORMAL", normals);
+    doc.attribute("TEXCOORD_0", uv);
+    doc.attribute("TEXCOORD_1", uv);
+    doc.primitive("indices", indices.into());
+    let texture = doc.texture(&png(4, 4, [128, 128, 255, 255]));
+    doc.json["samplers"] = json!([{"wrapS": 10497}]);
+    doc.json["textures"][texture]["sampler"] = 0.into();
+    let slot = json!({"index": texture, "texCoord": 1});
+    doc.add(
+        "materials",
+        json!({"normalTexture": slot, "pbrMetallicRoughness": {"baseColorTexture": slot}}),
+    );
+    doc.primitive("material", 0.into());
+    let sparse = doc.floats("VEC3", &[0.0; 9]);
+    let (targets, values) = (doc.view(&[1, 0, 2, 0]), doc.view(&[0; 24]));
+    doc.json["accessors"][sparse]["sparse"] = json!({
+        "count": 2, "indices": {"bufferView": targets, "componentType": 5123}, "values": {"bufferView": values}
+    });
+    let offsets = doc.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
+    doc.json["extensions"] =
+        json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 3}]}});
+    doc.json["cameras"] =
+        json!([{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]);
+    doc.json["extensionsUsed"] = json!(["KHR_lights_punctual", "EXT_mesh_gpu_instancing"]);
+    let child = doc.add(
+        "nodes",
+        json!({"camera": 0, "extensions": {"KHR_lights_punctual": {"light": 0}}}),
+    );
+    doc.root_node(
+        json!({"mesh": 0, "translation": [0, 0, 2], "children": [child], "extensions":
+        {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": offsets}}}}),
+    );
+    doc
+}
+
+pub fn instance(model: &str) -> InstanceDesc {
+    InstanceDesc {
+        name: None,
+        model: at(model),
+        placement: trs(Vec3::ZERO),
+        dynamic: false,
+        repeat: None,
+        material: None,
+        at: Span::default(),
+    }
+}
+
+pub fn trs(translation: Vec3) -> PlacementDesc {
+    PlacementDesc::Trs {
+        translation,
+        rotation: Quat::IDENTITY,
+        scale: Vec3::ONE,
+    }
+}
+
+/// A triangle with a material "stone" that uses one image as color and as data.
+pub fn stone() -> Doc {
+    let mut doc = Doc::triangle();
+    let texture = doc.texture(&png(3, 2, [10, 20, 30, 40]));
+    doc.json["samplers"] = json!([{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]);
+    doc.json["textures"][texture]["sampler"] = 0.into();
+    doc.add(
+        "materials",
+        json!({
+            "name": "stone", "alphaMode": "MASK", "doubleSided": true, "emissiveFactor": [1, 0.5, 0],
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.25, "roughnessFactor": 0.75,
+                "baseColorTexture": {"index": texture}, "metallicRoughnessTexture": {"index": texture}
+            }
+        }),
+    );
+    doc.primitive("material", 0.into());
+    doc
+}
+
+/// What every loaded world promises.
+pub fn check_promises(world: &World, name: &str) {
+    for mesh in &world.meshes {
+        let n = mesh.positions.len();
+        let optional = [mesh.tangents.len(), mesh.uv1.len(), mesh.colors.len()];
+        assert!(
+            optional.iter().all(|&len| len == 0 || len == n),
+            "{name}: {}",
+            mesh.name
+        );
+        assert_eq!(
+            (mesh.normals.len(), mesh.uv0.len()),
+            (n, n),
+            "{name}: {}",
+            mesh.name
+        );
+        assert!(
+            mesh.triangles.iter().flatten().all(|&i| (i as usize) < n),
+            "{name}: {}",
+            mesh.name
+        );
+        assert!(
+            mesh.positions.iter().all(|p| p.is_finite()),
+            "{name}: {}",
+            mesh.name
+        );
+        assert!(
+            mesh.normals.iter().all(|v| (v.length() - 1.0).abs() < 1e-4),
+            "{name}: {}",
+            mesh.name
+        );
+        let unit = |t: &glam::Vec4| (t.truncate().length() - 1.0).abs() < 1e-4 && t.w.abs() == 1.0;
+        assert!(mesh.tangents.iter().all(unit), "{name}: {}", mesh.name);
+    }
+    for i in &world.instances {
+        assert!(
+            i.mesh < world.meshes.len() && i.material < world.materials.len(),
+            "{name}"
+        );
+        assert!(
+            i.world_from_object.inverse().is_finite(),
+            "{name}: {}",
+            i.name
+        );
+    }
+    for t in &world.textures {
+        assert_eq!(
+            t.rgba.len(),
+            t.width as usize * t.height as usize * 4,
+            "{name}: {}",
+            t.name
+        );
+    }
+    assert!(!world.cameras.is_empty(), "{name}");
+}

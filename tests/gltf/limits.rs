@@ -1,0 +1,171 @@
+//! Where a glTF file may reach, and what random damage to it does.
+
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
+
+use crate::common::Random;
+use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
+use serde_json::{Value, json};
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
+fn uris_cannot_leave_the_allowed_folders() {
+    let (outside, root) = (Folder::new(), Folder::new());
+    let secret = outside.write("secret.bin", [0; 64]);
+    let secret = secret.to_str().expect("UTF-8");
+    let up = format!(
+        "../{}/secret.bin",
+        outside.0.file_name().expect("name").to_string_lossy()
+    );
+    fs::create_dir(root.0.join("deep")).expect("folder");
+    let mut uris = vec![
+        secret.to_owned(),
+        up.clone(),
+        format!("deep/../{up}"),
+        format!("./{up}"),
+        up.replace("../", "%2e%2e/"),
+        up.replace("../", "..%2F"),
+        up.replace("../", "..\\"),
+        up.replace("../", "..%5C"),
+        format!("file://{secret}"),
+        format!("FILE:{secret}"),
+        "http://example.org/a.bin".into(),
+        "https:a.bin".into(),
+        "ftp://example.org/a".into(),
+        "c:/windows/a.bin".into(),
+        "javascript:0".into(),
+        "%2Fetc/passwd".into(),
+        "/dev/zero".into(),
+        "//host/share/a.bin".into(),
+        "\\\\host\\share".into(),
+        "../".repeat(100) + "etc/passwd",
+        "a\0b".into(),
+        "a%00b".into(),
+        String::new(),
+    ];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&outside.0, root.0.join("link")).expect("link");
+        std::os::unix::fs::symlink(secret, root.0.join("link.bin")).expect("link");
+        uris.extend(["link/secret.bin".into(), "link.bin".into()]);
+    }
+    for uri in &uris {
+        let mut doc = Doc::triangle();
+        doc.json["buffers"][0]["uri"] = uri.as_str().into();
+        root.write("m.gltf", serde_json::to_vec(&doc.json).expect("JSON"));
+        let (name, message) = one_error(load_scene(&scene(&root.0, "m.gltf")));
+        assert_eq!(name, "path-escape", "buffer {uri:?}: {message}");
+
+        let mut doc = rich();
+        doc.json["images"] = json!([{"uri": uri}]);
+        root.write("m.glb", doc.glb());
+        let errors = load_scene(&scene(&root.0, "m.glb")).expect_err(uri);
+        assert!(
+            errors.iter().all(|e| e.name == "path-escape"),
+            "image {uri:?}: {errors:#?}"
+        );
+
+        // Names in scene text are not percent-decoded: there such a code is just an odd name.
+        let errors = load_scene(&scene(&root.0, uri)).expect_err(uri);
+        let expected = if uri.contains('%') {
+            "file-not-found"
+        } else {
+            "path-escape"
+        };
+        assert_eq!(errors[0].name, expected, "scene {uri:?}: {errors:#?}");
+    }
+    for (uri, expected) in [
+        ("%ff%fe.bin", "uri-broken"),
+        (".", "not-a-file"),
+        ("deep", "not-a-file"),
+    ] {
+        let mut doc = Doc::triangle();
+        doc.json["buffers"][0]["uri"] = uri.into();
+        root.write("m.gltf", serde_json::to_vec(&doc.json).expect("JSON"));
+        assert_eq!(
+            one_error(load_scene(&scene(&root.0, "m.gltf"))).0,
+            expected,
+            "{uri}"
+        );
+    }
+    // Inside the allowed folders `..` is fine.
+    let doc = Doc::triangle();
+    root.write("buffer.bin", &doc.bin);
+    let mut json = doc.json;
+    json["buffers"][0]["uri"] = "../buffer.bin".into();
+    root.write("deep/m.gltf", serde_json::to_vec(&json).expect("JSON"));
+    assert!(load_scene(&scene(&root.0, "deep/m.gltf")).is_ok());
+}
+
+/// Every number in the JSON, for mutations that the parser lets through.
+fn numbers(value: &mut Value) -> Vec<&mut Value> {
+    match value {
+        Value::Number(_) => vec![value],
+        Value::Array(list) => list.iter_mut().flat_map(numbers).collect(),
+        Value::Object(map) => map.values_mut().flat_map(numbers).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn mutated_files_never_panic() {
+    let (doc, folder, mut random) = (rich(), Folder::new(), Random(0x5EED));
+    let good = doc.glb();
+    let values = [
+        0u64,
+        1,
+        2,
+        3,
+        7,
+        255,
+        5121,
+        5126,
+        65536,
+        1 << 24,
+        1 << 31,
+        1 << 32,
+        1 << 63,
+        u64::MAX,
+    ];
+    let (mut loaded, mut slowest) = (0, Duration::ZERO);
+    for round in 0..2000 {
+        let bytes = if round % 2 == 0 {
+            let mut bytes = good.clone();
+            for _ in 0..=random.below(4) {
+                let at = random.below(bytes.len());
+                bytes[at] = random.below(256) as u8;
+            }
+            bytes
+        } else {
+            let mut doc = doc.clone();
+            for _ in 0..=random.below(2) {
+                let mut all = numbers(&mut doc.json);
+                let at = random.below(all.len());
+                *all[at] = values[random.below(values.len())].into();
+            }
+            doc.glb()
+        };
+        folder.write("m.glb", &bytes);
+        let start = Instant::now();
+        match load_scene(&scene(&folder.0, "m.glb")) {
+            Ok(_) => loaded += 1,
+            Err(errors) => {
+                let internal = errors.iter().any(|e| e.name == "internal");
+                assert!(!internal, "round {round} panicked: {errors:#?}");
+            }
+        }
+        slowest = slowest.max(start.elapsed());
+        assert!(
+            start.elapsed() < Duration::from_secs(2),
+            "round {round} took {:?}",
+            start.elapsed()
+        );
+    }
+    println!("2000 mutations: {loaded} load, slowest {slowest:?}");
+    assert!(
+        (100..1900).contains(&loaded),
+        "mutations should sometimes do harm: {loaded} load"
+    );
+}

@@ -1,0 +1,15 @@
+//! Loading glTF: what the format can say, what hostile files try, and files written by others.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod assets;
+mod corpus;
+mod geometry;
+mod hostile;
+mod image;
+mod kit;
+mod limits;
+mod material;
+mod scene;
+mod skin;

@@ -1,0 +1,208 @@
+//! Materials of glTF files, and what scene text lays over them.
+
+use std::f32::consts::FRAC_PI_2;
+
+use crate::kit::{Doc, Folder, at, entry, instance, load_scene, png, scene, stone, warnings};
+use glam::{Vec3, Vec4};
+use reflet::{
+    scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, ReflectionMode},
+    world::Wrap,
+};
+use serde_json::json;
+
+#[test]
+fn materials_arrive_whole() {
+    let mut doc = stone();
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_emissive_strength": {"emissiveStrength": 8},
+        "KHR_materials_ior": {"ior": 2},
+        "KHR_materials_specular": {"specularFactor": 0.5}
+    });
+    let world = doc.world();
+    let m = &world.materials[0];
+    assert_eq!(
+        (m.name.as_str(), m.alpha_cutoff, m.double_sided),
+        ("stone", Some(0.5), true)
+    );
+    assert_eq!(m.base_color, Vec4::new(0.1, 0.2, 0.3, 0.4));
+    assert_eq!((m.metallic, m.roughness), (0.25, 0.75));
+    assert_eq!(m.emission, Vec3::new(8.0, 4.0, 0.0));
+    assert!(
+        (m.reflectivity - 0.5 / 9.0).abs() < 1e-6,
+        "((2 − 1)/(2 + 1))² · 0.5: {}",
+        m.reflectivity
+    );
+    let color = m.base_color_texture.expect("texture");
+    assert_eq!(
+        (color.wrap, color.nearest, color.uv_set),
+        ([Wrap::Clamp, Wrap::Mirror], true, 0)
+    );
+    assert_eq!(color.transform, [Vec3::X, Vec3::Y]);
+    // The same image as color and as data is stored twice.
+    let data = m.metallic_roughness_texture.expect("texture");
+    assert_ne!(color.texture, data.texture);
+    assert!(world.textures[color.texture].srgb && !world.textures[data.texture].srgb);
+    for texture in &world.textures {
+        assert_eq!((texture.width, texture.height), (3, 2));
+        assert_eq!(texture.rgba, [10, 20, 30, 40].repeat(6));
+    }
+}
+
+#[test]
+fn texture_transform_turns_like_the_viewers() {
+    let mut doc = stone();
+    doc.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = json!({
+        "KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": FRAC_PI_2, "scale": [2, 3], "texCoord": 0}
+    });
+    let world = doc.world();
+    let rows = world.materials[0]
+        .base_color_texture
+        .expect("texture")
+        .transform;
+    // u' = c·sx·u + s·sy·v + ox, v' = −s·sx·u + c·sy·v + oy
+    assert!(
+        (rows[0] - Vec3::new(0.0, 3.0, 0.5)).length() < 1e-5,
+        "{rows:?}"
+    );
+    assert!(
+        (rows[1] - Vec3::new(-2.0, 0.0, 0.25)).length() < 1e-5,
+        "{rows:?}"
+    );
+}
+
+#[test]
+fn what_cannot_be_shown_is_named() {
+    let mut doc = stone();
+    doc.json["materials"][0]["alphaMode"] = "BLEND".into();
+    doc.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_materials_unlit"]);
+    let world = doc.world();
+    assert_eq!(
+        warnings(&world),
+        ["alpha-blend-opaque", "extension-ignored"]
+    );
+    assert!(
+        world.warnings[1]
+            .message
+            .contains("KHR_materials_clearcoat"),
+        "{:?}",
+        world.warnings
+    );
+    assert_eq!(world.materials[0].alpha_cutoff, None);
+
+    let mut doc = stone();
+    doc.json["materials"][0]["extensions"] = json!({"KHR_materials_unlit": {}});
+    let world = doc.world();
+    assert_eq!(warnings(&world), ["unlit-as-emission"]);
+    let m = &world.materials[0];
+    assert_eq!(m.emission, Vec3::new(0.1, 0.2, 0.3));
+    assert_eq!(m.base_color, Vec4::new(0.0, 0.0, 0.0, 0.4));
+    assert_eq!(
+        (m.emission_texture, m.reflectivity),
+        (m.base_color_texture, 0.0)
+    );
+    assert_eq!(m.reflection, ReflectionMode::None);
+}
+
+#[test]
+fn required_extensions_are_refused_by_name() {
+    let mut doc = Doc::triangle();
+    doc.json["extensionsRequired"] = json!(["KHR_texture_transform", "VENDOR_magic"]);
+    let errors = doc.load().expect_err("unsupported");
+    assert_eq!(errors[0].name, "extension-unsupported");
+    assert!(
+        errors[0].message.contains("VENDOR_magic")
+            && !errors[0].message.contains("texture_transform")
+    );
+    assert!(
+        errors[0]
+            .help
+            .as_ref()
+            .is_some_and(|h| h.contains("KHR_lights_punctual"))
+    );
+    assert!(errors[0].file.is_some());
+}
+
+#[test]
+fn overrides_apply_star_first_then_name_then_instance() {
+    let folder = Folder::new();
+    folder.write("m.glb", stone().glb());
+    let mut desc = scene(&folder.0, "m.glb");
+    let star = MaterialDesc {
+        roughness: Some(0.5),
+        metallic: Some(0.5),
+        uv_scale: Some([2.0, 2.0]),
+        ..MaterialDesc::default()
+    };
+    let named = MaterialDesc {
+        roughness: Some(0.1),
+        uv_scale: Some([3.0, 4.0]),
+        emission_strength: Some(2.0),
+        reflection: Some(ReflectionMode::Mirror),
+        ..MaterialDesc::default()
+    };
+    // The name stands first in the text, "*" still applies first.
+    desc.models[0].value.overrides = vec![entry("stone", named), entry("*", star)];
+    let over = MaterialDesc {
+        base_color: Some(Vec3::ONE),
+        ..MaterialDesc::default()
+    };
+    desc.instances = vec![
+        instance("m"),
+        InstanceDesc {
+            material: Some(InstanceMaterialDesc::Override(Box::new(over))),
+            dynamic: true,
+            ..instance("m")
+        },
+    ];
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!(
+        (
+            world.meshes.len(),
+            world.materials.len(),
+            world.textures.len()
+        ),
+        (1, 2, 2)
+    );
+    let [plain, white] = [0, 1].map(|i| &world.materials[world.instances[i].material]);
+    assert_eq!((plain.roughness, plain.metallic), (0.1, 0.5));
+    assert_eq!(plain.reflection, ReflectionMode::Mirror);
+    assert_eq!(plain.emission, Vec3::new(2.0, 1.0, 0.0));
+    let rows = plain.base_color_texture.expect("texture").transform;
+    assert_eq!(rows, [Vec3::X * 3.0, Vec3::Y * 4.0]);
+    assert_eq!(
+        (white.base_color, white.roughness),
+        (Vec4::new(1.0, 1.0, 1.0, 0.4), 0.1)
+    );
+    assert_eq!([0, 1].map(|i| world.instances[i].dynamic), [false, true]);
+
+    desc.models[0].value.overrides = vec![entry("stome", MaterialDesc::default())];
+    let errors = load_scene(&desc).expect_err("no such material");
+    assert_eq!(errors[0].name, "unknown-material");
+    assert_eq!(errors[0].help.as_deref(), Some("did you mean \"stone\"?"));
+}
+
+#[test]
+fn an_overridden_image_is_never_decoded() {
+    let mut doc = Doc::triangle();
+    let texture = doc.texture(b"not an image");
+    let pbr = json!({"baseColorTexture": {"index": texture}});
+    doc.add(
+        "materials",
+        json!({"name": "stone", "pbrMetallicRoughness": pbr}),
+    );
+    doc.primitive("material", 0.into());
+    assert_eq!(doc.error().0, "image-unsupported");
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    folder.write("own.png", png(1, 1, [1, 2, 3, 4]));
+    let mut desc = scene(&folder.0, "m.glb");
+    let own = MaterialDesc {
+        base_color_texture: Some(at("own.png")),
+        ..MaterialDesc::default()
+    };
+    desc.models[0].value.overrides = vec![entry("stone", own)];
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!(world.textures.len(), 1);
+    assert_eq!(world.textures[0].rgba, [1, 2, 3, 4]);
+    assert_eq!(world.files.len(), 2);
+}

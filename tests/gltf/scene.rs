@@ -1,0 +1,267 @@
+//! Lights, cameras, placements and files: glTF as the scene text uses it.
+
+use crate::kit::{
+    Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,
+};
+use glam::{Affine3A, Vec3};
+use reflet::{
+    scene::desc::{
+        InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
+        RepeatDesc, SceneDesc, ShapeDesc,
+    },
+    world::{
+        World,
+        load::{LoadOptions, load},
+    },
+};
+use serde_json::json;
+
+fn shape(shape: ShapeDesc, material: Option<&str>) -> ModelDesc {
+    let source = ModelSource::Shape(shape);
+    ModelDesc {
+        source,
+        material: material.map(at),
+        overrides: Vec::new(),
+        lights: true,
+    }
+}
+
+fn lights_and_cameras() -> Doc {
+    let mut doc = Doc::triangle();
+    doc.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "spot", "intensity": 40, "color": [1, 0.5, 0.25], "range": 7,
+         "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.5}},
+        {"type": "directional"}, {"type": "point"}
+    ]}});
+    doc.json["cameras"] = json!([
+        {"name": "eye", "type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.5}},
+        {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 1, "znear": 0}}
+    ]);
+    let spot = json!({"KHR_lights_punctual": {"light": 0}});
+    doc.root_node(
+        json!({"name": "lamp", "translation": [0, 4, 0], "rotation": [-1, 0, 0, 1],
+                         "scale": [3, 3, 3], "extensions": spot, "camera": 0}),
+    );
+    doc.root_node(json!({"extensions": {"KHR_lights_punctual": {"light": 1}}, "camera": 1}));
+    doc
+}
+
+#[test]
+fn lights_and_cameras_of_files_are_placed() {
+    let folder = Folder::new();
+    folder.write("m.glb", lights_and_cameras().glb());
+    let mut desc = scene(&folder.0, "m.glb");
+    desc.instances = vec![InstanceDesc {
+        placement: trs(Vec3::X),
+        ..instance("m")
+    }];
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!(world.lights.len(), 2);
+    let lamp = &world.lights[0];
+    assert_eq!((lamp.name.as_str(), lamp.range_m), ("m/lamp", Some(7.0)));
+    assert_eq!(lamp.desc.color, Vec3::new(1.0, 0.5, 0.25));
+    let LightKind::Spot {
+        position,
+        direction,
+        intensity_cd,
+        inner_deg,
+        outer_deg,
+    } = lamp.desc.kind
+    else {
+        panic!("{lamp:?}")
+    };
+    assert_eq!((position, intensity_cd), (Vec3::new(1.0, 4.0, 0.0), 40.0));
+    assert!((direction - Vec3::NEG_Y).length() < 1e-5, "{direction}");
+    assert!((inner_deg - 5.729578).abs() < 1e-3 && (outer_deg - 28.64789).abs() < 1e-3);
+    assert!(matches!(
+        world.lights[1].desc.kind,
+        LightKind::Directional {
+            intensity_lux: 1.0,
+            ..
+        }
+    ));
+
+    assert_eq!(world.cameras.len(), 1);
+    let camera = &world.cameras[0];
+    assert_eq!(camera.name, "m/eye");
+    assert_eq!(camera.value.eye, Vec3::new(1.0, 4.0, 0.0));
+    assert!((camera.value.target - Vec3::new(1.0, 3.0, 0.0)).length() < 1e-5);
+    assert!((camera.value.up - Vec3::NEG_Z).length() < 1e-5);
+    assert!((camera.value.fov_deg - 57.29578).abs() < 1e-3);
+    assert_eq!(warnings(&world), ["camera-orthographic"]);
+
+    desc.models[0].value.lights = false;
+    assert!(load_scene(&desc).expect("loads").lights.is_empty());
+    desc.models[0].value.lights = true;
+    desc.instances[0].repeat = Some(RepeatDesc {
+        count: [33, 1, 1],
+        step: Vec3::X,
+    });
+    let (name, message) = one_error(load_scene(&desc));
+    assert_eq!(name, "lights-too-many");
+    assert!(message.starts_with("66 lights"), "{message}");
+}
+
+#[test]
+fn a_scene_without_camera_gets_one_that_sees_everything() {
+    let mut doc = Doc::triangle();
+    doc.json["nodes"][0]["translation"] = json!([100, 0, 0]);
+    let world = doc.world();
+    let camera = &world.cameras[0].value;
+    assert!(
+        (camera.target - Vec3::new(100.5, 0.5, 0.0)).length() < 1e-4,
+        "{camera:?}"
+    );
+    let radius = world.static_bounds().diagonal() * 0.5;
+    assert!(
+        (camera.eye - camera.target).length() * (camera.fov_deg.to_radians() * 0.5).sin() > radius
+    );
+}
+
+#[test]
+fn shapes_take_named_materials_and_grids() {
+    let polished = MaterialDesc {
+        roughness: Some(0.0),
+        ..MaterialDesc::default()
+    };
+    let desc = SceneDesc {
+        materials: vec![
+            entry("polished", polished),
+            entry("plain", MaterialDesc::default()),
+        ],
+        models: vec![
+            entry(
+                "floor",
+                shape(ShapeDesc::Plane { size: [4.0, 4.0] }, Some("polished")),
+            ),
+            entry("block", shape(ShapeDesc::Box { size: Vec3::ONE }, None)),
+        ],
+        instances: vec![InstanceDesc {
+            name: Some("row".into()),
+            placement: trs(Vec3::Y),
+            repeat: Some(RepeatDesc {
+                count: [2, 1, 3],
+                step: Vec3::new(2.0, 0.0, 5.0),
+            }),
+            material: Some(InstanceMaterialDesc::Named(at("plain"))),
+            ..instance("block")
+        }],
+        ..SceneDesc::default()
+    };
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!((world.meshes.len(), world.instances.len()), (2, 7));
+    let last = &world.instances[5];
+    assert_eq!(last.name, "row[1,0,2]");
+    assert_eq!(
+        last.world_from_object,
+        Affine3A::from_translation(Vec3::new(2.0, 1.0, 10.0))
+    );
+    assert_eq!(world.materials[last.material].name, "plain");
+    let floor = &world.instances[6];
+    assert_eq!(
+        floor.name, "floor",
+        "a model that no instance names stands at the origin"
+    );
+    let material = &world.materials[floor.material];
+    assert_eq!(
+        (
+            material.name.as_str(),
+            material.roughness,
+            material.double_sided
+        ),
+        ("polished", 0.0, true)
+    );
+}
+
+#[test]
+fn dangling_names_are_all_reported() {
+    let mut desc = SceneDesc {
+        models: vec![entry(
+            "ball",
+            shape(ShapeDesc::Box { size: Vec3::ONE }, None),
+        )],
+        instances: vec![instance("bal"), instance("x")],
+        ..SceneDesc::default()
+    };
+    let errors = load_scene(&desc).expect_err("no such model");
+    assert_eq!(
+        errors.iter().map(|e| e.name).collect::<Vec<_>>(),
+        ["unknown-name"; 2]
+    );
+    assert_eq!(errors[0].help.as_deref(), Some("did you mean \"ball\"?"));
+    desc.instances.clear();
+    desc.models[0].value.material = Some(at("gold"));
+    assert_eq!(one_error(load_scene(&desc)).0, "unknown-name");
+}
+
+#[test]
+fn files_are_searched_beside_the_scene_then_in_assets() {
+    let (own, assets) = (Folder::new(), Folder::new());
+    assets.write("sub/m.glb", Doc::triangle().glb());
+    let desc = scene(&own.0, "sub/m.glb");
+    let (name, message) = one_error(load_scene(&desc));
+    assert_eq!(name, "file-not-found");
+    assert!(
+        message.contains(own.0.to_str().expect("UTF-8")),
+        "{message}"
+    );
+    let options = LoadOptions {
+        assets: vec![assets.0.clone()],
+        ..LoadOptions::default()
+    };
+    let world = load(&desc, &options).expect("found in assets");
+    assert!(world.files[0].ends_with("sub/m.glb"));
+}
+
+#[test]
+fn one_file_is_read_once() {
+    let folder = Folder::new();
+    folder.write("m.glb", stone().glb());
+    let mut desc = scene(&folder.0, "m.glb");
+    desc.models.push(desc.models[0].clone());
+    desc.models[1].name = "again".into();
+    let world = load_scene(&desc).expect("loads");
+    assert_eq!(
+        (world.meshes.len(), world.instances.len(), world.files.len()),
+        (1, 2, 1)
+    );
+    assert_eq!((world.materials.len(), world.textures.len()), (1, 2));
+}
+
+/// Buffers and images in files beside the glTF, with percent-coded names.
+#[test]
+fn separate_files_are_found() {
+    let folder = Folder::new();
+    let mut doc = stone();
+    folder.write("data/my buffer.bin", &doc.bin);
+    folder.write("data/ü.png", png(1, 1, [9, 8, 7, 6]));
+    doc.json["buffers"][0]["uri"] = "data/my%20buffer.bin".into();
+    doc.json["images"] = json!([{"uri": "data/%C3%BC.png"}]);
+    folder.write("m.gltf", serde_json::to_vec(&doc.json).expect("JSON"));
+    let world: World = load_scene(&scene(&folder.0, "m.gltf")).expect("loads");
+    assert_eq!(world.textures[0].rgba, [9, 8, 7, 6]);
+    assert_eq!(world.files.len(), 3);
+}
+
+#[test]
+fn data_uris_are_read() {
+    let mut doc = Doc::triangle();
+    let bytes = std::mem::take(&mut doc.bin);
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let digits = bytes.chunks(3).flat_map(|c| {
+        let word = c.iter().fold(0u32, |w, &b| w << 8 | u32::from(b)) << (8 * (3 - c.len()));
+        (0..4).map(move |i| DIGITS[(word >> (18 - 6 * i) & 63) as usize] as char)
+    });
+    let text: String = digits.collect();
+    doc.json["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{text}").into();
+    assert_eq!(
+        doc.world().meshes[0].positions,
+        [Vec3::ZERO, Vec3::X, Vec3::Y]
+    );
+    let percent: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
+    doc.json["buffers"][0]["uri"] = format!("data:,{percent}").into();
+    assert_eq!(
+        doc.world().meshes[0].positions,
+        [Vec3::ZERO, Vec3::X, Vec3::Y]
+    );
+}

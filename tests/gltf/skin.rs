@@ -1,0 +1,76 @@
+//! Skins, morph targets and animations of glTF files stand still, in the right place, with a warning.
+
+use crate::kit::{Doc, warnings};
+use glam::Vec3;
+use serde_json::json;
+
+#[test]
+fn skins_morphs_and_animations_are_named() {
+    let mut doc = Doc::triangle();
+    doc.json["skins"] = json!([{"joints": [0]}]);
+    doc.json["nodes"][0]["skin"] = 0.into();
+    doc.primitive("targets", json!([{"POSITION": 0}]));
+    doc.json["animations"] = json!([{"channels": [], "samplers": []}]);
+    let world = doc.world();
+    assert_eq!(world.instances.len(), 1);
+    assert_eq!(
+        warnings(&world),
+        ["animation-ignored", "morph-rest-pose", "skin-rest-pose"]
+    );
+}
+
+#[test]
+fn skins_follow_their_joints() {
+    let mut doc = Doc::triangle();
+    // The first vertex hangs on joint 0, the second half on each, the third on joint 1 twice as
+    // heavy as the sum should be.
+    let joints = doc.accessor("VEC4", 5121, 3, &[0, 1, 0, 0].repeat(3));
+    let weights = [1.0, 0.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+    let weights = doc.floats("VEC4", &weights);
+    doc.attribute("JOINTS_0", joints);
+    doc.attribute("WEIGHTS_0", weights);
+    let identity = [
+        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+    ];
+    let mut lowered = identity;
+    lowered[13] = -1.0; // joint 1 was bound one up
+    let bind = doc.floats("VEC4", &[identity, lowered].concat());
+    doc.json["accessors"][bind]["type"] = "MAT4".into();
+    doc.json["accessors"][bind]["count"] = 2.into();
+    doc.json["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": bind}]);
+    doc.json["nodes"] = json!([
+        {"mesh": 0, "skin": 0, "translation": [100, 0, 0]}, // not used: the joints place the mesh
+        {"translation": [0, 0, 3]},
+        {"translation": [10, 1, 0], "rotation": [0, 0, 1, 1]}
+    ]);
+    doc.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let world = doc.world();
+    let at: Vec<_> = (world.meshes[0].positions.iter())
+        .map(|p| world.instances[0].world_from_object.transform_point3(*p))
+        .collect();
+    // Joint 1 takes (1, 0, 0) to (1, −1, 0), turns it to (1, 1, 0) and moves it to (11, 2, 0).
+    let expected = [
+        Vec3::Z * 3.0,
+        Vec3::new(6.0, 1.0, 1.5),
+        Vec3::new(10.0, 1.0, 0.0),
+    ];
+    assert!(
+        at.iter()
+            .zip(expected)
+            .all(|(a, b)| (*a - b).length() < 1e-5),
+        "{at:?}"
+    );
+
+    doc.json["skins"][0]["joints"] = json!([1]);
+    assert_eq!(
+        doc.error().0,
+        "gltf-skin",
+        "the mesh uses joint 1, which is gone"
+    );
+    doc.json["skins"][0]["joints"] = json!([1, 2, 0]);
+    assert_eq!(doc.error().0, "gltf-skin", "three joints, two matrices");
+    doc.json["skins"][0]["joints"] = json!([1, 9]);
+    assert_eq!(doc.error().0, "gltf-skin", "no such node");
+    doc.json["nodes"][0]["skin"] = 4.into();
+    assert_eq!(doc.error().0, "gltf-skin", "no such skin");
+}

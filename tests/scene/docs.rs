@@ -1,0 +1,27 @@
+//! The committed manuals are what the readers' and the scripts' own descriptions give.
+
+use std::{fs, path::Path};
+
+use reflet::scene::{manual, script};
+
+fn check(name: &str, want: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(&file, want).expect("the manual can be written");
+    }
+    let got = fs::read_to_string(&file).unwrap_or_default();
+    assert!(
+        got == want,
+        "{name} is stale: UPDATE_DOCS=1 cargo test --test scene"
+    );
+}
+
+#[test]
+fn the_manual_of_scene_text_is_up_to_date() {
+    check("docs/scene.md", &manual::manual());
+}
+
+#[test]
+fn the_manual_of_scripts_is_up_to_date() {
+    check("docs/scripting.md", &script::api::manual());
+}

@@ -1,0 +1,137 @@
+//! Scene text from hostile or broken hands: depth, size, files that are none, mutated bytes.
+
+use std::path::Path;
+
+use crate::common::Random;
+use reflet::scene::{
+    diagnostic::Diagnostic,
+    manual::EXAMPLE,
+    parse::{self, parse},
+};
+
+fn errors(text: &str) -> Vec<Diagnostic> {
+    parse(text, Path::new("scene.toml"), &[]).expect_err("the text is wrong")
+}
+
+#[test]
+fn depth_neither_overflows_the_stack_nor_hangs() {
+    let deep = 100_000;
+    for text in [
+        format!("version = 1\na = {}", "[".repeat(deep)),
+        format!("version = 1\na = {}{}", "[".repeat(deep), "]".repeat(deep)),
+        format!("version = 1\na = {}", "{a=".repeat(deep)),
+        format!("version = 1\n{}a = 1", "a.".repeat(deep)),
+        format!("version = 1\n[{}a]", "a.".repeat(deep)),
+    ] {
+        let names: Vec<_> = errors(&text).iter().map(|e| e.name).collect();
+        assert!(names.contains(&"too-deep"), "{names:?}");
+    }
+}
+
+#[test]
+fn size_neither_floods_nor_takes_quadratic_time() {
+    let many = 200_000;
+    let all = errors(&format!(
+        "version = 1\n[camera.main]\neye = [{}]",
+        "0,".repeat(many)
+    ));
+    assert_eq!(
+        all[0].message,
+        "`eye` must be three numbers, not an array of 200000 values"
+    );
+    let keys: String = (0..many).map(|i| format!("k{i} = 1\n")).collect();
+    assert_eq!(errors(&keys).len(), 101);
+    assert_eq!(errors(&"[[[]]\n".repeat(many)).len(), 101);
+    let instances = "[[instance]]\nmodel = \"b\"\n".repeat(many / 10);
+    assert_eq!(errors(&format!("version = 1\n{instances}")).len(), 101);
+    let rendered: String = errors(&"a".repeat(4 << 20))
+        .iter()
+        .map(Diagnostic::to_string)
+        .collect();
+    assert!(rendered.len() < 2000);
+    let escapes = format!("version = 1\na = \"{}\"", r"\q".repeat(many * 5));
+    assert_eq!(errors(&escapes).len(), 1);
+    let models: String = (0..many / 10)
+        .map(|i| format!("[model.m{i}]\nfile = \"f\"\n"))
+        .collect();
+    assert_eq!(
+        errors(&format!("version = 1\n{models}{instances}")).len(),
+        101
+    );
+}
+
+#[test]
+fn files_that_cannot_be_scenes_say_why() {
+    let folder = std::env::temp_dir().join(format!("reflet-scene-text-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).expect("a temporary file");
+        path
+    };
+    let said = |path: &Path| {
+        let errors = parse::load(path, &[]).expect_err("it is no scene");
+        assert_eq!(errors.len(), 1);
+        (
+            errors[0].name,
+            errors[0]
+                .to_string()
+                .replace(&folder.display().to_string(), "…"),
+        )
+    };
+    let (name, text) = said(&folder.join("absent.toml"));
+    assert_eq!(name, "unreadable-file");
+    assert_eq!(
+        text,
+        "error[unreadable-file]: the scene file does not exist\n --> …/absent.toml\n  \
+         = help: check the path; it starts from the folder you are in"
+    );
+    assert!(said(&folder).1.contains("a folder was given"));
+    let large = write("large.toml", &vec![b' '; parse::MOST_BYTES as usize + 1]);
+    assert_eq!(said(&large).0, "file-too-large");
+    let (name, text) = said(&write("latin1.toml", b"version = 1\n# caf\xe9\n"));
+    assert_eq!(name, "not-utf8");
+    assert!(text.contains("latin1.toml:2:6"), "{text}");
+    let good = write("good.toml", b"version = 1\n");
+    assert_eq!(
+        parse::load(&good, &[]).map(|(scene, _)| scene.folder),
+        Ok(folder.clone())
+    );
+    std::fs::remove_dir_all(&folder).expect("it was made here");
+}
+
+#[test]
+fn mutated_scenes_are_read_or_refused_and_never_panic() {
+    const BYTES: &[u8] = b"[]{}=.,\"'#\n\t -_0129aeinv\\\x00\xc3\xa9\xff";
+    let mut random = Random(0x5eed_0001);
+    let (mut good, mut bad) = (0, 0);
+    for round in 0..4000 {
+        let mut bytes = EXAMPLE.as_bytes().to_vec();
+        for _ in 0..1 + round % 4 {
+            let at = random.below(bytes.len());
+            let byte = BYTES[random.below(BYTES.len())];
+            match random.below(4) {
+                0 => bytes[at] = byte,
+                1 => bytes.insert(at, byte),
+                2 => drop(bytes.remove(at)),
+                _ => bytes.rotate_left(at % 7), // moves a piece from the front to the end
+            }
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        match parse(&text, Path::new("mutated.toml"), &[]) {
+            Ok(_) => good += 1,
+            Err(errors) => {
+                assert!(!errors.is_empty());
+                let _ = errors
+                    .iter()
+                    .map(|e| (e.render(true), e.to_json()))
+                    .collect::<Vec<_>>();
+                bad += 1;
+            }
+        }
+    }
+    assert!(
+        good > 100 && bad > 100,
+        "{good} read, {bad} refused: the mutations test nothing"
+    );
+}

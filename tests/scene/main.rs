@@ -1,0 +1,12 @@
+//! Reading scene text: good scenes, bad scenes with their exact messages, hostile ones, the manual.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad;
+mod docs;
+mod hostile;
+mod schema;
+mod set;
+mod shipped;
+mod text;

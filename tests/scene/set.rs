@@ -1,0 +1,101 @@
+//! `--set path=value`: values replaced in the scene text before it is read.
+
+use std::path::Path;
+
+use crate::common::Random;
+use glam::Vec3;
+use reflet::scene::{desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::parse};
+
+const SCENE: &str = "version = 1\n[material.m]\n[model.a]\nshape = { kind = \"box\" }\n\
+                     [[instance]]\nmodel = \"a\"\n";
+
+fn read_with(text: &str, overrides: &[&str]) -> SceneDesc {
+    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    match parse(text, Path::new("scene.toml"), &overrides) {
+        Ok((scene, _)) => scene,
+        Err(errors) => panic!("{}", errors[0]),
+    }
+}
+
+#[test]
+fn values_are_set_by_path_index_and_name() {
+    let text = format!("{SCENE}name = \"one\"\nscale = 2\n[camera.main]\nfov_deg = 50\n");
+    let scene = read_with(
+        &text,
+        &[
+            "reflection.threshold_u=0.01",
+            "reflection.method=rt",
+            "camera.main.fov_deg = 40",
+            "camera.main.fov_deg = 45",
+            "instance.0.translation=[0,1,0]",
+            "instance.one.scale=[1, 2, 3]",
+            "instance.one.material={ roughness = 0 }",
+            "image.size=[0x10, 9]",
+            "image.size.1=8",
+            "material.m.base_color_texture=a/b.png",
+            "material.m.'roughness'=0.25",
+        ],
+    );
+    assert_eq!(scene.reflection.threshold_u, 0.01);
+    assert_eq!(scene.reflection.method, Method::Rt);
+    assert_eq!(scene.cameras[0].value.fov_deg, 45.0);
+    let PlacementDesc::Trs {
+        translation, scale, ..
+    } = scene.instances[0].placement
+    else {
+        panic!("it has no matrix");
+    };
+    assert_eq!((translation, scale), (Vec3::Y, Vec3::new(1.0, 2.0, 3.0)));
+    assert!(matches!(
+        scene.instances[0].material,
+        Some(InstanceMaterialDesc::Override(_))
+    ));
+    assert_eq!(scene.image.size, [16, 8]);
+    let material = &scene.materials[0].value;
+    assert_eq!(
+        material
+            .base_color_texture
+            .as_ref()
+            .map(|t| t.value.as_str()),
+        Some("a/b.png")
+    );
+    assert_eq!(material.roughness, Some(0.25));
+}
+
+#[test]
+fn a_setting_can_mend_what_the_file_has_wrong() {
+    let text = "version = 1\n[image]\nsamples = 0\n";
+    assert!(parse(text, Path::new("scene.toml"), &[]).is_err());
+    assert_eq!(read_with(text, &["image.samples=4"]).image.samples, 4);
+    let empty = read_with("", &["version=1", "environment.color=[1, 1, 1]"]);
+    assert_eq!(empty.environment.zenith, Vec3::ONE);
+}
+
+#[test]
+fn places_are_in_the_option_that_is_wrong() {
+    let overrides = ["image.samples=2", "image.size=[1, 2, 3]"].map(str::to_owned);
+    let errors = parse(SCENE, Path::new("scene.toml"), &overrides).expect_err("three sizes");
+    let text = errors[0].to_string();
+    let want = " --> --set:1:12\n  |\n1 | image.size=[1, 2, 3]\n  |            ^^^^^^^^^";
+    assert!(errors.len() == 1 && text.ends_with(want), "{text}");
+}
+
+#[test]
+fn mutated_settings_never_panic() {
+    let settings = [
+        "camera.main.fov_deg=40",
+        "instance.pillar.scale=[1, 2, 3]",
+        "image={ size=[1,1] }",
+    ];
+    let mut random = Random(0x5eed_0002);
+    for round in 0..3000 {
+        let mut text = settings[round % settings.len()].to_owned();
+        for _ in 0..2 {
+            let at = text.floor_char_boundary(random.below(text.len() + 1));
+            text.insert(at, b"[]{}=.,\"'#\n -01ae"[random.below(17)] as char);
+        }
+        if let Err(errors) = parse(EXAMPLE, Path::new("scene.toml"), &[text.clone()]) {
+            let _ = errors.iter().map(Diagnostic::to_string).collect::<String>();
+        }
+    }
+}

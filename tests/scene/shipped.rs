@@ -1,0 +1,71 @@
+//! Every scene that ships, and the one in the README, reads and loads.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::common::shared_folder;
+use reflet::{
+    scene::{diagnostic::Diagnostic, parse},
+    world::load::{self, LoadOptions},
+};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scenes_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("scenes");
+    let mut found = Vec::new();
+    for path in entries.map(|entry| entry.expect("entry").path()) {
+        if path.is_dir() {
+            found.extend(scenes_below(&path));
+        } else if path.extension().is_some_and(|e| e == "toml") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+fn said(messages: &[Diagnostic]) -> String {
+    messages.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn every_shipped_scene_loads() {
+    let assets = shared_folder("REFLET_ASSETS", "assets");
+    let options = LoadOptions {
+        assets: assets.clone().into_iter().collect(),
+        ..LoadOptions::default()
+    };
+    let scenes = scenes_below(&root().join("scenes"));
+    assert!(scenes.len() >= 4, "{scenes:?}");
+    for path in scenes {
+        let name = path.display();
+        let (desc, warnings) =
+            parse::load(&path, &[]).unwrap_or_else(|e| panic!("{name}\n{}", said(&e)));
+        assert!(warnings.is_empty(), "{name}\n{}", said(&warnings));
+        match load::load(&desc, &options) {
+            Ok(world) => assert!(!world.instances.is_empty(), "{name} shows nothing"),
+            Err(errors)
+                if assets.is_none() && errors.iter().all(|e| e.name == "file-not-found") =>
+            {
+                eprintln!("SKIPPED: {name} needs assets");
+            }
+            Err(errors) => panic!("{name}\n{}", said(&errors)),
+        }
+    }
+}
+
+#[test]
+fn the_scene_in_the_readme_loads() {
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let (_, after) = readme.split_once("```toml\n").expect("a scene");
+    let (text, _) = after.split_once("```").expect("its end");
+    let (desc, warnings) =
+        parse::parse(text, Path::new("README.md"), &[]).unwrap_or_else(|e| panic!("{}", said(&e)));
+    assert!(warnings.is_empty(), "{}", said(&warnings));
+    let world = load::load(&desc, &LoadOptions::default());
+    assert!(world.is_ok());
+}

@@ -1,0 +1,94 @@
+"""Owns the small stages and image readers that the material tests share."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from convert_reading import Converted
+from PIL import Image
+
+MESH = """
+def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0,1,2,3]
+    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+    texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")
+    {body}
+    rel material:binding = </Mat>
+}}
+"""
+
+
+def stage(inputs: str, nodes: str = "", body: str = "") -> str:
+    return f"""
+def Material "Mat" {{
+    token outputs:surface.connect = </Mat/S.outputs:surface>
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        token outputs:surface
+        {inputs}
+    }}
+    def Shader "St" {{
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+    }}
+    {nodes}
+}}
+{MESH.format(body=body)}
+"""
+
+
+def texture(
+    name: str, file: str, body: str = "", st: str = "/Mat/St.outputs:result"
+) -> str:
+    return f"""
+    def Shader "{name}" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @./{file}@
+        float2 inputs:st.connect = <{st}>
+        token inputs:wrapS = "repeat"
+        token inputs:wrapT = "repeat"
+        {body}
+        float3 outputs:rgb
+        float outputs:r
+        float outputs:g
+        float outputs:b
+        float outputs:a
+    }}
+"""
+
+
+def save(folder: Path, name: str, pixels: np.ndarray, **options: Any) -> bytes:
+    Image.fromarray(pixels).save(folder / name, **options)
+    return (folder / name).read_bytes()
+
+
+def noise(mode: str, size: tuple[int, int] = (8, 4), seed: int = 0) -> np.ndarray:
+    random = np.random.default_rng(seed)
+    channels = {"L": (), "RGB": (3,), "RGBA": (4,)}[mode]
+    return random.integers(0, 256, (size[1], size[0], *channels), dtype=np.uint8)
+
+
+def material(done: Converted) -> dict[str, Any]:
+    entry = done.json["materials"][done.json["meshes"][0]["primitives"][0]["material"]]
+    assert isinstance(entry, dict)
+    return entry
+
+
+def image(done: Converted, info: dict[str, Any]) -> bytes:
+    source = done.gltf.textures[info["index"]].source
+    view = done.gltf.bufferViews[done.gltf.images[source].bufferView]
+    return bytes(
+        done.gltf.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
+    )
+
+
+def pixels(done: Converted, info: dict[str, Any]) -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(image(done, info))).convert("RGBA")).astype(
+        float
+    )

@@ -1,0 +1,259 @@
+"""Owns the tests of native instances and point instancers: placed, shared, masked, cyclic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import Converted, convert_text
+from pxr import Usd, UsdGeom
+from reflet_usd.convert import instancer as instancer_module
+
+QUAD = """
+    def Mesh "Q" {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0,1,2,3]
+        point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+        double3 xformOp:translate = (0, 0, 3)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+"""
+
+NATIVE = f"""
+class Xform "Proto" {{
+{QUAD}
+}}
+def Xform "A" (instanceable = true
+    inherits = </Proto>) {{
+    double3 xformOp:translate = (1, 2, 3)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def Xform "B" (instanceable = true
+    inherits = </Proto>) {{
+    color3f[] primvars:displayColor = [(1, 0, 0)]
+}}
+def Xform "C" (instanceable = true
+    inherits = </Proto>) {{
+}}
+"""
+
+
+def test_native_instances_share_meshes_unless_they_look_different(
+    tmp_path: Path,
+) -> None:
+    done = convert_text(tmp_path, NATIVE)
+    meshes = [done.gltf.nodes[done.node(f"/{name}/Q")].mesh for name in "ABC"]
+    assert meshes[0] == meshes[2] != meshes[1]
+    world = done.world()
+    assert world[done.node("/A/Q")][:3, 3] == pytest.approx([1, 2, 6])
+    assert world[done.node("/C/Q")][:3, 3] == pytest.approx([0, 0, 3])
+    colors = [
+        done.json["materials"][done.json["meshes"][m]["primitives"][0]["material"]]
+        for m in meshes
+    ]
+    assert colors[1]["pbrMetallicRoughness"]["baseColorFactor"] == [1, 0, 0, 1]
+    assert colors[0]["pbrMetallicRoughness"]["baseColorFactor"] != [1, 0, 0, 1]
+
+
+POINTS = f"""
+def PointInstancer "I" {{
+    rel prototypes = [</I/Protos/P>, </I/Protos/Ball>]
+    int[] protoIndices = [0, 1, 0, 0, 7]
+    point3f[] positions = [(1,0,0), (2,0,0), (3,0,0), (4,0,0), (5,0,0)]
+    quath[] orientations = [(1,0,0,0), (1,0,0,0), (0.7071,0,0,0.7071), (1,0,0,0), (1,0,0,0)]
+    float3[] scales = [(1,1,1), (2,2,2), (1,3,1), (1,1,1), (1,1,1)]
+    int64[] ids = [10, 11, 12, 13, 14]
+    int64[] invisibleIds = [13]
+    double3 xformOp:translate = (0, 0, 100)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Scope "Protos" {{
+        def Xform "P" {{
+            double3 xformOp:translate = (0, 5, 0)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+{QUAD}
+        }}
+        def Sphere "Ball" {{
+            double radius = 0.5
+        }}
+    }}
+}}
+"""
+
+
+def expected_instances(stage: Usd.Stage) -> np.ndarray:
+    """World matrices of visible instances by USD's own evaluation."""
+    instancer = UsdGeom.PointInstancer(stage.GetPrimAtPath("/I"))
+    transforms = instancer.ComputeInstanceTransformsAtTime(
+        Usd.TimeCode.Default(),
+        Usd.TimeCode.Default(),
+        UsdGeom.PointInstancer.IncludeProtoXform,
+        UsdGeom.PointInstancer.ApplyMask,
+    )
+    world = np.array(instancer.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    return np.array([(np.array(m) @ world).T for m in transforms])
+
+
+def test_point_instances_are_placed_like_usd_places_them(tmp_path: Path) -> None:
+    done = convert_text(
+        tmp_path,
+        POINTS.replace(", 7]", "]")
+        .replace(", (5,0,0)]", "]")
+        .replace(", (1,0,0,0)]", "]")
+        .replace(", (1,1,1)]", "]")
+        .replace(", 14]", "]"),
+    )
+    stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
+    wanted = expected_instances(stage)
+    world = done.world()
+    found = [
+        world[i]
+        for i, node in enumerate(done.gltf.nodes)
+        if (node.extras or {}).get("prim") in ("/I/Protos/P", "/I/Protos/Ball")
+    ]
+    assert len(found) == len(wanted) == 3
+    for matrix in wanted:
+        assert (
+            min(np.abs(matrix - other).max() for other in found) < 1e-3
+        )  # half floats
+    assert len(done.gltf.meshes) == 2
+
+
+def test_an_instance_without_prototype_is_named(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, POINTS)
+    assert "instancer-invalid" in done.warnings("/I")
+    instances = [
+        n for n in done.gltf.nodes if (n.extras or {}).get("instancer") == "/I"
+    ]
+    assert len(instances) == 3
+
+
+def test_many_instances_go_to_the_gpu_extension(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = convert_text(tmp_path, POINTS)
+    monkeypatch.setattr(instancer_module, "MAX_INSTANCE_NODES", 1)
+    done = convert_text(tmp_path, POINTS)
+    nodes = [
+        (i, n.extensions["EXT_mesh_gpu_instancing"]["attributes"])
+        for i, n in enumerate(done.gltf.nodes)
+        if "EXT_mesh_gpu_instancing" in (n.extensions or {})
+    ]
+    assert len(nodes) == 1  # the ball has one instance only
+    assert "EXT_mesh_gpu_instancing" in done.json["extensionsRequired"]
+    index, attributes = nodes[0]
+    above = done.world()[index]
+    corners = []
+    parts = [
+        done.array(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE")
+    ]
+    quad = done.triangles(done.gltf.nodes[index].mesh).reshape(-1, 3)
+    for move, (x, y, z, w), scale in zip(*parts, strict=True):
+        rotation = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        local = (quad * scale) @ rotation.T + move
+        corners.append(local @ above[:3, :3].T + above[:3, 3])
+    assert np.sort(np.concatenate(corners), axis=0) == pytest.approx(
+        np.sort(quads(plain), axis=0), abs=1e-4
+    )
+
+
+def quads(done: Converted) -> np.ndarray:
+    world, found = done.world(), []
+    for index, node in enumerate(done.gltf.nodes):
+        if (node.extras or {}).get("prim") == "/I/Protos/P/Q":
+            points = done.triangles(node.mesh).reshape(-1, 3)
+            found.append(points @ world[index][:3, :3].T + world[index][:3, 3])
+    return np.concatenate(found)
+
+
+def test_nested_instancers(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "Outer" {
+    rel prototypes = </Outer/Inner>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0,0,0), (10,0,0)]
+    def PointInstancer "Inner" {
+        rel prototypes = </Outer/Inner/Ball>
+        int[] protoIndices = [0, 0, 0]
+        point3f[] positions = [(0,1,0), (0,2,0), (0,3,0)]
+        def Sphere "Ball" {
+        }
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world()
+    places = {
+        tuple(np.round(world[i][:3, 3], 6))
+        for i, node in enumerate(done.gltf.nodes)
+        if node.mesh is not None
+    }
+    assert places == {(x, y, 0.0) for x in (0.0, 10.0) for y in (1.0, 2.0, 3.0)}
+    assert len(done.gltf.meshes) == 1
+    assert all(row["warned"] == 0 for row in done.result.ledger.values())
+
+
+def test_a_cycle_ends_and_is_named(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "I" {
+    rel prototypes = </I/P>
+    int[] protoIndices = [0]
+    point3f[] positions = [(0,0,0)]
+    def Xform "P" {
+        def Sphere "Ball" {
+        }
+        def PointInstancer "J" {
+            rel prototypes = </I>
+            int[] protoIndices = [0]
+            point3f[] positions = [(1,0,0)]
+        }
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert "instancer-cycle" in done.warnings()
+
+
+def test_animated_instances_keep_their_keys(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "I" {
+    rel prototypes = </I/Ball>
+    int[] protoIndices = [0, 0]
+    point3f[] positions.timeSamples = { 0: [(0,0,0), (1,0,0)], 24: [(0,4,0), (1,8,0)] }
+    def Sphere "Ball" {
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world(0.5)
+    heights = sorted(
+        world[i][1, 3]
+        for i, node in enumerate(done.gltf.nodes)
+        if node.mesh is not None
+    )
+    assert heights == pytest.approx([2, 4])
+
+
+@pytest.mark.parametrize(
+    "line", ["point3f[] positions = [(0,0,0)]", "float3[] scales = [(1,1,1)]"]
+)
+def test_arrays_that_do_not_fit_are_named(tmp_path: Path, line: str) -> None:
+    body = "point3f[] positions = [(0,0,0), (1,0,0)]" if "scales" in line else ""
+    text = f"""
+def PointInstancer "I" {{
+    rel prototypes = </I/Ball>
+    int[] protoIndices = [0, 0]
+    {body}
+    {line}
+    def Sphere "Ball" {{
+    }}
+}}
+"""
+    assert "instancer-invalid" in convert_text(tmp_path, text).warnings("/I")

@@ -1,0 +1,185 @@
+"""Owns the tests of lights and cameras: values by formula, units, what is lost."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from convert_reading import Converted, convert_text
+
+
+def light(done: Converted, index: int = 0) -> dict[str, Any]:
+    entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][index]
+    assert isinstance(entry, dict)
+    return entry
+
+
+def convert_light(folder: Path, kind: str, body: str, meters: float = 1.0) -> Converted:
+    head = f'#usda 1.0\n(\n    metersPerUnit = {meters}\n    upAxis = "Y"\n)\n'
+    return convert_text(folder, f'{head}def {kind} "L" {{\n{body}\n}}')
+
+
+def test_distant_light_in_lux(tmp_path: Path) -> None:
+    done = convert_light(
+        tmp_path,
+        "DistantLight",
+        "float inputs:intensity = 3\nfloat inputs:exposure = 2\nfloat inputs:angle = 10",
+    )
+    assert light(done)["type"] == "directional"
+    lux = 12 * math.pi * math.sin(math.radians(5)) ** 2
+    assert light(done)["intensity"] == pytest.approx(lux)
+    body = (
+        "float inputs:intensity = 3\nfloat inputs:angle = 10\nbool inputs:normalize = 1"
+    )
+    assert light(convert_light(tmp_path, "DistantLight", body))[
+        "intensity"
+    ] == pytest.approx(3)
+
+
+@pytest.mark.parametrize("meters", [1.0, 0.01])
+@pytest.mark.parametrize("normalize", [0, 1])
+def test_sphere_light_in_candela(tmp_path: Path, meters: float, normalize: int) -> None:
+    body = (
+        "float inputs:intensity = 100\nfloat inputs:radius = 3\n"
+        f"bool inputs:normalize = {normalize}\n"
+        'float3 xformOp:scale = (2, 2, 2)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    )
+    done = convert_light(tmp_path, "SphereLight", body, meters)
+    expected = 25.0 if normalize else 100 * math.pi * (3 * 2 * meters) ** 2
+    assert light(done)["intensity"] == pytest.approx(expected)
+    assert light(done)["type"] == "point"
+
+
+def test_color_and_temperature_are_normalized_into_the_intensity(
+    tmp_path: Path,
+) -> None:
+    body = "color3f inputs:color = (4, 2, 0)\nbool inputs:normalize = 1\nfloat inputs:intensity = 8"
+    found = light(convert_light(tmp_path, "SphereLight", body))
+    assert found["color"] == pytest.approx([1, 0.5, 0])
+    assert found["intensity"] == pytest.approx(8)
+    body = (
+        "bool inputs:enableColorTemperature = 1\nfloat inputs:colorTemperature = 2000"
+    )
+    red, green, blue = light(convert_light(tmp_path, "SphereLight", body))["color"]
+    assert red == 1.0
+    assert red > green > blue
+
+
+@pytest.mark.parametrize(
+    ("angle", "kind", "warned"),
+    [(30, "spot", False), (120, "spot", True), (180, "point", False)],
+)
+def test_cones(tmp_path: Path, angle: int, kind: str, warned: bool) -> None:
+    text = f"""
+def SphereLight "L" (prepend apiSchemas = ["ShapingAPI"]) {{
+    float inputs:shaping:cone:angle = {angle}
+    float inputs:shaping:cone:softness = 0.5
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert light(done)["type"] == kind
+    assert ("cone-clamped" in done.warnings("/L")) == warned
+    if kind == "spot":
+        spot = light(done)["spot"]
+        assert spot["outerConeAngle"] == pytest.approx(math.radians(min(angle, 90)))
+        assert spot["innerConeAngle"] == pytest.approx(spot["outerConeAngle"] / 2)
+
+
+@pytest.mark.parametrize(
+    ("kind", "body", "area", "solid_angle"),
+    [
+        (
+            "RectLight",
+            "float inputs:width = 2\nfloat inputs:height = 3",
+            6.0,
+            2 * math.pi / 3,
+        ),
+        ("DiskLight", "float inputs:radius = 2", 4 * math.pi, 2 * math.pi / 3),
+        (
+            "CylinderLight",
+            "float inputs:radius = 0.5\nfloat inputs:length = 4",
+            4 * math.pi,
+            4 * math.pi,
+        ),
+    ],
+)
+def test_area_lights_keep_their_power(
+    tmp_path: Path, kind: str, body: str, area: float, solid_angle: float
+) -> None:
+    done = convert_light(tmp_path, kind, f"float inputs:intensity = 5\n{body}")
+    flux = math.pi * 5 * area
+    assert light(done)["intensity"] * solid_angle == pytest.approx(flux)
+    assert light(done)["extras"]["area_light"]["power_lm"] == pytest.approx(flux)
+    assert "area-light-approximated" in done.warnings("/L")
+
+
+def test_dome_light_is_kept_beside_the_scene(tmp_path: Path) -> None:
+    body = "float inputs:intensity = 2\nfloat inputs:exposure = 1\n"
+    body += "asset inputs:texture:file = @sky.hdr@"
+    done = convert_light(tmp_path, "DomeLight", body)
+    dome = done.json["nodes"][done.node("/L")]["extras"]["dome_light"]
+    assert dome["radiance_nits"] == pytest.approx(4)
+    assert dome["texture"] == "sky.hdr"
+    assert "dome-light-external" in done.warnings("/L")
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-5"])
+def test_impossible_emission_is_named(tmp_path: Path, value: str) -> None:
+    done = convert_light(tmp_path, "SphereLight", f"float inputs:intensity = {value}")
+    assert light(done)["intensity"] == 0.0
+    assert "light-invalid" in done.warnings("/L")
+
+
+CAMERA = """
+    float horizontalAperture = 36
+    float verticalAperture = 24
+    float focalLength = 50
+    float2 clippingRange = (2, 400)
+"""
+
+
+def test_perspective_camera(tmp_path: Path) -> None:
+    done = convert_light(tmp_path, "Camera", CAMERA, 0.01)
+    perspective = done.json["cameras"][0]["perspective"]
+    assert perspective["yfov"] == pytest.approx(2 * math.atan(12 / 50))
+    assert perspective["aspectRatio"] == pytest.approx(1.5)
+    assert (perspective["znear"], perspective["zfar"]) == pytest.approx((0.02, 4.0))
+    assert done.warnings("/L") == set()
+
+
+def test_orthographic_camera(tmp_path: Path) -> None:
+    body = CAMERA + '\n    token projection = "orthographic"'
+    found = convert_light(tmp_path, "Camera", body, 0.01).json["cameras"][0][
+        "orthographic"
+    ]
+    # Apertures are tenths of a unit: 36 are 3.6 units, 0.036 m across.
+    assert found["xmag"] == pytest.approx(0.018)
+    assert found["ymag"] == pytest.approx(0.012)
+
+
+def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
+    body = CAMERA + "\n    float fStop = 2.8\n    float horizontalApertureOffset = 3"
+    body += "\n    float focusDistance = 500"
+    done = convert_light(tmp_path, "Camera", body, 0.01)
+    lens = done.json["nodes"][done.node("/L")]["extras"]["lens"]
+    assert lens["fStop"] == pytest.approx(2.8)
+    assert lens["focusDistance_m"] == pytest.approx(5)
+    assert "lens-dropped" in done.warnings("/L")
+
+
+@pytest.mark.parametrize(
+    ("line", "warning"),
+    [
+        ("float2 clippingRange = (-1, 5)", "camera-clip-invalid"),
+        ("float focalLength = 0", "camera-invalid"),
+        ("float verticalAperture = nan", "camera-invalid"),
+        (
+            "float focalLength.timeSamples = { 1: 50, 24: 100 }",
+            "camera-animation-frozen",
+        ),
+    ],
+)
+def test_odd_cameras_are_named(tmp_path: Path, line: str, warning: str) -> None:
+    assert warning in convert_light(tmp_path, "Camera", line).warnings("/L")

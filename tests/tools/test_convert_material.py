@@ -1,0 +1,134 @@
+"""Owns the tests of material values and of what drives them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_materials import material, noise, save, stage, texture
+from convert_reading import convert_text
+
+
+def test_constants(tmp_path: Path) -> None:
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor = (0.1, 0.2, 0.3)\nfloat inputs:metallic = 0.4\n"
+            "float inputs:roughness = 0.6\ncolor3f inputs:emissiveColor = (4, 2, 0)\n"
+            "float inputs:ior = 1.33\nfloat inputs:clearcoat = 0.7\n"
+            "float inputs:clearcoatRoughness = 0.2\nfloat inputs:opacity = 0.5",
+            body="uniform bool doubleSided = 1",
+        ),
+    )
+    found = material(done)
+    pbr = found["pbrMetallicRoughness"]
+    assert pbr["baseColorFactor"] == pytest.approx([0.1, 0.2, 0.3, 0.5])
+    assert (pbr["metallicFactor"], pbr["roughnessFactor"]) == pytest.approx((0.4, 0.6))
+    extensions = found["extensions"]
+    strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"]
+    assert np.array(found["emissiveFactor"]) * strength == pytest.approx([4, 2, 0])
+    assert extensions["KHR_materials_ior"]["ior"] == pytest.approx(1.33)
+    coat = extensions["KHR_materials_clearcoat"]
+    assert coat["clearcoatFactor"] == pytest.approx(0.7)
+    assert coat["clearcoatRoughnessFactor"] == pytest.approx(0.2)
+    assert found["alphaMode"] == "BLEND"
+    assert found["doubleSided"] is True
+
+
+def test_fallbacks_are_those_of_the_preview_surface(tmp_path: Path) -> None:
+    pbr = material(convert_text(tmp_path, stage("")))["pbrMetallicRoughness"]
+    assert pbr["baseColorFactor"] == pytest.approx([0.18, 0.18, 0.18, 1])
+    assert (pbr["metallicFactor"], pbr["roughnessFactor"]) == (0.0, 0.5)
+
+
+def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
+    done = convert_text(
+        tmp_path,
+        stage(
+            "int inputs:useSpecularWorkflow = 1\ncolor3f inputs:specularColor = (0.9, 0.5, 0.02)"
+        ),
+    )
+    found = material(done)
+    factor = found["extensions"]["KHR_materials_specular"]["specularColorFactor"]
+    # KHR_materials_specular: F0 = ((ior - 1) / (ior + 1))^2 * specularColor, ior 1.5.
+    assert np.array(factor) * ((1.5 - 1) / (1.5 + 1)) ** 2 == pytest.approx(
+        [0.9, 0.5, 0.02]
+    )
+    assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
+
+
+def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    save(tmp_path, "u.png", noise("RGB", seed=9))
+    reader = """
+    def Shader "Other" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "second"
+        float2 outputs:result
+    }
+"""
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+            "color3f inputs:emissiveColor.connect = </Mat/U.outputs:rgb>",
+            reader
+            + texture("T", "t.png")
+            + texture("U", "u.png", st="/Mat/Other.outputs:result"),
+            'texCoord2f[] primvars:second = [(5,5), (6,5), (6,6), (5,6)] (interpolation="vertex")',
+        ),
+    )
+    found = material(done)
+    slots = {
+        "st": found["pbrMetallicRoughness"]["baseColorTexture"].get("texCoord", 0),
+        "second": found["emissiveTexture"].get("texCoord", 0),
+    }
+    assert sorted(slots.values()) == [0, 1]
+    assert done.attribute(0, 0, f"TEXCOORD_{slots['second']}")[:, 0].min() == 5
+    assert done.attribute(0, 0, f"TEXCOORD_{slots['st']}")[:, 0].max() == 1
+
+
+def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
+    reader = """
+    def Shader "C" {
+        uniform token info:id = "UsdPrimvarReader_float3"
+        string inputs:varname = "paint"
+        float3 outputs:result
+    }
+"""
+    body = "color3f[] primvars:paint = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
+    body += '(interpolation = "vertex")'
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:result>",
+            reader,
+            body,
+        ),
+    )
+    assert done.attribute(0, 0, "COLOR_0").sum(axis=0)[:3].min() > 0
+    assert material(done)["pbrMetallicRoughness"]["baseColorFactor"] == [1, 1, 1, 1]
+
+
+def test_display_color_does_not_tint_a_bound_material(tmp_path: Path) -> None:
+    body = "color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
+    body += '(interpolation = "vertex")'
+    done = convert_text(
+        tmp_path, stage("color3f inputs:diffuseColor = (1, 1, 1)", "", body)
+    )
+    assert "COLOR_0" not in done.json["meshes"][0]["primitives"][0]["attributes"]
+
+
+def test_unknown_shaders_show_display_color_and_say_so(tmp_path: Path) -> None:
+    text = stage("").replace('"UsdPreviewSurface"', '"PxrDisney"')
+    body = "color3f[] primvars:displayColor = [(0.5, 0.25, 0)]"
+    text = text.replace("rel material:binding", body + "\n    rel material:binding")
+    done = convert_text(tmp_path, text)
+    assert "material-unsupported" in done.warnings("/Mat")
+    assert material(done)["pbrMetallicRoughness"]["baseColorFactor"] == [
+        0.5,
+        0.25,
+        0,
+        1,
+    ]

@@ -1,0 +1,273 @@
+"""Owns the tests of skeletons and shapes: skinned points against USD's own skinning."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import Converted, convert_text, interpolated
+from pxr import Usd, UsdGeom, UsdSkel
+
+STAGE = """#usda 1.0
+(
+    metersPerUnit = {meters}
+    upAxis = "Y"
+)
+def SkelRoot "Root" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+    double3 xformOp:translate = (3, 0, 1)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    rel skel:skeleton = </Root/Skel>
+    rel skel:animationSource = </Root/Skel/Anim>
+    def Skeleton "Skel" {{
+        uniform token[] joints = ["A", "A/B", "A/B/C"]
+        uniform matrix4d[] bindTransforms = [
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)),
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1)),
+            ((0,1,0,0),(-1,0,0,0),(0,0,1,0),(0,4,0,1))]
+        uniform matrix4d[] restTransforms = [
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)),
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1)),
+            ((0,1,0,0),(-1,0,0,0),(0,0,1,0),(0,2,0,1))]
+        def SkelAnimation "Anim" {{
+            uniform token[] joints = ["A/B/C", "A/B"]
+            float3[] translations.timeSamples = {{
+                0: [(0,2,0), (0,2,0)], 24: [(1,2,0), (0,2,1)] }}
+            quatf[] rotations.timeSamples = {{
+                0: [(0.70710678,0,0,0.70710678), (1,0,0,0)],
+                12: [(1,0,0,0), (0.70710678,0.70710678,0,0)] }}
+            half3[] scales = [(1,1,1), (1,1.5,1)]
+            uniform token[] blendShapes = ["unused", "up"]
+            float[] blendShapeWeights.timeSamples = {{ 0: [1, 0], 24: [0, 1] }}
+        }}
+    }}
+    def Mesh "M" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4, 4]
+        int[] faceVertexIndices = [0,1,2,3, 3,2,4,5]
+        point3f[] points = [(0,0,0), (1,0,0), (1,2,0), (0,2,0), (1,4,0), (0,4,0)]
+        double3 xformOp:translate = (50, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        matrix4d primvars:skel:geomBindTransform = ((1,0,0,0),(0,1,0,0),(0,0,2,0),(0.5,0,0,1))
+        uniform token[] skel:joints = ["A/B/C", "A", "A/B"]
+        int[] primvars:skel:jointIndices = [1,1, 1,2, 2,1, 2,2, 0,2, 0,0] (
+            interpolation = "vertex"
+            elementSize = 2
+        )
+        float[] primvars:skel:jointWeights = [1,0, 0.5,0.5, 0.75,0.25, 0.5,0.5, 0.9,0.1, 0.4,0.6] (
+            interpolation = "vertex"
+            elementSize = 2
+        )
+        uniform token[] skel:blendShapes = ["up"]
+        rel skel:blendShapeTargets = </Root/M/Up>
+        def BlendShape "Up" {{
+            uniform vector3f[] offsets = [(0,1,0), (0,0,3)]
+            uniform int[] pointIndices = [2, 5]
+        }}
+    }}
+}}
+"""
+
+
+def skinned(done: Converted, seconds: float) -> np.ndarray:
+    """The world positions of the mesh's vertices by glTF's skinning rules."""
+    index = next(i for i, n in enumerate(done.gltf.nodes) if n.skin is not None)
+    node = done.gltf.nodes[index]
+    skin = done.gltf.skins[node.skin]
+    world = done.world(seconds)
+    binds = done.array(skin.inverseBindMatrices).reshape(-1, 4, 4).transpose(0, 2, 1)
+    joints = np.array([world[j] @ b for j, b in zip(skin.joints, binds, strict=True)])
+    primitive = done.json["meshes"][node.mesh]["primitives"][0]
+    attributes = primitive["attributes"]
+    points = done.array(attributes["POSITION"]).astype(float)
+    weights = done.animated(index, seconds)["weights"]
+    for weight, target in zip(weights, primitive.get("targets", []), strict=True):
+        points = points + weight * done.array(target["POSITION"])
+    influences = done.array(attributes["WEIGHTS_0"]).astype(float)
+    matrices = np.einsum(
+        "vk,vkij->vij", influences, joints[done.array(attributes["JOINTS_0"])]
+    )
+    return np.einsum("vij,vj->vi", matrices, np.c_[points, np.ones(len(points))])[:, :3]
+
+
+def usd_skinned(path: Path, code: float, meters: float) -> np.ndarray:
+    """The world positions of the mesh's points by UsdSkelBakeSkinning."""
+    stage = Usd.Stage.Open(str(path))
+    assert UsdSkel.BakeSkinning(stage.Traverse())
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/Root/M"))
+    points = np.array(mesh.GetPointsAttr().Get(code))
+    matrix = np.array(mesh.ComputeLocalToWorldTransform(code))
+    return (np.c_[points, np.ones(len(points))] @ matrix)[:, :3] * meters
+
+
+@pytest.mark.parametrize("meters", [1.0, 0.01])
+def test_skin_and_shapes_move_like_usd(tmp_path: Path, meters: float) -> None:
+    done = convert_text(tmp_path, STAGE.format(meters=meters))
+    for code in (0, 12, 24):  # baking keeps authored times only
+        wanted = usd_skinned(tmp_path / "stage.usda", code, meters)
+        found = skinned(done, code / 24)
+        for points, others in ((wanted, found), (found, wanted)):
+            far = np.linalg.norm(points[:, None] - others[None], axis=2).min(axis=1)
+            assert far.max() < 2e-4 * meters * 5, f"at {code}"
+    assert done.json["meshes"][0]["extras"]["targetNames"] == ["up"]
+
+
+def test_joints_move_like_usd_between_the_keys(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, STAGE.format(meters=1))
+    stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
+    root = UsdSkel.Root(stage.GetPrimAtPath("/Root"))
+    cache = UsdSkel.Cache()
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath("/Root/Skel")))
+    for code in (0, 3, 7.5, 12, 20, 24):
+        world = done.world(code / 24)
+        wanted = query.ComputeJointWorldTransforms(UsdGeom.XformCache(code))
+        for joint, matrix in zip(done.gltf.skins[0].joints, wanted, strict=True):
+            assert world[joint] == pytest.approx(np.array(matrix).T, abs=1e-5), (
+                f"at {code}"
+            )
+
+
+def test_keys_of_joints_stay_where_they_were(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, STAGE.format(meters=1))
+    times = {
+        channel.target.path: done.array(
+            done.gltf.animations[0].samplers[channel.sampler].input
+        )
+        for channel in done.gltf.animations[0].channels
+    }
+    assert times["translation"][:, 0].tolist() == [0, 1]
+    assert times["rotation"][:, 0].tolist() == [0, 0.5]
+    assert times["weights"][:, 0].tolist() == [0, 1]
+
+
+def test_everything_of_a_skeleton_is_accounted_for(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, STAGE.format(meters=1))
+    assert all(row["warned"] == 0 for row in done.result.ledger.values()), (
+        done.result.warnings
+    )
+    assert set(done.result.ledger) == {
+        "BlendShape",
+        "Mesh",
+        "SkelAnimation",
+        "SkelRoot",
+        "Skeleton",
+    }
+
+
+FLAT = "((0,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))"
+DAMAGE = [
+    ("[1,1, 1,2,", "[1,1, 9,2,", "joint-index-out-of-range"),
+    ('["A/B/C", "A", "A/B"]', '["A/B/C", "Z", "A/B"]', "joint-index-out-of-range"),
+    ("pointIndices = [2, 5]", "pointIndices = [2, 50]", "blend-shape-invalid"),
+    ("[1,0, 0.5,0.5,", "[3,0, 0.5,0.5,", "weights-normalized"),
+    (
+        "blendShapeTargets = </Root/M/Up>",
+        "blendShapeTargets = </None>",
+        "blend-shape-invalid",
+    ),
+    ('"A/B", "A/B/C"]', '"A/B", "A/B/C", "D"]', "skeleton-invalid"),
+    ("((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))", FLAT, "skeleton-invalid"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "warning"), DAMAGE)
+def test_damage_is_named(tmp_path: Path, old: str, new: str, warning: str) -> None:
+    text = STAGE.format(meters=1)
+    assert old in text
+    done = convert_text(tmp_path, text.replace(old, new, 1))
+    assert warning in done.warnings()
+    assert done.json["meshes"]
+
+
+def test_animated_points_become_targets(tmp_path: Path) -> None:
+    text = """
+def Mesh "M" {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0,1,2]
+    point3f[] points.timeSamples = {
+        0: [(0,0,0), (1,0,0), (0,1,0)], 12: [(0,0,5), (1,0,0), (0,1,0)],
+        24: [(0,0,0), (1,0,0), (0,9,0)] }
+}
+"""
+    done = convert_text(tmp_path, text)
+    index = done.node("/M")
+    primitive = done.json["meshes"][0]["primitives"][0]
+    rest = done.array(primitive["attributes"]["POSITION"]).astype(float)
+    stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
+    attribute = stage.GetPrimAtPath("/M").GetAttribute("points")
+    for code in (0, 5, 12, 18, 24):
+        weights = done.animated(index, code / 24)["weights"]
+        points = rest + sum(
+            w * done.array(t["POSITION"])
+            for w, t in zip(weights, primitive["targets"], strict=True)
+        )
+        wanted = np.array(attribute.Get(code))
+        assert np.sort(points, axis=0) == pytest.approx(
+            np.sort(wanted, axis=0), abs=1e-6
+        )
+
+
+def test_points_that_change_their_topology_are_named(tmp_path: Path) -> None:
+    text = """
+def Mesh "M" {
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices.timeSamples = { 0: [0,1,2], 1: [2,1,0] }
+    point3f[] points.timeSamples = {
+        0: [(0,0,0), (1,0,0), (0,1,0)], 1: [(0,0,5), (1,0,0), (0,1,0)] }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert {"points-animation-frozen", "geometry-animation-frozen"} <= done.warnings(
+        "/M"
+    )
+
+
+def test_interpolation_used_by_these_tests() -> None:
+    times = np.array([0.0, 1.0])
+    turn = np.array([[0, 0, 0, 1.0], [0, 0, 1.0, 0]])
+    middle = interpolated(times, turn, 0.5, True, False)
+    assert middle == pytest.approx([0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+
+
+def test_skinned_prototypes_are_cloned_with_their_joints(tmp_path: Path) -> None:
+    text = (
+        STAGE.format(meters=1)
+        + """
+def PointInstancer "I" {
+    rel prototypes = </Root>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0,0,0), (100,0,0)]
+}
+"""
+    )
+    done = convert_text(tmp_path, text)
+    skins = done.gltf.skins
+    assert len(skins) == 3
+    joints = [joint for skin in skins for joint in skin.joints]
+    assert len(set(joints)) == len(joints)
+    world = done.world(0.0)
+    roots = [world[skin.joints[0]][0, 3] for skin in skins]
+    # The stage's own root and each instance stand at x = 3 plus the instance's place.
+    assert sorted(roots) == pytest.approx([3, 3, 103])
+
+
+def test_native_instances_of_a_skeleton(tmp_path: Path) -> None:
+    text = STAGE.format(meters=1).replace(
+        'def SkelRoot "Root"', 'class SkelRoot "Root"', 1
+    )
+    text += """
+def SkelRoot "A" (instanceable = true
+    inherits = </Root>) {
+}
+def SkelRoot "B" (instanceable = true
+    inherits = </Root>) {
+    double3 xformOp:translate = (7, 0, 1)
+}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world(0.0)
+    assert sorted(
+        world[skin.joints[0]][0, 3] for skin in done.gltf.skins
+    ) == pytest.approx([3, 7])

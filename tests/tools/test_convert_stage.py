@@ -1,0 +1,281 @@
+"""Owns the tests of whole conversions: composition, selection, confinement, accounts, bytes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from convert_reading import Converted, convert_text
+from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
+
+HERE = Path(__file__).resolve().parent
+SMALL = sorted((HERE / "usd").glob("*.usda")) + sorted((HERE / "stages").glob("*.usda"))
+
+
+@pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
+def test_two_runs_give_the_same_bytes(stage: Path, tmp_path: Path) -> None:
+    outs = [tmp_path / "a.glb", tmp_path / "b.glb"]
+    for out in outs:
+        convert_stage(stage, out, ConvertOptions())
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+    texts = [Path(f"{out}.json").read_text() for out in outs]
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
+def test_every_prim_is_carried_or_warned_about(stage: Path, tmp_path: Path) -> None:
+    from pxr import Usd
+
+    done = Converted(stage, tmp_path / "out.glb")
+    opened = Usd.Stage.Open(str(stage))
+    predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    prims = list(Usd.PrimRange.Stage(opened, predicate))
+    counted = sum(row["carried"] + row["warned"] for row in done.result.ledger.values())
+    assert counted == len(prims)
+
+
+def test_gltf_with_a_buffer_beside_it(tmp_path: Path) -> None:
+    stage = tmp_path / "s.usda"
+    stage.write_text('#usda 1.0\ndef Cube "Würfel" {\n}\n', encoding="utf-8")
+    out = tmp_path / "out file.gltf"
+    convert_stage(stage, out, ConvertOptions())
+    document = json.loads(out.read_text(encoding="utf-8"))
+    assert document["buffers"][0]["uri"] == "out%20file.bin"
+    size = (tmp_path / "out file.bin").stat().st_size
+    assert size == document["buffers"][0]["byteLength"]
+    assert document["nodes"][1]["name"] == "Würfel"
+    assert document["nodes"][1]["extras"]["prim"] == "/Würfel"
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "out file.bin",
+        "out file.gltf",
+        "out file.gltf.json",
+        "s.usda",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("#usda 1.0\ndef Cube {", "stage-unreadable"),
+        ("not usd", "stage-unreadable"),
+        ("", "stage-unreadable"),
+    ],
+)
+def test_unreadable_stages_are_named_and_leave_nothing(
+    tmp_path: Path, text: str, name: str
+) -> None:
+    stage = tmp_path / "bad.usda"
+    stage.write_text(text)
+    with pytest.raises(ConvertError) as caught:
+        convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
+    assert caught.value.name == name
+    assert [p.name for p in tmp_path.iterdir()] == ["bad.usda"]
+
+
+def test_a_missing_stage_and_a_wrong_suffix(tmp_path: Path) -> None:
+    with pytest.raises(ConvertError) as caught:
+        convert_stage(tmp_path / "no.usda", tmp_path / "out.glb", ConvertOptions())
+    assert caught.value.name == "stage-missing"
+    with pytest.raises(ConvertError) as caught:
+        convert_stage(tmp_path / "no.usda", tmp_path / "out.obj", ConvertOptions())
+    assert caught.value.name == "output-suffix"
+
+
+def test_strict_refuses_warnings_and_writes_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ConvertError) as caught:
+        convert_text(tmp_path, '#usda 1.0\ndef Cube "C" {\n}\n', strict=True)
+    assert caught.value.name == "strict"
+    assert "units-missing" in caught.value.message
+    assert not (tmp_path / "out.glb").exists()
+    convert_text(tmp_path, 'def Cube "C" {\n}\n', strict=True)
+
+
+def folders(tmp_path: Path) -> Path:
+    inside, outside = tmp_path / "in", tmp_path / "out"
+    inside.mkdir()
+    outside.mkdir()
+    (outside / "part.usda").write_text(
+        '#usda 1.0\n(\n defaultPrim = "P"\n)\ndef Sphere "P" {\n}\n', encoding="utf-8"
+    )
+    return inside
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize("arc", ["references", "payload", "sublayer"])
+def test_layers_outside_the_folder_are_left_out(
+    tmp_path: Path, arc: str, absolute: bool
+) -> None:
+    inside = folders(tmp_path)
+    path = str(tmp_path / "out" / "part.usda") if absolute else "../out/part.usda"
+    if arc == "sublayer":
+        text = f'#usda 1.0\n(\n subLayers = [@{path}@]\n)\ndef Cube "C" {{\n}}\n'
+        prim = "/P"
+    else:
+        text = f'#usda 1.0\ndef "X" (\n prepend {arc} = @{path}@\n) {{\n}}\ndef Cube "C" {{\n}}\n'
+        prim = "/X"
+    done = convert_text(inside, text)
+    assert "asset-outside-roots" in done.warnings()
+    assert len(done.gltf.meshes) == 1
+    allowed = convert_text(inside, text, extra_roots=(tmp_path / "out",))
+    assert "asset-outside-roots" not in allowed.warnings()
+    assert allowed.gltf.nodes[allowed.node(prim)].mesh is not None
+
+
+def test_a_link_does_not_lead_out(tmp_path: Path) -> None:
+    inside = folders(tmp_path)
+    (inside / "link.usda").symlink_to(tmp_path / "out" / "part.usda")
+    text = '#usda 1.0\ndef "X" (\n prepend references = @link.usda@\n) {\n}\n'
+    assert "asset-outside-roots" in convert_text(inside, text).warnings()
+
+
+def test_missing_and_cyclic_layers_are_named(tmp_path: Path) -> None:
+    text = '#usda 1.0\ndef Cube "C" (\n prepend references = @gone.usda@\n) {\n}\n'
+    assert "asset-unresolved" in convert_text(tmp_path, text).warnings()
+    text = '#usda 1.0\n(\n defaultPrim = "C"\n)\n'
+    text += 'def Cube "C" (\n prepend references = @./stage.usda@\n) {\n}\n'
+    done = convert_text(tmp_path, text)
+    assert {"composition-error", "asset-unresolved"} & done.warnings()
+    assert done.json["meshes"]
+
+
+VARIANTS = """
+def Xform "X" (
+    variants = {
+        string shape = "cube"
+    }
+    prepend variantSets = "shape"
+) {
+    variantSet "shape" = {
+        "cube" {
+            def Cube "G" {
+            }
+        }
+        "ball" {
+            def Sphere "G" {
+            }
+        }
+    }
+}
+"""
+
+
+def test_variants(tmp_path: Path) -> None:
+    small = convert_text(tmp_path, VARIANTS)
+    big = convert_text(tmp_path, VARIANTS, variants=(("/X", "shape", "ball"),))
+    assert len(small.triangles(0)) == 12 < len(big.triangles(0))
+    assert "variants-not-carried" in small.warnings("/X")
+    for choice in (
+        ("/Y", "shape", "ball"),
+        ("/X", "size", "ball"),
+        ("/X", "shape", "cone"),
+    ):
+        with pytest.raises(ConvertError) as caught:
+            convert_text(tmp_path, VARIANTS, variants=(choice,))
+        assert caught.value.name == "variant-unknown"
+
+
+PURPOSES = """
+def Xform "X" {
+    uniform token purpose = "proxy"
+    def Cube "A" {
+    }
+    def Cube "B" {
+        uniform token purpose = "render"
+    }
+}
+def Cube "Hidden" {
+    token visibility = "invisible"
+    def Cube "Below" {
+    }
+}
+"""
+
+
+def test_purpose_and_visibility(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, PURPOSES)
+    drawn = {n.extras["prim"] for n in done.gltf.nodes if n.mesh is not None}
+    assert drawn == {"/X/B"}
+    assert "purpose-skipped" in done.warnings("/X/A")
+    assert "invisible-skipped" in done.warnings("/Hidden")
+    assert done.result.ledger["Cube"] == {"carried": 1, "warned": 3}
+    done = convert_text(tmp_path, PURPOSES, purpose=("proxy",))
+    assert {n.extras["prim"] for n in done.gltf.nodes if n.mesh is not None} == {"/X/A"}
+
+
+@pytest.mark.parametrize(
+    ("metadata", "warning", "meters"),
+    [
+        ("", "units-missing", 0.01),
+        ("metersPerUnit = 0", "units-invalid", 0.01),
+        ("metersPerUnit = -1", "units-invalid", 0.01),
+        ('metersPerUnit = 1\nupAxis = "X"', "up-axis-invalid", 1.0),
+        ("metersPerUnit = 1\ntimeCodesPerSecond = 0", "time-rate-invalid", 1.0),
+        ("metersPerUnit = 1\ntimeCodesPerSecond = -5", "time-rate-invalid", 1.0),
+    ],
+)
+def test_odd_metadata(
+    tmp_path: Path, metadata: str, warning: str, meters: float
+) -> None:
+    text = f'#usda 1.0\n(\n{metadata}\n)\ndef Cube "C" {{\n'
+    text += "double3 xformOp:translate.timeSamples = { 0: (0,0,0), 24: (1,0,0) }\n"
+    text += 'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
+    done = convert_text(tmp_path, text)
+    assert warning in done.warnings("/")
+    assert done.triangles(0).max() == pytest.approx(meters)
+    assert done.world(1.0)[done.node("/C")][0, 3] == pytest.approx(meters)
+
+
+def test_deep_nesting_needs_no_recursion(tmp_path: Path) -> None:
+    depth = 1500
+    text = (
+        "".join(f'def Xform "x{i}" {{\n' for i in range(depth)) + 'def Cube "c" {\n}\n'
+    )
+    done = convert_text(tmp_path, text + "}\n" * depth)
+    assert len(done.gltf.nodes) == depth + 2
+
+
+@pytest.mark.parametrize(
+    ("text", "prim", "warning"),
+    [
+        ('def Mesh "M" {\nstring[] points = ["x"]\n}\n', "/M", "prim-damaged"),
+        (
+            'def Cube "C" {\ndouble3 xformOp:translate.timeSamples = '
+            "{ 1: (0,0,0), 1e308: (1,0,0), 9: (2,0,0) }\n"
+            'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n',
+            "/",
+            "time-sample-dropped",
+        ),
+        (
+            'def Cube "C" {\nfloat xformOp:rotateY.timeSamples = { 1: 0, 9: nan }\n'
+            'uniform token[] xformOpOrder = ["xformOp:rotateY"]\n}\n',
+            "/C",
+            "transform-non-finite",
+        ),
+    ],
+)
+def test_damaged_values_end_one_prim_only(
+    tmp_path: Path, text: str, prim: str, warning: str
+) -> None:
+    done = convert_text(tmp_path, text + 'def Cube "Fine" {\n}\n')
+    assert warning in done.warnings(prim)
+    assert done.gltf.nodes[done.node("/Fine")].mesh is not None
+
+
+def test_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
+    stage = tmp_path / "bad.usda"
+    stage.write_bytes(b'#usda 1.0\ndef Cube "a\xff\xfe" {\n}\n')
+    with pytest.raises(ConvertError) as caught:
+        convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
+    assert caught.value.name == "stage-unreadable"
+
+
+@pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
+def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
+    from reflet_usd.validate.proof import prove
+
+    out = tmp_path / "out.glb"
+    convert_stage(stage, out, ConvertOptions())
+    proof = prove(out, stage, khronos=False)
+    failed = [(c.check, c.prim, c.worst) for c in proof.checks if not c.passed]
+    assert proof.passed, failed

@@ -1,0 +1,294 @@
+"""Owns the tests of textures: copied, packed, recoded, transformed, lost."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from convert_materials import image, material, noise, pixels, save, stage, texture
+from convert_reading import convert_text
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})]
+)
+def test_a_color_map_is_copied_byte_for_byte(
+    tmp_path: Path, name: str, options: dict[str, Any]
+) -> None:
+    data = save(tmp_path, name, noise("RGB"), **options)
+    body = "float4 inputs:scale = (0.5, 0.25, 1, 1)"
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+            texture("T", name, body),
+        ),
+    )
+    pbr = material(done)["pbrMetallicRoughness"]
+    assert image(done, pbr["baseColorTexture"]) == data
+    assert pbr["baseColorFactor"] == [0.5, 0.25, 1, 1]
+    sampler = done.gltf.samplers[done.gltf.textures[0].sampler]
+    assert (sampler.wrapS, sampler.wrapT) == (10497, 10497)
+
+
+def test_separate_maps_are_packed_losslessly(tmp_path: Path) -> None:
+    rough, metal = noise("L", seed=1), noise("L", seed=2)
+    occlusion = noise("L", seed=3)
+    for name, data in (("r.png", rough), ("m.png", metal), ("o.png", occlusion)):
+        save(tmp_path, name, data)
+    done = convert_text(
+        tmp_path,
+        stage(
+            "float inputs:roughness.connect = </Mat/R.outputs:r>\n"
+            "float inputs:metallic.connect = </Mat/Me.outputs:r>\n"
+            "float inputs:occlusion.connect = </Mat/O.outputs:r>",
+            texture("R", "r.png") + texture("Me", "m.png") + texture("O", "o.png"),
+        ),
+    )
+    found = material(done)
+    packed = pixels(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"])
+    assert np.array_equal(packed[..., 1], rough)
+    assert np.array_equal(packed[..., 2], metal)
+    assert np.array_equal(pixels(done, found["occlusionTexture"])[..., 0], occlusion)
+
+
+def test_a_packed_map_in_gltf_order_is_copied(tmp_path: Path) -> None:
+    data = save(tmp_path, "orm.png", noise("RGB"))
+    space = 'token inputs:sourceColorSpace = "raw"'
+    done = convert_text(
+        tmp_path,
+        stage(
+            "float inputs:occlusion.connect = </Mat/T.outputs:r>\n"
+            "float inputs:roughness.connect = </Mat/T.outputs:g>\n"
+            "float inputs:metallic.connect = </Mat/T.outputs:b>",
+            texture("T", "orm.png", space),
+        ),
+    )
+    found = material(done)
+    assert (
+        image(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"]) == data
+    )
+    assert len(done.gltf.images) == 1
+
+
+@pytest.mark.parametrize("space", ["auto", "sRGB", "raw"])
+def test_color_spaces_of_scalar_maps(tmp_path: Path, space: str) -> None:
+    data = noise("RGB")
+    save(tmp_path, "t.png", data)
+    done = convert_text(
+        tmp_path,
+        stage(
+            "float inputs:roughness.connect = </Mat/T.outputs:b>",
+            texture("T", "t.png", f'token inputs:sourceColorSpace = "{space}"'),
+        ),
+    )
+    info = material(done)["pbrMetallicRoughness"]["metallicRoughnessTexture"]
+    encoded = data[..., 2] / 255
+    linear = np.where(
+        encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+    )
+    expected = encoded if space == "raw" else linear
+    assert pixels(done, info)[..., 1] / 255 == pytest.approx(expected, abs=0.51 / 255)
+
+
+def test_scale_and_bias_beyond_a_factor_are_written_into_texels(tmp_path: Path) -> None:
+    data = noise("L")
+    save(tmp_path, "t.png", data)
+    body = "float4 inputs:scale = (2, 1, 1, 1)\nfloat4 inputs:bias = (-0.5, 0, 0, 0)"
+    done = convert_text(
+        tmp_path,
+        stage(
+            "float inputs:roughness.connect = </Mat/T.outputs:r>",
+            texture("T", "t.png", body),
+        ),
+    )
+    info = material(done)["pbrMetallicRoughness"]["metallicRoughnessTexture"]
+    expected = np.clip(data / 255 * 2 - 0.5, 0, 1)
+    assert pixels(done, info)[..., 1] / 255 == pytest.approx(expected, abs=0.51 / 255)
+    assert "texture-repacked" in done.warnings("/Mat/T")
+
+
+@pytest.mark.parametrize("threshold", [0.0, 0.4])
+def test_opacity_from_another_map(tmp_path: Path, threshold: float) -> None:
+    color, alpha = noise("RGB", seed=4), noise("L", seed=5)
+    save(tmp_path, "c.png", color)
+    save(tmp_path, "o.png", alpha)
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
+            "float inputs:opacity.connect = </Mat/O.outputs:r>\n"
+            f"float inputs:opacityThreshold = {threshold}",
+            texture("C", "c.png") + texture("O", "o.png"),
+        ),
+    )
+    found = material(done)
+    packed = pixels(done, found["pbrMetallicRoughness"]["baseColorTexture"])
+    assert np.array_equal(packed[..., :3], color)
+    assert np.array_equal(packed[..., 3], alpha)
+    assert found["alphaMode"] == ("MASK" if threshold else "BLEND")
+    assert found.get("alphaCutoff", 0.0) == pytest.approx(threshold)
+    assert ("opacity-approximated" in done.warnings()) == (threshold == 0.0)
+
+
+def test_an_opaque_alpha_channel_stays_opaque(tmp_path: Path) -> None:
+    color = noise("RGBA")
+    color[..., 3] = 255
+    data = save(tmp_path, "c.png", color)
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/C.outputs:rgb>\n"
+            "float inputs:opacity.connect = </Mat/C.outputs:a>",
+            texture("C", "c.png"),
+        ),
+    )
+    found = material(done)
+    assert found.get("alphaMode", "OPAQUE") == "OPAQUE"
+    assert image(done, found["pbrMetallicRoughness"]["baseColorTexture"]) == data
+
+
+@pytest.mark.parametrize(
+    ("scale", "bias", "copied", "strength"),
+    [
+        ((2, 2, 2, 1), (-1, -1, -1, 0), True, 1.0),
+        ((1, 1, 2, 1), (-0.5, -0.5, -1, 0), True, 0.5),
+        ((2, -2, 2, 1), (-1, 1, -1, 0), False, 1.0),
+    ],
+)
+def test_normal_maps(
+    tmp_path: Path, scale: tuple, bias: tuple, copied: bool, strength: float
+) -> None:
+    data = noise("RGB")
+    raw = save(tmp_path, "n.png", data)
+    body = f"float4 inputs:scale = {scale}\nfloat4 inputs:bias = {bias}\n"
+    body += 'token inputs:sourceColorSpace = "raw"'
+    done = convert_text(
+        tmp_path,
+        stage(
+            "normal3f inputs:normal.connect = </Mat/N.outputs:rgb>",
+            texture("N", "n.png", body),
+        ),
+    )
+    info = material(done)["normalTexture"]
+    assert (image(done, info) == raw) == copied
+    wanted = data / 255 * np.array(scale[:3]) + np.array(bias[:3])
+    found = pixels(done, info)[..., :3] / 255 * 2 - 1
+    found[..., :2] *= info.get("scale", 1.0)
+    assert info.get("scale", 1.0) == strength
+    assert found == pytest.approx(wanted, abs=1.01 / 255)
+
+
+def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    random = np.random.default_rng(5)
+    for _ in range(6):
+        scale, move = (
+            random.uniform(-3, 3, 2).tolist(),
+            random.uniform(-2, 2, 2).tolist(),
+        )
+        degrees = float(random.uniform(-360, 360))
+        node = f"""
+    def Shader "X" {{
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:in.connect = </Mat/St.outputs:result>
+        float2 inputs:scale = ({scale[0]}, {scale[1]})
+        float inputs:rotation = {degrees}
+        float2 inputs:translation = ({move[0]}, {move[1]})
+        float2 outputs:result
+    }}
+"""
+        done = convert_text(
+            tmp_path,
+            stage(
+                "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+                node + texture("T", "t.png", st="/Mat/X.outputs:result"),
+            ),
+        )
+        info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
+        transform = info["extensions"]["KHR_texture_transform"]
+        st = random.uniform(-2, 2, (20, 2))
+        # UsdTransform2d: scale, then rotate counterclockwise, then translate.
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        wanted = (st * scale) @ np.array([[c, s], [-s, c]]) + move
+        # KHR_texture_transform as engines implement it (glTF issue 1563), on uv = (s, 1 - t).
+        uv = np.stack([st[:, 0], 1 - st[:, 1]], 1) * transform.get("scale", (1, 1))
+        r = transform.get("rotation", 0.0)
+        u = math.cos(r) * uv[:, 0] + math.sin(r) * uv[:, 1]
+        v = -math.sin(r) * uv[:, 0] + math.cos(r) * uv[:, 1]
+        found = np.stack([u, v], 1) + transform.get("offset", (0, 0))
+        assert np.stack([found[:, 0], 1 - found[:, 1]], 1) == pytest.approx(
+            wanted, abs=1e-5
+        )
+
+
+@pytest.mark.parametrize(
+    ("wrap", "mode", "warned"),
+    [("clamp", 33071, False), ("mirror", 33648, False), ("black", 33071, True)],
+)
+def test_wrap_modes(tmp_path: Path, wrap: str, mode: int, warned: bool) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    node = texture("T", "t.png").replace('"repeat"', f'"{wrap}"')
+    body = 'texCoord2f[] primvars:st = [(0,0), (2,0), (2,2), (0,2)] (interpolation = "vertex")'
+    text = stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node)
+    text = text.replace(
+        'texCoord2f[] primvars:st = [(0,0), (1,0), (1,1), (0,1)] (interpolation = "vertex")',
+        body,
+    )
+    done = convert_text(tmp_path, text)
+    assert done.gltf.samplers[0].wrapS == mode
+    assert ("wrap-black-clamped" in done.warnings()) == warned
+
+
+def test_wrap_black_inside_the_unit_square_needs_no_warning(tmp_path: Path) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    node = texture("T", "t.png").replace('"repeat"', '"black"')
+    done = convert_text(
+        tmp_path,
+        stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node),
+    )
+    assert "wrap-black-clamped" not in done.warnings()
+
+
+@pytest.mark.parametrize(
+    ("content", "warning"),
+    [
+        (None, "texture-missing"),
+        (b"not an image", "texture-unreadable"),
+        (b"cut", "texture-unreadable"),
+    ],
+)
+def test_lost_textures_leave_their_fallback(
+    tmp_path: Path, content: bytes | None, warning: str
+) -> None:
+    if content == b"cut":
+        content = save(tmp_path, "t.png", noise("RGB", (64, 64)))[:-2000]
+    if content is not None:
+        (tmp_path / "t.png").write_bytes(content)
+    node = texture("T", "t.png", "float4 inputs:fallback = (0.25, 0.5, 0.75, 1)")
+    done = convert_text(
+        tmp_path,
+        stage("color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", node),
+    )
+    assert warning in done.warnings("/Mat/T")
+    pbr = material(done)["pbrMetallicRoughness"]
+    assert pbr["baseColorFactor"] == pytest.approx([0.25, 0.5, 0.75, 1])
+    assert not done.gltf.images
+
+
+def test_other_image_formats_become_png(tmp_path: Path) -> None:
+    data = noise("RGB")
+    save(tmp_path, "t.tga", data)
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+            texture("T", "t.tga"),
+        ),
+    )
+    info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
+    assert np.array_equal(pixels(done, info)[..., :3], data)
+    assert "texture-converted" in done.warnings("/Mat/T")

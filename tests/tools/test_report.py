@@ -1,0 +1,137 @@
+"""The corpus report: rivals and we are scored alike, and the table can be made again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from reflet_usd import cli
+from reflet_usd.peers import Root, Score, read_peers, read_roots, score_output, summary_rows
+
+INDEX_HEAD = (
+    "file\topens\tupAxis\tmetersPerUnit\tbox in metres, Y up, earliest time\tfeatures (count)"
+)
+PEERS_HEAD = (
+    "file\tpeer\tconverted\tvalidator errors\tworld box (ok, units, axis, bad, none, -)"
+    "\tmaterials got/expected\timages\tcameras got/expected\tlights got/expected (no dome)"
+    "\tanimated nodes/expected stages"
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, stages: Path) -> Path:
+    """A corpus of two seeds and one broken stage, with one rival."""
+    place = tmp_path / "corpus"
+    place.mkdir()
+    for name in ("gprims.usda", "moving.usda"):
+        shutil.copy(stages / name, place / name)
+    (place / "broken.usda").write_text("#usda 1.0\ndef Cube {")
+    (place / "INDEX.tsv").write_text(
+        f"{INDEX_HEAD}\n"
+        "gprims.usda\t1\tY\t1\t-6.5;-1.5;-4;6.5;5.5;6\tCube=2 Sphere=2\n"
+        "moving.usda\t1\tY\t0.01\t0;0;0;0.04;0.01;0\tMesh=1 Camera=1 light=2 xformAnim=1\n"
+        "broken.usda\t0\t\t\t\t\n"
+    )
+    (place / "PEERS.tsv").write_text(
+        f"{PEERS_HEAD}\n"
+        "gprims.usda\tRival 1.0\t1\t2\tunits\t0/0\t0\t0/0\t0/0\t0/0\n"
+        "moving.usda\tRival 1.0\t1\t0\tok\t0/0\t0\t0/1\t1/2\t1/1\n"
+        "broken.usda\tRival 1.0\t0\t\t-\t\t0\t\t\t\n"
+    )
+    return place
+
+
+def rows_by_title(folder: Path) -> dict[str, str]:
+    """The rival's cells by the measure's title."""
+    peers = read_peers(folder)
+    return {title: cells["Rival 1.0"] for title, cells in summary_rows(read_roots(folder), peers)}
+
+
+def test_a_rival_is_scored_from_its_rows(folder: Path) -> None:
+    rows = rows_by_title(folder)
+    assert rows["converted, of those that open"] == "2/2"
+    assert rows["Khronos validator: 0 errors"] == "1/2"
+    assert rows["broken files refused"] == "1/1"
+    assert rows["world box right (meters, Y up; no skeletons)"] == "1/2"
+    assert rows["cameras, all"] == "0/1"
+    assert rows["lights, all but dome"] == "0/1"
+    assert rows["transform animation present"] == "1/1"
+    assert rows["box, validator, and all counts right"] == "0/2"
+
+
+@pytest.mark.parametrize(
+    ("box", "features", "state"),
+    [
+        ([0, 0, 0, 10, 10, 10], {}, "ok"),
+        ([0, 0, 0.01, 10, 10, 10], {}, "ok"),
+        ([0, 0, 0.1, 10, 10, 10], {}, "bad"),
+        ([0, 0, 0.1, 10, 10, 10], {"Sphere": 1}, "ok"),
+        ([0, 0, 1, 10, 10, 10], {"Sphere": 1}, "bad"),
+        (None, {}, "none"),
+    ],
+)
+def test_our_box_is_judged_by_the_rivals_tolerance(
+    box: list[float] | None, features: dict[str, int], state: str
+) -> None:
+    root = Root("a.usda", True, [0, 0, 0, 10, 10, 10], features)
+    assert score_output(root, {"box": box}, 0, None).box == state
+
+
+def test_what_is_expected_of_us_is_what_is_expected_of_rivals() -> None:
+    like = Score(True, 0, "ok", (1, 3), 0, (0, 2), (0, 0), (0, 1))
+    facts = {"materials": 2, "cameras": 2, "animated_nodes": 5}
+    score = score_output(Root("a", True, None, {}), facts, 0, like)
+    assert (score.materials, score.cameras, score.animated) == ((2, 3), (2, 2), (5, 1))
+
+
+def test_without_an_index_every_stage_is_a_root(tmp_path: Path, stages: Path) -> None:
+    names = [root.file for root in read_roots(stages)]
+    assert names == sorted(str(path.relative_to(stages)) for path in stages.rglob("*.usd?"))
+    assert read_peers(stages) == {}
+
+
+def test_wrong_folders_are_usage_errors(tmp_path: Path) -> None:
+    assert cli.main(["report", str(tmp_path / "none")]) == 2
+    assert cli.main(["report", str(tmp_path)]) == 2
+
+
+def test_the_table_is_right_and_repeatable(folder: Path, tmp_path: Path, khronos: None) -> None:
+    texts = []
+    for run in ("one", "two"):
+        table, details = tmp_path / f"{run}.md", tmp_path / f"{run}.json"
+        code = cli.main(["report", str(folder), "-o", str(table), "--json", str(details)])
+        assert code == 0, table.read_text()
+        texts.append(table.read_text())
+    assert texts[0] == texts[1]
+    assert str(tmp_path) not in texts[0]
+    assert "| broken files refused | 1/1 | 1/1 |" in texts[0]
+    assert "| cameras, all | 1/1 | 0/1 |" in texts[0]
+    assert "| lights, all but dome | 1/1 | 0/1 |" in texts[0]
+    assert "no: `stage-unreadable` (broken on purpose)" in texts[0]
+    rows = {row["file"]: row for row in json.loads(details.read_text())}
+    assert rows["moving.usda"]["passed"]
+    assert rows["moving.usda"]["proof"]["khronos"]["errors"] == 0
+
+
+SAMPLE = "simple-skin-test|pi_nested|UsdTransform2dTest|UnitsMilli|AnimatedCube|no-primname"
+
+
+def test_a_sample_of_the_corpus(corpus: Path, tmp_path: Path, khronos: None) -> None:
+    details = tmp_path / "report.json"
+    table = tmp_path / "report.md"
+    options = ["--only", SAMPLE, "-o", str(table), "--json", str(details)]
+    assert cli.main(["report", str(corpus), *options]) == 0, table.read_text()
+    assert len(json.loads(details.read_text())) >= 5
+
+
+@pytest.mark.full
+def test_the_whole_corpus(corpus: Path, tmp_path: Path, khronos: None) -> None:
+    details = tmp_path / "report.json"
+    cli.main(["report", str(corpus), "-o", str(tmp_path / "report.md"), "--json", str(details)])
+    rows = json.loads(details.read_text())
+    wrong = [row["file"] for row in rows if not row["passed"]]
+    assert wrong == []
+    invalid = [row["file"] for row in rows if row["proof"] and row["proof"]["khronos"]["errors"]]
+    assert invalid == []

@@ -1,0 +1,108 @@
+"""Conversions proved by the validator, and the validator's own references."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pygltflib as gl
+import pytest
+from PIL import Image
+from reflet_usd.sandbox import run_convert
+from reflet_usd.validate.proof import Proof, prove
+from reflet_usd.validate.table import format_proof
+from reflet_usd.validate.usd_subdivide import Cage, refine
+
+
+def failing(proof: Proof) -> set[str]:
+    """Names of the checks that found a silent deviation."""
+    return {check.name for check in proof.checks if not check.passed}
+
+
+@pytest.mark.parametrize("name", ["gprims", "instances", "moving", "quads", "skin"])
+def test_every_seed_survives_the_round_trip(
+    tmp_path: Path, stages: Path, khronos: None, name: str
+) -> None:
+    out = tmp_path / f"{name}.glb"
+    run_convert(stages / f"{name}.usda", out)
+    proof = prove(out, stages / f"{name}.usda")
+    assert proof.khronos is not None
+    assert proof.khronos.errors == 0, proof.khronos.messages
+    assert failing(proof) == set(), format_proof(proof)
+    assert not any(check.declared for check in proof.checks if check.name != "bindings")
+
+
+def test_the_reference_refinement_gives_the_known_places() -> None:
+    cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    smooth = refine(Cage(cube, faces, list(range(6)), {}, {}, True))
+    assert len(smooth.faces) == 24
+    # Corner (F + E + (n − 2)·P) / n = (1/3 + 1/3 + 1) / 3; edge (2 + 2·1/2) / 4; face 1.
+    assert np.allclose(np.abs(smooth.points[:8]), 5 / 9)
+    assert np.allclose(np.sort(np.abs(smooth.points[14:]), axis=1), [0, 0.75, 0.75])
+    top = {(2, 3): 10.0, (3, 7): 10.0, (6, 7): 10.0, (2, 6): 10.0}
+    creased = refine(Cage(cube, faces, list(range(6)), top, {}, True))
+    assert np.allclose(creased.points[[2, 3, 6, 7], 1], 1)
+    assert np.allclose(np.abs(creased.points[[2, 3, 6, 7]][:, [0, 2]]), 0.75)
+    sheet = refine(Cage(cube[:4], [[0, 1, 3, 2]], [0], {}, {}, True))
+    assert np.allclose(sheet.points[:4], cube[:4])
+    rounded = refine(Cage(cube[:4], [[0, 1, 3, 2]], [0], {}, {}, False))
+    assert np.allclose(np.abs(rounded.points[:4, 1:]), 0.75)
+
+
+TEXTURED = """#usda 1.0
+( metersPerUnit = 1
+  upAxis = "Y" )
+def Mesh "Card" (prepend apiSchemas = ["MaterialBindingAPI"])
+{
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    texCoord2f[] primvars:near = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+    texCoord2f[] primvars:far = [(0, 0), (0.5, 0), (0.5, 0.5), (0, 0.5)] (interpolation = "vertex")
+    rel material:binding = </Look>
+}
+def Material "Look"
+{
+    token outputs:surface.connect = </Look/Surface.outputs:surface>
+    def Shader "Surface"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </Look/Picture.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "Picture"
+    {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @picture.png@
+        token inputs:wrapS = "repeat"
+        token inputs:wrapT = "repeat"
+        float2 inputs:st.connect = </Look/Reader.outputs:result>
+        float3 outputs:rgb
+    }
+    def Shader "Reader"
+    {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "far"
+        float2 outputs:result
+    }
+}
+"""
+
+
+def test_textures_are_compared_by_texels_and_uv_sets(tmp_path: Path) -> None:
+    stage, out = tmp_path / "card.usda", tmp_path / "card.glb"
+    stage.write_text(TEXTURED)
+    pixels = np.arange(4 * 4 * 3, dtype=np.uint8).reshape(4, 4, 3) * 5
+    Image.fromarray(pixels).save(tmp_path / "picture.png")
+    run_convert(stage, out)
+    proof = prove(out, stage, khronos=False)
+    assert failing(proof) == set(), format_proof(proof)
+    file = gl.GLTF2().load(str(out))
+    texture = file.materials[0].pbrMetallicRoughness.baseColorTexture
+    texture.texCoord = 1 - (texture.texCoord or 0)
+    file.save(str(out))
+    assert failing(prove(out, stage, khronos=False)) == {"uvs"}
+    Image.fromarray(255 - pixels).save(tmp_path / "picture.png")
+    assert "materials" in failing(prove(out, stage, khronos=False))

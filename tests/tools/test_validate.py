@@ -1,0 +1,328 @@
+"""The validator against files written by hand: right ones pass, each kind of fault is named."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pygltflib as gl
+import pytest
+from handmade import HandFile, HandMesh
+from reflet_usd import cli
+from reflet_usd.validate.proof import Proof, prove
+
+STAGE = """#usda 1.0
+(
+    metersPerUnit = 0.01
+    upAxis = "Z"
+    timeCodesPerSecond = 10
+)
+def Xform "World"
+{
+    double3 xformOp:translate.timeSamples = { 0: (100, 0, 0), 10: (200, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+
+    def Mesh "Sheet" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {
+        uniform token subdivisionScheme = "none"
+        bool doubleSided = 1
+        int[] faceVertexCounts = [4, 3]
+        int[] faceVertexIndices = [0, 1, 2, 3, 1, 4, 2]
+        point3f[] points = [(0, 0, 0), (100, 0, 0), (100, 100, 0), (0, 100, 0), (200, 0, 0)]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1), (2, 0)] (
+            interpolation = "vertex"
+        )
+        rel material:binding = </Look>
+    }
+
+    def Camera "Eye"
+    {
+        float focalLength = 50
+        float horizontalAperture = 20
+        float verticalAperture = 10
+        float2 clippingRange = (10, 1000)
+    }
+}
+def SphereLight "Bulb"
+{
+    float inputs:intensity = 100
+    float inputs:radius = 50
+}
+def Sphere "Ball"
+{
+    double radius = 10
+    bool doubleSided = 1
+    rel material:binding = None
+}
+def Material "Look"
+{
+    token outputs:surface.connect = </Look/Surface.outputs:surface>
+    def Shader "Surface"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (0.2, 0.4, 0.6)
+        float inputs:roughness = 0.75
+        token outputs:surface
+    }
+}
+"""
+SHEET = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], dtype=float)
+TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]])
+UP = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # −90° about X: Z up becomes Y up
+
+
+def sphere(radius: float, steps: int = 8) -> tuple[np.ndarray, np.ndarray]:
+    """A latitude-longitude sphere with its poles and equator on the axes."""
+    rings = np.linspace(0, math.pi, steps + 1)
+    turns = np.linspace(0, 2 * math.pi, steps + 1)
+    points = [
+        (math.sin(a) * math.cos(b), math.sin(a) * math.sin(b), math.cos(a))
+        for a in rings
+        for b in turns
+    ]
+    quads = [(i * (steps + 1) + j) for i in range(steps) for j in range(steps)]
+    faces = [
+        t for q in quads for t in ((q, q + steps + 1, q + 1), (q + 1, q + steps + 1, q + steps + 2))
+    ]
+    return np.array(points) * radius, np.array(faces)
+
+
+def build(change: Callable[[HandFile], None] | None = None) -> HandFile:
+    """The right file for STAGE, then `change`."""
+    file = HandFile()
+    look = file.material(
+        "/Look",
+        doubleSided=True,
+        pbrMetallicRoughness=gl.PbrMetallicRoughness(
+            baseColorFactor=[0.2, 0.4, 0.6, 1.0], metallicFactor=0.0, roughnessFactor=0.75
+        ),
+    )
+    root = file.node("/", rotation=UP)
+    world = file.node("/World", root, translation=[1, 0, 0])
+    uvs = np.column_stack([SHEET[:, 0], 1 - SHEET[:, 1]])
+    normals = np.tile([0, 0, 1], (5, 1))
+    sheet = file.mesh(HandMesh(SHEET, TRIANGLES, normals, uvs, look))
+    file.node("/World/Sheet", world, mesh=sheet)
+    file.gltf.cameras = [
+        gl.Camera(
+            type="perspective",
+            perspective=gl.Perspective(
+                yfov=2 * math.atan(10 / 100), aspectRatio=2.0, znear=0.1, zfar=10.0
+            ),
+        )
+    ]
+    file.node("/World/Eye", world, camera=0)
+    points, faces = sphere(0.1)
+    normals = points / 0.1
+    plain = file.material("", doubleSided=True)
+    file.node("/Ball", root, mesh=file.mesh(HandMesh(points, faces, normals, None, plain)))
+    file.gltf.extensionsUsed = ["KHR_lights_punctual"]
+    candela = 100 * math.pi * 0.5**2
+    file.gltf.extensions = {
+        "KHR_lights_punctual": {"lights": [{"type": "point", "intensity": candela}]}
+    }
+    file.node("/Bulb", root, extensions={"KHR_lights_punctual": {"light": 0}})
+    times = file.accessor([[0.0], [1.0]], "SCALAR", np.float32)
+    moves = file.accessor([[1, 0, 0], [2, 0, 0]], "VEC3", np.float32)
+    file.gltf.animations = [
+        gl.Animation(
+            samplers=[gl.AnimationSampler(input=times, output=moves)],
+            channels=[
+                gl.AnimationChannel(
+                    sampler=0, target=gl.AnimationChannelTarget(node=world, path="translation")
+                )
+            ],
+        )
+    ]
+    if change:
+        change(file)
+    return file
+
+
+def proof_of(
+    folder: Path, change: Callable[[HandFile], None] | None = None, warnings: list | None = None
+) -> Proof:
+    """Write STAGE and its file, changed, and compare them."""
+    stage = folder / "stage.usda"
+    stage.write_text(STAGE, encoding="utf-8")
+    out = build(change).write(folder / "out.glb")
+    (folder / "out.glb.json").write_text(json.dumps({"warnings": warnings or []}))
+    return prove(out, stage, khronos=False)
+
+
+def failing(proof: Proof) -> set[str]:
+    """Names of the checks that found a silent deviation."""
+    return {check.name for check in proof.checks if not check.passed}
+
+
+def node(file: HandFile, prim: str) -> gl.Node:
+    """The node that stands for `prim`."""
+    return next(node for node in file.gltf.nodes if node.extras["prim"] == prim)
+
+
+def test_a_right_file_passes_every_check(tmp_path: Path) -> None:
+    proof = proof_of(tmp_path)
+    assert failing(proof) == set(), [check.to_json() for check in proof.checks]
+    done = {check.name for check in proof.checks}
+    wanted = {"positions", "surfaces", "normals", "uvs", "bindings", "materials", "sides"}
+    assert done >= wanted | {"cameras", "lights", "matrices", "triangles", "area", "winding"}
+    assert proof.times > 2
+
+
+def test_the_khronos_validator_agrees(tmp_path: Path, khronos: None) -> None:
+    out = build().write(tmp_path / "out.glb")
+    proof = prove(out, None)
+    assert proof.khronos is not None
+    assert proof.khronos.errors == 0, proof.khronos.messages
+
+
+def move_vertex(file: HandFile) -> None:
+    file.data[0:4] = np.float32(0.001).tobytes()
+
+
+def flip_winding(file: HandFile) -> None:
+    flipped = np.ascontiguousarray(TRIANGLES[:, ::-1], dtype=np.uint32).tobytes()
+    start = file.data.index(TRIANGLES.astype(np.uint32).tobytes())
+    file.data[start : start + len(flipped)] = flipped
+
+
+def drop_triangle(file: HandFile) -> None:
+    file.gltf.accessors[file.gltf.meshes[0].primitives[0].indices].count = 6
+
+
+def keep_v(file: HandFile) -> None:
+    file.gltf.meshes[0].primitives[0].attributes.TEXCOORD_0 = file.accessor(
+        SHEET[:, :2], "VEC2", np.float32
+    )
+
+
+def tilt_normals(file: HandFile) -> None:
+    tilted = np.tile([0, math.sin(0.02), math.cos(0.02)], (5, 1))
+    file.gltf.meshes[0].primitives[0].attributes.NORMAL = file.accessor(tilted, "VEC3", np.float32)
+
+
+def forget_scale_of_ball(file: HandFile) -> None:
+    node(file, "/Ball").scale = [1.01, 1.01, 1.01]
+
+
+def lose_sheet(file: HandFile) -> None:
+    node(file, "/World/Sheet").mesh = None
+
+
+def add_ghost(file: HandFile) -> None:
+    file.node("/Ghost", 0, mesh=0)
+
+
+def widen_camera(file: HandFile) -> None:
+    file.gltf.cameras[0].perspective.yfov *= 1.001
+
+
+def dim_light(file: HandFile) -> None:
+    file.gltf.extensions["KHR_lights_punctual"]["lights"][0]["intensity"] *= 0.5
+
+
+def repaint(file: HandFile) -> None:
+    file.gltf.materials[0].pbrMetallicRoughness.baseColorFactor = [0.2, 0.4, 0.7, 1.0]
+
+
+def make_transparent(file: HandFile) -> None:
+    file.gltf.materials[0].alphaMode = "BLEND"
+
+
+def single_side(file: HandFile) -> None:
+    file.gltf.materials[0].doubleSided = False
+
+
+def unbind(file: HandFile) -> None:
+    file.gltf.meshes[0].primitives[0].material = None
+
+
+def hold_animation(file: HandFile) -> None:
+    file.gltf.animations[0].samplers[0].interpolation = "STEP"
+
+
+def stop_animation(file: HandFile) -> None:
+    file.gltf.animations = []
+
+
+def hide_ball(file: HandFile) -> None:
+    node(file, "/Ball").extensions = {"KHR_node_visibility": {"visible": False}}
+
+
+def turn_root_away(file: HandFile) -> None:
+    node(file, "/").rotation = None
+
+
+FAULTS = [
+    (move_vertex, "positions"),
+    (flip_winding, "winding"),
+    (drop_triangle, "triangles"),
+    (drop_triangle, "area"),
+    (keep_v, "uvs"),
+    (tilt_normals, "normals"),
+    (forget_scale_of_ball, "surfaces"),
+    (lose_sheet, "carried"),
+    (hide_ball, "carried"),
+    (add_ghost, "unexpected"),
+    (widen_camera, "cameras"),
+    (dim_light, "lights"),
+    (repaint, "materials"),
+    (make_transparent, "materials"),
+    (single_side, "sides"),
+    (unbind, "bindings"),
+    (hold_animation, "matrices"),
+    (stop_animation, "positions"),
+    (turn_root_away, "bounds"),
+]
+
+
+@pytest.mark.parametrize(("fault", "check"), FAULTS, ids=lambda x: getattr(x, "__name__", x))
+def test_each_fault_is_found_by_its_check(
+    tmp_path: Path, fault: Callable[[HandFile], None], check: str
+) -> None:
+    assert check in failing(proof_of(tmp_path, fault))
+
+
+def test_a_declared_loss_is_counted_but_does_not_fail(tmp_path: Path) -> None:
+    warning = {"name": "mesh-empty", "prim": "/World/Sheet", "message": "too odd"}
+    proof = proof_of(tmp_path, lose_sheet, [warning])
+    carried = next(check for check in proof.checks if check.name == "carried")
+    assert carried.passed
+    assert carried.declared >= 1
+
+
+def test_a_warning_elsewhere_excuses_nothing(tmp_path: Path) -> None:
+    warnings = [
+        {"name": "mesh-empty", "prim": "/Ball", "message": ""},
+        {"name": "schema-ignored", "prim": "/", "message": ""},
+        {"name": "uv-missing", "prim": "/World/Sheet", "message": ""},
+    ]
+    assert "carried" in failing(proof_of(tmp_path, lose_sheet, warnings))
+
+
+def test_command_prints_json_and_exit_codes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    proof_of(tmp_path)
+    out, stage = str(tmp_path / "out.glb"), str(tmp_path / "stage.usda")
+    options = ["--against", stage, "--no-khronos", "--json"]
+    assert cli.main(["validate", out, *options]) == 0
+    assert json.loads(capsys.readouterr().out)["passed"] is True
+    build(move_vertex).write(Path(out))
+    assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
+    assert "FAILED" in capsys.readouterr().out
+    assert cli.main(["validate", str(tmp_path / "none.glb")]) == 2
+    Path(out).write_bytes(b"glTF\2\0\0\0\xff\xff\xff\x7f")
+    assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
+
+
+def test_missing_validator_tells_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("REFLET_GLTF_VALIDATOR", str(tmp_path))
+    out = build().write(tmp_path / "out.glb")
+    assert cli.main(["validate", str(out)]) == 1
+    assert "gltf-validator" in capsys.readouterr().err

@@ -1,0 +1,144 @@
+//! USD stages as models: converted once per content by the Python tools, refused with a reason.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The converter that `tools/setup.sh` installs; `None` after saying `SKIPPED`.
+fn tool() -> Option<PathBuf> {
+    let tool = root().join(".venv/bin/reflet-usd");
+    if !tool.is_file() {
+        eprintln!(
+            "SKIPPED: {} does not exist; run tools/setup.sh",
+            tool.display()
+        );
+        return None;
+    }
+    Some(tool)
+}
+
+/// A folder of its own for one test, with a stage in it.
+struct Workplace(PathBuf);
+
+impl Workplace {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("reflet-usd-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("a folder");
+        let stage = Self(folder);
+        stage.write("quad.usda", QUAD);
+        stage
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).expect("written");
+    }
+
+    fn check(&self, tool: &Path, scene: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .arg("info")
+            .arg(self.0.join(scene))
+            .env("REFLET_USD", tool)
+            .env("REFLET_CACHE", self.0.join("cache"))
+            .output()
+            .expect("reflet runs")
+    }
+}
+
+impl Drop for Workplace {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const QUAD: &str = r#"#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def Xform "World"
+{
+    def Mesh "Quad"
+    {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    }
+}
+"#;
+
+fn said(output: &Output) -> String {
+    format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+#[test]
+fn a_stage_is_converted_once_and_again_when_it_changes() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("once");
+    let first = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        first.contains("usd: converting") && first.contains("triangles   2 placed"),
+        "{first}"
+    );
+    let second = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        second.contains("is unchanged") && second.contains("triangles   2 placed"),
+        "{second}"
+    );
+    let two = QUAD
+        .replace("faceVertexCounts = [4]", "faceVertexCounts = [3]")
+        .replace("[0, 1, 2, 3]", "[0, 1, 2]");
+    place.write("quad.usda", &two);
+    let third = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        third.contains("usd: converting") && third.contains("triangles   1 placed"),
+        "{third}"
+    );
+}
+
+#[test]
+fn a_scene_places_a_stage_like_any_model() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("scene");
+    place.write(
+        "scene.toml",
+        "version = 1\n[model.quad]\nfile = \"quad.usda\"\n[[instance]]\nmodel = \"quad\"\n\
+         repeat = { count = [3, 1, 1], step = [3, 0, 0] }\n",
+    );
+    let text = said(&place.check(&tool, "scene.toml"));
+    assert!(text.contains("triangles   6 placed"), "{text}");
+}
+
+#[test]
+fn a_missing_converter_and_a_broken_stage_are_named() {
+    let place = Workplace::new("missing");
+    let output = place.check(Path::new("/nonexistent/reflet-usd"), "quad.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("error[usd-tool-missing]") && text.contains("pip install"),
+        "{text}"
+    );
+
+    let Some(tool) = tool() else { return };
+    place.write("broken.usda", "#usda 1.0\ndef Mesh {");
+    let output = place.check(&tool, "broken.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("error[usd-not-converted]") && text.contains("broken.usda"),
+        "{text}"
+    );
+}

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Renders the README's pictures anew from the built-in scenes, into docs/images.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
+cd "$root"
+cargo build --release --locked
+binary="${CARGO_TARGET_DIR:-$root/target}/release/reflet"
+images="$root/docs/images"
+mkdir -p "$images"
+
+"$binary" render --samples 16 --output "$images/atrium.png"
+for method in ssr hybrid rt; do
+    "$binary" render --samples 4 --size 640x360 --method "$method" --output "$images/atrium-$method.png"
+done
+"$binary" render --size 640x360 --aov source,cause --output "$images/atrium-one.png"
+mv "$images/atrium-one.source.png" "$images/atrium-source.png"
+mv "$images/atrium-one.cause.png" "$images/atrium-cause.png"
+rm "$images/atrium-one.png"
+"$binary" render "$root/scenes/mirrors.toml" --samples 8 --size 640x360 --output "$images/mirrors.png"
+"$binary" render "$root/scenes/cornell.toml" --samples 8 --size 640x360 --output "$images/cornell.png"

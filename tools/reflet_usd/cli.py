@@ -1,0 +1,49 @@
+"""The command line `reflet-usd`: one subcommand per module, exit codes, nothing else.
+
+Exit codes: 0 done, 1 the work failed with a named reason, 2 wrong usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from reflet_usd import __version__
+
+# Subcommand, the module that owns it (`add_arguments(parser)`, `run(args) -> int`), its help line.
+COMMANDS: tuple[tuple[str, str, str], ...] = (
+    ("convert", "reflet_usd.convert.command", "write a USD stage as glTF (.glb or .gltf)"),
+    ("validate", "reflet_usd.validate", "check a glTF file, alone or against its USD stage"),
+    ("inspect", "reflet_usd.inspect", "list what a USD stage holds and how each part would travel"),
+    ("report", "reflet_usd.report", "convert and check every stage of a folder, print the table"),
+)
+
+
+def build_parser(selected: str | None) -> argparse.ArgumentParser:
+    """The whole parser; only `selected`'s module is imported (USD takes long to load)."""
+    parser = argparse.ArgumentParser(
+        prog="reflet-usd", description="USD stages to glTF 2.0, with proof that nothing got lost."
+    )
+    parser.add_argument("--version", action="version", version=f"reflet-usd {__version__}")
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, module, text in COMMANDS:
+        subparser = subparsers.add_parser(name, help=text, description=text)
+        if name == selected:
+            importlib.import_module(module).add_arguments(subparser)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one subcommand and return its exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    names = [name for name, _, _ in COMMANDS]
+    selected = next((word for word in arguments if word in names), None)
+    args = build_parser(selected).parse_args(arguments)
+    module = next(module for name, module, _ in COMMANDS if name == args.command)
+    return int(importlib.import_module(module).run(args))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

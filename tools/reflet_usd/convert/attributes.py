@@ -1,0 +1,211 @@
+"""The primvars of a gprim, sorted into what glTF has names for: color, UV sets, custom values."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.context import Context, source_path
+from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
+from reflet_usd.convert.surface import Stream, Surface
+
+# The last one is how files of early USD versions name float2[].
+UV_TYPES = (
+    *tuple(f"texCoord{n}{t}[]" for n in "23" for t in "fdh"),
+    "float2[]",
+    "double2[]",
+    "half2[]",
+    "Vec2f[]",
+)
+_FLOAT_TYPES = re.compile(
+    r"^(float|double|half)[234]?\[\]$|^(color|vector|normal|point)[34][fdh]\[\]$"
+)
+# Read elsewhere, or without a meaning outside the tool that wrote them.
+_HANDLED = re.compile(r"^(displayColor|displayOpacity|normals|skel:.*)$")
+
+
+@dataclass
+class DisplayColor:
+    """displayColor and displayOpacity of a gprim."""
+
+    constant: tuple[float, float, float, float]
+    """The first color and opacity: all there is where both are constant."""
+    color: Stream | None = None
+    opacity: Stream | None = None
+    translucent: bool = False
+    """Some opacity is below 1."""
+
+    def stream_for(self, use_color: bool, use_opacity: bool) -> Stream | None:
+        """COLOR_0's values: None where one factor says it all."""
+        color = self.color if use_color else None
+        opacity = self.opacity if use_opacity and self.translucent else None
+        if not any(s is not None and len(s.values) > 1 for s in (color, opacity)):
+            return None
+        some = color or opacity
+        assert some is not None
+        one_id = np.zeros(len(some.ids), dtype=np.int64)
+        if color is None:
+            base = self.constant[:3] if use_color else (1.0, 1.0, 1.0)
+            color = Stream(np.array([base]), one_id, by_point=True)
+        if opacity is None:
+            return color
+        count = len(opacity.values)
+        used, ids = np.unique(color.ids * count + opacity.ids, return_inverse=True)
+        values = np.hstack([color.values[used // count], opacity.values[used % count]])
+        return Stream(values, ids.reshape(-1), color.by_point and opacity.by_point)
+
+
+@dataclass
+class GprimPrimvars:
+    """All primvars that reach a gprim, inherited ones included."""
+
+    uvs: dict[str, Primvar] = field(default_factory=dict)
+    custom: dict[str, Primvar] = field(default_factory=dict)
+    constants: dict[str, Any] = field(default_factory=dict)
+
+
+def inherited_primvars(prim: Usd.Prim) -> list[UsdGeom.Primvar]:
+    """The primvars with values that apply to `prim`, by name."""
+    found = UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
+    return sorted((p for p in found if p.HasValue()), key=lambda p: str(p.GetPrimvarName()))
+
+
+def primvar_signature(prim: Usd.Prim) -> tuple[str, ...]:
+    """Where the primvars of `prim` come from: instances that differ in this need own meshes."""
+    places = []
+    for primvar in inherited_primvars(prim):
+        places.append(f"{source_path(primvar.GetAttr().GetPrim())}.{primvar.GetName()}")
+    return tuple(places)
+
+
+def read_primvars(context: Context, prim: Usd.Prim) -> GprimPrimvars:
+    """Read and sort them; whatever cannot travel is a warning."""
+    found = GprimPrimvars()
+    for primvar in inherited_primvars(prim):
+        name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
+        if _HANDLED.match(name):
+            continue
+        is_uv = type_name.startswith("texCoord") or primvar.GetInterpolation() != "constant"
+        if type_name in UV_TYPES and is_uv:
+            _read_into(found.uvs, context, prim, primvar)
+        elif _FLOAT_TYPES.match(type_name) and primvar.GetInterpolation() != "constant":
+            _read_into(found.custom, context, prim, primvar)
+        else:
+            _keep_constant(found, context, prim, primvar)
+    return found
+
+
+def _read_into(
+    target: dict[str, Primvar], context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
+) -> None:
+    read = read_primvar(context, prim, primvar)
+    if read is not None and len(read.values):
+        target[read.name] = read
+
+
+def _keep_constant(
+    found: GprimPrimvars, context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
+) -> None:
+    """One value for the whole gprim goes to the node's extras; the rest has no place."""
+    name = str(primvar.GetPrimvarName())
+    value = primvar.ComputeFlattened(context.time)
+    plain = plain_value(value)
+    if primvar.GetInterpolation() == "constant" and plain is not None:
+        found.constants[name] = plain
+        return
+    message = f"primvar '{name}' of type {primvar.GetTypeName()} has no glTF counterpart"
+    context.ledger.warn("primvar-dropped", prim, message)
+
+
+def plain_value(value: Any, limit: int = 64) -> Any:
+    """`value` as JSON data, or None where it is not plain or longer than `limit`."""
+    if isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return value if np.isfinite(value) else None
+    try:
+        array = np.array(value)
+    except (TypeError, ValueError):
+        return None
+    if array.dtype.kind in "biuf" and array.size <= limit and np.isfinite(array).all():
+        return array.tolist()
+    if array.dtype.kind in "US" and array.size <= limit:
+        return [str(entry) for entry in array.ravel()]
+    return None
+
+
+def read_display(
+    context: Context,
+    prim: Usd.Prim,
+    topology: Topology,
+    color_primvar: str = "displayColor",
+    opacity_primvar: str = "displayOpacity",
+    fallback: tuple[float, ...] = (0.18, 0.18, 0.18),
+) -> DisplayColor:
+    """The color that a gprim shows: displayColor, or what a material's primvar readers name.
+
+    `fallback`, UsdPreviewSurface's diffuseColor unless a reader has its own, stands in for a
+    missing color.
+    """
+    api = UsdGeom.PrimvarsAPI(prim)
+    find = api.FindPrimvarWithInheritance
+    color = _read_display(context, prim, find(color_primvar), topology, 3)
+    alpha = _read_display(context, prim, find(opacity_primvar), topology, 1)
+    base = fallback if color is None else color.values[0]
+    opacity = 1.0 if alpha is None else float(alpha.values[0, 0])
+    red, green, blue = (float(part) for part in base[:3])
+    translucent = alpha is not None and bool((alpha.values < 1.0).any())
+    return DisplayColor((red, green, blue, opacity), color, alpha, translucent)
+
+
+def _read_display(
+    context: Context,
+    prim: Usd.Prim,
+    primvar: UsdGeom.Primvar,
+    topology: Topology,
+    components: int,
+) -> Stream | None:
+    if not primvar or not primvar.HasValue():
+        return None
+    read = read_primvar(context, prim, primvar)
+    if read is None or len(read.values) == 0:
+        return None
+    stream = to_stream(context, prim, read, topology)
+    if stream is None:
+        return None
+    if stream.values.shape[1] != components:
+        context.ledger.warn("primvar-size-wrong", prim, f"'{read.name}' has the wrong type")
+        return None
+    if (stream.values < 0.0).any() or (stream.values > 1.0).any():
+        message = f"'{read.name}' has values outside 0…1, clamped"
+        context.ledger.warn("color-clamped", prim, message)
+        stream.values = np.clip(stream.values, 0.0, 1.0)
+    return stream
+
+
+def attach(
+    context: Context,
+    prim: Usd.Prim,
+    surface: Surface,
+    found: GprimPrimvars,
+    topology: Topology,
+) -> None:
+    """Give `surface` its UV sets and custom streams."""
+    for name, primvar in found.uvs.items():
+        stream = to_stream(context, prim, primvar, topology)
+        if stream is not None:
+            stream.values = stream.values[:, :2]
+            surface.uvs[name] = stream
+    for name, primvar in found.custom.items():
+        stream = to_stream(context, prim, primvar, topology)
+        if stream is not None and stream.values.shape[1] in (1, 2, 3, 4):
+            surface.custom[_custom_name(name)] = stream
+
+
+def _custom_name(name: str) -> str:
+    """glTF wants application attributes to begin with an underscore, in capitals."""
+    return "_" + re.sub(r"[^A-Za-z0-9_]", "_", name).upper()

@@ -1,0 +1,96 @@
+"""Keeps composition and textures inside the stage's folder and the explicitly allowed roots."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
+
+from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.types import ConvertError
+
+MAX_LAYERS = 20_000
+
+
+def allowed_roots(stage_path: Path, extra_roots: Iterable[Path]) -> tuple[str, ...]:
+    """Real paths of the stage's folder and of every extra root."""
+    return tuple(os.path.realpath(root) for root in (stage_path.resolve().parent, *extra_roots))
+
+
+def is_allowed(resolved: str, roots: tuple[str, ...]) -> bool:
+    """Whether the file behind a resolved asset path (a package's outer file) is inside a root."""
+    outer = Ar.SplitPackageRelativePathOuter(resolved)[0] if resolved else resolved
+    real = os.path.realpath(outer)
+    return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
+
+
+def open_layer(identifier: str) -> Sdf.Layer | None:
+    """The layer as it is on disk now, also where this process read it before."""
+    known = Sdf.Layer.Find(identifier)
+    if known is not None:
+        known.Reload(force=True)
+        return known
+    return Sdf.Layer.FindOrOpen(identifier)
+
+
+def cut_foreign_layers(
+    root_layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger
+) -> list[Sdf.Layer]:
+    """Remove, in memory, every reference to a layer outside `roots`, before USD opens it.
+
+    Returns all layers that were read; the caller keeps them alive while it composes the stage.
+    """
+    layers = [root_layer]
+    seen = {root_layer.identifier}
+    for layer in layers:  # grows while it is walked
+        for identifier in _kept_dependencies(layer, roots, ledger):
+            if identifier in seen or len(layers) > MAX_LAYERS:
+                continue
+            seen.add(identifier)
+            try:
+                opened = open_layer(identifier)
+            except Tf.ErrorException:
+                continue  # composition names it as unresolved
+            if opened is not None:
+                layers.append(opened)
+    return layers
+
+
+def _kept_dependencies(layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger) -> list[str]:
+    kept = []
+
+    def judge(asset_path: str) -> str:
+        if "`" in asset_path:  # an expression; `check_used_layers` judges what it becomes
+            return asset_path
+        identifier = layer.ComputeAbsolutePath(asset_path)
+        if not _names_a_layer(identifier):
+            return asset_path
+        resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
+        if resolved and not is_allowed(resolved, roots):
+            message = f"the layer @{asset_path}@ is outside the allowed folders and was left out"
+            ledger.warn("asset-outside-roots", "/", message)
+            return ""
+        if resolved:
+            kept.append(identifier)
+        return asset_path
+
+    was_editable = layer.permissionToEdit
+    layer.SetPermissionToEdit(True)
+    UsdUtils.ModifyAssetPaths(layer, judge)
+    layer.SetPermissionToEdit(was_editable)
+    return kept
+
+
+def _names_a_layer(identifier: str) -> bool:
+    extension = Sdf.FileFormat.GetFileExtension(identifier)
+    return bool(extension) and Sdf.FileFormat.FindByExtension(extension) is not None
+
+
+def check_used_layers(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
+    """The last guard: no layer of the composed stage may come from elsewhere."""
+    for layer in stage.GetUsedLayers():
+        if not layer.anonymous and layer.realPath and not is_allowed(layer.realPath, roots):
+            message = f"@{layer.identifier}@ is outside the allowed folders; allow it with --root"
+            raise ConvertError("asset-outside-roots", message, stage.GetRootLayer().identifier)

@@ -1,0 +1,83 @@
+"""What every part of a conversion needs to know about the stage: units, axis, time, ledger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd
+
+from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.types import ConvertOptions
+
+# Time codes beyond this are damage: in seconds they would not fit float32's precision.
+MAX_CODE = 1e9
+
+
+@dataclass
+class Context:
+    """An opened stage and the facts that its conversion depends on."""
+
+    stage: Usd.Stage
+    options: ConvertOptions
+    ledger: Ledger
+    allowed_roots: tuple[str, ...]
+    """Real paths of the folders that layers and textures may come from."""
+    meters_per_unit: float = 0.01
+    z_up: bool = False
+    codes_per_second: float = 24.0
+    """Time codes per second."""
+    time: Usd.TimeCode = field(default_factory=Usd.TimeCode.EarliestTime)
+    """When everything that is not animated in the file is evaluated."""
+    time_origin: float = 0.0
+    """The time code that becomes 0 seconds."""
+    textures_read: set[str] = field(default_factory=set)
+    """Resolved paths of the images that were opened."""
+    held: bool = False
+    """Whether the stage holds values between time samples instead of interpolating them."""
+
+    def seconds(self, code: float) -> float:
+        """Seconds in the file of a time code of the stage."""
+        return (code - self.time_origin) / self.codes_per_second
+
+    def codes_in_range(self, codes: list[float]) -> list[float]:
+        """The time codes kept under `--frames`, with the range's ends when keys lie outside."""
+        near = [code for code in codes if abs(code) <= MAX_CODE]
+        if len(near) < len(codes):
+            message = f"time samples beyond ±{MAX_CODE:g} were dropped"
+            self.ledger.warn("time-sample-dropped", "/", message)
+            codes = near
+        frames = self.options.frames
+        if frames is None or not codes:
+            return codes
+        first, last = frames
+        kept = [code for code in codes if first <= code <= last]
+        if codes[0] < first and (not kept or kept[0] > first):
+            kept.insert(0, first)
+        if codes[-1] > last and kept and kept[-1] < last:
+            kept.append(last)
+        return kept
+
+
+# Beyond float32's range a value is as good as infinite.
+FLOAT32_LIMIT = 3e38
+
+
+def in_float32(values: Array) -> Array:
+    """Which values are finite as float32 (the same shape, bool)."""
+    return np.abs(np.nan_to_num(values, nan=np.inf)) < FLOAT32_LIMIT
+
+
+def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> Any:
+    """The value of attribute `name` at `time`, or `fallback` where there is none."""
+    attribute = prim.GetAttribute(name)
+    value = attribute.Get(time) if attribute else None
+    return fallback if value is None or isinstance(value, Sdf.ValueBlock) else value
+
+
+def source_path(prim: Usd.Prim) -> str:
+    """The prim's path, in the shared prototype where the prim is part of a native instance."""
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())

@@ -1,0 +1,189 @@
+"""Points and basis curves to glTF points and lines; widths and exact cubics are warnings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.attributes import read_display
+from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.gltf_writer import (
+    ARRAY_BUFFER,
+    ELEMENT_ARRAY_BUFFER,
+    LINES,
+    POINTS,
+    GltfWriter,
+)
+from reflet_usd.convert.material import MaterialLibrary
+from reflet_usd.convert.polygons import read_points
+from reflet_usd.convert.primvars import Topology
+from reflet_usd.convert.scene import Array
+
+SEGMENTS_PER_SPAN = 8
+# Rows are powers of t from 1 to t³ times these matrices times four control points.
+_BASES = {
+    "bezier": np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], dtype=float),
+    "bspline": np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0,
+    "catmullRom": np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]]) / 2.0,
+}
+
+
+def is_curves(prim: Usd.Prim) -> bool:
+    """Whether `build_curves` knows the type."""
+    return prim.GetTypeName() in ("BasisCurves", "HermiteCurves")
+
+
+def build_points(
+    context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
+) -> int | None:
+    """A mesh of glTF points, or None (with a warning) where there are none."""
+    points = read_points(context, prim)
+    finite = in_float32(points).all(axis=1)
+    if not finite.any():
+        context.ledger.warn("mesh-empty", prim, "there are no finite points")
+        return None
+    if not finite.all():
+        context.ledger.warn("points-non-finite", prim, "points that are not finite were dropped")
+    _warn_width(context, prim, "a glTF point has no size")
+    vertices = np.flatnonzero(finite)
+    return _write(context, writer, materials, prim, points, vertices, None)
+
+
+def build_curves(
+    context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
+) -> int | None:
+    """A mesh of glTF lines, or None (with a warning) where there is nothing to draw."""
+    points = read_points(context, prim)
+    counts = np.array(authored(prim, "curveVertexCounts", context.time, []), dtype=np.int64)
+    if len(counts) == 0 or (counts < 0).any() or counts.sum() > len(points):
+        context.ledger.warn("curves-invalid", prim, "curveVertexCounts do not fit the points")
+        return None
+    if (counts < 2).any():
+        message = f"{int((counts < 2).sum())} curves have fewer than 2 points and were dropped"
+        context.ledger.warn("curves-invalid", prim, message)
+    if not in_float32(points).all():
+        context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
+        return None
+    _warn_width(context, prim, "a glTF line has no width")
+    kind = str(authored(prim, "type", context.time, "cubic"))
+    wrap = str(authored(prim, "wrap", context.time, "nonperiodic"))
+    if prim.GetTypeName() == "HermiteCurves" or kind == "linear":
+        if prim.GetTypeName() == "HermiteCurves":
+            message = "the curves are drawn straight between their points"
+            context.ledger.warn("curves-approximated", prim, message)
+        lines = _polylines(counts, wrap == "periodic")
+        if len(lines) == 0:
+            return None
+        curves = np.repeat(np.arange(len(counts)), counts)
+        curves = np.pad(curves, (0, len(points) - len(curves)))
+        topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
+        vertices = np.arange(len(points))
+        return _write(context, writer, materials, prim, points, vertices, lines, topology)
+    basis = str(authored(prim, "basis", context.time, "bezier"))
+    if basis not in _BASES:
+        context.ledger.warn("curves-dropped", prim, f"the basis '{basis}' is not known")
+        return None
+    message = f"cubic {basis} curves became lines, {SEGMENTS_PER_SPAN} for each span"
+    context.ledger.warn("curves-approximated", prim, message)
+    sampled, lines, curves = _sample_cubic(points, counts, basis, wrap)
+    if len(sampled) == 0:
+        context.ledger.warn("curves-invalid", prim, "no curve has enough points for its basis")
+        return None
+    # Values per control point have no place on the samples; values per curve do.
+    topology = Topology(len(sampled), len(counts), np.arange(len(sampled)), curves)
+    topology = replace(topology, authored=Topology(len(points), len(counts), curves, curves))
+    drop = ("vertex", "varying", "faceVarying")
+    vertices = np.arange(len(sampled))
+    return _write(context, writer, materials, prim, sampled, vertices, lines, topology, drop)
+
+
+def _polylines(counts: Array, closed: bool) -> Array:
+    """Index pairs (L, 2) along each run of `counts` points."""
+    total = int(counts.sum())
+    counts = counts[counts > 0]
+    ends = np.cumsum(counts) - 1
+    pairs = np.stack([np.arange(total), np.arange(1, total + 1)], axis=1)
+    if closed:
+        pairs[ends, 1] = ends - counts + 1
+        return pairs[pairs[:, 0] != pairs[:, 1]]
+    return np.delete(pairs, ends, axis=0)
+
+
+def _sample_cubic(
+    points: Array, counts: Array, basis: str, wrap: str
+) -> tuple[Array, Array, Array]:
+    """Points along cubic curves, the lines that join them, and the curve of each point."""
+    step = 3 if basis == "bezier" else 1
+    t = np.linspace(0.0, 1.0, SEGMENTS_PER_SPAN + 1)
+    weights = np.stack([np.ones_like(t), t, t * t, t**3], axis=1) @ _BASES[basis]
+    curves, lengths, numbers = [], [], []
+    start = 0
+    for number, count in enumerate(counts):
+        control = points[start : start + count]
+        start += count
+        if wrap == "periodic":
+            control = np.vstack([control, control[: 4 - step]])
+        elif wrap == "pinned" and step == 1 and count >= 2:
+            first, last = 2 * control[0] - control[1], 2 * control[-1] - control[-2]
+            control = np.vstack([first, control, last])
+        spans = (len(control) - 4) // step + 1
+        if len(control) < 4 or spans < 1:
+            continue
+        windows = control[np.arange(spans)[:, None] * step + np.arange(4)]
+        samples = np.einsum("tk,skc->stc", weights, windows)
+        curve = np.vstack([samples[:, :-1].reshape(-1, 3), samples[-1, -1:]])
+        curves.append(curve)
+        lengths.append(len(curve))
+        numbers.append(number)
+    if not curves:
+        return np.zeros((0, 3)), np.zeros((0, 2), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    owners = np.repeat(numbers, lengths)
+    return np.concatenate(curves), _polylines(np.array(lengths), False), owners
+
+
+def _write(
+    context: Context,
+    writer: GltfWriter,
+    materials: MaterialLibrary,
+    prim: Usd.Prim,
+    points: Array,
+    vertices: Array,
+    lines: Array | None,
+    topology: Topology | None = None,
+    dropped: tuple[str, ...] = (),
+) -> int:
+    """Points or lines with the gprim's display color; bound materials do not shade them.
+
+    Primvars of an interpolation in `dropped` are named and left out.
+    """
+    if topology is None:
+        count = len(points)
+        topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
+    topology = replace(topology, dropped=dropped)
+    display = read_display(context, prim, topology)
+    color = display.stream_for(True, True)
+    attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}
+    if color is not None:
+        attributes["COLOR_0"] = _accessor(writer, color.values[color.ids[vertices]])
+    entry: dict[str, Any] = {"attributes": attributes, "mode": POINTS if lines is None else LINES}
+    if lines is not None:
+        indices = lines.reshape(-1).astype(np.uint32)
+        entry["indices"] = writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
+    plan = materials.plan(None)
+    entry["material"] = materials.instantiate(plan, {}, False, display, color is not None)
+    extras = {"prim": str(prim.GetPath())}
+    return writer.add("meshes", {"name": prim.GetName(), "primitives": [entry], "extras": extras})
+
+
+def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
+    return writer.add_accessor(values.astype(np.float32), ARRAY_BUFFER, bounds)
+
+
+def _warn_width(context: Context, prim: Usd.Prim, message: str) -> None:
+    widths = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
+    attribute = prim.GetAttribute("widths")
+    if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):
+        context.ledger.warn("width-dropped", prim, message)

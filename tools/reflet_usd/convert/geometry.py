@@ -1,0 +1,262 @@
+"""Gprims to glTF meshes: surface, primvars, subsets and materials joined, instances shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.attributes import (
+    GprimPrimvars,
+    attach,
+    inherited_primvars,
+    primvar_signature,
+    read_display,
+    read_primvars,
+)
+from reflet_usd.convert.context import Context, authored, source_path
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
+from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
+from reflet_usd.convert.mesh import mesh_surface
+from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
+from reflet_usd.convert.nurbs import patch_polygons
+from reflet_usd.convert.pack import texture_transform, wraps_to_black
+from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
+from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
+from reflet_usd.convert.primvars import Topology
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.subsets import FaceGroup, face_groups
+from reflet_usd.convert.surface import Surface
+
+# Coordinates this far outside 0…1 come from rounding, not from tiling.
+_UV_SLACK = 1e-4
+
+
+@dataclass
+class BuiltMesh:
+    """A glTF mesh that was written, and what deformations need to know about it."""
+
+    index: int
+    extras: dict[str, Any]
+    """For the node: constants that have no place in the mesh."""
+
+
+class Deformer(Protocol):
+    """What skins and blend shapes add to a mesh while it is built."""
+
+    shape_names: list[str]
+
+    def prepare(self, surface: Surface, polygons: Polygons | None) -> None:
+        """Called once, before primitives are made."""
+
+    def finish(self, surface: Surface, parts: PrimitiveParts, polygons: Polygons | None) -> None:
+        """Called for each primitive."""
+
+
+class GeometryBuilder:
+    """Converts gprims; equal prims of native instances give one mesh."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self.materials = MaterialLibrary(context, writer)
+        self._meshes: dict[tuple[Any, ...], tuple[Usd.Prim, BuiltMesh | None]] = {}
+
+    def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
+        """The glTF mesh of a gprim, or None (with a warning) where it has nothing to draw."""
+        groups = face_groups(self.context, prim)
+        if deformation is not None:
+            return self._build(prim, groups, deformation)
+        key = self._key(prim, groups)
+        if key not in self._meshes:
+            self._meshes[key] = (prim, self._build(prim, groups, None))
+            return self._meshes[key][1]
+        first, built = self._meshes[key]
+        self.context.ledger.repeat(first, prim)
+        for group in groups:
+            self.materials.plan(group.material)
+        return built
+
+    def _key(self, prim: Usd.Prim, groups: list[FaceGroup]) -> tuple[Any, ...]:
+        bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
+        return (source_path(prim), bound, primvar_signature(prim))
+
+    def _build(
+        self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
+    ) -> BuiltMesh | None:
+        warn_frozen(self.context, prim)
+        made = self._surface(prim, deformation is not None)
+        if made is None:
+            return None
+        surface, topology, polygons = made
+        primvars = read_primvars(self.context, prim)
+        attach(self.context, prim, surface, primvars, topology)
+        if deformation is not None:
+            deformation.prepare(surface, polygons)
+        entries = []
+        for group in groups:
+            chosen = surface.triangles
+            if group.faces is not None:
+                authored_faces = (topology.authored or topology).face_count
+                member = np.zeros(authored_faces, dtype=bool)
+                member[group.faces] = True
+                chosen = surface.triangles[member[surface.triangle_faces]]
+            if len(chosen) == 0:
+                continue
+            parts = self._primitive(prim, surface, chosen, group, primvars, topology)
+            if deformation is not None:
+                deformation.finish(surface, parts, polygons)
+            entries.append(parts.entry)
+        if not entries:
+            self.context.ledger.warn("mesh-empty", prim, "no face is left to draw")
+            return None
+        mesh: dict[str, Any] = {
+            "name": prim.GetName(),
+            "primitives": entries,
+            "extras": {"prim": str(prim.GetPath())},
+        }
+        if deformation is not None and deformation.shape_names:
+            mesh["weights"] = [0.0] * len(deformation.shape_names)
+            mesh["extras"]["targetNames"] = deformation.shape_names
+        extras = {"primvars": primvars.constants} if primvars.constants else {}
+        return BuiltMesh(self.writer.add("meshes", mesh), extras)
+
+    def _surface(
+        self, prim: Usd.Prim, deformed: bool
+    ) -> tuple[Surface, Topology, Polygons | None] | None:
+        if prim.GetTypeName() == "Cube":
+            made = mesh_surface(self.context, prim, cube_polygons(self.context, prim), 0)
+            return (
+                None if made is None else (made[0], replace(made[1], assumed_order=True), made[2])
+            )
+        if prim.GetTypeName() == "NurbsPatch":
+            return mesh_surface(self.context, prim, patch_polygons(self.context, prim), 0)
+        if prim.GetTypeName() == "TetMesh":
+            return mesh_surface(self.context, prim, tet_polygons(self.context, prim), 0)
+        if prim.GetTypeName() in GPRIM_TYPES:
+            curved = tessellate(self.context, prim)
+            return None if curved is None else (*curved, None)
+        # Joint influences and shapes belong to the cage's points.
+        level = 0 if deformed else self.context.options.subdiv_level
+        return mesh_surface(self.context, prim, read_polygons(self.context, prim), level)
+
+    def _primitive(
+        self,
+        prim: Usd.Prim,
+        surface: Surface,
+        triangles: Array,
+        group: FaceGroup,
+        primvars: GprimPrimvars,
+        topology: Topology,
+    ) -> PrimitiveParts:
+        plan = self.materials.plan(group.material)
+        order, constants = self._uv_order(prim, surface, plan)
+        display = read_display(
+            self.context,
+            prim,
+            topology,
+            plan.color_primvar or "displayColor",
+            plan.opacity_primvar or "displayOpacity",
+            plan.color_fallback,
+        )
+        color = display.stream_for(plan.color_primvar is not None, plan.opacity_primvar is not None)
+        parts = build_primitive(self.writer, surface, triangles, order, constants, color)
+        double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
+        self._warn_black_wraps(surface, triangles, plan)
+        slots = {name: slot for slot, name in enumerate(order)}
+        parts.entry["material"] = self.materials.instantiate(
+            plan,
+            slots,
+            double_sided,
+            display,
+            color is not None,
+            self._constants(prim, plan, primvars),
+        )
+        if group.subset is not None:
+            parts.entry["extras"] = {"prim": str(group.subset.GetPath())}
+        return parts
+
+    def _constants(
+        self, prim: Usd.Prim, plan: MaterialPlan, primvars: GprimPrimvars
+    ) -> dict[str, Constant]:
+        """Inputs that read a primvar which has one value on this prim."""
+        found = {}
+        for name, source in plan.inputs.items():
+            if not isinstance(source, PrimvarRead) or name in ("diffuseColor", "opacity"):
+                continue
+            value = primvars.constants.get(source.primvar)
+            numbers = np.ravel(value) if value is not None else np.zeros(0)
+            if numbers.dtype.kind in "if" and 1 <= len(numbers) <= 4:
+                found[name] = Constant(tuple(float(number) for number in numbers))
+            elif source.primvar in primvars.custom or source.fallback is None:
+                message = f"'{name}' reads primvar '{source.primvar}', its fallback is used"
+                self.context.ledger.warn("primvar-reader-dropped", prim, message)
+        return found
+
+    def _warn_black_wraps(self, surface: Surface, triangles: Array, plan: MaterialPlan) -> None:
+        """Textures that are black outside 0…1, where coordinates really leave that range."""
+        for name, source in sorted(plan.inputs.items()):
+            if not isinstance(source, TextureRead) or not wraps_to_black(source):
+                continue
+            stream = surface.uvs.get(source.uv.primvar)
+            if stream is not None and not texture_transform(source):
+                used = stream.values[stream.ids[triangles.reshape(-1)]]
+                if used.min() >= -_UV_SLACK and used.max() <= 1.0 + _UV_SLACK:
+                    continue
+            message = f"'{name}' is black outside 0…1 (wrap {source.wrap[0]}, {source.wrap[1]}),"
+            message += " glTF repeats the edge instead"
+            self.context.ledger.warn("wrap-black-clamped", source.prim, message)
+
+    def _uv_order(
+        self, prim: Usd.Prim, surface: Surface, plan: MaterialPlan
+    ) -> tuple[list[str], dict[str, tuple[float, float]]]:
+        """UV sets of TEXCOORD_0…: those the material reads first, then `st`, then by name."""
+        constants = {}
+        for name, fallback in plan.uv_sets.items():
+            if name not in surface.uvs:
+                constants[name] = fallback
+                message = f"the material reads UV set '{name}', which the prim does not have"
+                self.context.ledger.warn("uv-missing", prim, message)
+        others = [name for name in surface.uvs if name not in plan.uv_sets]
+        others.sort(key=lambda name: (name != "st", name))
+        return [*plan.uv_sets, *others], constants
+
+
+_OTHER_SURFACES = ("NurbsPatch", "TetMesh")
+_STILL = (
+    "accelerations",
+    "xformOp",
+    "visibility",
+    "extent",
+    "points",
+    "velocities",
+    "primvars:skel:",
+    "normals",
+)
+
+
+def warn_frozen(context: Context, prim: Usd.Prim) -> None:
+    """Name the animated attributes that stay at their first value."""
+    animated = [
+        attribute.GetName()
+        for attribute in prim.GetAuthoredAttributes()
+        if not attribute.GetName().startswith(_STILL) and attribute.ValueMightBeTimeVarying()
+    ]
+    owners = [(p.GetAttr(), str(p.GetName())) for p in inherited_primvars(prim)]
+    animated += [
+        name
+        for attribute, name in owners
+        if name not in animated and attribute.ValueMightBeTimeVarying()
+    ]
+    if animated:
+        message = f"animated {', '.join(sorted(animated))} stay at their first value"
+        context.ledger.warn("geometry-animation-frozen", prim, message)
+
+
+def is_surface(prim: Usd.Prim) -> bool:
+    """Whether `GeometryBuilder` can build this prim."""
+    type_name = prim.GetTypeName()
+    return prim.IsA(UsdGeom.Mesh) or type_name in GPRIM_TYPES or type_name in _OTHER_SURFACES

@@ -1,0 +1,283 @@
+"""PointInstancer: each visible instance as nodes that share meshes, or as GPU instances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.context import Context, authored, in_float32, source_path
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.instancing import (
+    add_gpu_instances,
+    decompose_many,
+    trs_matrices,
+)
+from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.types import ConvertError
+from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
+
+PrototypeNode = Callable[[Usd.Prim], Node]
+# More instances of one prototype than this are written as EXT_mesh_gpu_instancing.
+MAX_INSTANCE_NODES = 4096
+MAX_NODES = 4_000_000
+_ANIMATED = ("protoIndices", "invisibleIds", "ids")
+_GROUPS = ("", "Xform", "Scope")
+
+
+@dataclass
+class Instances:
+    """The instances of one PointInstancer at one time, masked ones left out."""
+
+    numbers: Array
+    """(I,) index into the instancer's arrays."""
+    prototypes: Array
+    """(I,) index into its prototypes."""
+    translations: Array
+    quaternions: Array
+    """As authored: half floats are rarely of length 1, and USD does not normalize them."""
+    scales: Array
+
+    def transforms(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Translations, unit quaternions and scales of some instances."""
+        rotations = unit_quaternions(self.quaternions[rows])
+        return self.translations[rows], rotations, self.scales[rows]
+
+    def matrices(self, rows: Array) -> Array:
+        """USD's own matrices of some instances, for column vectors."""
+        return trs_matrices(self.translations[rows], self.quaternions[rows], self.scales[rows])
+
+
+class Instancers:
+    """All point instancers of one conversion; prototypes are built once and cloned."""
+
+    def __init__(self, context: Context, writer: GltfWriter, prototype_node: PrototypeNode) -> None:
+        self.context = context
+        self.writer = writer
+        self._prototype_node = prototype_node
+        self._prototypes: dict[str, Node] = {}
+        self._open: set[str] = set()
+        self._node_count = 0
+
+    def fill(self, prim: Usd.Prim, node: Node) -> None:
+        """Add the instances of `prim` below `node`; the prim's children are accounted for."""
+        path = source_path(prim)
+        if path in self._open:
+            message = "the instancer is part of its own prototype; the inner one is left out"
+            self.context.ledger.warn("instancer-cycle", prim, message)
+            return
+        self._open.add(path)
+        try:
+            self._fill(prim, node)
+        finally:
+            self._open.discard(path)
+
+    def _fill(self, prim: Usd.Prim, node: Node) -> None:
+        instancer = UsdGeom.PointInstancer(prim)
+        targets = instancer.GetPrototypesRel().GetForwardedTargets()
+        self._account_children(prim, [str(path) for path in targets])
+        instances = self._read(prim, instancer, len(targets))
+        if instances is None:
+            return
+        self.context.ledger.carry(prim)
+        self._warn_primvars(prim)
+        tracks = self._animation(prim, instances)
+        for index, target in enumerate(targets):
+            chosen = np.flatnonzero(instances.prototypes == index)
+            prototype_prim = self.context.stage.GetPrimAtPath(target)
+            if not prototype_prim:
+                message = f"its prototype {target} does not exist"
+                self.context.ledger.warn("instancer-invalid", prim, message)
+                continue
+            if len(chosen) == 0:
+                message = "no visible instance uses this prototype"
+                self.context.ledger.skip_subtree("prototype-unused", prototype_prim, message)
+                continue
+            prototype = self._prototype(prototype_prim)
+            many = len(chosen) > MAX_INSTANCE_NODES and not tracks
+            if many and self._add_to_gpu(prim, node, prototype, instances, chosen):
+                continue
+            self._add_nodes(prim, node, prototype, instances, chosen, tracks)
+
+    def _prototype(self, prim: Usd.Prim) -> Node:
+        path = str(prim.GetPath())
+        if path not in self._prototypes:
+            self._prototypes[path] = self._prototype_node(prim)
+        return self._prototypes[path]
+
+    def _add_to_gpu(
+        self, prim: Usd.Prim, node: Node, prototype: Node, instances: Instances, chosen: Array
+    ) -> bool:
+        exact = decompose_many(instances.matrices(chosen))
+        transforms = exact or instances.transforms(chosen)
+        if not add_gpu_instances(self.writer, node, prototype, transforms):
+            return False
+        if exact is None:
+            off = np.abs(instances.matrices(chosen) - trs_matrices(*transforms)).max()
+            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
+            self.context.ledger.warn("instance-rotation-normalized", prim, message)
+        return True
+
+    def _add_nodes(
+        self,
+        prim: Usd.Prim,
+        node: Node,
+        prototype: Node,
+        instances: Instances,
+        chosen: Array,
+        tracks: dict[str, tuple[Array, Array]],
+    ) -> None:
+        size = len(prototype.walk())
+        self._node_count += size * len(chosen)
+        if self._node_count > MAX_NODES:
+            message = f"point instancers need more than {MAX_NODES} nodes"
+            raise ConvertError("instances-too-many", message, str(prim.GetPath()))
+        matrices = instances.matrices(chosen)
+        sheared = 0
+        for matrix, row in zip(matrices, chosen, strict=True):
+            instance = prototype.clone()
+            number = int(instances.numbers[row])
+            instance.name = f"{prototype.name}_{number}"
+            instance.extras = {"instancer": str(prim.GetPath()), "instance": number}
+            if not tracks:
+                outer = place(instance, matrix)
+                sheared += outer is not instance
+                node.add(outer)
+                continue
+            translation, rotation, scale = (
+                part[0] for part in instances.transforms(np.array([row]))
+            )
+            assign(node.add(instance), Trs(translation, rotation, scale))
+            for path, (times, values) in tracks.items():
+                keys = values[:, number]
+                if path == "rotation":
+                    keys = align_hemispheres(unit_quaternions(keys))
+                instance.add_track(path, times, keys, self.context.held)
+        if sheared:
+            message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
+            self.context.ledger.warn("shear-split", prim, message)
+
+    def _read(
+        self, prim: Usd.Prim, instancer: UsdGeom.PointInstancer, prototype_count: int
+    ) -> Instances | None:
+        context = self.context
+        prototypes = np.array(
+            authored(prim, "protoIndices", context.time, []), dtype=np.int64
+        ).reshape(-1)
+        count = len(prototypes)
+        parts = {
+            path: _values(context, prim, path, context.time)
+            for path in ("translation", "rotation", "scale")
+        }
+        if count == 0 or len(parts["translation"]) == 0:
+            context.ledger.warn("instancer-empty", prim, "the instancer has no instances")
+            return None
+        for path, neutral in (("rotation", (0.0, 0.0, 0.0, 1.0)), ("scale", (1.0, 1.0, 1.0))):
+            if len(parts[path]) == 0:
+                parts[path] = np.tile(neutral, (count, 1))
+        wrong = [path for path, values in parts.items() if len(values) != count]
+        if wrong:
+            message = f"{' and '.join(wrong)} values do not fit {count} protoIndices"
+            context.ledger.warn("instancer-invalid", prim, message)
+            return None
+        usable = (prototypes >= 0) & (prototypes < prototype_count)
+        for values in parts.values():
+            usable &= in_float32(values).all(axis=1)
+        if not usable.all():
+            message = f"{int((~usable).sum())} instances name no prototype or are not finite"
+            context.ledger.warn("instancer-invalid", prim, message)
+        mask = instancer.ComputeMaskAtTime(context.time)
+        if mask is not None and len(mask) == count:
+            usable &= np.array(mask, dtype=bool)
+        numbers = np.flatnonzero(usable)
+        return Instances(
+            numbers,
+            prototypes[numbers],
+            parts["translation"][numbers],
+            parts["rotation"][numbers],
+            parts["scale"][numbers],
+        )
+
+    def _animation(self, prim: Usd.Prim, instances: Instances) -> dict[str, tuple[Array, Array]]:
+        """Per path the key times and (keys, instances, components); empty where frozen."""
+        context = self.context
+        varying = [n for n in _ANIMATED if prim.GetAttribute(n).ValueMightBeTimeVarying()]
+        tracks: dict[str, tuple[Array, Array]] = {}
+        count = int(instances.numbers.max(initial=-1)) + 1
+        for path in ("translation", "rotation", "scale"):
+            codes = sorted({c for name in _NAMES[path] for c in _samples(prim, name)})
+            codes = context.codes_in_range(codes)
+            if len(codes) < 2:
+                continue
+            keys = [_values(context, prim, path, Usd.TimeCode(code)) for code in codes]
+            lengths = {len(values) for values in keys}
+            if len(lengths) != 1 or min(lengths) < count:
+                varying.append(path)
+                continue
+            stacked = np.array(keys)
+            if not in_float32(stacked).all():
+                varying.append(path)
+                continue
+            times = np.array([context.seconds(code) for code in codes])
+            tracks[path] = (times, stacked)
+        if varying:
+            message = f"animated {', '.join(varying)} stay at their first value"
+            context.ledger.warn("instancer-animation-frozen", prim, message)
+            return {}
+        return tracks
+
+    def _warn_primvars(self, prim: Usd.Prim) -> None:
+        for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues():
+            if primvar.GetInterpolation() != UsdGeom.Tokens.constant:
+                message = f"primvar '{primvar.GetPrimvarName()}' varies by instance"
+                self.context.ledger.warn("instance-primvar-dropped", prim, message)
+        velocities = prim.GetAttribute("velocities")
+        if velocities.HasAuthoredValue():
+            message = "velocities are not carried, positions are interpolated"
+            self.context.ledger.warn("velocities-dropped", prim, message)
+
+    def _account_children(self, prim: Usd.Prim, targets: list[str]) -> None:
+        """Groups between the instancer and its prototypes are carried by their contents."""
+        predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+        prims = Usd.PrimRange(prim, predicate)
+        iterator = iter(prims)
+        for child in iterator:
+            if str(child.GetPath()) in targets:
+                iterator.PruneChildren()
+            elif child != prim and child.GetTypeName() in _GROUPS:
+                self.context.ledger.carry(child)
+
+
+_NAMES = {
+    "translation": ("positions",),
+    "rotation": ("orientationsf", "orientations"),
+    "scale": ("scales",),
+}
+
+
+def _samples(prim: Usd.Prim, name: str) -> list[float]:
+    attribute = prim.GetAttribute(name)
+    return list(attribute.GetTimeSamples()) if attribute else []
+
+
+def _values(context: Context, prim: Usd.Prim, path: str, time: Usd.TimeCode) -> Array:
+    """Translations in meters, quaternions (x, y, z, w) as authored, or scales; may be empty."""
+    for name in _NAMES[path]:
+        value = authored(prim, name, time, None)
+        if value is None or len(value) == 0:
+            continue
+        if path == "rotation":
+            return np.array(value, dtype=np.float64).reshape(-1, 4)
+        values = np.array(value, dtype=np.float64).reshape(-1, 3)
+        return values * context.meters_per_unit if path == "translation" else values
+    return np.zeros((0, 3))
+
+
+def unit_quaternions(value: object) -> Array:
+    """A VtQuatArray as unit rows (x, y, z, w); those without length become the identity."""
+    rows = np.array(value, dtype=np.float64).reshape(-1, 4)
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    usable = np.isfinite(lengths) & (lengths > 0.0)
+    return np.where(usable, rows / np.where(usable, lengths, 1.0), (0.0, 0.0, 0.0, 1.0))

@@ -1,0 +1,209 @@
+"""UsdLux lights to KHR_lights_punctual, with the energy each conversion keeps.
+
+L is the radiance `intensity · 2^exposure`, read as nits. Sources of the factors: UsdLux's
+documentation of `normalize` and of `inputs:angle`; KHR_lights_punctual's units (lux, candela).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdLux
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.scene import Array, Node
+
+_LINKS = ("light:filters", "collection:lightLink:includes", "collection:shadowLink:includes")
+_OUTDATED = (
+    "intensity",
+    "exposure",
+    "color",
+    "normalize",
+    "radius",
+    "width",
+    "height",
+    "length",
+    "angle",
+    "texture:file",
+    "enableColorTemperature",
+    "colorTemperature",
+)
+_SMALLEST_CONE = 1e-3
+# KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which
+# integrates to 2π/3 over the hemisphere.
+_COSINE_SQUARED_SR = 2.0 * math.pi / 3.0
+
+
+@dataclass
+class _Source:
+    """A light's emission before its shape is known."""
+
+    radiance: float
+    color: Array
+    normalize: bool
+
+
+def light_value(context: Context, prim: Usd.Prim, name: str, fallback: Any) -> Any:
+    """The input `name` of a light, or `fallback`."""
+    attribute = prim.GetAttribute(f"inputs:{name}")
+    value = attribute.Get(context.time) if attribute else None
+    return fallback if value is None else value
+
+
+def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> None:
+    """Give `node` the light of `prim`, or keep it in extras where it is an environment."""
+    source = _emission(context, prim)
+    _warn_unsupported(context, prim)
+    kind = prim.GetTypeName()
+    if kind in ("DomeLight", "DomeLight_1"):
+        _keep_dome(context, prim, node, source)
+        return
+    entry = _punctual(context, prim, source)
+    if entry is None:
+        message = f"a {kind} has no glTF counterpart"
+        context.ledger.warn("light-dropped", prim, message)
+        return
+    brightest = float(source.color.max())
+    entry["color"] = (source.color / brightest if brightest > 0.0 else source.color).tolist()
+    entry["intensity"] *= brightest
+    entry["name"] = prim.GetName()
+    entry["extras"] = {**entry.get("extras", {}), "prim": str(prim.GetPath())}
+    node.light = writer.add("lights", entry)
+
+
+def _emission(context: Context, prim: Usd.Prim) -> _Source:
+    intensity = float(light_value(context, prim, "intensity", 1.0))
+    exposure = float(light_value(context, prim, "exposure", 0.0))
+    color = np.array(light_value(context, prim, "color", (1.0, 1.0, 1.0)), dtype=np.float64)
+    if light_value(context, prim, "enableColorTemperature", False):
+        kelvin = float(light_value(context, prim, "colorTemperature", 6500.0))
+        color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    radiance = intensity * 2.0 ** min(exposure, 100.0)
+    if not math.isfinite(radiance) or not np.isfinite(color).all():
+        context.ledger.warn("light-invalid", prim, "its emission is not finite, taken as 0")
+        radiance, color = 0.0, np.ones(3)
+    if radiance < 0.0 or (color < 0.0).any():
+        context.ledger.warn("light-invalid", prim, "its emission is negative, taken as 0")
+        radiance, color = max(radiance, 0.0), np.maximum(color, 0.0)
+    return _Source(radiance, color, bool(light_value(context, prim, "normalize", False)))
+
+
+def _world_scale(prim: Usd.Prim, time: Usd.TimeCode) -> float:
+    """How much the light's shape grows on its way to world space (the cube root of volume)."""
+    matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(time))[:3, :3]
+    volume = abs(float(np.linalg.det(matrix)))
+    return volume ** (1.0 / 3.0) if math.isfinite(volume) else 1.0
+
+
+def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, Any] | None:
+    kind = prim.GetTypeName()
+    radiance, normalize = source.radiance, source.normalize
+    scale = context.meters_per_unit * _world_scale(prim, context.time)
+
+    def meters(name: str, fallback: float) -> float:
+        return abs(float(light_value(context, prim, name, fallback))) * scale
+
+    if kind == "DistantLight":
+        angle = math.radians(float(light_value(context, prim, "angle", 0.53)))
+        spread = math.pi * math.sin(min(angle, math.pi) / 2) ** 2
+        lux = radiance if normalize or spread == 0.0 else radiance * spread
+        return {"type": "directional", "intensity": lux}
+    if kind == "SphereLight":
+        radius = meters("radius", 0.5)
+        factor = 0.25 if normalize else math.pi * radius**2
+        point = bool(light_value(context, prim, "treatAsPoint", False)) and radius == 0.0
+        return _shaped(context, prim, radiance * (0.25 if point else factor))
+    area, shape = _area(kind, meters)
+    if area is None:
+        return None
+    flux = math.pi * radiance * (1.0 if normalize else area)
+    message = f"its {area:.3g} m² {shape} became a point of equal power, {flux:.6g} lm"
+    context.ledger.warn("area-light-approximated", prim, message)
+    extras = {"area_light": {"shape": shape, "area_m2": area, "power_lm": flux}}
+    if kind == "CylinderLight":
+        return {"type": "point", "intensity": flux / (4.0 * math.pi), "extras": extras}
+    cone = {"innerConeAngle": 0.0, "outerConeAngle": math.pi / 2}
+    return {
+        "type": "spot",
+        "intensity": flux / _COSINE_SQUARED_SR,
+        "spot": cone,
+        "extras": extras,
+    }
+
+
+def _area(kind: str, meters: Any) -> tuple[float | None, str]:
+    if kind == "DiskLight":
+        return math.pi * meters("radius", 0.5) ** 2, "disk"
+    if kind == "RectLight":
+        return meters("width", 1.0) * meters("height", 1.0), "rectangle"
+    if kind == "CylinderLight":
+        return 2.0 * math.pi * meters("radius", 0.5) * meters("length", 1.0), "cylinder"
+    return None, ""
+
+
+def _shaped(context: Context, prim: Usd.Prim, candela: float) -> dict[str, Any]:
+    """A sphere light, narrowed to a spot by UsdLuxShapingAPI."""
+    angle = light_value(context, prim, "shaping:cone:angle", None)
+    if not prim.HasAPI(UsdLux.ShapingAPI) or angle is None:
+        return {"type": "point", "intensity": candela}
+    degrees = float(angle)
+    if not degrees < 90.0:
+        if degrees < 180.0:
+            message = f"a cone of {degrees}° from the axis is wider than glTF's 90°"
+            context.ledger.warn("cone-clamped", prim, message)
+        else:
+            return {"type": "point", "intensity": candela}
+    outer = min(max(math.radians(degrees), _SMALLEST_CONE), math.pi / 2)
+    softness = float(light_value(context, prim, "shaping:cone:softness", 0.0))
+    inner = outer * (1.0 - min(max(softness, 0.0), 1.0))
+    inner = min(inner, outer * (1.0 - 1e-6))
+    focus = float(light_value(context, prim, "shaping:focus", 0.0))
+    if focus != 0.0:
+        context.ledger.warn("light-shaping-dropped", prim, f"focus {focus} has no counterpart")
+    cone = {"innerConeAngle": inner, "outerConeAngle": outer}
+    return {"type": "spot", "intensity": candela, "spot": cone}
+
+
+def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: _Source) -> None:
+    texture = light_value(context, prim, "texture:file", None)
+    dome: dict[str, Any] = {
+        "color": source.color.tolist(),
+        "radiance_nits": source.radiance,
+        "texture_format": str(light_value(context, prim, "texture:format", "automatic")),
+    }
+    if isinstance(texture, Sdf.AssetPath) and texture.path:
+        dome["texture"] = texture.path
+    node.extras["dome_light"] = dome
+    message = "glTF has no environment; color, radiance and texture are in the node's extras"
+    context.ledger.warn("dome-light-external", prim, message)
+
+
+def _warn_unsupported(context: Context, prim: Usd.Prim) -> None:
+    warn = context.ledger.warn
+    for name in _LINKS:
+        relationship = prim.GetRelationship(name)
+        if relationship and relationship.GetTargets():
+            warn("light-linking-dropped", prim, f"'{name}' has no counterpart")
+    outdated = [
+        attribute.GetName()
+        for attribute in prim.GetAuthoredAttributes()
+        if attribute.GetName() in _OUTDATED
+    ]
+    if outdated:
+        message = f"USD ignores {', '.join(outdated)}, which today are named 'inputs:...'"
+        warn("light-input-outdated", prim, message)
+    ies = light_value(context, prim, "shaping:ies:file", None)
+    if isinstance(ies, Sdf.AssetPath) and ies.path:
+        warn("light-linking-dropped", prim, "an IES profile has no counterpart")
+    animated = [
+        attribute.GetName()
+        for attribute in prim.GetAuthoredAttributes()
+        if attribute.GetName().startswith("inputs:") and attribute.ValueMightBeTimeVarying()
+    ]
+    if animated:
+        message = f"animated {', '.join(sorted(animated))} stay at their first value"
+        warn("light-animation-frozen", prim, message)

@@ -1,0 +1,182 @@
+"""Bound materials to plans, and plans to glTF materials for the prims that use them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pxr import Usd, UsdShade
+
+from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.context import Context, source_path
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.mtlx import MATERIALX_SURFACES, approximate
+from reflet_usd.convert.network import (
+    Constant,
+    NetworkReader,
+    PrimvarRead,
+    Source,
+    TextureRead,
+    shader_id,
+)
+from reflet_usd.convert.pack import Packer
+from reflet_usd.convert.preview import PREVIEW_INPUTS, PreviewMaterial
+
+_RENDER_CONTEXTS = ("", "glslfx", "mtlx")
+# UsdPreviewSurface's roughness, for surfaces that have a color and nothing else.
+DISPLAY_ROUGHNESS = 0.5
+
+
+@dataclass
+class MaterialPlan:
+    """What a material needs from the meshes that use it, before it is written."""
+
+    prim: Usd.Prim | None
+    inputs: dict[str, Source] = field(default_factory=dict)
+    is_preview: bool = False
+    uv_sets: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """UV sets that textures read, with the reader's fallback."""
+    color_primvar: str | None = "displayColor"
+    """The primvar that COLOR_0's red, green and blue come from, if any."""
+    opacity_primvar: str | None = "displayOpacity"
+    color_fallback: tuple[float, ...] = PREVIEW_INPUTS["diffuseColor"]
+    nodes: set[str] = field(default_factory=set)
+    """Shading nodes that were read, by path relative to the material."""
+
+
+class MaterialLibrary:
+    """All materials of one conversion."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self._packer = Packer(context, writer)
+        self._plans: dict[str, MaterialPlan] = {}
+        self._written: dict[tuple[Any, ...], int] = {}
+
+    def plan(self, prim: Usd.Prim | None) -> MaterialPlan:
+        """The plan of a material prim; of `None`, the plan for plain displayColor."""
+        if prim is None:
+            return MaterialPlan(None)
+        key = source_path(prim)
+        if key not in self._plans:
+            self._plans[key] = self._read(prim)
+        plan = self._plans[key]
+        if plan.is_preview:
+            self.context.ledger.carry(prim)
+        if plan.prim is not None and plan.prim != prim:
+            self.context.ledger.repeat(plan.prim, prim)
+        for node in plan.nodes:  # of every instance of the material
+            self.context.ledger.carry(prim.GetPath().AppendPath(node))
+        return plan
+
+    def instantiate(
+        self,
+        plan: MaterialPlan,
+        slots: dict[str, int],
+        double_sided: bool,
+        display: DisplayColor,
+        has_colors: bool,
+        overrides: dict[str, Constant] | None = None,
+    ) -> int:
+        """The glTF material of `plan` for a primitive with these UV slots and colors.
+
+        `overrides` are inputs whose primvar has one value on the prim.
+        """
+        used_slots = tuple((name, slots[name]) for name in plan.uv_sets if name in slots)
+        uses_display = plan.color_primvar is not None or plan.opacity_primvar is not None
+        constant = (display.constant, display.translucent) if uses_display else None
+        inputs = {**plan.inputs, **(overrides or {})}
+        path = "" if plan.prim is None else str(plan.prim.GetPath())
+        changed = tuple(sorted((overrides or {}).items()))
+        key = (path, used_slots, double_sided, constant, has_colors, changed)
+        if key not in self._written:
+            entry = self._entry(plan, inputs, slots, display, has_colors)
+            if double_sided:
+                entry["doubleSided"] = True
+            self._written[key] = self.writer.add_once("materials", entry)
+        return self._written[key]
+
+    def _read(self, prim: Usd.Prim) -> MaterialPlan:
+        material = UsdShade.Material(prim)
+        shader = None
+        if material:
+            for render_context in _RENDER_CONTEXTS:
+                shader, _, _ = material.ComputeSurfaceSource(render_context)
+                if shader:
+                    break
+        kind = shader_id(shader) if shader else ""
+        reader = NetworkReader(self.context, prim)
+        if kind == "UsdPreviewSurface":
+            sources = {name: reader.source(shader, name) for name in PREVIEW_INPUTS}
+            inputs = {name: source for name, source in sources.items() if source is not None}
+        elif kind in MATERIALX_SURFACES:
+            inputs = approximate(reader, prim, shader, kind)
+        else:
+            what = f"shader '{kind}'" if shader else "material without a surface shader"
+            message = f"a {what} has no glTF counterpart, displayColor is shown"
+            self.context.ledger.warn("material-unsupported", prim, message)
+            return MaterialPlan(prim)
+        reader.visit(shader)
+        self._warn_displacement(material)
+        plan = self._planned(prim, inputs)
+        plan.nodes = reader.nodes
+        return plan
+
+    def _planned(self, prim: Usd.Prim, inputs: dict[str, Source]) -> MaterialPlan:
+        plan = MaterialPlan(prim, is_preview=True)
+        plan.color_primvar = plan.opacity_primvar = None
+        for name, source in inputs.items():
+            if isinstance(source, PrimvarRead) and name == "diffuseColor":
+                plan.color_primvar = source.primvar
+                plan.color_fallback = _three(source.fallback or plan.color_fallback)
+            elif isinstance(source, PrimvarRead) and name == "opacity":
+                plan.opacity_primvar = source.primvar
+            elif isinstance(source, TextureRead) and self._packer.usable(source):
+                plan.uv_sets.setdefault(source.uv.primvar, source.uv.fallback)
+            plan.inputs[name] = source
+        return plan
+
+    def _warn_displacement(self, material: UsdShade.Material) -> None:
+        for output in (material.ComputeDisplacementSource(), material.ComputeVolumeSource()):
+            if output[0] and shader_id(output[0]) != "UsdPreviewSurface":
+                message = "displacement and volume shaders have no glTF counterpart"
+                self.context.ledger.warn("displacement-dropped", output[0].GetPrim(), message)
+
+    def _entry(
+        self,
+        plan: MaterialPlan,
+        inputs: dict[str, Source],
+        slots: dict[str, int],
+        display: DisplayColor,
+        has_colors: bool,
+    ) -> dict[str, Any]:
+        if plan.is_preview:
+            preview = PreviewMaterial(self.context, self.writer, self._packer, plan.prim)
+            entry = preview.write(inputs, slots, display, has_colors)
+        else:
+            entry = _display_material(display, has_colors)
+        if plan.prim is not None:
+            entry["name"] = plan.prim.GetName()
+            entry["extras"] = {"prim": str(plan.prim.GetPath())}
+        return entry
+
+
+def _three(values: tuple[float, ...]) -> tuple[float, ...]:
+    return values[:3] if len(values) >= 3 else (values[0],) * 3
+
+
+def _display_material(display: DisplayColor, has_colors: bool) -> dict[str, Any]:
+    """Plain dielectric in the gprim's displayColor."""
+    factor = [1.0, 1.0, 1.0, 1.0] if has_colors else list(display.constant)
+    entry: dict[str, Any] = {
+        "name": "displayColor",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": factor,
+            "metallicFactor": 0.0,
+            "roughnessFactor": DISPLAY_ROUGHNESS,
+        },
+    }
+    if display.translucent:
+        entry["alphaMode"] = "BLEND"
+    return entry

@@ -1,0 +1,245 @@
+"""Reads shading networks: each surface input becomes a constant, a texture read or a primvar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from pxr import Sdf, Usd, UsdShade
+
+from reflet_usd.convert.context import Context
+
+_CHANNELS = {"r": (0,), "g": (1,), "b": (2,), "a": (3,), "rgb": (0, 1, 2), "rgba": (0, 1, 2)}
+_MAX_TRANSFORMS = 8
+
+# MaterialX twins of the preview nodes: same inputs, other identifiers.
+_TWINS = {
+    "ND_UsdPreviewSurface_surfaceshader": "UsdPreviewSurface",
+    "ND_UsdUVTexture": "UsdUVTexture",
+    "ND_UsdUVTexture_23": "UsdUVTexture",
+    "ND_UsdPrimvarReader_vector2": "UsdPrimvarReader_float2",
+    "ND_UsdTransform2d": "UsdTransform2d",
+}
+
+
+@dataclass(frozen=True)
+class UvRead:
+    """Where a texture's coordinates come from: a UV set and UsdTransform2d's parameters."""
+
+    primvar: str = "st"
+    fallback: tuple[float, float] = (0.0, 0.0)
+    scale: tuple[float, float] = (1.0, 1.0)
+    rotation_deg: float = 0.0
+    translation: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class TextureRead:
+    """One use of a UsdUVTexture: value = texel · scale + bias, per channel."""
+
+    prim: str
+    file: str
+    """The resolved asset path; empty where it does not resolve."""
+    authored_file: str
+    channels: tuple[int, ...]
+    uv: UvRead = field(default_factory=UvRead)
+    wrap: tuple[str, str] = ("useMetadata", "useMetadata")
+    scale: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    bias: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    fallback: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    color_space: str = "auto"
+
+
+@dataclass(frozen=True)
+class PrimvarRead:
+    """An input that reads a primvar of the gprim."""
+
+    primvar: str
+    fallback: tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
+class Constant:
+    """An input with one value."""
+
+    value: tuple[float, ...]
+
+
+Source = Constant | TextureRead | PrimvarRead
+
+
+class NetworkReader:
+    """Follows connections of one material and warns about what it cannot follow."""
+
+    def __init__(self, context: Context, material: Usd.Prim) -> None:
+        self.context = context
+        self.material = material
+        self.nodes: set[str] = set()
+        """Paths, relative to the material, of the nodes that were followed."""
+
+    def visit(self, node: UsdShade.Shader) -> None:
+        """Remember a node, and the node graphs around it, as part of the material."""
+        path, root = node.GetPath(), self.material.GetPath()
+        while path.HasPrefix(root) and path != root:
+            self.nodes.add(str(path.MakeRelativePath(root)))
+            path = path.GetParentPath()
+
+    def source(self, shader: UsdShade.Shader, name: str) -> Source | None:
+        """What drives input `name`, or None where nothing is authored."""
+        shader_input = shader.GetInput(name)
+        if not shader_input:
+            return None
+        attributes = shader_input.GetValueProducingAttributes()
+        if not attributes:
+            if shader_input.HasConnectedSource():
+                message = f"'{name}' is connected to nothing that exists"
+                self.context.ledger.warn("shader-connection-invalid", shader.GetPrim(), message)
+            return None
+        attribute = attributes[0]
+        if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
+            return self._constant(attribute)
+        return self._node(shader, name, attribute)
+
+    def _constant(self, attribute: Usd.Attribute) -> Constant | None:
+        value = attribute.Get(self.context.time)
+        numbers = _numbers(value)
+        if numbers is None:
+            return None
+        if attribute.ValueMightBeTimeVarying():
+            message = f"animated '{attribute.GetName()}' stays at its first value"
+            self.context.ledger.warn("material-animation-frozen", attribute.GetPrim(), message)
+        return Constant(numbers)
+
+    def _node(self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute) -> Source | None:
+        node = UsdShade.Shader(attribute.GetPrim())
+        kind = shader_id(node)
+        output = UsdShade.Output(attribute).GetBaseName()
+        if kind == "UsdUVTexture":
+            return self._texture(node, str(output))
+        if kind.startswith("UsdPrimvarReader"):
+            self.visit(node)
+            fallback = _numbers(self.value(node, "fallback", None))
+            return PrimvarRead(str(self.value(node, "varname", "")), fallback)
+        message = f"'{name}' comes from the node {kind or 'without id'}, which cannot be followed"
+        self.context.ledger.warn("material-unsupported", node.GetPrim(), message)
+        return None
+
+    def value(self, shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
+        """A plain input value, followed through material interfaces."""
+        shader_input = shader.GetInput(name)
+        if not shader_input:
+            return fallback
+        attributes = shader_input.GetValueProducingAttributes()
+        if not attributes:
+            return fallback
+        if UsdShade.Utils.GetType(attributes[0].GetName()) != UsdShade.AttributeType.Input:
+            return fallback
+        value = attributes[0].Get(self.context.time)
+        return fallback if value is None else value
+
+    def _texture(self, node: UsdShade.Shader, output: str) -> TextureRead | None:
+        self.visit(node)
+        asset = self.value(node, "file", None)
+        if not isinstance(asset, Sdf.AssetPath):
+            asset = Sdf.AssetPath(str(asset) if asset else "")
+        read = TextureRead(
+            prim=str(node.GetPath()),
+            file=self._resolved(node, asset),
+            authored_file=asset.path,
+            channels=_CHANNELS.get(output, (0, 1, 2)),
+            uv=self._uv(node),
+            wrap=(
+                str(self.value(node, "wrapS", "useMetadata")),
+                str(self.value(node, "wrapT", "useMetadata")),
+            ),
+            color_space=str(self.value(node, "sourceColorSpace", "auto")),
+        )
+        quads: dict[str, Any] = {}
+        for name in ("scale", "bias", "fallback"):
+            numbers = _numbers(self.value(node, name, None))
+            if numbers is not None and len(numbers) in (3, 4):
+                quads[name] = (*numbers, *getattr(read, name)[len(numbers) :])
+        return replace(read, **quads)
+
+    def _resolved(self, node: UsdShade.Shader, asset: Sdf.AssetPath) -> str:
+        if "<UDIM>" not in asset.path:
+            return asset.resolvedPath
+        message = f"of the tiles @{asset.path}@ only the first is carried"
+        self.context.ledger.warn("udim-partial", node.GetPrim(), message)
+        spec = node.GetInput("file").GetAttr().GetPropertyStack(self.context.time)
+        layer = spec[0].layer if spec else self.context.stage.GetRootLayer()
+        tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(asset.path, layer)
+        return sorted(tile[0] for tile in tiles)[0] if tiles else ""
+
+    def _uv(self, node: UsdShade.Shader) -> UvRead:
+        """The UV set behind `st`, with one UsdTransform2d; more of them are a warning."""
+        uv = UvRead()
+        name = "st"
+        transforms = 0
+        for _ in range(_MAX_TRANSFORMS):
+            shader_input = node.GetInput(name)
+            attributes = shader_input.GetValueProducingAttributes() if shader_input else []
+            if not attributes:
+                if transforms == 0 and not shader_input:
+                    return uv
+                return replace(uv, primvar="")
+            attribute = attributes[0]
+            if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
+                numbers = _numbers(attribute.Get(self.context.time)) or (0.0, 0.0)
+                return replace(uv, primvar="", fallback=_pair(numbers))
+            node = UsdShade.Shader(attribute.GetPrim())
+            kind = shader_id(node)
+            self.visit(node)
+            if kind == "UsdTransform2d":
+                transforms += 1
+                if transforms > 1:
+                    message = "only the first of several chained UsdTransform2d is carried"
+                    self.context.ledger.warn("uv-transform-dropped", node.GetPrim(), message)
+                else:
+                    uv = self._transform(node, uv)
+                name = "in"
+                continue
+            if not kind.startswith("UsdPrimvarReader"):
+                message = f"texture coordinates come from the node {kind}, taken as 'st'"
+                self.context.ledger.warn("material-unsupported", node.GetPrim(), message)
+                return uv
+            fallback = _numbers(self.value(node, "fallback", None)) or (0.0, 0.0)
+            varname = str(self.value(node, "varname", "st") or "st")
+            return replace(uv, primvar=varname, fallback=_pair(fallback))
+        return uv
+
+    def _transform(self, node: UsdShade.Shader, uv: UvRead) -> UvRead:
+        scale = _numbers(self.value(node, "scale", None)) or (1.0, 1.0)
+        translation = _numbers(self.value(node, "translation", None)) or (0.0, 0.0)
+        rotation = _numbers(self.value(node, "rotation", None)) or (0.0,)
+        return replace(
+            uv, scale=_pair(scale), rotation_deg=rotation[0], translation=_pair(translation)
+        )
+
+
+def shader_id(shader: UsdShade.Shader) -> str:
+    """The node's identifier, MaterialX twins of preview nodes under the preview name."""
+    if not shader:
+        return ""
+    identifier = shader.GetIdAttr().Get()
+    name = "" if identifier is None else str(identifier)
+    return _TWINS.get(name, name)
+
+
+def _pair(values: tuple[float, ...]) -> tuple[float, float]:
+    """The first two values; a missing second one is the first."""
+    return values[0], values[1] if len(values) > 1 else values[0]
+
+
+def _numbers(value: Any) -> tuple[float, ...] | None:
+    """A number or short vector as floats; None for anything else or when not finite."""
+    if value is None or isinstance(value, (str, Sdf.AssetPath)):
+        return None
+    try:
+        array = np.atleast_1d(np.array(value, dtype=np.float64)).ravel()
+    except (TypeError, ValueError):
+        return None
+    if not 1 <= array.size <= 4 or not np.isfinite(array).all():
+        return None
+    return tuple(float(number) for number in array)

@@ -1,0 +1,93 @@
+"""UsdGeomNurbsPatch evaluated on a grid of quads."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from pxr import Usd
+
+from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.polygons import Polygons, read_points
+from reflet_usd.convert.scene import Array
+
+SEGMENTS_PER_SPAN = 8
+MAX_SAMPLES = 1024
+
+
+def patch_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
+    """The patch as smooth quads; None, with a warning, where its description does not fit."""
+    points = read_points(context, prim)
+    sizes = [int(authored(prim, f"{axis}VertexCount", context.time, 0)) for axis in "uv"]
+    directions = [
+        _direction(context, prim, axis, size) for axis, size in zip("uv", sizes, strict=True)
+    ]
+    if any(part is None for part in directions) or len(points) != sizes[0] * sizes[1]:
+        context.ledger.warn("curves-invalid", prim, "orders, knots and points do not fit together")
+        return None
+    if not np.isfinite(points).all():
+        context.ledger.warn("points-non-finite", prim, "the patch has points that are not finite")
+        return None
+    weights = np.array(authored(prim, "pointWeights", context.time, []), dtype=np.float64)
+    if len(weights) != len(points) or not (weights > 0.0).all():
+        weights = np.ones(len(points))
+    u, v = directions
+    assert u is not None and v is not None
+    # Points run along u first (UsdGeomNurbsPatch: u is the fastest index).
+    control = np.concatenate([points * weights[:, None], weights[:, None]], axis=1)
+    control = control.reshape(sizes[1], sizes[0], 4)
+    surface = np.einsum("av,bu,vuk->abk", v, u, control)
+    grid = surface[..., :3] / surface[..., 3:]
+    trims = authored(prim, "trimCurve:counts", context.time, [])
+    lost = " and is untrimmed" if len(trims) else ""
+    message = f"the patch became {SEGMENTS_PER_SPAN} quads for each span{lost}"
+    context.ledger.warn("curves-approximated", prim, message)
+    return _grid_polygons(grid, authored(prim, "orientation", context.time, "") == "leftHanded")
+
+
+def _direction(context: Context, prim: Usd.Prim, axis: str, count: int) -> Array | None:
+    """Basis function values (samples, control points) over the visible range of one direction."""
+    order = int(authored(prim, f"{axis}Order", context.time, 0))
+    knots = np.array(authored(prim, f"{axis}Knots", context.time, []), dtype=np.float64)
+    if order < 2 or count < order or len(knots) != count + order:
+        return None
+    if not np.isfinite(knots).all() or (np.diff(knots) < 0.0).any():
+        return None
+    low, high = knots[order - 1], knots[count]
+    chosen = authored(prim, f"{axis}Range", context.time, None)
+    if chosen is not None and low <= chosen[0] < chosen[1] <= high:
+        low, high = float(chosen[0]), float(chosen[1])
+    if not low < high:
+        return None
+    breaks = np.unique(np.concatenate(([low], knots[(knots > low) & (knots < high)], [high])))
+    steps = max(1, min(SEGMENTS_PER_SPAN, MAX_SAMPLES // len(breaks)))
+    inner = [np.linspace(a, b, steps, endpoint=False) for a, b in itertools.pairwise(breaks)]
+    return _basis(np.concatenate([*inner, [high]]), knots, order, count)
+
+
+def _basis(samples: Array, knots: Array, order: int, count: int) -> Array:
+    """B-spline basis by the Cox-de Boor recursion, (samples, count)."""
+    spans = np.clip(np.searchsorted(knots, samples, side="right") - 1, order - 1, count - 1)
+    values = np.zeros((len(samples), len(knots) - 1))
+    values[np.arange(len(samples)), spans] = 1.0
+    for degree in range(1, order):
+        raised = np.zeros((len(samples), len(knots) - 1 - degree))
+        for i in range(raised.shape[1]):
+            left, right = knots[i + degree] - knots[i], knots[i + degree + 1] - knots[i + 1]
+            if left > 0.0:
+                raised[:, i] += (samples - knots[i]) / left * values[:, i]
+            if right > 0.0:
+                raised[:, i] += (knots[i + degree + 1] - samples) / right * values[:, i + 1]
+        values = raised
+    return values
+
+
+def _grid_polygons(grid: Array, left_handed: bool) -> Polygons:
+    rows, columns = grid.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    quads = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], axis=-1)
+    count = (rows - 1) * (columns - 1)
+    drawn = np.ones(count, dtype=bool)
+    return Polygons(
+        grid.reshape(-1, 3), np.full(count, 4), quads.reshape(-1), drawn, left_handed, "patch"
+    )

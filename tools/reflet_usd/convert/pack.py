@@ -1,0 +1,211 @@
+"""Channels from texture reads and constants packed into the textures that glTF materials expect."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.network import TextureRead
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.texture import (
+    ImageFile,
+    TextureLibrary,
+    is_srgb,
+    linear_to_srgb,
+    srgb_to_linear,
+)
+
+REPEAT, CLAMP_TO_EDGE, MIRRORED_REPEAT = 10497, 33071, 33648
+_WRAPS = {"repeat": REPEAT, "clamp": CLAMP_TO_EDGE, "mirror": MIRRORED_REPEAT}
+LINEAR, LINEAR_MIPMAP_LINEAR = 9729, 9987
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel of an output texture: `texel · scale + bias`, or a constant."""
+
+    read: TextureRead | None = None
+    index: int = 0
+    scale: float = 1.0
+    bias: float = 0.0
+    constant: float = 1.0
+    raw: bool = False
+    """Take texels as data whatever the color space says (normal maps)."""
+
+
+class Packer:
+    """Builds texture infos: copies files where it can, writes PNGs where it must."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self.library = TextureLibrary(context, writer)
+        self._packed: dict[Any, int] = {}
+
+    def texture(
+        self, channels: list[Channel | None], srgb: bool, slots: dict[str, int]
+    ) -> dict[str, Any]:
+        """The texture info for channels R, G, B[, A]; None where a channel does not matter.
+
+        `srgb` says how the slot decodes R, G and B. `slots` maps UV sets to TEXCOORD numbers.
+        All reads must have been checked with `usable`.
+        """
+        reads = [channel.read for channel in channels if channel is not None and channel.read]
+        first = reads[0]
+        for read in reads[1:]:
+            if (read.uv, read.wrap) != (first.uv, first.wrap):
+                message = f"shares a packed texture with {first.prim} and uses its coordinates"
+                self.context.ledger.warn("texture-packed-transform", read.prim, message)
+        source = self.copy_index(channels, srgb)
+        if source is None:
+            source = self._write(channels, srgb)
+        texture = self.writer.add_once(
+            "textures", {"sampler": self._sampler(first), "source": source}
+        )
+        return self._info(texture, first, slots)
+
+    def usable(self, read: TextureRead) -> bool:
+        """Whether the file can be read; a warning says why not."""
+        return self.library.image(read) is not None
+
+    def copy_index(self, channels: list[Channel | None], srgb: bool) -> int | None:
+        """The image, when one file already holds every channel in its place."""
+        used = [(place, channel) for place, channel in enumerate(channels) if channel is not None]
+        files = {channel.read.file for _, channel in used if channel.read is not None}
+        if len(files) != 1 or any(channel.read is None for _, channel in used):
+            return None
+        file = self._file(used[0][1])
+        if not file.copies:
+            return None
+        for place, channel in used:
+            assert channel.read is not None
+            same = place == channel.index or (file.is_gray and place < 3 and channel.index < 3)
+            plain = channel.scale == 1.0 and channel.bias == 0.0
+            if not same or not plain:
+                return None
+            if place < 3 and not channel.raw and is_srgb(channel.read, file) != srgb:
+                return None
+            if place == 3 and not file.has_alpha:
+                return None
+        if len(channels) == 4 and channels[3] is None and file.has_alpha:
+            return None  # its alpha would show
+        return self.library.add_copy(file)
+
+    def _file(self, channel: Channel) -> ImageFile:
+        assert channel.read is not None
+        file = self.library.image(channel.read)
+        assert file is not None
+        return file
+
+    def _write(self, channels: list[Channel | None], srgb: bool) -> int:
+        key = (tuple(channels), srgb)
+        if key in self._packed:
+            return self._packed[key]
+        files = [self._file(c) if c is not None and c.read else None for c in channels]
+        sizes = {file.size for file in files if file is not None}
+        size = (max(s[0] for s in sizes), max(s[1] for s in sizes))
+        planes = []
+        for place, (channel, file) in enumerate(zip(channels, files, strict=True)):
+            encode = srgb and place < 3
+            planes.append(self._plane(channel, file, size, encode))
+        if len(channels) == 4 and channels[3] is None:
+            planes.pop()
+        names = dict.fromkeys(file.name for file in files if file is not None)
+        self._explain(channels, files, sizes)
+        self._packed[key] = self.library.add_pixels(np.dstack(planes), "_".join(names))
+        return self._packed[key]
+
+    def _plane(
+        self, channel: Channel | None, file: ImageFile | None, size: tuple[int, int], encode: bool
+    ) -> Array:
+        """One channel as uint8 (height, width)."""
+        if channel is None or channel.read is None or file is None:
+            level = 1.0 if channel is None else channel.constant
+            value = linear_to_srgb(np.array(level)) if encode else np.array(level)
+            return np.full(size[::-1], np.uint8(np.round(np.clip(value, 0.0, 1.0) * 255.0)))
+        texels = file.rgba()[..., channel.index]
+        decode = channel.index < 3 and not channel.raw and is_srgb(channel.read, file)
+        table = np.arange(256) / 255.0
+        if decode != encode or channel.scale != 1.0 or channel.bias != 0.0:
+            linear = srgb_to_linear(table) if decode else table
+            value = np.clip(linear * channel.scale + channel.bias, 0.0, 1.0)
+            table = linear_to_srgb(value) if encode else value
+        lookup = np.round(np.clip(table, 0.0, 1.0) * 255.0).astype(np.uint8)
+        plane = lookup[texels]
+        if file.size != size:
+            resized = Image.fromarray(plane).resize(size, Image.Resampling.BILINEAR)
+            plane = np.asarray(resized)
+        return plane
+
+    def _explain(
+        self,
+        channels: list[Channel | None],
+        files: list[ImageFile | None],
+        sizes: set[tuple[int, int]],
+    ) -> None:
+        for channel, file in zip(channels, files, strict=True):
+            if channel is None or channel.read is None or file is None:
+                continue
+            warn = self.context.ledger.warn
+            if not file.copies or file.wide:
+                message = f"a {file.format} image of mode {file.mode} became 8-bit PNG"
+                warn("texture-converted", channel.read.prim, message)
+            elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:
+                message = "its values were rewritten (scale, bias or size) with 8-bit rounding"
+                warn("texture-repacked", channel.read.prim, message)
+
+    def _sampler(self, read: TextureRead) -> int:
+        wraps = [_WRAPS.get(wrap, CLAMP_TO_EDGE) for wrap in read.wrap]
+        sampler = {
+            "magFilter": LINEAR,
+            "minFilter": LINEAR_MIPMAP_LINEAR,
+            "wrapS": wraps[0],
+            "wrapT": wraps[1],
+        }
+        return self.writer.add_once("samplers", sampler)
+
+    def _info(self, texture: int, read: TextureRead, slots: dict[str, int]) -> dict[str, Any]:
+        info: dict[str, Any] = {"index": texture}
+        slot = slots.get(read.uv.primvar, 0)
+        if slot:
+            info["texCoord"] = slot
+        transform = texture_transform(read)
+        if transform:
+            self.writer.use_extension("KHR_texture_transform")
+            info["extensions"] = {"KHR_texture_transform": transform}
+        return info
+
+
+def wraps_to_black(read: TextureRead) -> bool:
+    """Whether the texture is black outside 0…1; a file's own wrap metadata is never there."""
+    return any(wrap not in _WRAPS for wrap in read.wrap)
+
+
+def texture_transform(read: TextureRead) -> dict[str, Any]:
+    """KHR_texture_transform for UsdTransform2d: st' = R(θ)·(s·st) + t, with glTF's v = 1 − t.
+
+    Written out for both conventions, the scale stays, the rotation keeps its sign in the sense of
+    u' = c·sx·u + s·sy·v, v' = −s·sx·u + c·sy·v, and the offset takes up the flip of v.
+    """
+    uv = read.uv
+    angle = math.radians(uv.rotation_deg)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    scale_y = uv.scale[1]
+    offset = (
+        uv.translation[0] - scale_y * sine,
+        1.0 - uv.translation[1] - scale_y * cosine,
+    )
+    transform: dict[str, Any] = {}
+    if abs(offset[0]) > 1e-12 or abs(offset[1]) > 1e-12:
+        transform["offset"] = list(offset)
+    if angle != 0.0:
+        transform["rotation"] = angle
+    if uv.scale != (1.0, 1.0):
+        transform["scale"] = list(uv.scale)
+    return transform

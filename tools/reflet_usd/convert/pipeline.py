@@ -1,0 +1,87 @@
+"""One conversion from end to end: open, walk, account, write."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from pxr import Ar, Tf, Usd
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.stage import error_text, open_context
+from reflet_usd.convert.traverse import Traversal
+from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, count_of
+
+
+def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
+    """Convert `stage_path` to `out` and its sidecar; see `convert_stage`."""
+    if out.suffix.lower() not in (".glb", ".gltf"):
+        raise ConvertError("output-suffix", "expected a name that ends in .glb or .gltf", str(out))
+    try:
+        return _convert(stage_path, out, options)
+    except Tf.ErrorException as error:
+        raise ConvertError(
+            "stage-damaged", error_text(error, stage_path), str(stage_path)
+        ) from None
+
+
+def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
+    ledger = Ledger()
+    context = open_context(stage_path, options, ledger)
+    writer = GltfWriter()
+    roots = Traversal(context, writer).stage_roots()
+    writer.add_nodes(roots, _scene_extras(context))
+    if not writer.lists.get("meshes"):
+        ledger.warn("stage-empty", "/", "the stage has nothing to draw")
+    counts = ledger.close(_prims(context.stage))
+    files = _files_read(context)
+    result = ConvertResult(ledger.warnings(), counts, _info(context, writer), files)
+    if options.strict and result.warnings:
+        first = result.warnings[0]
+        message = (
+            f"{count_of(len(result.warnings), 'warning')} under --strict, the first one:"
+            f" {first.prim}: {first.message} [{first.name}]"
+        )
+        raise ConvertError("strict", message, str(stage_path))
+    writer.write(out, result.to_json())
+    return result
+
+
+def _files_read(context: Context) -> list[str]:
+    """Files on disk; what lies in a usdz package counts as the package."""
+    layers = [layer.realPath for layer in context.stage.GetUsedLayers()]
+    paths = [path for path in (*layers, *context.textures_read) if path]
+    return sorted({os.path.abspath(Ar.SplitPackageRelativePathOuter(path)[0]) for path in paths})
+
+
+def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:
+    predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    prims = Usd.PrimRange.Stage(stage, predicate)
+    return [(str(prim.GetPath()), str(prim.GetTypeName())) for prim in prims]
+
+
+def _scene_extras(context: Context) -> dict[str, Any]:
+    """What a reader needs to relate the file to the stage."""
+    return {
+        "usd": {
+            "metersPerUnit": context.meters_per_unit,
+            "timeCodesPerSecond": context.codes_per_second,
+            "timeOrigin": context.time_origin,
+            "upAxis": "Z" if context.z_up else "Y",
+        }
+    }
+
+
+def _info(context: Context, writer: GltfWriter) -> dict[str, Any]:
+    counted = ("meshes", "materials", "images", "nodes", "cameras", "lights", "skins", "animations")
+    info: dict[str, Any] = {name: len(writer.lists.get(name, [])) for name in counted}
+    info.update(_scene_extras(context)["usd"])
+    options = context.options
+    info["frames"] = None if options.frames is None else list(options.frames)
+    info["purpose"] = list(options.purpose)
+    info["subdivLevel"] = options.subdiv_level
+    info["variants"] = [list(choice) for choice in options.variants]
+    return info

@@ -1,0 +1,318 @@
+"""UsdPreviewSurface inputs to a glTF material, both workflows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.network import Constant, PrimvarRead, Source, TextureRead
+from reflet_usd.convert.pack import Channel, Packer
+
+# Names and fallbacks: https://openusd.org/release/spec_usdpreviewsurface.html
+PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {
+    "diffuseColor": (0.18, 0.18, 0.18),
+    "emissiveColor": (0.0, 0.0, 0.0),
+    "useSpecularWorkflow": (0.0,),
+    "specularColor": (0.0, 0.0, 0.0),
+    "metallic": (0.0,),
+    "roughness": (0.5,),
+    "clearcoat": (0.0,),
+    "clearcoatRoughness": (0.01,),
+    "opacity": (1.0,),
+    "opacityMode": (1.0,),
+    "opacityThreshold": (0.0,),
+    "ior": (1.5,),
+    "normal": (0.0, 0.0, 1.0),
+    "displacement": (0.0,),
+    "occlusion": (1.0,),
+}
+# glTF's dielectric reflects ((ior − 1) / (ior + 1))² head on, 0.04 at ior 1.5.
+_DIELECTRIC_F0 = 0.04
+
+Slots = dict[str, int]
+
+
+class PreviewMaterial:
+    """Writes one material; a fresh object per material and UV layout."""
+
+    def __init__(
+        self, context: Context, writer: GltfWriter, packer: Packer, prim: Usd.Prim | None
+    ) -> None:
+        self.context = context
+        self.writer = writer
+        self.packer = packer
+        self.prim = prim
+        self.inputs: dict[str, Source] = {}
+        self.slots: Slots = {}
+
+    def write(
+        self, inputs: dict[str, Source], slots: Slots, display: DisplayColor, has_colors: bool
+    ) -> dict[str, Any]:
+        """The glTF material without name and sidedness."""
+        self.inputs, self.slots = inputs, slots
+        entry: dict[str, Any] = {"pbrMetallicRoughness": {}}
+        self._base_color(entry, display, has_colors)
+        self._surface_maps(entry)
+        self._normal(entry)
+        self._emission(entry)
+        self._specular(entry)
+        self._clearcoat(entry)
+        if self._numbers("displacement")[0] != 0.0 or self._texture("displacement"):
+            self._warn("displacement-dropped", "glTF has no displacement")
+        return entry
+
+    def _warn(self, name: str, message: str) -> None:
+        self.context.ledger.warn(name, self.prim, message)
+
+    def _texture(self, name: str) -> TextureRead | None:
+        """The input's texture, where its file can be used."""
+        source = self.inputs.get(name)
+        if isinstance(source, TextureRead) and self.packer.usable(source):
+            return source
+        return None
+
+    def _numbers(self, name: str) -> tuple[float, ...]:
+        """The input's constant; a lost texture's or primvar's fallback; UsdPreviewSurface's."""
+        default = PREVIEW_INPUTS[name]
+        source = self.inputs.get(name)
+        value: tuple[float, ...] | None = None
+        if isinstance(source, Constant):
+            value = source.value
+        elif isinstance(source, PrimvarRead):
+            value = source.fallback
+        elif isinstance(source, TextureRead):
+            value = tuple(source.fallback[channel] for channel in source.channels)
+        if value is None:
+            return default
+        if len(value) < len(default):
+            return (value[0],) * len(default)
+        return value[: len(default)]
+
+    def _unit(self, name: str) -> tuple[float, ...]:
+        """Like `_numbers`, clamped to 0…1 with a warning."""
+        value = self._numbers(name)
+        clamped = tuple(min(max(number, 0.0), 1.0) for number in value)
+        if clamped != value:
+            self._warn("material-value-clamped", f"'{name}' {value} is outside 0…1, clamped")
+        return clamped
+
+    def _base_color(self, entry: dict[str, Any], display: DisplayColor, has_colors: bool) -> None:
+        diffuse, opacity = self._texture("diffuseColor"), self._texture("opacity")
+        color = [1.0, 1.0, 1.0] if diffuse else list(self._unit("diffuseColor"))
+        alpha = 1.0 if opacity else self._unit("opacity")[0]
+        reads_color = isinstance(self.inputs.get("diffuseColor"), PrimvarRead)
+        reads_alpha = isinstance(self.inputs.get("opacity"), PrimvarRead)
+        if reads_color:
+            color = [1.0, 1.0, 1.0] if has_colors else list(display.constant[:3])
+        if reads_alpha:
+            alpha = 1.0 if has_colors else display.constant[3]
+        translucent = alpha < 1.0 or (reads_alpha and display.translucent)
+        channels: list[Channel | None] = [None, None, None, None]
+        if diffuse:
+            factors, channels[:3] = _factored(diffuse, 3)
+            color = list(factors)
+        elif opacity:
+            channels[:3] = [Channel(constant=1.0)] * 3
+        if opacity:
+            factors, (channels[3],) = _factored(opacity, 1)
+            alpha = factors[0]
+            translucent = alpha < 1.0 or self._lowest(channels[3]) < 1.0
+            if not translucent:
+                channels[3] = None
+                opacity = None
+        mode = self._alpha_mode(entry, translucent)
+        if diffuse and not opacity and mode == "OPAQUE":
+            channels = channels[:3]
+        pbr = entry["pbrMetallicRoughness"]
+        if diffuse or opacity:
+            pbr["baseColorTexture"] = self.packer.texture(channels, True, self.slots)
+        pbr["baseColorFactor"] = [*color, alpha]
+
+    def _lowest(self, channel: Channel | None) -> float:
+        assert channel is not None and channel.read is not None
+        file = self.packer.library.image(channel.read)
+        assert file is not None
+        if channel.index == 3 and not file.has_alpha:
+            lowest = 1.0
+        else:
+            lowest = float(file.rgba()[..., channel.index].min()) / 255.0
+        return lowest * channel.scale + channel.bias
+
+    def _alpha_mode(self, entry: dict[str, Any], translucent: bool) -> str:
+        threshold = self._numbers("opacityThreshold")[0]
+        if threshold > 0.0:
+            entry["alphaMode"] = "MASK"
+            entry["alphaCutoff"] = threshold
+        elif translucent:
+            entry["alphaMode"] = "BLEND"
+            message = "opacity became alpha blending, which also fades reflections"
+            self._warn("opacity-approximated", message)
+        return str(entry.get("alphaMode", "OPAQUE"))
+
+    def _surface_maps(self, entry: dict[str, Any]) -> None:
+        """Metallic, roughness and occlusion: blue, green and red of as few textures as possible."""
+        pbr = entry["pbrMetallicRoughness"]
+        specular = self._numbers("useSpecularWorkflow")[0] >= 0.5
+        rough, metal = self._texture("roughness"), self._texture("metallic")
+        if specular:
+            metal = None
+        roughness = self._unit("roughness")[0]
+        metallic = 0.0 if specular else self._unit("metallic")[0]
+        green = blue = None
+        if rough:
+            (roughness,), (green,) = _factored(rough, 1)
+        elif metal and roughness > 0.0:
+            green = Channel(constant=1.0)
+        if metal:
+            (metallic,), (blue,) = _factored(metal, 1)
+        elif rough and metallic > 0.0:
+            blue = Channel(constant=1.0)
+        red = self._occlusion_channel()
+        if rough or metal:
+            shared = [red, green, blue]
+            alone = red is None or self.packer.copy_index([red, None, None], False) is not None
+            if alone and self.packer.copy_index(shared, False) is None:
+                shared[0] = None
+            info = self.packer.texture(shared, False, self.slots)
+            pbr["metallicRoughnessTexture"] = info
+            if shared[0] is not None:
+                entry["occlusionTexture"] = info
+                red = None
+        if red is not None:
+            entry["occlusionTexture"] = self.packer.texture([red, None, None], False, self.slots)
+        pbr["metallicFactor"], pbr["roughnessFactor"] = metallic, roughness
+
+    def _occlusion_channel(self) -> Channel | None:
+        read = self._texture("occlusion")
+        if read is None:
+            if self._numbers("occlusion")[0] < 1.0:
+                self._warn("occlusion-dropped", "a constant occlusion has no glTF counterpart")
+            return None
+        index = read.channels[0]
+        return Channel(read, index, read.scale[index], read.bias[index])
+
+    def _normal(self, entry: dict[str, Any]) -> None:
+        read = self._texture("normal")
+        if read is None:
+            if self._numbers("normal") != PREVIEW_INPUTS["normal"]:
+                self._warn("normal-constant-dropped", "a constant normal has no counterpart")
+            return
+        if read.color_space == "auto":
+            self._warn("color-space-assumed", "the normal map names no color space, taken as raw")
+        scale, bias = np.array(read.scale[:3]), np.array(read.bias[:3])
+        if np.array_equal(scale, np.ones(3)) and not bias.any():
+            message = "the normal map has no scale 2 and bias −1, taken as if it had"
+            self._warn("normal-scale-missing", message)
+            scale, bias = np.full(3, 2.0), np.full(3, -1.0)
+        # USD's normal is texel · scale + bias, glTF's is texel · 2 − 1.
+        strength = 1.0
+        if scale[0] == scale[1] == -2.0 * bias[0] == -2.0 * bias[1] and scale[0] > 0.0:
+            strength = float(scale[0]) / 2.0
+            scale[:2], bias[:2] = 2.0, -1.0
+        channels: list[Channel | None] = [
+            Channel(read, index, float(scale[index]) / 2, (float(bias[index]) + 1) / 2, raw=True)
+            for index in range(3)
+        ]
+        info = self.packer.texture(channels, False, self.slots)
+        entry["normalTexture"] = {**info, "scale": strength} if strength != 1.0 else info
+
+    def _emission(self, entry: dict[str, Any]) -> None:
+        read = self._texture("emissiveColor")
+        if read is None:
+            color = np.maximum(np.array(self._numbers("emissiveColor")), 0.0)
+        else:
+            scale, bias = np.array(read.scale[:3]), np.array(read.bias[:3])
+            as_factor = not bias.any() and (scale >= 0.0).all() and len(read.channels) == 3
+            color = scale if as_factor else np.ones(3)
+            channels: list[Channel | None] = [
+                Channel(
+                    read,
+                    index,
+                    1.0 if as_factor else float(scale[index]),
+                    0.0 if as_factor else float(bias[index]),
+                )
+                for index in (read.channels * 3)[:3]
+            ]
+            if color.any():
+                entry["emissiveTexture"] = self.packer.texture(channels, True, self.slots)
+        strongest = float(color.max())
+        if strongest > 1.0:
+            self.writer.use_extension("KHR_materials_emissive_strength")
+            extension = {"KHR_materials_emissive_strength": {"emissiveStrength": strongest}}
+            entry.setdefault("extensions", {}).update(extension)
+            color = color / strongest
+        if strongest > 0.0:
+            entry["emissiveFactor"] = [min(float(part), 1.0) for part in color]
+
+    def _specular(self, entry: dict[str, Any]) -> None:
+        """ior, or the specular workflow: F0 = specularColor through KHR_materials_specular."""
+        extensions: dict[str, Any] = {}
+        if self._numbers("useSpecularWorkflow")[0] >= 0.5:
+            read = self._texture("specularColor")
+            if read:
+                color, channels = _factored(read, 3)
+                info = self.packer.texture([*channels], True, self.slots)
+                extensions["KHR_materials_specular"] = {"specularColorTexture": info}
+            else:
+                color = list(self._unit("specularColor"))
+                extensions["KHR_materials_specular"] = {}
+            factor = [part / _DIELECTRIC_F0 for part in color]
+            extensions["KHR_materials_specular"]["specularColorFactor"] = factor
+        else:
+            if self._texture("ior"):
+                self._warn("material-value-clamped", "a textured ior keeps its fallback only")
+            ior = self._numbers("ior")[0]
+            # glTF: 1 and above, or 0 for "reflects everything".
+            if ior < 1.0 and ior != 0.0:
+                self._warn("material-value-clamped", f"ior {ior} is below 1, taken as 1")
+                ior = 1.0
+            if ior != 1.5:
+                extensions["KHR_materials_ior"] = {"ior": ior}
+        self._extend(entry, extensions)
+
+    def _clearcoat(self, entry: dict[str, Any]) -> None:
+        coat, rough = self._texture("clearcoat"), self._texture("clearcoatRoughness")
+        factor = self._unit("clearcoat")[0]
+        if coat is None and factor == 0.0:
+            return
+        extension: dict[str, Any] = {
+            "clearcoatFactor": factor,
+            "clearcoatRoughnessFactor": self._unit("clearcoatRoughness")[0],
+        }
+        if coat:
+            (value,), (red,) = _factored(coat, 1)
+            extension["clearcoatFactor"] = value
+            extension["clearcoatTexture"] = self.packer.texture(
+                [red, None, None], False, self.slots
+            )
+        if rough:
+            (value,), (green,) = _factored(rough, 1)
+            extension["clearcoatRoughnessFactor"] = value
+            extension["clearcoatRoughnessTexture"] = self.packer.texture(
+                [None, green, None], False, self.slots
+            )
+        self._extend(entry, {"KHR_materials_clearcoat": extension})
+
+    def _extend(self, entry: dict[str, Any], extensions: dict[str, Any]) -> None:
+        for name in extensions:
+            self.writer.use_extension(name)
+        if extensions:
+            entry.setdefault("extensions", {}).update(extensions)
+
+
+def _factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:
+    """Factors and channels of a read: a plain scale within 0…1 becomes the factor."""
+    factors: list[float] = []
+    channels: list[Channel | None] = []
+    indices = (read.channels * count)[:count]
+    for index in indices:
+        scale, bias = read.scale[index], read.bias[index]
+        plain = bias == 0.0 and 0.0 <= scale <= 1.0
+        factors.append(scale if plain else 1.0)
+        channels.append(Channel(read, index, 1.0 if plain else scale, 0.0 if plain else bias))
+    return factors, channels

@@ -1,0 +1,179 @@
+"""Refines a USD mesh to a stated level: points, primvars, faces; or says why the cage stays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pxr import Usd
+
+from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.polygons import Polygons
+from reflet_usd.convert.primvars import Primvar, Topology
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys, refine_steps
+from reflet_usd.convert.surface import unique_rows
+
+MAX_REFINED_FACES = 20_000_000
+# Creases of this sharpness stay sharp at any level (UsdGeomMesh: SHARPNESS_INFINITE).
+_SHARP = 10.0
+
+
+@dataclass
+class Refiner:
+    """The refinement of one mesh, applied to whatever lives on it."""
+
+    steps: list[Step]
+    authored_topology: Topology
+    counts: Array
+    linear_rule: str
+    """faceVaryingLinearInterpolation."""
+
+    def points(self, values: Array) -> Array:
+        """Values at vertices, by the Catmull-Clark rules."""
+        for step in self.steps:
+            values = step.smooth(values)
+        return values
+
+    def face_parents(self) -> Array:
+        """(F,) the authored face of each refined face."""
+        parents = np.arange(len(self.counts))
+        for step in self.steps:
+            parents = parents[step.corner_faces]
+        return parents
+
+    def primvar(self, primvar: Primvar) -> Primvar:
+        """The primvar on the refined mesh; its size fits the authored one."""
+        kind = primvar.interpolation
+        if kind == "constant":
+            return primvar
+        flat = primvar.flat()
+        if kind == "uniform":
+            return replace(primvar, values=flat[self.face_parents()], indices=None)
+        if kind == "vertex":
+            values = self.points(flat[: self.authored_topology.point_count])
+            return replace(primvar, values=values, indices=None)
+        if kind == "varying":
+            values = flat[: self.authored_topology.point_count]
+            for step in self.steps:
+                values = step.linear(values)
+            return replace(primvar, values=values, indices=None)
+        corners = len(self.authored_topology.corner_points)
+        return self._face_varying(primvar, flat[:corners])
+
+    def _face_varying(self, primvar: Primvar, flat: Array) -> Primvar:
+        """Values meet where point and value agree; seams are boundaries of their own topology."""
+        groups = unique_rows(flat)
+        pairs = self.authored_topology.corner_points * (int(groups.max()) + 1) + groups
+        _, first, ids = np.unique(pairs, return_index=True, return_inverse=True)
+        ids = ids.reshape(-1)
+        cage = Cage(self.counts, ids, len(first))
+        cage.pin_corners = self.linear_rule != "none"
+        cage.pin_boundary = self.linear_rule == "boundaries"
+        if self.linear_rule in ("cornersPlus1", "cornersPlus2"):
+            cage.pinned = self._crowded(first)
+        values = flat[first]
+        corner_ids = ids
+        for step in refine_steps(cage, len(self.steps)):
+            values = step.linear(values) if self.linear_rule == "all" else step.smooth(values)
+            corner_ids = step.child().corners
+        return replace(primvar, values=values, indices=corner_ids)
+
+    def _crowded(self, first: Array) -> Array:
+        """Values at points where more than two regions meet."""
+        points = self.authored_topology.corner_points[first]
+        regions = np.bincount(points, minlength=self.authored_topology.point_count)
+        return regions[points] > 2
+
+
+def refine_polygons(
+    context: Context, prim: Usd.Prim, polygons: Polygons, level: int
+) -> tuple[Polygons, Refiner | None]:
+    """The mesh after `level` steps; the mesh itself, with a warning, where that is not possible."""
+    if polygons.scheme not in ("catmullClark", "loop"):
+        return polygons, None
+    reason = _why_not(context, prim, polygons, level)
+    if reason:
+        context.ledger.warn("subdivision-cage", prim, reason)
+        return polygons, None
+    topology = polygons.topology()
+    cage = Cage(polygons.counts, polygons.corner_points, len(polygons.points))
+    boundary = str(authored(prim, "interpolateBoundary", context.time, "edgeAndCorner"))
+    cage.pin_corners = boundary == "edgeAndCorner"
+    _read_sharpness(context, prim, cage)
+    rule = str(authored(prim, "faceVaryingLinearInterpolation", context.time, "cornersPlus1"))
+    refiner = Refiner(refine_steps(cage, level), topology, polygons.counts, rule)
+    drawn = polygons.drawn
+    if boundary == "none":
+        drawn = drawn & ~_touches_boundary(refiner.steps[0])
+    child = refiner.steps[-1].child()
+    refined = Polygons(
+        refiner.points(polygons.points),
+        child.counts,
+        child.corners,
+        drawn[refiner.face_parents()],
+        polygons.left_handed,
+        polygons.scheme,
+    )
+    return refined, refiner
+
+
+def _why_not(context: Context, prim: Usd.Prim, polygons: Polygons, level: int) -> str:
+    if level == 0:
+        return f"the {polygons.scheme} cage is carried with smooth normals; refine with --subdiv"
+    if polygons.scheme != "catmullClark":
+        return f"the scheme '{polygons.scheme}' is not refined, its cage is carried"
+    faces = int(polygons.counts.sum()) * 4 ** (level - 1)
+    if faces > MAX_REFINED_FACES:
+        return f"level {level} would give {faces} faces, its cage is carried"
+    broken = (polygons.counts < 3).any() or not np.isfinite(polygons.points).all()
+    corners = polygons.corner_points
+    if broken or corners.min() < 0 or corners.max() >= len(polygons.points):
+        return "its topology or points are damaged, its cage is carried"
+    return ""
+
+
+def _read_sharpness(context: Context, prim: Usd.Prim, cage: Cage) -> None:
+    def read(name: str, dtype: type) -> Array:
+        return np.array(authored(prim, name, context.time, []), dtype=dtype).reshape(-1)
+
+    indices, lengths = read("creaseIndices", np.int64), read("creaseLengths", np.int64)
+    values = read("creaseSharpnesses", np.float64)
+    corners, sharpness = read("cornerIndices", np.int64), read("cornerSharpnesses", np.float64)
+    if len(corners):
+        fits = len(corners) == len(sharpness) and _inside(corners, cage.vertex_count)
+        if fits:
+            cage.corner_sharpness = np.zeros(cage.vertex_count)
+            cage.corner_sharpness[corners] = _limited(sharpness)
+        else:
+            context.ledger.warn("crease-invalid", prim, "corner sharpness does not fit the mesh")
+    if not len(indices):
+        return
+    valid = (lengths >= 2).all() and lengths.sum() == len(indices)
+    valid = valid and _inside(indices, cage.vertex_count)
+    edge_total = int((lengths - 1).sum())
+    if not valid or len(values) not in (len(lengths), edge_total):
+        context.ledger.warn("crease-invalid", prim, "creases do not fit the mesh")
+        return
+    ends = np.cumsum(lengths) - 1
+    firsts = np.delete(np.arange(len(indices)), ends)
+    if len(values) != edge_total:
+        values = np.repeat(values, lengths - 1)
+    keys = edge_keys(indices[firsts], indices[firsts + 1], cage.vertex_count)
+    order = np.argsort(keys, kind="stable")
+    cage.crease_keys, cage.crease_values = keys[order], _limited(values)[order]
+
+
+def _limited(sharpness: Array) -> Array:
+    return np.where(sharpness >= _SHARP, INFINITE, np.maximum(np.nan_to_num(sharpness), 0.0))
+
+
+def _inside(indices: Array, count: int) -> bool:
+    return bool(len(indices)) and bool(indices.min() >= 0) and bool(indices.max() < count)
+
+
+def _touches_boundary(step: Step) -> Array:
+    """(F,) faces with a boundary vertex: not part of the surface under interpolateBoundary none."""
+    boundary = np.zeros(step.cage.vertex_count, dtype=bool)
+    boundary[step.edges[step.edge_faces == 1].reshape(-1)] = True
+    return np.logical_or.reduceat(boundary[step.cage.corners], step.starts)

@@ -1,0 +1,114 @@
+"""The node tree between USD and glTF: plain nodes that can be cloned for instances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Track:
+    """One animated property of one node: keys in seconds, and one value row per key."""
+
+    path: str
+    """`translation`, `rotation`, `scale`, `weights`, or a JSON pointer's tail."""
+    times: Array
+    """float64 seconds, strictly increasing, at least 0."""
+    values: Array
+    """(keys, components), in the file's units."""
+    step: bool = False
+    """Hold each value until the next key instead of interpolating."""
+
+
+@dataclass(eq=False)
+class Skin:
+    """A glTF skin: joint nodes and, for each, the matrix from mesh space to joint space."""
+
+    name: str
+    joints: list[Node]
+    inverse_bind: Array
+    """(joints, 4, 4), column vectors: the translation is in the last column."""
+    skeleton: Node | None = None
+
+
+@dataclass(eq=False)
+class Node:
+    """A glTF node to be. Rotation is (x, y, z, w); None stands for the identity."""
+
+    name: str
+    prim: str = ""
+    translation: Array | None = None
+    rotation: Array | None = None
+    scale: Array | None = None
+    mesh: int | None = None
+    camera: int | None = None
+    light: int | None = None
+    skin: Skin | None = None
+    weights: list[float] | None = None
+    instances: dict[str, int] | None = None
+    """Accessors of EXT_mesh_gpu_instancing."""
+    tracks: list[Track] = field(default_factory=list)
+    children: list[Node] = field(default_factory=list)
+    extras: dict[str, Any] = field(default_factory=dict)
+
+    def add(self, child: Node) -> Node:
+        """Append `child` and return it."""
+        self.children.append(child)
+        return child
+
+    def add_track(self, path: str, times: Array, values: Array, step: bool = False) -> None:
+        """Animate `path`; of keys whose times meet as float32 the first one stays."""
+        rounded = times.astype(np.float32)
+        keep = np.concatenate(([True], np.diff(rounded) > 0.0))
+        self.tracks.append(Track(path, times[keep], values[keep], step))
+
+    def walk(self) -> list[Node]:
+        """This node and all below it, parents first, without recursion."""
+        found: list[Node] = []
+        stack = [self]
+        while stack:
+            node = stack.pop()
+            found.append(node)
+            stack.extend(reversed(node.children))
+        return found
+
+    def clone(self) -> Node:
+        """A deep copy that shares meshes and key arrays; skins follow their copied joints."""
+        originals = self.walk()
+        copies = {id(node): _shallow_copy(node) for node in originals}
+        for node in originals:
+            copy = copies[id(node)]
+            copy.children = [copies[id(child)] for child in node.children]
+        skins: dict[int, Skin] = {}
+        for node in originals:
+            if node.skin is None:
+                continue
+            if id(node.skin) not in skins:
+                skins[id(node.skin)] = _skin_copy(node.skin, copies)
+            copies[id(node)].skin = skins[id(node.skin)]
+        return copies[id(self)]
+
+
+def _shallow_copy(node: Node) -> Node:
+    copy = Node(node.name, node.prim, node.translation, node.rotation, node.scale)
+    copy.mesh, copy.camera, copy.light = node.mesh, node.camera, node.light
+    copy.weights, copy.instances = node.weights, node.instances
+    copy.tracks, copy.extras = list(node.tracks), dict(node.extras)
+    return copy
+
+
+def _skin_copy(skin: Skin, copies: dict[int, Node]) -> Skin:
+    joints = [copies.get(id(joint), joint) for joint in skin.joints]
+    root = None if skin.skeleton is None else copies.get(id(skin.skeleton), skin.skeleton)
+    return Skin(skin.name, joints, skin.inverse_bind, root)
+
+
+def identity_or(values: Array, identity: tuple[float, ...]) -> Array | None:
+    """None where `values` is exactly the identity, which glTF leaves out."""
+    array = np.asarray(values, dtype=np.float64)
+    return None if np.array_equal(array, np.asarray(identity)) else array

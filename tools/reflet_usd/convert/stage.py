@@ -1,0 +1,204 @@
+"""Opens a stage: confines its layers, applies variants, reads units, axis and time."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
+
+from reflet_usd.convert.confinement import (
+    allowed_roots,
+    check_used_layers,
+    cut_foreign_layers,
+    open_layer,
+)
+from reflet_usd.convert.context import MAX_CODE, Context
+from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.types import ConvertError, ConvertOptions
+
+# UsdGeom's documented fallbacks.
+FALLBACK_METERS_PER_UNIT = 0.01
+FALLBACK_CODES_PER_SECOND = 24.0
+
+
+def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context:
+    """Open and compose `path`; raises `ConvertError` when that is impossible."""
+    if not path.is_file():
+        raise ConvertError("stage-missing", "no such file", str(path))
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    roots = allowed_roots(path, options.extra_roots)
+    root_layer = _open_root_layer(path)
+    # The layers stay referenced, so the stage composes the edited copies in memory.
+    layers = cut_foreign_layers(root_layer, roots, ledger)
+    _repair_time_rates(layers, ledger)
+    try:
+        stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
+    except Tf.ErrorException as error:
+        raise ConvertError("stage-unreadable", error_text(error, path), str(path)) from None
+    if stage is None:
+        raise ConvertError("stage-unreadable", "USD cannot compose it", str(path))
+    check_used_layers(stage, roots)
+    del layers
+    _select_variants(stage, options, str(path))
+    _warn_composition(stage, delegate, ledger)
+    context = Context(stage, options, ledger, roots)
+    _read_units(context)
+    _read_time(context)
+    return context
+
+
+def _open_root_layer(path: Path) -> Sdf.Layer:
+    try:
+        layer = open_layer(str(path))
+    except Tf.ErrorException as error:
+        raise ConvertError("stage-unreadable", error_text(error, path), str(path)) from None
+    if layer is None:
+        raise ConvertError("stage-unreadable", "not a USD layer that can be read", str(path))
+    return layer
+
+
+def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
+    """Set a usable timeCodesPerSecond in memory: USD divides by it when it combines layers."""
+    for layer in layers:
+        if not layer.pseudoRoot.HasInfo("timeCodesPerSecond"):
+            continue
+        rate = layer.pseudoRoot.GetInfo("timeCodesPerSecond")
+        if _is_positive(rate):
+            continue
+        name = os.path.basename(layer.identifier)
+        message = f"timeCodesPerSecond of {name} is {rate!r}, taken as 24"
+        ledger.warn("time-rate-invalid", "/", message)
+        was_editable = layer.permissionToEdit
+        layer.SetPermissionToEdit(True)
+        layer.pseudoRoot.SetInfo("timeCodesPerSecond", FALLBACK_CODES_PER_SECOND)
+        layer.SetPermissionToEdit(was_editable)
+
+
+def error_text(error: Tf.ErrorException, path: Path) -> str:
+    """USD's first reason, without the source places of its library."""
+    try:
+        text = " ".join(str(error).split())
+    except UnicodeDecodeError:  # USD quotes the bytes that it could not read
+        return "it is not UTF-8 text"
+    found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
+    reason = found.group(1) if found else text or "USD gives no reason"
+    reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
+    reason = re.sub(r"parse error matching .*? at '", "cannot parse '", reason)
+    return reason.strip()[:400]
+
+
+def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:
+    """Apply the selections in the session layer, where they win over all authored ones."""
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for prim_path, set_name, variant in options.variants:
+            prim = stage.GetPrimAtPath(prim_path) if Sdf.Path.IsValidPathString(prim_path) else None
+            if not prim:
+                raise ConvertError("variant-unknown", f"there is no prim {prim_path}", path)
+            names = prim.GetVariantSets().GetNames()
+            if set_name not in names:
+                known = ", ".join(names) or "none"
+                message = f"{prim_path} has no variant set '{set_name}', it has: {known}"
+                raise ConvertError("variant-unknown", message, path)
+            variant_set = prim.GetVariantSet(set_name)
+            if variant not in variant_set.GetVariantNames():
+                known = ", ".join(variant_set.GetVariantNames())
+                message = f"{prim_path}{{{set_name}}} has no '{variant}', it has: {known}"
+                raise ConvertError("variant-unknown", message, path)
+            variant_set.SetVariantSelection(variant)
+
+
+def _warn_composition(
+    stage: Usd.Stage, delegate: UsdUtils.CoalescingDiagnosticDelegate, ledger: Ledger
+) -> None:
+    for error in stage.GetCompositionErrors():
+        text = _plain(str(error))
+        missing = "Could not open asset" in text or "Unresolved" in text
+        site = str(error.rootSite.path) if hasattr(error, "rootSite") else "/"
+        ledger.warn("asset-unresolved" if missing else "composition-error", site or "/", text)
+    for item in delegate.TakeUncoalescedDiagnostics():
+        text = _plain(item.commentary)
+        if "deprecated version" in text or "Could not open asset" in text:
+            continue
+        if "unresolved" not in text.lower() and "composition" not in text.lower():
+            ledger.warn("usd-diagnostic", "/", text)
+
+
+def _plain(text: str) -> str:
+    """One line, with folder names cut from asset paths (the sidecar must not depend on them)."""
+    words = " ".join(text.split())
+    parts = words.split("@")
+    parts[1::2] = [os.path.basename(part) for part in parts[1::2]]
+    return "@".join(parts)
+
+
+def stage_metadata(stage: Usd.Stage, name: str) -> Any:
+    """Raw root or session metadata: typed getters throw where a float was authored for a double."""
+    for layer in (stage.GetSessionLayer(), stage.GetRootLayer()):
+        if layer is not None and layer.pseudoRoot.HasInfo(name):
+            return layer.pseudoRoot.GetInfo(name)
+    return None
+
+
+def _read_units(context: Context) -> None:
+    stage, ledger = context.stage, context.ledger
+    units = stage_metadata(stage, "metersPerUnit")
+    context.meters_per_unit = FALLBACK_METERS_PER_UNIT
+    if units is None:
+        ledger.warn("units-missing", "/", "metersPerUnit is not authored, taken as 0.01 (cm)")
+    elif not _is_positive(units):
+        ledger.warn("units-invalid", "/", f"metersPerUnit is {units!r}, taken as 0.01 (cm)")
+    else:
+        context.meters_per_unit = float(units)
+    axis = stage_metadata(stage, "upAxis")
+    if axis is None:
+        axis = UsdGeom.GetFallbackUpAxis()
+    if axis not in ("Y", "Z"):
+        ledger.warn("up-axis-invalid", "/", f"upAxis is {axis!r}, taken as Y")
+    context.z_up = axis == "Z"
+
+
+def _is_positive(value: Any) -> bool:
+    try:
+        return math.isfinite(value) and value > 0.0
+    except TypeError:
+        return False
+
+
+def _read_time(context: Context) -> None:
+    stage = context.stage
+    rate = stage_metadata(stage, "timeCodesPerSecond")
+    if rate is None:
+        rate = stage_metadata(stage, "framesPerSecond")
+    if rate is None:
+        rate = FALLBACK_CODES_PER_SECOND
+    if not _is_positive(rate):
+        message = f"timeCodesPerSecond is {rate!r}, taken as 24"
+        context.ledger.warn("time-rate-invalid", "/", message)
+        rate = FALLBACK_CODES_PER_SECOND
+    context.codes_per_second = float(rate)
+    context.held = stage.GetInterpolationType() == Usd.InterpolationTypeHeld
+    if context.options.frames is not None:
+        context.time_origin = context.options.frames[0]
+        context.time = Usd.TimeCode(context.time_origin)
+        return
+    keys = [code for code in _first_keys(stage) if abs(code) <= MAX_CODE]
+    start = stage_metadata(stage, "startTimeCode")
+    if start is not None and abs(start) <= MAX_CODE and keys:
+        keys.append(float(start))
+    context.time_origin = min(keys, default=0.0)
+
+
+def _first_keys(stage: Usd.Stage) -> list[float]:
+    """The first time sample of every animated attribute."""
+    keys = []
+    # Prototypes instead of the instances, of which nesting can make any number.
+    for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root):
+            for attribute in prim.GetAuthoredAttributes():
+                if attribute.GetNumTimeSamples() > 0:
+                    keys.append(attribute.GetTimeSamples()[0])
+    return keys

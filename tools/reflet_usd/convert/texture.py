@@ -1,0 +1,152 @@
+"""Texture files: found, confined, checked; copied as they are or rewritten where glTF needs it."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image
+from pxr import Ar
+
+from reflet_usd.convert.confinement import is_allowed
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.network import TextureRead
+from reflet_usd.convert.scene import Array
+
+MAX_PIXELS = 2**28
+PNG_COMPRESSION = 3
+_MIME_TYPES = {"PNG": "image/png", "JPEG": "image/jpeg"}
+_COPIED_MODES = ("L", "LA", "RGB", "RGBA", "P", "1", "I;16", "I")
+
+
+@dataclass
+class ImageFile:
+    """A texture file that could be decoded."""
+
+    name: str
+    data: bytes
+    format: str
+    mode: str
+    size: tuple[int, int]
+    wide: bool
+    """More than 8 bits per channel."""
+
+    @property
+    def is_gray(self) -> bool:
+        """One color channel: red, green and blue are equal."""
+        return self.mode in ("L", "LA", "1", "I;16", "I", "F")
+
+    @property
+    def has_alpha(self) -> bool:
+        """Whether there is an alpha channel (a palette may have a transparent entry)."""
+        return self.mode in ("LA", "RGBA", "PA") or self.mode == "P"
+
+    @property
+    def copies(self) -> bool:
+        """glTF takes the file as it is."""
+        return self.format in _MIME_TYPES and self.mode in _COPIED_MODES
+
+    def rgba(self) -> Array:
+        """(height, width, 4) uint8."""
+        with Image.open(io.BytesIO(self.data)) as image:
+            if self.wide:
+                gray = np.asarray(image, dtype=np.float64)
+                peak = 65535.0 if gray.max() > 255.0 else 255.0
+                narrow = np.round(gray / peak * 255.0).astype(np.uint8)
+                return np.dstack([narrow, narrow, narrow, np.full_like(narrow, 255)])
+            return np.asarray(image.convert("RGBA"))
+
+
+class TextureLibrary:
+    """All images of one conversion, each read once."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self._files: dict[str, ImageFile | None] = {}
+        Image.MAX_IMAGE_PIXELS = MAX_PIXELS
+
+    def image(self, read: TextureRead) -> ImageFile | None:
+        """The decoded file, or None with a warning."""
+        key = read.file or f"unresolved {read.authored_file}"
+        if key not in self._files:
+            self._files[key] = self._open(read)
+        elif self._files[key] is None:
+            self._open(read)  # every use of a lost texture is named
+        return self._files[key]
+
+    def _open(self, read: TextureRead) -> ImageFile | None:
+        warn = self.context.ledger.warn
+        shown = os.path.basename(read.authored_file)
+        if not read.authored_file:
+            warn("texture-missing", read.prim, "no texture file is named; its fallback is used")
+            return None
+        if not read.file:
+            warn("texture-missing", read.prim, f"@{shown}@ does not exist; its fallback is used")
+            return None
+        if not is_allowed(read.file, self.context.allowed_roots):
+            message = f"@{shown}@ is outside the allowed folders; allow it with --root"
+            warn("asset-outside-roots", read.prim, message)
+            return None
+        self.context.textures_read.add(read.file)
+        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(read.file))
+        data = bytes(asset.GetBuffer()) if asset else b""
+        try:
+            return _decode(read, data)
+        except Image.DecompressionBombError:
+            warn("texture-too-large", read.prim, f"@{shown}@ has more than {MAX_PIXELS} pixels")
+        except (OSError, ValueError, SyntaxError, EOFError) as error:
+            warn("texture-unreadable", read.prim, f"@{shown}@: {_reason(error)}")
+        return None
+
+    def add_copy(self, file: ImageFile) -> int:
+        """The file as a glTF image, its bytes unchanged."""
+        return self.writer.add_image(file.data, _MIME_TYPES[file.format], file.name)
+
+    def add_pixels(self, pixels: Array, name: str) -> int:
+        """uint8 pixels (height, width, 3 or 4) as a PNG image."""
+        stream = io.BytesIO()
+        mode = "RGB" if pixels.shape[2] == 3 else "RGBA"
+        image = Image.fromarray(np.ascontiguousarray(pixels), mode)
+        image.save(stream, "PNG", compress_level=PNG_COMPRESSION)
+        return self.writer.add_image(stream.getvalue(), "image/png", name)
+
+
+def _decode(read: TextureRead, data: bytes) -> ImageFile:
+    with Image.open(io.BytesIO(data)) as image:
+        image.load()
+        # The resolved path of a packaged file ends in "package.usdz[name]".
+        name = os.path.basename(read.file.rstrip("]").split("[")[-1])
+        wide = image.mode in ("I", "I;16", "I;16B", "F")
+        return ImageFile(
+            os.path.splitext(name)[0], data, image.format or "", image.mode, image.size, wide
+        )
+
+
+def _reason(error: Exception) -> str:
+    """PIL's message without memory addresses, which differ from run to run."""
+    text = str(error) or type(error).__name__
+    return "not an image that can be read" if "0x" in text else text
+
+
+def is_srgb(read: TextureRead, file: ImageFile) -> bool:
+    """Whether texels are sRGB-encoded; `auto` means 8-bit files with three channels or more."""
+    if read.color_space in ("sRGB", "raw"):
+        return read.color_space == "sRGB"
+    return not file.wide and not file.is_gray
+
+
+def srgb_to_linear(encoded: Array) -> Array:
+    """IEC 61966-2-1, for values 0…1."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def linear_to_srgb(linear: Array) -> Array:
+    """IEC 61966-2-1, for values 0…1."""
+    positive = np.maximum(linear, 0.0)
+    return np.where(
+        positive <= 0.0031308, positive * 12.92, 1.055 * positive ** (1.0 / 2.4) - 0.055
+    )

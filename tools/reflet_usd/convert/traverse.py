@@ -1,0 +1,239 @@
+"""Walks the composed stage and builds the node tree, one node per prim with a place in space."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+from pxr import Tf, Usd, UsdGeom, UsdLux
+
+from reflet_usd.convert.animation import add_visibility_track, transform_node
+from reflet_usd.convert.camera import add_camera
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.geometry import GeometryBuilder, is_surface
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.instancer import Instancers
+from reflet_usd.convert.light import add_light
+from reflet_usd.convert.morph import point_keys
+from reflet_usd.convert.scene import Node
+from reflet_usd.convert.skel import Skeletons
+from reflet_usd.convert.types import ConvertError
+from reflet_usd.convert.xform import column_matrix, place
+
+# Prims that live inside materials, skeletons or meshes: they have no place in space.
+_PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
+# Types that only group others: carried by being there.
+_GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
+# Nested instances multiply: a few lines of text can stand for any number of prims.
+MAX_PRIMS = 1_000_000
+PROGRESS_S = 5.0
+DAMAGE = (ValueError, TypeError, IndexError, OverflowError, UnicodeDecodeError, Tf.ErrorException)
+
+
+@dataclass
+class Tree:
+    """A node tree under construction: the stage's own, or that of an instancer's prototype."""
+
+    root: Node
+    unplaced: list[Node] = field(default_factory=list)
+    """Skinned meshes: their own transform does not count, so they stand beside the root."""
+    contents: dict[str, Node] = field(default_factory=dict)
+    """Per prim path the node that takes its children."""
+    purposes: dict[str, UsdGeom.Imageable.PurposeInfo] = field(default_factory=dict)
+
+    def parent_of(self, prim: Usd.Prim) -> Node:
+        """The node under which `prim` belongs."""
+        return self.contents.get(str(prim.GetPath().GetParentPath()), self.root)
+
+
+class Traversal:
+    """One conversion's walk; it also walks prototypes on behalf of instancers."""
+
+    def __init__(self, context: Context, writer: GltfWriter) -> None:
+        self.context = context
+        self.writer = writer
+        self.geometry = GeometryBuilder(context, writer)
+        self.skeletons = Skeletons(context, writer, self.geometry)
+        self.instancers = Instancers(context, writer, self.prototype_node)
+        self._visited = 0
+        self._last_report = time.monotonic()
+
+    def stage_roots(self) -> list[Node]:
+        """The scene's nodes: one root that turns Z-up into Y-up, and skinned meshes beside it."""
+        root = Node("stage", "/")
+        if self.context.z_up:
+            half = float(np.sqrt(0.5))
+            root.rotation = np.array([-half, 0.0, 0.0, half])
+        tree = Tree(root)
+        predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+        for prim in self.context.stage.GetPseudoRoot().GetFilteredChildren(predicate):
+            self._walk(Usd.PrimRange(prim, predicate), tree)
+        self._place_lost_skeletons(root)
+        return [root, *tree.unplaced]
+
+    def _place_lost_skeletons(self, root: Node) -> None:
+        """Skeletons below prims that were left out still move what is bound to them."""
+        for prim in self.skeletons.unattached():
+            xformable = UsdGeom.Xformable(prim)
+            matrix = xformable.ComputeLocalToWorldTransform(self.context.time)
+            node = Node(prim.GetName(), str(prim.GetPath()))
+            root.add(place(node, column_matrix(matrix, self.context.meters_per_unit)))
+            self.skeletons.add_joints(prim, node)
+
+    def prototype_node(self, prim: Usd.Prim) -> Node:
+        """An instancer's prototype as a detached tree, its own transform included."""
+        tree = Tree(Node(prim.GetName()))
+        # A prototype may sit below an undefined `over`: it need not be defined all the way up.
+        predicate = Usd.TraverseInstanceProxies(
+            Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
+        )
+        self._walk(Usd.PrimRange(prim, predicate), tree)
+        tree.root.children.extend(tree.unplaced)
+        return tree.root
+
+    def _walk(self, prims: Usd.PrimRange, tree: Tree) -> None:
+        iterator = iter(prims)
+        for prim in iterator:
+            if not self._visit(prim, tree):
+                iterator.PruneChildren()
+
+    def _visit(self, prim: Usd.Prim, tree: Tree) -> bool:
+        """Place one prim; False where its children are not walked."""
+        self._visited += 1
+        self._report_progress()
+        if self._visited > MAX_PRIMS:
+            message = f"the composed stage has more than {MAX_PRIMS} prims"
+            raise ConvertError("too-many-prims", message, str(prim.GetPath()))
+        try:
+            warn_variants(self.context, prim)
+            return self._place(prim, tree)
+        except DAMAGE as error:
+            # Values of the wrong type or size, or bytes that USD cannot read: only this prim ends.
+            message = (
+                f"its values cannot be read, it and all below it are left out ({_one_line(error)})"
+            )
+            self.context.ledger.skip_subtree("prim-damaged", prim, message)
+            return False
+
+    def _report_progress(self) -> None:
+        """A line on standard output every few seconds; short conversions print nothing."""
+        now = time.monotonic()
+        if now - self._last_report > PROGRESS_S:
+            self._last_report = now
+            print(f"converting: {self._visited} prims so far", flush=True)
+
+    def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
+        type_name = prim.GetTypeName()
+        if type_name in _PLACELESS:
+            return True
+        # A hidden skeleton still moves what it is bound to.
+        if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
+            message = "the prim is invisible; it and all below it are left out"
+            self.context.ledger.skip_subtree("invisible-skipped", prim, message)
+            return False
+        if type_name == "SkelRoot":
+            self.skeletons.enter(prim)
+        if type_name in ("SkelRoot", "Skeleton"):
+            self.skeletons.warn_ignored_binding(prim)
+        node, outer, reset = transform_node(self.context, prim)
+        skinned = self.skeletons.is_skinned(prim)
+        tree.contents[str(prim.GetPath())] = node
+        if skinned:
+            node.translation = node.rotation = node.scale = None
+            node.tracks.clear()
+            tree.unplaced.append(node)
+        elif reset:
+            tree.root.add(outer)
+        else:
+            tree.parent_of(prim).add(outer)
+        if prim.IsA(UsdGeom.Imageable):
+            add_visibility_track(self.context, prim, node)
+            if self._has_other_purpose(prim, tree):
+                return not prim.IsA(UsdGeom.PointInstancer)
+        return self._fill(prim, node)
+
+    def _is_hidden(self, prim: Usd.Prim) -> bool:
+        attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
+        if attribute.Get(self.context.time) != UsdGeom.Tokens.invisible:
+            return False
+        codes = self.context.codes_in_range(sorted(attribute.GetTimeSamples()))
+        return all(attribute.Get(code) == UsdGeom.Tokens.invisible for code in codes)
+
+    def _has_other_purpose(self, prim: Usd.Prim, tree: Tree) -> bool:
+        """Whether a gprim's purpose is not kept; purposes inherit unless authored again."""
+        parent = tree.purposes.get(str(prim.GetPath().GetParentPath()))
+        imageable = UsdGeom.Imageable(prim)
+        info = imageable.ComputePurposeInfo(parent) if parent else imageable.ComputePurposeInfo()
+        tree.purposes[str(prim.GetPath())] = info
+        draws = prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)
+        if not draws or info.purpose in self.context.options.purpose:
+            return False
+        message = f"purpose '{info.purpose}' is not kept; choose it with --purpose"
+        self.context.ledger.skip_subtree("purpose-skipped", prim, message)
+        return True
+
+    def _fill(self, prim: Usd.Prim, node: Node) -> bool:
+        """Attach what the prim is; False where its children are not walked."""
+        context, ledger = self.context, self.context.ledger
+        type_name = prim.GetTypeName()
+        before = len(node.children)
+        if prim.IsA(UsdGeom.PointInstancer):
+            self.instancers.fill(prim, node)
+            return False
+        if self.skeletons.is_bound(prim):
+            self.skeletons.fill(prim, node)
+        elif is_surface(prim):
+            keys = point_keys(context, self.writer, prim)
+            built = self.geometry.build(prim, keys)
+            if built is not None:
+                node.mesh = built.index
+                node.extras.update(built.extras)
+                if keys is not None:
+                    keys.animate(node)
+        elif type_name == "Points":
+            node.mesh = build_points(context, self.writer, self.geometry.materials, prim)
+        elif is_curves(prim):
+            node.mesh = build_curves(context, self.writer, self.geometry.materials, prim)
+        elif prim.IsA(UsdGeom.Camera):
+            add_camera(context, self.writer, prim, node)
+        elif prim.HasAPI(UsdLux.LightAPI):
+            add_light(context, self.writer, prim, node)
+        elif type_name == "Skeleton":
+            self.skeletons.add_joints(prim, node)
+        elif type_name not in _GROUPS:
+            self._warn_dropped(prim)
+            return True
+        placed = node.mesh is not None or node.camera is not None or node.light is not None
+        if placed or type_name in _GROUPS or len(node.children) > before:
+            ledger.carry(prim)
+        return True
+
+    def _warn_dropped(self, prim: Usd.Prim) -> None:
+        type_name = str(prim.GetTypeName())
+        if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Imageable):
+            name = "curves-dropped" if type_name.endswith("Curves") else f"{type_name}-dropped"
+            message = f"a {type_name} has no glTF counterpart"
+        else:
+            name, message = "schema-ignored", f"glTF has no place for a {type_name}"
+        self.context.ledger.warn(name, prim, message)
+
+
+def warn_variants(context: Context, prim: Usd.Prim) -> None:
+    """Name the variant sets of which the file keeps the selected variant only."""
+    if not prim.HasVariantSets():
+        return
+    sets = prim.GetVariantSets()
+    for name in sets.GetNames():
+        count = len(sets.GetVariantSet(name).GetVariantNames())
+        if count > 1:
+            chosen = sets.GetVariantSelection(name)
+            message = f"of {count} variants of '{name}' only '{chosen}' is carried"
+            context.ledger.warn("variants-not-carried", prim, message)
+
+
+def _one_line(error: Exception) -> str:
+    if isinstance(error, Tf.ErrorException):
+        return "USD cannot read the file's bytes"
+    return " ".join(str(error).split())[:160]

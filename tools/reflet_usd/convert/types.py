@@ -1,0 +1,90 @@
+"""What goes into a conversion and what comes out of it: options, warnings, result, error."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+DEFAULT_PURPOSES = ("default", "render")
+
+
+@dataclass(frozen=True)
+class ConvertOptions:
+    """How a stage is converted. The defaults keep what a final render would show."""
+
+    frames: tuple[float, float] | None = None
+    """First and last time code of the animation to keep; None keeps all keys."""
+    purpose: tuple[str, ...] = DEFAULT_PURPOSES
+    """The UsdGeom purposes that are kept."""
+    variants: tuple[tuple[str, str, str], ...] = ()
+    """Variant selections as (prim path, set name, variant name)."""
+    strict: bool = False
+    """Any warning becomes a `ConvertError` named `strict`."""
+    extra_roots: tuple[Path, ...] = ()
+    """Folders besides the stage's own from which layers and textures may be read."""
+    subdiv_level: int = 0
+    """How many Catmull-Clark steps refine subdivision meshes; 0 keeps the cage."""
+
+    def __post_init__(self) -> None:
+        # Options that traveled through JSON come back as lists and plain strings.
+        plain = {
+            "frames": None if self.frames is None else tuple(self.frames),
+            "purpose": tuple(self.purpose),
+            "variants": tuple(tuple(choice) for choice in self.variants),
+            "extra_roots": tuple(Path(root) for root in self.extra_roots),
+        }
+        for name, value in plain.items():
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True, order=True)
+class Warning:
+    """Something of the stage that the file does not carry as authored."""
+
+    name: str
+    prim: str
+    message: str
+
+
+@dataclass
+class ConvertResult:
+    """What a conversion did; the same data is in the JSON sidecar."""
+
+    warnings: list[Warning] = field(default_factory=list)
+    ledger: dict[str, dict[str, int]] = field(default_factory=dict)
+    """Per prim type: how many prims were `carried`, how many `warned` about."""
+    info: dict[str, Any] = field(default_factory=dict)
+    """Facts needed to compare the file with the stage (units, axis, time origin, counts)."""
+    files: list[str] = field(default_factory=list)
+    """Absolute paths of every layer, package and texture that was read, sorted."""
+
+    def __post_init__(self) -> None:
+        self.warnings = [
+            Warning(**entry) if isinstance(entry, dict) else entry for entry in self.warnings
+        ]
+
+    def to_json(self) -> dict[str, Any]:
+        """The sidecar's content, plain data."""
+        return {
+            "warnings": [asdict(warning) for warning in self.warnings],
+            "ledger": self.ledger,
+            "info": self.info,
+            "files": self.files,
+        }
+
+
+def count_of(count: int, noun: str) -> str:
+    """A count with its noun: `1 warning`, `2 warnings`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+class ConvertError(Exception):
+    """A conversion that cannot be done, with the name of the reason."""
+
+    def __init__(self, name: str, message: str, path: str = "") -> None:
+        where = f"{path}: " if path else ""
+        super().__init__(f"{where}{message} [{name}]")
+        self.name = name
+        self.message = message
+        self.path = path

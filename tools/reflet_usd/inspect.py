@@ -1,0 +1,176 @@
+"""Owns the command `reflet-usd inspect`: what a stage holds and what a conversion would warn of."""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from reflet_usd.convert.types import ConvertError, ConvertOptions
+
+_TARGET = "reflet_usd.inspect:summarize"
+_SHOWN = 20
+
+
+@dataclasses.dataclass
+class StageSummary:
+    """What one stage holds, as plain data."""
+
+    up_axis: str
+    meters_per_unit: float | None
+    """None where the stage does not author it (USD then means 0.01)."""
+    codes_per_second: float
+    start_code: float | None
+    """First time code of the stage's authored range; None where there is none."""
+    end_code: float | None
+    default_prim: str
+    types: dict[str, int]
+    """Drawn and supporting prims by type name, instance proxies included."""
+    layers: list[str]
+    """File names of the layers that compose the stage, the root first."""
+    missing_layers: list[str]
+    assets: list[str]
+    """Other files the stage names (textures, environment maps), as authored."""
+    variants: dict[str, dict[str, list[str]]]
+    """Variant names by prim path and set; the selected one first."""
+    instances: int
+    """Native instances."""
+    warnings: list[dict[str, str]]
+    """What a conversion with default options would warn of."""
+    refusal: str
+    """Why a conversion would be refused; empty where it would not."""
+
+
+def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
+    """Read `stage_path` in this process; `out` is where a trial conversion may write."""
+    from pxr import Usd, UsdUtils
+
+    from reflet_usd.convert.ledger import Ledger
+    from reflet_usd.convert.stage import open_context
+
+    # Opened as for a conversion, which repairs what usd-core hangs on.
+    context = open_context(stage_path, ConvertOptions(**options), Ledger())
+    stage = context.stage
+    layer = stage.GetRootLayer()
+    layers, assets, missing = UsdUtils.ComputeAllDependencies(str(stage_path))
+    types: collections.Counter[str] = collections.Counter()
+    variants = {}
+    instances = 0
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
+        if prim.IsPseudoRoot():
+            continue
+        types[prim.GetTypeName() or "untyped"] += 1
+        instances += prim.IsInstance()
+        sets = prim.GetVariantSets()
+        if sets.GetNames():
+            variants[str(prim.GetPath())] = {name: _choices(sets, name) for name in sets.GetNames()}
+    warnings, refusal = _trial(stage_path, out, options)
+    units = layer.pseudoRoot.GetInfo("metersPerUnit")
+    has_range = stage.HasAuthoredTimeCodeRange()
+    return StageSummary(
+        "Z" if context.z_up else "Y",
+        float(units) if layer.pseudoRoot.HasInfo("metersPerUnit") else None,
+        context.codes_per_second,
+        float(stage.GetStartTimeCode()) if has_range else None,
+        float(stage.GetEndTimeCode()) if has_range else None,
+        str(layer.defaultPrim),
+        dict(sorted(types.items())),
+        [_file_name(item.identifier) for item in layers],
+        sorted(_file_name(str(item)) for item in missing),
+        sorted(_file_name(str(item)) for item in assets),
+        variants,
+        instances,
+        warnings,
+        refusal,
+    )
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of `reflet-usd inspect`."""
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="a .usd, .usda, .usdc or .usdz")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of text")
+    parser.add_argument(
+        "--root",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="FOLDER",
+        help="a folder besides the stage's own from which layers and textures may be read",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Inspect in a confined child process, print, and return the exit code."""
+    from reflet_usd.sandbox import run_confined
+
+    options = dataclasses.asdict(ConvertOptions(extra_roots=tuple(args.root)))
+    try:
+        with run_confined(args.stage, options, target=_TARGET) as (summary, _):
+            pass
+    except ConvertError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    print(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
+    return 0
+
+
+def _choices(sets: Any, name: str) -> list[str]:
+    chosen = sets.GetVariantSelection(name)
+    names = sets.GetVariantSet(name).GetVariantNames()
+    return sorted(names, key=lambda item: (item != chosen, item))
+
+
+def _file_name(identifier: str) -> str:
+    """Without the folder, so that the summary does not depend on where the stage lies."""
+    outer, bracket, inner = identifier.partition("[")
+    return Path(outer).name + bracket + inner
+
+
+def _trial(
+    stage_path: Path, out: Path, options: dict[str, Any]
+) -> tuple[list[dict[str, str]], str]:
+    """Warnings of a conversion whose output is thrown away, or why it is refused."""
+    from reflet_usd.convert import convert_stage
+
+    try:
+        result = convert_stage(stage_path, out, ConvertOptions(**options))
+    except ConvertError as error:
+        return [], str(error)
+    return [dataclasses.asdict(warning) for warning in result.warnings], ""
+
+
+def _format(stage: Path, summary: dict[str, Any]) -> str:
+    units = summary["meters_per_unit"]
+    length = "not authored (0.01 m)" if units is None else f"{units:g} m"
+    lines = [
+        f"{stage}",
+        f"up axis {summary['up_axis']}, unit {length}, default prim"
+        f" {summary['default_prim'] or 'none'}",
+        _format_time(summary),
+        "prims: " + ", ".join(f"{n} {kind}" for kind, n in summary["types"].items()),
+    ]
+    if summary["instances"]:
+        lines.append(f"native instances: {summary['instances']}")
+    for title in ("layers", "missing_layers", "assets"):
+        if summary[title]:
+            lines.append(f"{title.replace('_', ' ')}: " + ", ".join(summary[title]))
+    for path, sets in list(summary["variants"].items())[:_SHOWN]:
+        for name, choices in sets.items():
+            lines.append(f"variants: {path}{{{name}={choices[0]}}} of {', '.join(choices)}")
+    for warning in summary["warnings"][:_SHOWN]:
+        lines.append(f"warning: {warning['prim']}: {warning['message']} [{warning['name']}]")
+    if len(summary["warnings"]) > _SHOWN:
+        lines.append(f"and {len(summary['warnings']) - _SHOWN} more warnings (--json has all)")
+    lines.append(f"refused: {summary['refusal']}" if summary["refusal"] else "can be converted")
+    return "\n".join(lines)
+
+
+def _format_time(summary: dict[str, Any]) -> str:
+    rate = f"{summary['codes_per_second']:g} time codes per second"
+    if summary["start_code"] is None:
+        return f"time range not authored, {rate}"
+    return f"time codes {summary['start_code']:g} to {summary['end_code']:g}, {rate}"

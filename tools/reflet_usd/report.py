@@ -1,0 +1,183 @@
+"""Owns the command `reflet-usd report`: convert and check a whole folder of stages, as a table."""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import dataclasses
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from reflet_usd import __version__
+from reflet_usd.convert.types import ConvertError, ConvertOptions
+from reflet_usd.peers import Root, read_peers, read_roots
+from reflet_usd.report_table import format_markdown
+from reflet_usd.sandbox import Limits, run_convert
+from reflet_usd.validate.khronos import ValidatorMissingError, check_files, find_package
+
+_VALIDATE_S = 900.0
+
+
+@dataclasses.dataclass
+class Row:
+    """What became of one root stage."""
+
+    root: Root
+    converted: bool
+    reason: str = ""
+    """Why it was not converted, or why its check could not run; empty where all ran."""
+    message: str = ""
+    proof: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """The JSON of `reflet-usd validate`."""
+    warnings: list[dict[str, str]] = dataclasses.field(default_factory=list)
+    convert_s: float = 0.0
+
+    @property
+    def validator_errors(self) -> int | None:
+        """Errors of the Khronos validator; None where it did not run."""
+        khronos = self.proof.get("khronos")
+        return khronos["errors"] if khronos else None
+
+    @property
+    def passed(self) -> bool:
+        """Converted, valid and equal to the stage in every check, or refused as it should be."""
+        if self.converted:
+            return bool(self.proof.get("passed"))
+        return self.root.opens is False and self.reason != "converter-internal"
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data; times are the only values that differ between runs."""
+        return {
+            "file": self.root.file,
+            "opens": self.root.opens,
+            "converted": self.converted,
+            "passed": self.passed,
+            "reason": self.reason,
+            "message": self.message,
+            "convert_s": round(self.convert_s, 3),
+            "warnings": self.warnings,
+            "proof": self.proof,
+        }
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of `reflet-usd report`."""
+    parser.add_argument("folder", type=Path, metavar="DIR", help="a folder of USD stages")
+    parser.add_argument("-o", "--output", type=Path, metavar="MD", help="write the table here")
+    parser.add_argument("--json", type=Path, metavar="JSON", help="write every detail here")
+    parser.add_argument("--only", default="", metavar="REGEX", help="only stages that match")
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the outputs here")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="stages at a time")
+    parser.add_argument(
+        "--wall-s", type=float, default=120.0, help="time limit of one conversion, seconds"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run over the folder and print; 0 when every row passed, 3 when some did not."""
+    if not args.folder.is_dir():
+        print(f"{args.folder}: no such folder; name one with USD stages", file=sys.stderr)
+        return 2
+    roots = [root for root in read_roots(args.folder) if re.search(args.only, root.file)]
+    if not roots:
+        print(f"{args.folder}: no stage matches {args.only!r}", file=sys.stderr)
+        return 2
+    try:
+        find_package()
+    except ValidatorMissingError as error:
+        print(error, file=sys.stderr)
+        return 1
+    peers = read_peers(args.folder)
+    with tempfile.TemporaryDirectory(prefix="reflet-report-") as scratch:
+        place = args.keep or Path(scratch)
+        place.mkdir(parents=True, exist_ok=True)
+        rows = convert_all(args.folder, roots, place, args.jobs, Limits(wall_s=args.wall_s))
+    text = format_markdown(rows, peers, __version__)
+    if args.output:
+        args.output.write_text(text, encoding="utf-8")
+    else:
+        print(text)
+    if args.json:
+        details = json.dumps([row.to_json() for row in rows], indent=1)
+        args.json.write_text(details, encoding="utf-8")
+    passed = sum(row.passed for row in rows)
+    print(f"{passed} of {len(rows)} stages as they should be", file=sys.stderr)
+    return 0 if passed == len(rows) else 3
+
+
+def convert_all(
+    folder: Path, roots: list[Root], place: Path, jobs: int, limits: Limits
+) -> list[Row]:
+    """Convert and check every root, `jobs` at a time, each in its own processes."""
+    with concurrent.futures.ThreadPoolExecutor(max(jobs, 1)) as pool:
+        work = [pool.submit(_one, folder, root, place, limits) for root in roots]
+        rows = []
+        for number, item in enumerate(work, 1):
+            rows.append(item.result())
+            if sys.stderr.isatty():
+                print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
+    _run_khronos([row for row in rows if row.proof], place)
+    return rows
+
+
+def _run_khronos(rows: list[Row], place: Path) -> None:
+    """Add the Khronos validator's reports, all from one node process."""
+    for row, report in zip(rows, check_files([_out(row.root, place) for row in rows]), strict=True):
+        row.proof["khronos"] = dataclasses.asdict(report)
+        row.proof["passed"] = row.proof["passed"] and report.errors == 0
+
+
+def _out(root: Root, place: Path) -> Path:
+    return place / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".glb")
+
+
+def _one(folder: Path, root: Root, place: Path, limits: Limits) -> Row:
+    stage = folder / root.file
+    out = _out(root, place)
+    # Stages of a corpus borrow layers and textures from each other's folders.
+    options = ConvertOptions(extra_roots=(folder,))
+    start = time.monotonic()
+    try:
+        result = run_convert(stage, out, options, limits=limits)
+    except ConvertError as error:
+        row = Row(root, False, error.name, _without(str(error), folder))
+        row.convert_s = time.monotonic() - start
+        return row
+    row = Row(root, True, convert_s=time.monotonic() - start)
+    row.warnings = [dataclasses.asdict(warning) for warning in result.warnings]
+    _check(row, out, stage, folder)
+    return row
+
+
+def _check(row: Row, out: Path, stage: Path, folder: Path) -> None:
+    """Validate in a process of its own, for usd-core may end the one that reads a stage."""
+    command = [sys.executable, "-m", "reflet_usd", "validate", str(out), "--json", "--no-khronos"]
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+    try:
+        done = subprocess.run(
+            [*command, "--against", str(stage)],
+            capture_output=True,
+            text=True,
+            timeout=_VALIDATE_S,
+            check=False,
+            env=environment,
+        )
+        row.proof = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        row.reason, row.message = "validate-time", f"the check took over {_VALIDATE_S:g} s"
+    except ValueError:
+        last = done.stderr.strip().splitlines()[-1:]
+        row.reason = "validate-internal"
+        row.message = _without(" ".join(last) or f"exit code {done.returncode}", folder)
+
+
+def _without(text: str, folder: Path) -> str:
+    """The message without the corpus's place, so that two runs print the same."""
+    return text.replace(str(folder.resolve()) + os.sep, "").replace(str(folder) + os.sep, "")

@@ -1,0 +1,111 @@
+"""Owns the Markdown of the corpus report: summary beside the rivals, then one line a stage."""
+
+from __future__ import annotations
+
+import collections
+from typing import TYPE_CHECKING, Any
+
+from reflet_usd.peers import Score, failed_score, score_output, summary_rows
+
+if TYPE_CHECKING:
+    from reflet_usd.report import Row
+
+_DISTANCES = ("positions", "surfaces", "skinning")
+_OURS = "reflet-usd"
+
+
+def format_markdown(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) -> str:
+    """The whole report as Markdown; the same rows give the same text."""
+    parts = [_summary(rows, peers, version), _strict(rows), _losses(rows), _files(rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) -> str:
+    like = next(iter(peers.values()), {})
+    ours = {}
+    for row in rows:
+        example = like.get(row.root.file)
+        if row.converted:
+            facts = row.proof.get("facts", {})
+            ours[row.root.file] = score_output(row.root, facts, row.validator_errors, example)
+        else:
+            ours[row.root.file] = failed_score(example)
+    columns = {f"{_OURS} {version}": ours, **peers}
+    lines = ["| measure | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    for title, cells in summary_rows([row.root for row in rows], columns):
+        lines.append(f"| {title} | " + " | ".join(cells[name] for name in columns) + " |")
+    return "\n".join(lines)
+
+
+def _strict(rows: list[Row]) -> str:
+    """Our own, stricter account: every check of `validate`, and silence."""
+    done = [row for row in rows if row.converted]
+    checked = [row for row in done if row.proof]
+    exact = [row for row in checked if row.proof["passed"]]
+    lossy = [row for row in done if row.warnings]
+    silent = [row for row in checked if _silent(row)]
+    worst = max((_deviation(row) for row in checked), default=0.0)
+    refused = [row for row in rows if not row.converted and row.root.opens is not False]
+    lines = [
+        "| every check of `validate` | stages |",
+        "|---|---|",
+        f"| converted | {len(done)} of {len(rows)} |",
+        f"| equal to the stage in every check, or the loss declared | {len(exact)} |",
+        f"| with a silent deviation | {len(silent)} |",
+        f"| that could not be checked | {len(done) - len(checked)} |",
+        f"| with declared losses (named warnings) | {len(lossy)} |",
+        f"| that open but were refused | {len(refused)} |",
+        f"| worst corner deviation, of the diagonal | {worst:.2g} |",
+    ]
+    return "\n".join(lines)
+
+
+def _losses(rows: list[Row]) -> str:
+    counts: collections.Counter[str] = collections.Counter()
+    for row in rows:
+        counts.update({warning["name"] for warning in row.warnings})
+    lines = ["| declared loss | stages |", "|---|---|"]
+    order = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return "\n".join(lines + [f"| `{name}` | {count} |" for name, count in order])
+
+
+def _files(rows: list[Row]) -> str:
+    lines = [
+        "| stage | converted | validator errors | worst corner | silent | warnings |",
+        "|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        lines.append("| " + " | ".join(_cells(row)) + " |")
+    return "\n".join(lines)
+
+
+def _cells(row: Row) -> list[str]:
+    if not row.converted:
+        expected = " (broken on purpose)" if row.root.opens is False else ""
+        return [row.root.file, f"no: `{row.reason}`{expected}", "", "", "", ""]
+    if not row.proof:
+        return [row.root.file, "yes", "", f"`{row.reason}`", "", _warnings(row)]
+    errors = "" if row.validator_errors is None else str(row.validator_errors)
+    silent = ", ".join(_silent(row))
+    return [row.root.file, "yes", errors, f"{_deviation(row):.1e}", silent, _warnings(row)]
+
+
+def _warnings(row: Row) -> str:
+    counts = collections.Counter(warning["name"] for warning in row.warnings)
+    shown = [f"{name} ×{n}" if n > 1 else name for name, n in sorted(counts.items())]
+    return ", ".join(shown)
+
+
+def _silent(row: Row) -> list[str]:
+    """Names of the checks that found a deviation nobody declared."""
+    return [check["check"] for check in _checks(row) if not check["passed"]]
+
+
+def _deviation(row: Row) -> float:
+    """Worst corner distance over all drawn prims and times, of the diagonal."""
+    values = [check["worst"] for check in _checks(row) if check["check"] in _DISTANCES]
+    return max((float("inf") if value == "infinite" else value for value in values), default=0.0)
+
+
+def _checks(row: Row) -> list[dict[str, Any]]:
+    return row.proof.get("checks", [])

@@ -1,0 +1,309 @@
+"""Owns the conversion of untrusted stages: a confined child process and what its end means.
+
+The child (`sandbox_child.py`) writes into a staging folder beside the output; only a finished,
+reported result is moved to its place, so a crash or a limit never leaves a partial output.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from . import convert
+from .usdz_check import PackageError, check_package
+
+_CONVERT_TARGET = "reflet_usd.convert:convert_stage"
+_CONVERT_OPTIONS = "reflet_usd.convert:ConvertOptions"
+_POLL_S = 0.05
+_LOG_TAIL_CHARS = 2000
+_USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits:
+    """What one conversion may use before it is stopped."""
+
+    memory_bytes: int = 6 << 30
+    """Address space; USD maps about 1 GiB before it reads anything."""
+    cpu_s: int = 300
+    """Processor time over all threads."""
+    wall_s: float = 600.0
+    """Time on the clock."""
+    output_bytes: int = 4 << 30
+    """All files that it writes together, and each of them."""
+
+
+def run_convert(
+    stage: Path,
+    out: Path,
+    options: Any = None,
+    *,
+    limits: Limits | None = None,
+    target: str = _CONVERT_TARGET,
+) -> convert.ConvertResult:
+    """Convert `stage` to `out` in a confined child process; moves the files only on success.
+
+    `options` is a ConvertOptions; its `extra_roots` are folders besides the stage's own that
+    may be read. `target` names the function the child calls ("module:function").
+    Raises ConvertError with a name for each way to fail: `stage-missing`, `usdz-*`,
+    `memory-limit`, `cpu-limit`, `time-limit`, `output-limit`, `usd-crash`,
+    `converter-internal`, and whatever the converter itself names.
+    """
+    options = options if options is not None else convert.ConvertOptions()
+    out = _checked_output(Path(out))
+    with run_confined(
+        stage, options, folder=out.parent, name=out.name, limits=limits, target=target
+    ) as (
+        result,
+        produced,
+    ):
+        _move_output(produced, out, Path(stage), limits or Limits())
+        return convert.ConvertResult(**result)
+
+
+@contextlib.contextmanager
+def run_confined(
+    stage: Path,
+    options: Any,
+    *,
+    target: str,
+    folder: Path | None = None,
+    name: str = "out.glb",
+    limits: Limits | None = None,
+) -> Iterator[tuple[dict[str, Any], Path]]:
+    """Call `target(stage, out, options)` in a confined child; yields what it returned, and where.
+
+    The result comes as the dictionary of the dataclass that the target returned; the folder with
+    the files it wrote (made inside `folder`, by default the system's temporary one) is removed
+    when the block ends. `options` is a ConvertOptions or a dictionary. Raises as `run_convert`.
+    """
+    limits = limits or Limits()
+    stage = _checked_stage(Path(stage))
+    staging = Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=folder))
+    try:
+        (staging / "out").mkdir()
+        job = _job(stage, staging / "out" / name, options, staging, limits, target)
+        exit_code, stopped_by = _run_child(job, staging, limits)
+        outcome = _read_outcome(staging, exit_code, stopped_by, stage, limits)
+        result = _result(outcome)
+        for notice in outcome.get("notices", []):
+            print(f"note: {notice}", file=sys.stderr)
+        yield result, staging / "out"
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _checked_output(out: Path) -> Path:
+    if not out.parent.is_dir():
+        raise convert.ConvertError(
+            "output-folder-missing", f"{out.parent} is not a folder; make it first", str(out)
+        )
+    if out.suffix.lower() not in (".glb", ".gltf"):
+        raise convert.ConvertError(
+            "output-suffix", f"{out.name}: expected a name that ends in .glb or .gltf", str(out)
+        )
+    return out.absolute()
+
+
+def _checked_stage(stage: Path) -> Path:
+    if not stage.is_file():
+        what = "is a folder" if stage.is_dir() else "does not exist"
+        raise convert.ConvertError("stage-missing", f"{what}; name a USD file", str(stage))
+    if stage.suffix.lower() not in _USD_SUFFIXES:
+        expected = ", ".join(_USD_SUFFIXES)
+        raise convert.ConvertError("stage-suffix", f"expected one of {expected}", str(stage))
+    stage = stage.resolve()
+    if stage.suffix.lower() == ".usdz":
+        try:
+            check_package(stage)
+        except PackageError as error:
+            raise convert.ConvertError(error.name, error.message, str(stage)) from error
+    return stage
+
+
+def _job(
+    stage: Path, out: Path, options: Any, staging: Path, limits: Limits, target: str
+) -> dict[str, Any]:
+    values = dict(options) if isinstance(options, dict) else dataclasses.asdict(options)
+    extra_roots = [str(Path(root).resolve()) for root in values.get("extra_roots") or ()]
+    if extra_roots:
+        values["extra_roots"] = extra_roots  # the child runs in another folder
+    return {
+        "stage": str(stage),
+        "out": str(out),
+        "staging": str(staging),
+        "target": target,
+        "options": values,
+        "options_type": None if isinstance(options, dict) else _CONVERT_OPTIONS,
+        "read_roots": [str(stage.parent), *extra_roots],
+        "sys_path": [str(Path(__file__).resolve().parent.parent), *filter(None, sys.path)],
+        "limits": dataclasses.asdict(limits),
+    }
+
+
+def _run_child(job: dict[str, Any], staging: Path, limits: Limits) -> tuple[int, str | None]:
+    """Run the child to its end; returns its exit code and the limit that stopped it, if any."""
+    command = [sys.executable, "-I", str(Path(__file__).with_name("sandbox_child.py"))]
+    with (staging / "log.txt").open("wb") as log:
+        child = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=_progress_stream(),
+            stderr=log,
+            cwd=staging,
+            env=_environment(staging),
+            start_new_session=True,
+        )
+        try:
+            assert child.stdin is not None
+            try:
+                child.stdin.write(json.dumps(job, default=str).encode())
+                child.stdin.close()
+            except BrokenPipeError:
+                pass  # it ended early; its exit code and log say why
+            return _watch(child, staging, limits)
+        finally:
+            _kill(child)
+
+
+def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tuple[int, str | None]:
+    deadline = time.monotonic() + limits.wall_s
+    while True:
+        try:
+            return child.wait(_POLL_S), None
+        except subprocess.TimeoutExpired:
+            pass
+        if time.monotonic() > deadline:
+            _kill(child)
+            return child.wait(), "time-limit"
+        if _tree_bytes(staging) > limits.output_bytes:
+            _kill(child)
+            return child.wait(), "output-limit"
+
+
+def _kill(child: subprocess.Popen[bytes]) -> None:
+    """End the child and whatever it started (its own session, so its own process group)."""
+    if child.poll() is None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
+        child.wait()
+
+
+def _environment(staging: Path) -> dict[str, str]:
+    """A small, fixed environment: nothing of the caller's steers USD's plugins or resolvers."""
+    return {
+        "PATH": os.defpath,
+        "LANG": "C.UTF-8",
+        "TMPDIR": str(staging),
+        "HOME": str(staging),
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_NUM_THREADS": "1",
+        "PXR_WORK_THREAD_LIMIT": "1",
+        "PYTHONHASHSEED": "0",
+    }
+
+
+def _progress_stream() -> int | None:
+    """The child's standard output carries progress lines: show them where people see them."""
+    try:
+        return sys.stderr.fileno()
+    except (OSError, ValueError, AttributeError):
+        return subprocess.DEVNULL
+
+
+def _read_outcome(
+    staging: Path, exit_code: int, stopped_by: str | None, stage: Path, limits: Limits
+) -> dict[str, Any]:
+    log = _log_tail(staging)
+    if stopped_by is None and exit_code == 0:
+        try:
+            return json.loads((staging / "result.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            pass
+    name, message = _failure(exit_code, stopped_by, log, stage, limits)
+    if name == "usd-crash" and log:
+        message += f"\nits last words:\n{log}"
+    raise convert.ConvertError(name, message, str(stage))
+
+
+def _failure(
+    exit_code: int, stopped_by: str | None, log: str, stage: Path, limits: Limits
+) -> tuple[str, str]:
+    """Name and message for a child that ended without a report."""
+    if stopped_by == "time-limit":
+        return "time-limit", f"not converted within {limits.wall_s:g} s"
+    too_large = f"the output grew past {limits.output_bytes} bytes"
+    if stopped_by == "output-limit" or exit_code == -signal.SIGXFSZ:
+        return "output-limit", too_large
+    if exit_code == -signal.SIGXCPU:
+        return "cpu-limit", f"used more than {limits.cpu_s} s of processor time"
+    if any(word in log for word in ("bad_alloc", "MemoryError", "Cannot allocate memory")):
+        return (
+            "memory-limit",
+            f"needs more than the memory limit of {limits.memory_bytes} bytes",
+        )
+    if exit_code < 0:
+        try:
+            signal_name = signal.Signals(-exit_code).name
+        except ValueError:
+            signal_name = f"signal {-exit_code}"
+        return (
+            "usd-crash",
+            f"the USD library ended with {signal_name} while it read this stage;"
+            " open it with usdchecker, or export it again",
+        )
+    return "converter-internal", f"the conversion ended with {exit_code}\n{log}"
+
+
+def _result(outcome: dict[str, Any]) -> dict[str, Any]:
+    error = outcome.get("error")
+    if error:
+        cause = RuntimeError(outcome["traceback"]) if "traceback" in outcome else None
+        raise convert.ConvertError(error["name"], error["message"], error["path"]) from cause
+    return outcome["result"]
+
+
+def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None:
+    """Move what the child wrote to its place, the main file last."""
+    if _tree_bytes(produced) > limits.output_bytes:
+        message = f"the output grew past {limits.output_bytes} bytes"
+        raise convert.ConvertError("output-limit", message, str(stage))
+    files = [path for path in sorted(produced.rglob("*")) if not path.is_dir()]
+    if produced / out.name not in files or any(path.is_symlink() for path in files):
+        raise convert.ConvertError(
+            "converter-internal", f"the conversion wrote no {out.name}", str(stage)
+        )
+    files.sort(key=lambda path: path == produced / out.name)
+    for path in files:
+        place = out.parent / path.relative_to(produced)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(path, place)
+
+
+def _tree_bytes(folder: Path) -> int:
+    total = 0
+    for root, _, names in os.walk(folder):
+        for name in names:
+            # A file may be removed while we look.
+            with contextlib.suppress(OSError):
+                total += os.lstat(os.path.join(root, name)).st_size
+    return total
+
+
+def _log_tail(staging: Path) -> str:
+    try:
+        data = (staging / "log.txt").read_bytes()[-_LOG_TAIL_CHARS:]
+    except OSError:
+        return ""
+    return data.decode("utf-8", "replace").strip()

@@ -1,0 +1,130 @@
+"""Owns the checks of a .usdz package that run before USD opens it.
+
+A usdz package is a zip archive of stored (never compressed) files whose first entry is the
+root layer (https://openusd.org/release/spec_usdz.html). What breaks those rules cannot be
+read by USD; what abuses the zip format is refused here by name.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import re
+import zipfile
+from pathlib import Path
+from typing import BinaryIO
+
+LAYER_SUFFIXES = (".usd", ".usda", ".usdc")
+
+
+@dataclasses.dataclass(frozen=True)
+class PackageLimits:
+    """What a package may hold, counted over nested packages too."""
+
+    entries: int = 4096
+    unpacked_bytes: int = 4 << 30
+    ratio: float = 20.0
+    """Unpacked size over stored size of one entry; 1 for the stored entries that usdz asks for."""
+    depth: int = 4
+    """How many packages may be nested in one another."""
+
+
+class PackageError(Exception):
+    """A package that must not be opened: `name` for machines, `message` for people."""
+
+    def __init__(self, name: str, message: str) -> None:
+        super().__init__(f"{name}: {message}")
+        self.name = name
+        self.message = message
+
+
+def check_package(path: Path, limits: PackageLimits | None = None) -> None:
+    """Raise PackageError where the package at `path` is broken or abuses the zip format."""
+    with path.open("rb") as stream:
+        _check_stream(stream, path.name, path.stat().st_size, limits or PackageLimits(), 1)
+
+
+def _check_stream(
+    stream: BinaryIO, label: str, size: int, limits: PackageLimits, depth: int
+) -> None:
+    if depth > limits.depth:
+        raise PackageError("usdz-nested", f"{label}: packages nest deeper than {limits.depth}")
+    try:
+        archive = zipfile.ZipFile(stream)
+    except (zipfile.BadZipFile, ValueError, OverflowError, NotImplementedError) as error:
+        raise PackageError(
+            "usdz-broken", f"{label} is not a readable zip archive ({error}); export it again"
+        ) from error
+    with archive:
+        entries = archive.infolist()
+        _check_counts(entries, label, size, limits)
+        for entry in entries:
+            _check_entry(entry, label, limits)
+        _check_root(entries, label)
+        for entry in entries:
+            # USD maps nested packages from the file, so it never unpacks a compressed one.
+            stored = entry.compress_type == zipfile.ZIP_STORED
+            if stored and entry.filename.lower().endswith(".usdz"):
+                inner = _read_entry(archive, entry, label)
+                where = f"{label}[{entry.filename}]"
+                _check_stream(io.BytesIO(inner), where, len(inner), limits, depth + 1)
+
+
+def _check_counts(
+    entries: list[zipfile.ZipInfo], label: str, size: int, limits: PackageLimits
+) -> None:
+    if not entries:
+        raise PackageError("usdz-empty", f"{label} holds no file; the first must be a USD layer")
+    if len(entries) > limits.entries:
+        raise PackageError(
+            "usdz-entries", f"{label} holds {len(entries)} files, more than {limits.entries}"
+        )
+    unpacked = sum(entry.file_size for entry in entries)
+    if unpacked > limits.unpacked_bytes:
+        raise PackageError(
+            "usdz-size", f"{label} unpacks to {unpacked} bytes, more than {limits.unpacked_bytes}"
+        )
+    stored = sum(entry.compress_size for entry in entries)
+    if stored > size:
+        raise PackageError(
+            "usdz-overlap", f"{label}: its entries claim {stored} bytes in a file of {size}"
+        )
+
+
+def _check_entry(entry: zipfile.ZipInfo, label: str, limits: PackageLimits) -> None:
+    name = entry.filename
+    where = f"{label}[{name!r}]"
+    parts = re.split(r"[/\\]", name)
+    if name.startswith(("/", "\\")) or ".." in parts or re.match(r"^[A-Za-z]:", name):
+        raise PackageError("usdz-path", f"{where}: the entry's path leaves the package")
+    if "\0" in name or "\0" in getattr(entry, "orig_filename", ""):
+        raise PackageError("usdz-path", f"{where}: the entry's path holds a zero byte")
+    if entry.flag_bits & 0x1:
+        raise PackageError("usdz-encrypted", f"{where} is encrypted; usdz knows no encryption")
+    if entry.file_size > limits.ratio * max(entry.compress_size, 1):
+        raise PackageError(
+            "usdz-ratio",
+            f"{where} unpacks {entry.compress_size} bytes to {entry.file_size}"
+            f" (more than {limits.ratio:g} times)",
+        )
+
+
+def _check_root(entries: list[zipfile.ZipInfo], label: str) -> None:
+    first = entries[0].filename
+    if not first.lower().endswith((*LAYER_SUFFIXES, ".usdz")):
+        raise PackageError(
+            "usdz-root", f"{label}: its first file is {first!r}, expected a .usd, .usda or .usdc"
+        )
+    if entries[0].compress_type != zipfile.ZIP_STORED:
+        raise PackageError(
+            "usdz-compressed",
+            f"{label}[{first!r}] is compressed; usdz stores its files as they are:"
+            " pack it with usdzip",
+        )
+
+
+def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, label: str) -> bytes:
+    try:
+        return archive.read(entry)
+    except (zipfile.BadZipFile, EOFError, OSError, ValueError, NotImplementedError) as error:
+        raise PackageError("usdz-broken", f"{label}[{entry.filename!r}]: {error}") from error

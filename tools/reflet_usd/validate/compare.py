@@ -1,0 +1,350 @@
+"""Owns the comparison of two scenes of facts: the stage's truth and the re-read output."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .checks import BARS, Checks
+from .compare_rig import camera_values, light_values, matrix_distance
+from .facts import Array, Corners, Scene, Surface
+from .surfaces import distances_to_surfaces, surface_box, untouched_extent
+
+_FLOAT32_STEP = float(np.finfo(np.float32).eps)
+_UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
+_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
+_ROUNDINGS = 4.0
+"""Single precision allows each stored or transformed coordinate about this many roundings."""
+
+
+class SceneComparer:
+    """Compares scenes at one or more times into one set of checks."""
+
+    def __init__(self, checks: Checks, truth: Scene, skinned: frozenset[str]) -> None:
+        self.checks = checks
+        self.skinned = skinned
+        low, high = _bounds(truth)
+        self.diagonal = float(np.linalg.norm(high - low)) or 1.0
+        # Coordinates far from the origin cannot be stored finer than single precision.
+        reach = float(max(np.abs(low).max(), np.abs(high).max()))
+        self.slack = _ROUNDINGS * _FLOAT32_STEP * reach / self.diagonal
+
+    def geometry(self, truth: Scene, output: Scene) -> None:
+        """Corners, surfaces and bounds of everything drawn."""
+        excused = self.checks.declared()
+        for key in sorted(truth.corners.keys() | truth.surfaces.keys()):
+            found = output.corners.get(key)
+            if found is not None and not np.isfinite(found.positions).all():
+                self.checks.add("positions", key, math.inf, "not finite")
+            elif key in truth.corners and key in truth.surfaces:
+                self._mixed(key, truth.corners[key], truth.surfaces[key], found)
+            elif key in truth.corners:
+                self._corners(key, truth.corners[key], found, key in self.skinned)
+            else:
+                self._surfaces(key, truth.surfaces[key], found)
+        known = truth.corners.keys() | truth.surfaces.keys() | truth.other.keys()
+        for key, found in output.corners.items():
+            if key not in known and (len(found.positions) or len(found.points)):
+                self.checks.add("unexpected", key, 1, "drawn only in the output")
+        if self.checks.declared() == excused:  # else the box is known to differ
+            self._bounds(truth, output)
+
+    def other(self, truth: Scene, output: Scene) -> None:
+        """Prims of kinds without a numeric comparison: carried or declared."""
+        for key, kind in truth.other.items():
+            there = key in output.corners or key in output.lights
+            self._is_carried(key, there, kind)
+
+    def matrices(self, truth: Scene, output: Scene, at: str) -> None:
+        """World matrices of all nodes that stand for a transformable prim."""
+        self.matrices_of(truth.matrices, output.matrices, at)
+
+    def matrices_of(
+        self, truth: dict[str, list[Array]], output: dict[str, list[Array]], at: str
+    ) -> None:
+        """The same for matrices alone."""
+        for prim, found in output.items():
+            if prim in self.skinned:
+                continue  # glTF ignores the transforms of a skinned mesh's own node
+            for expected in truth.get(prim, ())[:1]:
+                value = min(matrix_distance(expected, matrix, self.diagonal) for matrix in found)
+                self.checks.add("matrices", prim, value, at, self.slack)
+
+    def cameras(self, truth: Scene, output: Scene, at: str) -> None:
+        """Lenses and places of all cameras."""
+        for key, expected in truth.cameras.items():
+            found = output.cameras.get(key)
+            if self._is_carried(key, found is not None, "Camera"):
+                assert found is not None
+                for text, value in camera_values(expected, found, self.diagonal):
+                    self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
+
+    def lights(self, truth: Scene, output: Scene, at: str) -> None:
+        """Kinds, intensities and places of all lights that a punctual light can stand for."""
+        for key, expected in truth.lights.items():
+            found = output.lights.get(key)
+            if self._is_carried(key, found is not None, "light"):
+                assert found is not None
+                for text, value in light_values(expected, found, self.diagonal):
+                    self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+
+    def _is_carried(self, key: str, there: bool, what: str) -> bool:
+        self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")
+        return there
+
+    def _corners(self, key: str, expected: Corners, found: Corners | None, skinned: bool) -> None:
+        if len(expected.points):
+            there = found is not None and bool(len(found.points))
+            if self._is_carried(key, there, "points"):
+                assert found is not None
+                value = set_distance(expected.points, found.points) / self.diagonal
+                self.checks.add("positions", key, value, "points", self.slack)
+        if not len(expected.positions):
+            return
+        there = found is not None and bool(len(found.positions))
+        if not self._is_carried(key, there, "geometry"):
+            return
+        assert found is not None
+        allowed = np.vstack([expected.positions, expected.optional_positions])
+        value = max(one_way(expected.positions, found.positions), one_way(found.positions, allowed))
+        name = "skinning" if skinned else "positions"
+        self.checks.add(name, key, value / self.diagonal, "corners", self.slack)
+        missing = expected.triangles - found.triangles
+        surplus = found.triangles - expected.triangles - expected.optional_triangles
+        text = f"{found.triangles} triangles, expected {expected.triangles}"
+        self.checks.add("triangles", key, max(missing, surplus, 0), text)
+        if not skinned:
+            self._areas(key, expected, found)
+        self._attributes(key, expected, found, skinned)
+
+    def _surfaces(self, key: str, surfaces: list[Surface], found: Corners | None) -> None:
+        if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
+            assert found is not None
+            away = distances_to_surfaces(surfaces, found.positions)
+            value = max(float(away.max(initial=0.0)), untouched_extent(surfaces, found.positions))
+            self.checks.add("surfaces", key, value / self.diagonal, "from the surface", self.slack)
+            self._surface_looks(key, surfaces, found)
+
+    def _surface_looks(self, key: str, surfaces: list[Surface], found: Corners) -> None:
+        """Display colors and materials of curved gprims, as sets over the instances."""
+        bound = {_name(surface.material) for surface in surfaces if surface.material}
+        for name in sorted(bound ^ {_name(path) for path in found.material_paths}):
+            wrong = "is not used" if name in bound else "is used only in the output"
+            self.checks.add("bindings", key, math.inf, f"{name} {wrong}")
+        colors = [surface.color for surface in surfaces if surface.color is not None]
+        if any(surface.undefined_colors for surface in surfaces):
+            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+        elif len(colors) == len(surfaces) and not bound and found.colors is not None:
+            value = set_distance(np.array(colors), np.unique(found.colors, axis=0))
+            self.checks.add("colors", key, value, "display color or opacity")
+
+    def _mixed(
+        self, key: str, expected: Corners, surfaces: list[Surface], found: Corners | None
+    ) -> None:
+        """An instancer of polygons and curved gprims: each corner is on either."""
+        if self._is_carried(key, found is not None and bool(len(found.positions)), "geometry"):
+            assert found is not None
+            allowed = np.vstack([expected.positions, expected.optional_positions])
+            reach = self.diagonal * (BARS["positions"].limit + self.slack)
+            on_polygons = cKDTree(allowed).query(found.positions)[0] <= reach
+            value = one_way(expected.positions, found.positions) / self.diagonal
+            self.checks.add("positions", key, value, "corners", self.slack)
+            rest = found.positions[~on_polygons]
+            away = float(distances_to_surfaces(surfaces, rest).max(initial=0.0))
+            value = max(away, untouched_extent(surfaces, rest)) / self.diagonal
+            self.checks.add("surfaces", key, value, "from the surface", self.slack)
+
+    def _areas(self, key: str, expected: Corners, found: Corners) -> None:
+        low, high = expected.area_range
+        size = _size(expected.positions)
+        area = max(high, 1e-6 * size**2)
+        # A rounding of one coordinate moves an area by that times the extent.
+        slack = self.slack * self.diagonal * size * math.sqrt(expected.triangles + 1) / area
+        outside = max(low - found.area_range[0], found.area_range[0] - high, 0.0)
+        text = f"{found.area_range[0]:.6g} m2, expected {low:.6g}"
+        self.checks.add("area", key, outside / area, text, slack)
+        turned = float(np.linalg.norm(expected.vector_area - found.vector_area)) / area
+        self.checks.add("winding", key, turned, "area vector", slack)
+        first, last = expected.volume_range
+        # Seen from the same center; for open meshes the volume depends on it.
+        shift = (found.center - expected.center) @ found.vector_area / 3
+        volume = found.volume_range[0] + float(shift)
+        beyond = max(first - volume, volume - last, 0.0) / (area * max(size, 1e-30))
+        self.checks.add("winding", key, beyond, "signed volume", slack)
+
+    def _attributes(self, key: str, expected: Corners, found: Corners, skinned: bool) -> None:
+        tolerance = self.diagonal * (BARS["positions"].limit + self.slack)
+        both = expected.optional_triangles == 0
+        if expected.normals is not None and not skinned:
+            if found.normals is None:
+                self.checks.add("normals", key, 180.0, "no normals in the output")
+            else:
+                step = 2 * math.sin(math.radians(BARS["normals"].limit) / 2)
+                chord = attribute_distance(
+                    (expected.positions, expected.normals),
+                    (found.positions, found.normals),
+                    tolerance,
+                    step,
+                    both,
+                )
+                angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
+                self.checks.add("normals", key, angle, "angle")
+        self._uvs(key, expected, found, tolerance, both)
+        unbound = expected.materials is not None and bool((expected.materials < 0).all())
+        if expected.undefined_colors and unbound:
+            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+        elif expected.colors is not None and found.colors is not None and unbound:
+            value = attribute_distance(
+                (expected.positions, expected.colors),
+                (found.positions, found.colors),
+                tolerance,
+                BARS["colors"].limit,
+                both,
+            )
+            self.checks.add("colors", key, value, "display color or opacity")
+        if expected.double_sided is not None:
+            wrong = found.double_sided is not None and found.double_sided != expected.double_sided
+            text = f"doubleSided should be {expected.double_sided}"
+            self.checks.add("sides", key, int(wrong), text)
+        self._bindings(key, expected, found)
+
+    def _uvs(
+        self, key: str, expected: Corners, found: Corners, tolerance: float, both: bool
+    ) -> None:
+        if expected.uvs and not found.uvs:
+            names = ", ".join(expected.uvs)
+            self.checks.add("uvs", key, math.inf, f"none of {names} is in the output")
+        for name, values in found.uvs.items():
+            if not expected.uvs:
+                continue
+            reach = max(1.0, float(np.abs(values).max(initial=0.0)))
+            step = BARS["uvs"].limit * reach
+            best = min(
+                attribute_distance(
+                    (expected.positions, candidate),
+                    (found.positions, values),
+                    tolerance,
+                    step,
+                    both,
+                )
+                for candidate in expected.uvs.values()
+            )
+            self.checks.add("uvs", key, best / reach, name)
+
+    def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
+        """The corners of each material, as sets, by the material's name."""
+        if expected.materials is None or found.materials is None:
+            return
+        names = [{_name(path) for path in side.material_paths} for side in (expected, found)]
+        bare = (expected.materials < 0).any() or (found.materials < 0).any()
+        if names[0] == names[1] and len(names[0]) <= 1 and not bare:
+            self.checks.add("bindings", key, 0.0)  # one material on everything, on both sides
+            return
+        there = {path.rsplit("/", 1)[-1]: i for i, path in enumerate(found.material_paths)}
+        for index, path in enumerate(expected.material_paths):
+            wanted = expected.positions[expected.materials == index]
+            if not len(wanted):
+                continue
+            same = [i for i, p in enumerate(expected.material_paths) if _name(p) == _name(path)]
+            wanted = expected.positions[np.isin(expected.materials, same)]
+            number = there.get(_name(path))
+            if number is None:
+                declared = self.checks.excuse(path, BARS["bindings"].excuses)
+                subject = path if declared else key
+                self.checks.add("bindings", subject, math.inf, f"{path} is not used")
+                continue
+            drawn = found.positions[found.materials == number]
+            allowed = np.vstack([wanted, expected.optional_positions])
+            value = max(one_way(wanted, drawn), one_way(drawn, allowed))
+            self.checks.add("bindings", key, value / self.diagonal, path, self.slack)
+
+    def _bounds(self, truth: Scene, output: Scene) -> None:
+        """The box of all that both sides hold; what is missing was noted already."""
+        shared = truth.corners.keys() | truth.surfaces.keys()
+        clouds = [_everything(output.corners[key]) for key in shared if key in output.corners]
+        clouds = [cloud for cloud in clouds if len(cloud)]
+        keys = {key for key in shared if key in output.corners}
+        if not clouds or keys != shared or truth.other:
+            return
+        low, high = _bounds(truth)
+        points = np.vstack(clouds)
+        off = max(np.abs(points.min(0) - low).max(), np.abs(points.max(0) - high).max())
+        turned = [s for many in truth.surfaces.values() for s in many if not _is_aligned(s.matrix)]
+        # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
+        if not turned:
+            self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
+
+
+def one_way(points: Array, others: Array) -> float:
+    """Largest distance from any of `points` to its nearest of `others`, meters."""
+    if not len(points):
+        return 0.0
+    if not len(others):
+        return math.inf
+    return float(cKDTree(_distinct(others)).query(_distinct(points))[0].max())
+
+
+def _distinct(points: Array) -> Array:
+    """The points without exact repetitions: corners repeat each vertex about six times."""
+    # Equal points have equal projections; different ones share theirs only where 53 bits agree by
+    # accident, for the direction fits no lattice.
+    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
+    return points[first]
+
+
+def set_distance(first: Array, second: Array) -> float:
+    """Hausdorff distance of two point sets, meters."""
+    return max(one_way(first, second), one_way(second, first))
+
+
+def attribute_distance(
+    expected: tuple[Array, Array],
+    found: tuple[Array, Array],
+    tolerance: float,
+    step: float,
+    both: bool,
+) -> float:
+    """Largest distance of the attribute at corners of one place, searched as one joint space.
+
+    Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
+    with the nearest attribute among the corners that share its place.
+    """
+    first = np.hstack([expected[0] / tolerance, expected[1] / step])
+    second = np.hstack([found[0] / tolerance, found[1] / step])
+    worst = 0.0
+    pairs = [(first, second)] + ([(second, first)] if both else [])
+    for points, others in pairs:
+        near = cKDTree(others).query(points, p=np.inf)[1]
+        difference = (points[:, 3:] - others[near][:, 3:]) * step
+        worst = max(worst, float(np.linalg.norm(difference, axis=1).max(initial=0.0)))
+    return worst
+
+
+def _bounds(scene: Scene) -> tuple[Array, Array]:
+    clouds = [_everything(part) for part in scene.corners.values()]
+    clouds += [surface_box(surface) for many in scene.surfaces.values() for surface in many]
+    clouds = [cloud for cloud in clouds if len(cloud)]
+    if not clouds:
+        return np.zeros(3), np.zeros(3)
+    points = np.vstack(clouds)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _everything(part: Corners) -> Array:
+    return np.vstack([part.positions, part.points])
+
+
+def _size(points: Array) -> float:
+    return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+
+
+def _is_aligned(matrix: Array) -> bool:
+    """Whether each axis of the prim stays along some axis of the world."""
+    linear = np.abs(matrix[:3, :3])
+    return bool((np.sort(linear, axis=1)[:, :2] <= 1e-9 * linear.max()).all())
+
+
+def _name(path: str) -> str:
+    return path.rsplit("/", 1)[-1]

@@ -1,0 +1,73 @@
+"""Owns the comparison of cameras, lights and world matrices, one value at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from .facts import Array, Camera, Light
+
+
+def matrix_distance(expected: Array, found: Array, diagonal: float) -> float:
+    """Largest difference: of the axes against their length, of the place against the scene."""
+    scale = max(float(np.abs(expected[:3, :3]).max()), 1e-30)
+    linear = float(np.abs(expected[:3, :3] - found[:3, :3]).max()) / scale
+    move = float(np.abs(expected[3, :3] - found[3, :3]).max())
+    reach = max(diagonal, float(np.abs(expected[3, :3]).max()))
+    return max(linear, move / reach)
+
+
+def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[tuple[str, float]]:
+    """What is compared of a camera, with its relative difference."""
+    if (expected.yfov is None) != (found.yfov is None):
+        yield "projection", math.inf
+        return
+    if expected.yfov is not None and found.yfov is not None:
+        yield "yfov", _relative(expected.yfov, found.yfov)
+    if expected.ymag is not None and found.ymag is not None:
+        yield "ymag", _relative(expected.ymag, found.ymag)
+    if found.aspect:
+        yield "aspect", _relative(expected.aspect, found.aspect)
+    yield "near", _relative(expected.near_m, found.near_m)
+    if math.isfinite(found.far_m):
+        yield "far", _relative(expected.far_m, found.far_m)
+    yield "place", _place_distance(expected.matrix, found.matrix, diagonal)
+    yield "view", _axis_distance(expected.matrix, found.matrix, (1, 2))
+
+
+def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tuple[str, float]]:
+    """What is compared of a light, with its relative difference."""
+    if expected.kind != found.kind and expected.exact:
+        yield f"is {found.kind}, expected {expected.kind}", math.inf
+        return
+    if expected.exact:
+        level = max(float(np.abs(expected.intensity).max()), 1e-30)
+        yield "intensity", float(np.abs(expected.intensity - found.intensity).max()) / level
+    if found.kind != "directional":
+        yield "place", _place_distance(expected.matrix, found.matrix, diagonal)
+    if found.kind != "point" and expected.exact:
+        yield "direction", _axis_distance(expected.matrix, found.matrix, (2,))
+    if expected.outer_cone is not None and found.outer_cone is not None:
+        yield "cone", _relative(expected.outer_cone, found.outer_cone)
+
+
+def _place_distance(expected: Array, found: Array, diagonal: float) -> float:
+    reach = max(diagonal, float(np.abs(expected[3, :3]).max()))
+    return float(np.linalg.norm(expected[3, :3] - found[3, :3])) / reach
+
+
+def _relative(expected: float, found: float) -> float:
+    return abs(expected - found) / max(abs(expected), 1e-12)
+
+
+def _axis_distance(expected: Array, found: Array, axes: tuple[int, ...]) -> float:
+    """Largest chord between the unit vectors of the named local axes."""
+    worst = 0.0
+    for axis in axes:
+        first, second = expected[axis, :3], found[axis, :3]
+        lengths = np.linalg.norm(first), np.linalg.norm(second)
+        if min(lengths) > 0:
+            worst = max(worst, float(np.linalg.norm(first / lengths[0] - second / lengths[1])))
+    return worst

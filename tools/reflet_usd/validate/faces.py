@@ -1,0 +1,79 @@
+"""Owns the measures of polygon soups that do not depend on how a face is triangulated."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from .facts import Array, Indices
+
+_FLAT = 1e-5
+"""A face is flat when no corner leaves its plane by more than this part of its size."""
+_CROSSING = 1e-4
+"""A quad whose better diagonal has this much more area than its area vector crosses itself."""
+_BENT_SLACK = 1.5
+"""A bent face of more than four corners can be larger than its fan by about this factor."""
+
+
+@dataclasses.dataclass
+class FaceMeasures:
+    """Measures over all faces of one soup, summed."""
+
+    area_range: tuple[float, float]
+    vector_area: Array
+    volume_range: tuple[float, float]
+    normals: Array
+    """(faces, 3) unit normals; zero where a face has no area."""
+    flat: np.ndarray
+    """(faces,) whether the face is flat."""
+
+
+def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
+    """Measure faces of `counts` corners each, whose corners lie one after another."""
+    if not len(counts):
+        zero = np.zeros(3)
+        return FaceMeasures((0.0, 0.0), zero, (0.0, 0.0), np.zeros((0, 3)), np.zeros(0, bool))
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    face = np.repeat(np.arange(len(counts)), counts)
+    local = np.arange(len(positions)) - starts[face]
+    first = positions[starts][face]
+    following = positions[starts[face] + (local + 1) % counts[face]]
+    fan = 0.5 * np.cross(positions - first, following - first)
+    vector = np.add.reduceat(fan, starts, axis=0)
+    length = np.linalg.norm(vector, axis=1)
+    normals = np.divide(
+        vector, length[:, None], out=np.zeros_like(vector), where=length[:, None] > 0
+    )
+    size = np.sqrt(np.maximum.reduceat(((positions - first) ** 2).sum(axis=1), starts))
+    height = np.maximum.reduceat(np.abs(((positions - first) * normals[face]).sum(axis=1)), starts)
+    flat = height <= _FLAT * size
+    fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
+    lower = length.copy()
+    upper = np.where(flat, length, np.maximum(fan_area, length) * _BENT_SLACK)
+    quads = np.flatnonzero(counts == 4)
+    both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
+    # A flat quad has the area of its better diagonal, unless its sides cross: then both fold.
+    best = both.min(axis=1)
+    simple = flat[quads] & (best <= length[quads] * (1 + _CROSSING))
+    lower[quads] = best
+    upper[quads] = np.where(simple, best, both.max(axis=1))
+    volumes = np.einsum("ij,ij->i", positions[starts] - center, vector) / 3.0
+    slack = np.where(flat, 0.0, height * upper)
+    return FaceMeasures(
+        (float(lower.sum()), float(upper.sum())),
+        vector.sum(axis=0),
+        (float((volumes - slack).sum()), float((volumes + slack).sum())),
+        normals,
+        flat,
+    )
+
+
+def _quad_areas(corners: Array) -> Array:
+    """(n, 2) areas of quads (n, 4, 3) cut along either diagonal."""
+    a, b, c, d = (corners[:, index] for index in range(4))
+
+    def area(p: Array, q: Array, r: Array) -> Array:
+        return 0.5 * np.linalg.norm(np.cross(q - p, r - p), axis=1)
+
+    return np.column_stack([area(a, b, c) + area(a, c, d), area(b, c, d) + area(b, d, a)])

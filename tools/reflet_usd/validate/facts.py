@@ -1,0 +1,134 @@
+"""Owns the plain data that both sides of a comparison are reduced to.
+
+All positions are meters in glTF's world (right-handed, Y up); matrices act on row vectors,
+`p_world = p_local @ matrix`, as in USD; angles are radians unless a name says otherwise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class StageError(Exception):
+    """A stage that usd-core itself does not open."""
+
+
+@dataclasses.dataclass
+class Corners:
+    """The face corners of everything that one prim draws, in world space."""
+
+    positions: Array
+    """(n, 3) meters."""
+    optional_positions: Array
+    """(m, 3) corners that a converter may drop: those of degenerate faces."""
+    triangles: int = 0
+    optional_triangles: int = 0
+    area_range: tuple[float, float] = (0.0, 0.0)
+    """Square meters; a range where bent faces can be triangulated in more than one way."""
+    vector_area: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
+    """Sum of the faces' area vectors: does not depend on the triangulation, turns with winding."""
+    volume_range: tuple[float, float] = (0.0, 0.0)
+    """Signed volume of the cones from `center` to the faces, cubic meters; turns with winding."""
+    center: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
+    """(3,) a point among the corners."""
+    normals: Array | None = None
+    """(n, 3) unit vectors, or None where the stage does not define them exactly."""
+    uvs: dict[str, Array] = dataclasses.field(default_factory=dict)
+    """Each (n, 2), by primvar name (stage) or attribute name (output), v upward."""
+    colors: Array | None = None
+    """(n, 4) linear RGBA."""
+    undefined_colors: bool = False
+    """Whether display colors lie on parts of a gprim whose order USD does not define."""
+    materials: Indices | None = None
+    """(n,) index into `material_paths` of each corner's material; -1 for none."""
+    material_paths: list[str] = dataclasses.field(default_factory=list)
+    points: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
+    """(k, 3) positions of point clouds and lines."""
+    double_sided: bool | None = None
+
+
+@dataclasses.dataclass
+class Surface:
+    """A curved gprim whose points a converter may choose, as long as they lie on it."""
+
+    kind: str
+    """sphere, cylinder, cone or capsule."""
+    radius: tuple[float, float]
+    """Bottom and top, in the prim's own units."""
+    height: float
+    axis: int
+    """0, 1, 2 for X, Y, Z."""
+    matrix: Array
+    """(4, 4) from the prim's space to the world in meters."""
+    color: Array | None = None
+    """(4,) display color and opacity; None where none or several are authored."""
+    undefined_colors: bool = False
+    """Whether several display colors are authored."""
+    material: str = ""
+    """Path of the bound material; empty for none."""
+
+
+@dataclasses.dataclass
+class Camera:
+    """A camera at one time."""
+
+    matrix: Array
+    yfov: float | None
+    """Vertical field of view; None for an orthographic camera."""
+    aspect: float
+    ymag: float | None
+    """Half height of an orthographic view, meters."""
+    near_m: float
+    far_m: float
+
+
+@dataclasses.dataclass
+class Light:
+    """A light at one time, in the units of KHR_lights_punctual."""
+
+    kind: str
+    """directional, point or spot."""
+    intensity: Array
+    """(3,) color times intensity: lux for directional lights, candela for others."""
+    matrix: Array
+    outer_cone: float | None = None
+    exact: bool = True
+    """False where a punctual light can only stand in for the authored one."""
+
+
+@dataclasses.dataclass
+class Scene:
+    """Everything compared at one time."""
+
+    corners: dict[str, Corners] = dataclasses.field(default_factory=dict)
+    surfaces: dict[str, list[Surface]] = dataclasses.field(default_factory=dict)
+    cameras: dict[str, Camera] = dataclasses.field(default_factory=dict)
+    lights: dict[str, Light] = dataclasses.field(default_factory=dict)
+    matrices: dict[str, list[Array]] = dataclasses.field(default_factory=dict)
+    """World matrices of the nodes that stand for a prim, by prim path."""
+    other: dict[str, str] = dataclasses.field(default_factory=dict)
+    """Prims that draw something else, by path: their type name."""
+
+
+def transform_points(points: Array, matrix: Array) -> Array:
+    """Row-vector transform of (n, 3) points by a (4, 4) matrix."""
+    return points @ matrix[:3, :3] + matrix[3, :3]
+
+
+def bounds_of(scenes: Mapping[str, Corners]) -> tuple[Array, Array] | None:
+    """Lowest and highest corner over all prims; None where there is none."""
+    clouds = [part.positions for part in scenes.values()]
+    clouds += [part.points for part in scenes.values()]
+    clouds = [cloud for cloud in clouds if len(cloud)]
+    if not clouds:
+        return None
+    low = np.min([cloud.min(axis=0) for cloud in clouds], axis=0)
+    high = np.max([cloud.max(axis=0) for cloud in clouds], axis=0)
+    return low, high

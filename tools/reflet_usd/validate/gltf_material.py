@@ -1,0 +1,149 @@
+"""Owns evaluating a glTF material's channels at texture coordinates, from the re-read file."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from .facts import Array
+from .gltf_file import GltfFile
+from .images import Texels, decode, sample
+
+_WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
+
+
+class OutputMaterial:
+    """One material of a file; channels are named as in UsdPreviewSurface."""
+
+    def __init__(self, file: GltfFile, index: int) -> None:
+        self.file = file
+        self.material = file.materials[index]
+        self.extensions: dict[str, Any] = self.material.extensions or {}
+        self.pbr = self.material.pbrMetallicRoughness
+
+    def channel(self, name: str, st: Array) -> Array:
+        """Values (n, 1 or 3) of channel `name` at primvar coordinates `st` (t upward)."""
+        return getattr(self, "_" + name)(st)
+
+    def has_texture(self, name: str) -> bool:
+        """Whether the file has a texture in the slot of `name` (normal or occlusion)."""
+        return getattr(self.material, f"{name}Texture") is not None
+
+    def texcoord(self, name: str) -> int | None:
+        """The UV set that the texture of channel `name` reads; None without such a texture."""
+        pbr, material = self.pbr, self.material
+        slots = {
+            "diffuseColor": pbr and pbr.baseColorTexture,
+            "opacity": pbr and pbr.baseColorTexture,
+            "metallic": pbr and pbr.metallicRoughnessTexture,
+            "roughness": pbr and pbr.metallicRoughnessTexture,
+            "emissiveColor": material.emissiveTexture,
+            "occlusion": material.occlusionTexture,
+            "normal": material.normalTexture,
+        }
+        info = slots.get(name)
+        if info is None:
+            return None
+        moved = (info.extensions or {}).get("KHR_texture_transform", {})
+        return int(moved.get("texCoord", info.texCoord or 0))
+
+    def _diffuseColor(self, st: Array) -> Array:  # noqa: N802 - named as the USD input
+        return self._base(st)[:, :3]
+
+    def _opacity(self, st: Array) -> Array:
+        return self._base(st)[:, 3:]
+
+    def _base(self, st: Array) -> Array:
+        factor = self.pbr.baseColorFactor if self.pbr else None
+        texture = self.pbr.baseColorTexture if self.pbr else None
+        result = np.tile(np.array(factor or (1.0, 1.0, 1.0, 1.0)), (len(st), 1))
+        return result * self._texture(texture, st, linearize=True)
+
+    def _metallic(self, st: Array) -> Array:
+        return self._metal_rough(st, "metallicFactor", 2)
+
+    def _roughness(self, st: Array) -> Array:
+        return self._metal_rough(st, "roughnessFactor", 1)
+
+    def _metal_rough(self, st: Array, factor_name: str, channel: int) -> Array:
+        factor = getattr(self.pbr, factor_name) if self.pbr else None
+        texture = self.pbr.metallicRoughnessTexture if self.pbr else None
+        values = self._texture(texture, st, linearize=False)[:, channel : channel + 1]
+        return values * (1.0 if factor is None else factor)
+
+    def _emissiveColor(self, st: Array) -> Array:  # noqa: N802
+        strength = self.extensions.get("KHR_materials_emissive_strength", {})
+        factor = np.array(self.material.emissiveFactor or (0.0, 0.0, 0.0))
+        factor = factor * strength.get("emissiveStrength", 1.0)
+        return factor * self._texture(self.material.emissiveTexture, st, linearize=True)[:, :3]
+
+    def _occlusion(self, st: Array) -> Array:
+        info = self.material.occlusionTexture
+        strength = 1.0 if info is None or info.strength is None else info.strength
+        values = self._texture(info, st, linearize=False)[:, :1]
+        return 1.0 + strength * (values - 1.0)
+
+    def _normal(self, st: Array) -> Array:
+        info = self.material.normalTexture
+        if info is None:
+            return np.tile([0.0, 0.0, 1.0], (len(st), 1))
+        scale = 1.0 if info.scale is None else info.scale
+        values = self._texture(info, st, linearize=False)[:, :3] * 2.0 - 1.0
+        return values * np.array([scale, scale, 1.0])
+
+    def _clearcoat(self, st: Array) -> Array:
+        coat = self.extensions.get("KHR_materials_clearcoat", {})
+        values = self._texture(coat.get("clearcoatTexture"), st, linearize=False)[:, :1]
+        return values * coat.get("clearcoatFactor", 0.0)
+
+    def _clearcoatRoughness(self, st: Array) -> Array:  # noqa: N802
+        coat = self.extensions.get("KHR_materials_clearcoat", {})
+        texture = coat.get("clearcoatRoughnessTexture")
+        values = self._texture(texture, st, linearize=False)[:, 1:2]
+        return values * coat.get("clearcoatRoughnessFactor", 0.0)
+
+    def _ior(self, st: Array) -> Array:
+        ior = self.extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
+        return np.full((len(st), 1), ior)
+
+    def _texture(self, info: Any, st: Array, linearize: bool) -> Array:
+        """(n, 4) texels; ones where there is no texture."""
+        if info is None:
+            return np.ones((len(st), 4))
+        index = info["index"] if isinstance(info, dict) else info.index
+        extensions = (info.get("extensions") if isinstance(info, dict) else info.extensions) or {}
+        uv = np.column_stack([st[:, 0], 1.0 - st[:, 1]])
+        moved = extensions.get("KHR_texture_transform")
+        if moved:
+            uv = _moved(uv, moved)
+        texture = self.file.gltf.textures[index]
+        wrap = ("repeat", "repeat")
+        if texture.sampler is not None:
+            sampler = self.file.gltf.samplers[texture.sampler]
+            codes = (sampler.wrapS or 10497, sampler.wrapT or 10497)
+            wrap = (_WRAP_NAMES[codes[0]], _WRAP_NAMES[codes[1]])
+        texels = _texels(self.file, texture.source)
+        if texels is None:
+            return np.full((len(st), 4), np.nan)
+        return sample(texels, uv, wrap, linearize)
+
+
+def _moved(uv: Array, transform: dict[str, Any]) -> Array:
+    """KHR_texture_transform; the turn follows its text, not its sample matrix (glTF#1563)."""
+    scaled = uv * np.array(transform.get("scale", (1.0, 1.0)))
+    angle = transform.get("rotation", 0.0)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = np.column_stack(
+        [
+            cosine * scaled[:, 0] + sine * scaled[:, 1],
+            -sine * scaled[:, 0] + cosine * scaled[:, 1],
+        ]
+    )
+    return turned + np.array(transform.get("offset", (0.0, 0.0)))
+
+
+@functools.lru_cache(maxsize=64)
+def _texels(file: GltfFile, image: int) -> Texels | None:
+    return decode(file.image_bytes(image))

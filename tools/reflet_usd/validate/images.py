@@ -1,0 +1,81 @@
+"""Owns sampling of texture images: decoding with Pillow, wrap modes, sRGB."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+from collections.abc import Callable
+
+import numpy as np
+from PIL import Image
+
+from .facts import Array
+
+
+@dataclasses.dataclass
+class Texels:
+    """A decoded image."""
+
+    values: Array
+    """(height, width, 4) in 0..1 as stored; gray images repeat their value in r, g, b."""
+    channels: int
+    eight_bit: bool
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height."""
+        return self.values.shape[1], self.values.shape[0]
+
+
+def decode(data: bytes) -> Texels | None:
+    """The image in `data`; None where Pillow does not know the format."""
+    try:
+        with Image.open(io.BytesIO(data)) as image:
+            image.load()
+            return _texels(image)
+    except Exception:  # Pillow raises many kinds for broken files
+        return None
+
+
+def _texels(image: Image.Image) -> Texels:
+    deep = image.mode.startswith("I") or image.mode == "F"
+    if deep:
+        values = np.asarray(image, dtype=np.float64)
+        values = values / 65535.0 if image.mode != "F" else values
+    else:
+        if image.mode in ("P", "PA", "1", "CMYK", "YCbCr", "HSV", "LAB"):
+            alpha = image.mode == "PA" or "transparency" in image.info
+            image = image.convert("RGBA" if alpha else "RGB")
+        values = np.asarray(image, dtype=np.float64) / 255.0
+    if values.ndim == 2:
+        values = values[:, :, None]
+    channels = values.shape[2]
+    full = np.ones((*values.shape[:2], 4))
+    full[:, :, :3] = values[:, :, :1] if channels < 3 else values[:, :, :3]
+    if channels in (2, 4):
+        full[:, :, 3] = values[:, :, -1]
+    return Texels(full, channels, not deep)
+
+
+def srgb_to_linear(values: Array) -> Array:
+    """Decode the sRGB transfer function (IEC 61966-2-1)."""
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+_WRAPS: dict[str, Callable[[Array], Array]] = {
+    "repeat": lambda x: x - np.floor(x),
+    "mirror": lambda x: 1.0 - np.abs((x % 2.0) - 1.0),
+    "clamp": lambda x: np.clip(x, 0.0, 1.0),
+}
+
+
+def sample(texels: Texels, uv: Array, wrap: tuple[str, str], linearize: bool) -> Array:
+    """(n, 4) nearest texels at (n, 2) coordinates whose v points down from the top row."""
+    width, height = texels.size
+    u, v = _WRAPS[wrap[0]](uv[:, 0]), _WRAPS[wrap[1]](uv[:, 1])
+    column = np.clip((u * width).astype(np.int64), 0, width - 1)
+    row = np.clip((v * height).astype(np.int64), 0, height - 1)
+    values = texels.values[row, column].copy()
+    if linearize:
+        values[:, :3] = srgb_to_linear(values[:, :3])
+    return values

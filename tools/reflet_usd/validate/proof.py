@@ -1,0 +1,209 @@
+"""Owns one validation run: the Khronos validator, then the stage and the file at all times."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .checks import Check, Checks
+from .compare import SceneComparer
+from .facts import Array, Scene, bounds_of
+from .gltf_file import GltfFile, OutputError
+from .gltf_scene import OutputReader
+from .khronos import KhronosReport, check_files
+
+_GEOMETRY_TIMES = 5
+_MATRIX_TIMES = 33
+
+
+@dataclasses.dataclass
+class Proof:
+    """Everything one run found out about one file."""
+
+    out: Path
+    stage: Path | None
+    khronos: KhronosReport | None
+    checks: list[Check]
+    warnings: list[dict[str, str]]
+    """The sidecar's warnings."""
+    unreadable: str = ""
+    """Why a third-party reader could not read the file; empty when it could."""
+    facts: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """Counts and the world box of the output, as the third-party reader sees them."""
+    times: int = 0
+    """At how many times, besides rest, the animation was compared."""
+
+    @property
+    def passed(self) -> bool:
+        """Valid, readable, and nothing deviates silently."""
+        valid = self.khronos is None or self.khronos.errors == 0
+        return valid and not self.unreadable and all(check.passed for check in self.checks)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data for `--json` and for the corpus report."""
+        return {
+            "file": self.out.name,
+            "passed": self.passed,
+            "khronos": dataclasses.asdict(self.khronos) if self.khronos else None,
+            "unreadable": self.unreadable,
+            "facts": self.facts,
+            "times": self.times,
+            "checks": [check.to_json() for check in self.checks],
+            "warnings": self.warnings,
+        }
+
+
+def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
+    """Validate `out`, and compare it with `stage` where one is given.
+
+    `khronos=False` leaves the Khronos validator out. Raises ValidatorMissingError where it cannot
+    run and StageError where usd-core does not open the stage.
+    """
+    report = check_files([out])[0] if khronos else None
+    sidecar = read_sidecar(out)
+    warnings = list(sidecar.get("warnings", []))
+    proof = Proof(out, stage, report, [], warnings)
+    try:
+        file = GltfFile(out)
+        checks = Checks(warnings)
+        if stage is not None:
+            _compare(file, stage, sidecar, checks, proof)
+        else:
+            _look_at(OutputReader(file, ()), None, checks, proof)
+        proof.checks = checks.results()
+    except OutputError as error:
+        proof.unreadable = str(error)
+    return proof
+
+
+def read_sidecar(out: Path) -> dict[str, Any]:
+    """The converter's JSON beside the output; empty for files by others."""
+    try:
+        content = json.loads(Path(f"{out}.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: Proof) -> None:
+    """Note what the file holds at rest, and whether a second reader sees the same."""
+    scene = scene or reader.scene(None)
+    box = bounds_of(scene.corners)
+    file = reader.file
+    proof.facts = {
+        "box": None if box is None else [*map(float, box[0]), *map(float, box[1])],
+        "triangles": sum(part.triangles for part in scene.corners.values()),
+        "materials": len(file.materials),
+        "images": len(file.gltf.images or []),
+        "cameras": sum(file.nodes[node].camera is not None for node in reader.poser.order),
+        "lights": sum(
+            "KHR_lights_punctual" in (file.nodes[node].extensions or {})
+            for node in reader.poser.order
+        ),
+        "animated_nodes": len(reader.poser.animated_nodes()),
+    }
+    if box is not None:
+        _second_reader(file, box, checks)
+
+
+def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
+    """The sidecar's warnings of one name."""
+    return [warning for warning in sidecar.get("warnings", []) if warning["name"] == name]
+
+
+def _compare(
+    file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks, proof: Proof
+) -> None:
+    """Compare at rest and over the animation."""
+    # Imported here so that files can be validated alone without usd-core.
+    from pxr import Usd
+
+    from .material_compare import compare_materials
+    from .usd_skel import bake, skin_times
+    from .usd_stage import open_truth, sample_codes
+    from .usd_truth import TruthReader
+    from .uv_compare import compare_uv_uses
+
+    settings = sidecar.get("info", {})
+    truth = open_truth(stage, settings)
+    skin_codes = skin_times(truth.stage)
+    skinned = bake(truth.stage)
+    cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
+    reader = TruthReader(truth, frozenset(cages))
+    frames = settings.get("frames")
+    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
+    rest = reader.scene(rest_time)
+    output = OutputReader(file, reader.instancers)
+    stored = output.scene(None)
+    comparer = SceneComparer(checks, rest, skinned)
+    comparer.geometry(rest, stored)
+    comparer.other(rest, stored)
+    comparer.matrices(rest, stored, "at rest")
+    comparer.cameras(rest, stored, "at rest")
+    comparer.lights(rest, stored, "at rest")
+    uses = compare_materials(checks, truth.stage, file, rest)
+    compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
+    _look_at(output, stored, checks, proof)
+    codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
+    codes = _within(sorted({*codes, *skin_codes}), frames)
+    if len(codes) < 2:
+        return
+    for code in _spread(codes, _GEOMETRY_TIMES):
+        at = f"at time code {code:g}"
+        seconds = (code - truth.time_origin) / truth.codes_per_second
+        moved, shown = reader.scene(Usd.TimeCode(code)), output.scene(seconds)
+        comparer.geometry(moved, shown)
+        comparer.cameras(moved, shown, at)
+        comparer.lights(moved, shown, at)
+    between = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
+    chosen = _spread(sorted({*codes, *between}), _MATRIX_TIMES)
+    for code in chosen:
+        seconds = (code - truth.time_origin) / truth.codes_per_second
+        output_matrices = output.matrices(output.poser.pose(seconds))
+        comparer.matrices_of(
+            reader.matrices(Usd.TimeCode(code)), output_matrices, f"at time code {code:g}"
+        )
+    proof.times = len(chosen)
+
+
+def _within(codes: list[float], frames: Any) -> list[float]:
+    if not frames:
+        return codes
+    return [code for code in codes if frames[0] <= code <= frames[1]]
+
+
+def _spread(codes: list[float], count: int) -> list[float]:
+    """At most `count` of the codes, first and last among them, evenly by position."""
+    if len(codes) <= count:
+        return codes
+    places = np.unique(np.linspace(0, len(codes) - 1, count).round().astype(int))
+    return [codes[place] for place in places]
+
+
+def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> None:
+    """trimesh must see the same box, where it knows all that the file uses."""
+    import trimesh
+
+    used = set(file.gltf.extensionsUsed or [])
+    morphs = any(primitive.targets for mesh in file.meshes for primitive in mesh.primitives)
+    if "EXT_mesh_gpu_instancing" in used or file.gltf.skins or morphs:
+        return
+    try:
+        seen = trimesh.load_scene(str(file.path)).bounds
+    except Exception as error:  # whatever a foreign reader raises is its verdict
+        checks.add("reader", "/", math.inf, f"trimesh: {type(error).__name__}: {error}")
+        return
+    if seen is None:
+        checks.add("reader", "/", math.inf, "trimesh sees nothing")
+        return
+    size = float(np.linalg.norm(box[1] - box[0])) or 1.0
+    reach = float(np.abs(np.array(box)).max())
+    slack = 4 * float(np.finfo(np.float32).eps) * reach / size
+    off = float(np.abs(np.array(seen) - np.array(box)).max())
+    checks.add("reader", "/", off / size, "trimesh's box", slack)

@@ -1,0 +1,125 @@
+"""Owns the truth about gprims that are not meshes: surfaces, cubes, planes, points and lines."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdShade
+
+from .facts import Array, Indices, Surface
+from .usd_mesh import CornerMap, LocalMesh, array_of, corner_colors, flattened
+
+_AXES = {"X": 0, "Y": 1, "Z": 2}
+# Points and faces in the order of UsdGeomCube's mesh in Hydra, which per-face and per-point
+# primvars follow (and OpenUSD's own testUsdImagingGLEmptyMesh writes out).
+_CUBE_POINTS = (
+    (1, 1, 1),
+    (-1, 1, 1),
+    (-1, -1, 1),
+    (1, -1, 1),
+    (-1, -1, -1),
+    (-1, 1, -1),
+    (1, 1, -1),
+    (1, -1, -1),
+)
+_CUBE_FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 6, 5, 1), (4, 7, 3, 2), (0, 3, 7, 6), (4, 2, 1, 5))
+_PLANE_FACES = {False: ((0, 1, 2, 3),), True: ((0, 3, 2, 1),)}
+
+
+def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface | None:
+    """The curved gprims; None for everything else."""
+
+    def number(name: str, fallback: float) -> float:
+        value = prim.GetAttribute(name).Get(time) if prim.HasAttribute(name) else None
+        return fallback if value is None else float(value)
+
+    kind = str(prim.GetTypeName())
+    axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2
+    height = 0.0
+    if kind == "Sphere":
+        radius = (number("radius", 1.0),) * 2
+    elif kind in ("Cylinder", "Capsule"):
+        radius = (number("radius", 1.0 if kind == "Cylinder" else 0.5),) * 2
+        height = number("height", 2.0 if kind == "Cylinder" else 1.0)
+    elif kind == "Cone":
+        radius, height = (number("radius", 1.0), 0.0), number("height", 2.0)
+    elif kind in ("Cylinder_1", "Capsule_1"):
+        fallback = 1.0 if kind == "Cylinder_1" else 0.5
+        radius = (number("radiusBottom", fallback), number("radiusTop", fallback))
+        height = number("height", 2.0 * fallback)
+    else:
+        return None
+    shape = kind.removesuffix("_1").lower()
+    material = _material(prim)
+    color, undefined = _color(prim, time)
+    return Surface(shape, radius, height, axis, matrix, color, undefined, material)
+
+
+def _material(prim: Usd.Prim) -> str:
+    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    return str(binding.GetPath()) if binding else ""
+
+
+def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, bool]:
+    """The one display color and opacity, and whether there are several."""
+    api = UsdGeom.PrimvarsAPI(prim)
+    rgb = flattened(api.FindPrimvarWithInheritance("displayColor"), time, 3)
+    alpha = flattened(api.FindPrimvarWithInheritance("displayOpacity"), time, 1)
+    if not len(rgb) and not len(alpha):
+        return None, False
+    if len(rgb) > 1 or len(alpha) > 1:
+        return None, True
+    rgb = rgb[0] if len(rgb) else np.ones(3)
+    return np.append(rgb, alpha[0] if len(alpha) else 1.0), False
+
+
+def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
+    """Positions of point clouds and linear curves; None for everything else."""
+    linear = prim.IsA(UsdGeom.BasisCurves) and (
+        UsdGeom.BasisCurves(prim).GetTypeAttr().Get(time) == UsdGeom.Tokens.linear
+    )
+    if not (prim.IsA(UsdGeom.Points) or linear):
+        return None
+    points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
+    """Cubes and planes, whose corners are exact."""
+    if prim.IsA(UsdGeom.Cube):
+        half = float(prim.GetAttribute("size").Get(time) or 0.0) / 2
+        return _flat_mesh(prim, time, np.array(_CUBE_POINTS) * half, np.array(_CUBE_FACES))
+    if not prim.IsA(UsdGeom.Plane):
+        return None
+    width = float(prim.GetAttribute("width").Get(time) or 0.0) / 2
+    length = float(prim.GetAttribute("length").Get(time) or 0.0) / 2
+    axis = _AXES[str(prim.GetAttribute("axis").Get(time) or "Z")]
+    # Width runs along X (along Z for axis X); length along Y (along Z for axis Y).
+    along = {0: (2, 1), 1: (0, 2), 2: (0, 1)}[axis]
+    points = np.zeros((4, 3))
+    points[:, along[0]] = np.array([-1, 1, 1, -1]) * width
+    points[:, along[1]] = np.array([-1, -1, 1, 1]) * length
+    return _flat_mesh(prim, time, points, np.array(_PLANE_FACES[axis != 2]))
+
+
+def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
+    material = _material(prim)
+    color, undefined = _color(prim, time)
+    if undefined and prim.IsA(UsdGeom.Cube):
+        colors = corner_colors(prim, time, CornerMap.whole(faces, len(points)))
+        undefined = False
+    else:
+        colors = None if color is None else np.tile(color, (faces.size, 1))
+    return LocalMesh(
+        points[faces].reshape(-1, 3).astype(np.float64),
+        np.full(len(faces), 4),
+        np.zeros((0, 3)),
+        0,
+        None,
+        {},
+        colors,
+        np.full(len(faces), 0 if material else -1),
+        [material] if material else [],
+        True,
+        bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)),
+        undefined,
+    )

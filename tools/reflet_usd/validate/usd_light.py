@@ -1,0 +1,62 @@
+"""Owns the truth about lights: UsdLux's emission in the units of KHR_lights_punctual."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pxr import Gf, Usd, UsdLux
+
+from .facts import Array, Light
+from .usd_stage import TruthStage
+
+_SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
+
+
+def read_light(
+    prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d
+) -> Light | None:
+    """The light at `time`; None for kinds that no punctual light can stand in for."""
+    kind = prim.GetTypeName()
+    if kind in _SURROUNDING:
+        return None
+    matrix = truth.node_world(world)
+    radiance = _radiance(prim, time)
+    if kind == "DistantLight":
+        light = UsdLux.DistantLight(prim)
+        half = math.radians(float(light.GetAngleAttr().Get(time))) / 2
+        # Illuminance of a disk of sky of uniform radiance: L·π·sin²(half angle); `normalize`
+        # divides by that size factor, which UsdLux takes as 1 for angle 0.
+        factor = math.pi * math.sin(half) ** 2
+        bare = _normalized(prim, time) or factor == 0
+        return Light("directional", radiance * (1.0 if bare else factor), matrix)
+    shaping = UsdLux.ShapingAPI(prim)
+    cone = None
+    if prim.HasAPI(UsdLux.ShapingAPI):
+        cone = math.radians(float(shaping.GetShapingConeAngleAttr().Get(time) or 0.0))
+    spot = cone is not None and cone < math.pi / 2
+    if kind != "SphereLight":
+        return Light("spot" if spot else "point", radiance, matrix, cone, exact=False)
+    light = UsdLux.SphereLight(prim)
+    scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3]))))
+    radius = float(light.GetRadiusAttr().Get(time)) * truth.meters_per_unit * scale
+    # A sphere of radiance L seen from afar: candela = L·π·r²; normalize divides by 4·π·r².
+    candela = radiance / 4 if _normalized(prim, time) else radiance * math.pi * radius**2
+    exact = not light.GetTreatAsPointAttr().Get(time) and radius > 0
+    return Light("spot" if spot else "point", candela, matrix, cone if spot else None, exact)
+
+
+def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
+    light = UsdLux.LightAPI(prim) if prim.HasAPI(UsdLux.LightAPI) else UsdLux.SphereLight(prim)
+    level = float(light.GetIntensityAttr().Get(time)) * 2.0 ** float(
+        light.GetExposureAttr().Get(time)
+    )
+    color = np.array(light.GetColorAttr().Get(time), dtype=np.float64)
+    if light.GetEnableColorTemperatureAttr().Get(time):
+        kelvin = float(light.GetColorTemperatureAttr().Get(time))
+        color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    return color * level * float(light.GetDiffuseAttr().Get(time))
+
+
+def _normalized(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
+    return bool(UsdLux.LightAPI(prim).GetNormalizeAttr().Get(time))

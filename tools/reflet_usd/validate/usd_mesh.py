@@ -1,0 +1,237 @@
+"""Owns what one mesh prim draws: its face corners and their attributes, read through usd-core."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .facts import Array, Indices
+
+_UV_TYPES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]", "double2[]", "half2[]")
+
+
+@dataclasses.dataclass
+class LocalMesh:
+    """One mesh in its own space. Corners of usable faces lie one after another."""
+
+    positions: Array
+    """(n, 3) corner positions."""
+    counts: Indices
+    """(faces,) corners of each face."""
+    optional_positions: Array
+    """(m, 3) corners of faces that may be dropped: degenerate by their indices."""
+    optional_triangles: int
+    normals: Array | None
+    uvs: dict[str, Array]
+    colors: Array | None
+    materials: Indices
+    """(faces,) index into `material_paths`, −1 for none."""
+    material_paths: list[str]
+    flat_shaded: bool
+    """Whether each corner's normal is that of its face."""
+    double_sided: bool
+    undefined_colors: bool = False
+    """Whether it has display colors on parts whose order USD does not define."""
+
+
+def read_mesh(
+    prim: Usd.Prim, time: Usd.TimeCode, materials: tuple[Indices, list[str]] | None = None
+) -> LocalMesh | None:
+    """The mesh at `time`; None when it has no usable face (missing or broken topology)."""
+    mesh = UsdGeom.Mesh(prim)
+    points = array_of(mesh.GetPointsAttr().Get(time), np.float64, 3)
+    counts = array_of(mesh.GetFaceVertexCountsAttr().Get(time), np.int64)
+    indices = array_of(mesh.GetFaceVertexIndicesAttr().Get(time), np.int64)
+    if not len(counts) or not len(points) or (counts < 0).any() or counts.sum() != len(indices):
+        return None
+    corners = _usable_corners(mesh, time, counts, indices, points)
+    positions = points[indices[corners.index]]
+    face_materials, paths = materials or (np.full(len(counts), -1), [])
+    scheme = mesh.GetSubdivisionSchemeAttr().Get(time) or "catmullClark"
+    normals = _normals(mesh, time, corners) if scheme == "none" else None
+    return LocalMesh(
+        positions,
+        counts[corners.faces],
+        points[indices[corners.optional_index]],
+        corners.optional_triangles,
+        normals,
+        _uvs(prim, time, corners),
+        corner_colors(prim, time, corners),
+        face_materials[corners.faces],
+        paths,
+        scheme == "none" and normals is None,
+        bool(mesh.GetDoubleSidedAttr().Get(time)),
+    )
+
+
+@dataclasses.dataclass
+class CornerMap:
+    """Which authored corners are drawn, and where each one's primvar values lie."""
+
+    index: Indices
+    """(n,) authored corner (faceVarying element), in drawing order."""
+    vertex: Indices
+    """(n,) point index."""
+    face: Indices
+    """(n,) authored face."""
+    faces: Indices
+    """(faces,) authored faces that are drawn."""
+    optional_index: Indices
+    optional_triangles: int
+    totals: dict[str, int]
+    """How many elements a primvar of each interpolation must have."""
+
+    @classmethod
+    def whole(cls, faces: Indices, points: int) -> CornerMap:
+        """All corners of (n, k) faces of point indices."""
+        index = np.arange(faces.size)
+        owner = np.repeat(np.arange(len(faces)), faces.shape[1])
+        totals = {
+            "uniform": len(faces),
+            "faceVarying": faces.size,
+            "vertex": points,
+            "varying": points,
+        }
+        return cls(index, faces.reshape(-1), owner, np.arange(len(faces)), index[:0], 0, totals)
+
+    def expand(self, values: Array, interpolation: str) -> Array | None:
+        """(n, …) values at the corners; None where the count does not fit the topology."""
+        if interpolation == "constant" and len(values) >= 1:
+            return np.repeat(values[:1], len(self.index), axis=0)
+        if len(values) != self.totals.get(interpolation, -1):
+            return None
+        where = {"uniform": self.face, "faceVarying": self.index}.get(interpolation, self.vertex)
+        return values[where]
+
+
+def _usable_corners(
+    mesh: UsdGeom.Mesh, time: Usd.TimeCode, counts: Indices, indices: Indices, points: Array
+) -> CornerMap:
+    face = np.repeat(np.arange(len(counts)), counts)
+    inside = (indices >= 0) & (indices < len(points))
+    bad = np.zeros(len(counts), bool)
+    np.logical_or.at(bad, face[~inside], True)
+    finite = np.zeros(len(indices), bool)
+    finite[inside] = np.isfinite(points[indices[inside]]).all(axis=1)
+    np.logical_or.at(bad, face[~finite], True)
+    holes = array_of(mesh.GetHoleIndicesAttr().Get(time), np.int64)
+    hole = np.zeros(len(counts), bool)
+    hole[holes[(holes >= 0) & (holes < len(counts))]] = True
+    drawn = (counts >= 3) & ~bad & ~hole
+    optional = drawn & _is_degenerate(counts, indices, points, drawn)
+    required = drawn & ~optional
+    keep = np.flatnonzero(required[face])
+    if mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
+        keep = _reversed_faces(keep, counts[required])
+    loose = np.flatnonzero(optional[face])
+    totals = {
+        "uniform": len(counts),
+        "faceVarying": len(indices),
+        "vertex": len(points),
+        "varying": len(points),
+    }
+    return CornerMap(
+        keep,
+        indices[keep],
+        face[keep],
+        np.flatnonzero(required),
+        loose,
+        int((counts[optional] - 2).sum()),
+        totals,
+    )
+
+
+def _is_degenerate(counts: Indices, indices: Indices, points: Array, drawn: np.ndarray) -> Any:
+    """Faces that repeat a point or have no area: a converter may drop them."""
+    result = np.zeros(len(counts), bool)
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    for size in np.unique(counts[drawn]):
+        faces = np.flatnonzero(drawn & (counts == size))
+        table = indices[starts[faces][:, None] + np.arange(size)]
+        ordered = np.sort(table, axis=1)
+        repeats = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+        at = points[table]
+        offset = at - at[:, :1]
+        vector = np.cross(offset, np.roll(offset, -1, axis=1)).sum(axis=1)
+        size2 = (offset**2).sum(axis=2).max(axis=1)
+        result[faces] = repeats | (np.linalg.norm(vector, axis=1) <= 1e-9 * size2)
+    return result
+
+
+def _reversed_faces(keep: Indices, counts: Indices) -> Indices:
+    """The same corners with every face's order turned around."""
+    if not len(keep):
+        return keep
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    face = np.repeat(np.arange(len(counts)), counts)
+    local = np.arange(len(keep)) - starts[face]
+    return keep[starts[face] + counts[face] - 1 - local]
+
+
+def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
+    primvar = UsdGeom.PrimvarsAPI(mesh.GetPrim()).GetPrimvar("normals")
+    if primvar and primvar.HasAuthoredValue():
+        raw, interpolation = primvar.ComputeFlattened(time), primvar.GetInterpolation()
+    else:
+        raw, interpolation = mesh.GetNormalsAttr().Get(time), mesh.GetNormalsInterpolation()
+    values = array_of(raw, np.float64, 3)
+    expanded = corners.expand(values, interpolation) if len(values) else None
+    if expanded is None:
+        return None
+    length = np.linalg.norm(expanded, axis=1, keepdims=True)
+    return expanded / length if np.isfinite(length).all() and (length > 1e-12).all() else None
+
+
+def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
+    result = {}
+    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
+        if str(primvar.GetTypeName()) not in _UV_TYPES:
+            continue
+        values = flattened(primvar, time, 2)
+        expanded = corners.expand(values, primvar.GetInterpolation())
+        if expanded is not None and np.isfinite(expanded).all():
+            result[primvar.GetPrimvarName()] = expanded
+    return result
+
+
+def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
+    """(n, 4) display color and opacity at the corners; None where none fits."""
+    api = UsdGeom.PrimvarsAPI(prim)
+    color = api.FindPrimvarWithInheritance("displayColor")
+    opacity = api.FindPrimvarWithInheritance("displayOpacity")
+    rgb = corners.expand(flattened(color, time, 3), color.GetInterpolation()) if color else None
+    alpha = None
+    if opacity:
+        alpha = corners.expand(flattened(opacity, time, 1), opacity.GetInterpolation())
+    if rgb is None and alpha is None:
+        return None
+    count = len(corners.index)
+    rgb = np.ones((count, 3)) if rgb is None else rgb
+    alpha = np.ones((count, 1)) if alpha is None else alpha.reshape(-1, 1)
+    return np.hstack([rgb, alpha])
+
+
+def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array:
+    """A primvar's values with its indices applied; empty where there are none that fit."""
+    raw = primvar.Get(time) if primvar else None
+    values = array_of(raw, np.float64, width)
+    if primvar and primvar.IsIndexed():
+        indices = array_of(primvar.GetIndices(time), np.int64)
+        if len(indices) and len(values) and indices.min() >= 0 and indices.max() < len(values):
+            return values[indices]
+        return values[:0]
+    return values
+
+
+def array_of(value: Any, dtype: type, width: int = 1) -> Any:
+    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing is authored."""
+    shape = (0,) if width == 1 else (0, width)
+    if value is None:
+        return np.zeros(shape, dtype)
+    array: Any = np.asarray(value, dtype=dtype)
+    if array.ndim == 0 or (width > 1 and array.ndim == 1):
+        array = array.reshape(1, -1) if width > 1 else array.reshape(1)
+    return array if array.size else np.zeros(shape, dtype)

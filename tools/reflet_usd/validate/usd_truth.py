@@ -1,0 +1,181 @@
+"""Owns the truth: a stage evaluated by usd-core and reduced to the facts that are compared."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdShade
+
+from .faces import measure
+from .facts import Array, Corners, Indices, Scene, transform_points
+from .usd_camera import read_camera
+from .usd_gprim import read_points, read_polyhedron, read_surface
+from .usd_light import read_light
+from .usd_mesh import LocalMesh, array_of, read_mesh
+from .usd_stage import TruthStage
+from .usd_subdivide import read_refined
+from .usd_walk import StageWalk, is_light
+
+
+class TruthReader:
+    """Evaluates one stage at any time; meshes are read once per time and prototype prim."""
+
+    def __init__(self, truth: TruthStage, cages: frozenset[str] = frozenset()) -> None:
+        self.truth = truth
+        self.cages = cages
+        """Subdivision meshes that stay cages whatever the level."""
+        self.instancers: list[str] = []
+        self.skipped: dict[str, str] = {}
+
+    def scene(self, time: Usd.TimeCode) -> Scene:
+        """Everything the stage draws at `time`."""
+        walk = StageWalk(self.truth.stage, time, self.truth.purposes)
+        scene = Scene()
+        pieces: dict[str, list[tuple[LocalMesh, Array]]] = {}
+        clouds: dict[str, list[Array]] = {}
+        meshes: dict[str, LocalMesh | None] = {}
+        for place in walk.placements():
+            prim = place.prim
+            matrix = self.truth.world(place.matrix)
+            if prim.IsA(UsdGeom.Camera):
+                scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
+            elif is_light(prim):
+                light = read_light(prim, time, self.truth, place.matrix)
+                if light:
+                    scene.lights[place.key] = light
+                else:
+                    scene.other[place.key] = prim.GetTypeName()
+            elif (surface := read_surface(prim, time, matrix)) is not None:
+                scene.surfaces.setdefault(place.key, []).append(surface)
+            elif (points := read_points(prim, time)) is not None:
+                clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+            else:
+                mesh = self._mesh(prim, time, meshes)
+                if mesh is not None and len(mesh.counts):
+                    pieces.setdefault(place.key, []).append((mesh, matrix))
+                elif not prim.IsA(UsdGeom.Mesh):
+                    scene.other[place.key] = prim.GetTypeName()
+        for key, placed in pieces.items():
+            scene.corners[key] = place_meshes(placed)
+        for key, parts in clouds.items():
+            empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
+            scene.corners.setdefault(key, empty).points = np.vstack(parts)
+        self.instancers, self.skipped = walk.instancers, walk.skipped
+        scene.matrices = self.matrices(time)
+        return scene
+
+    def _mesh(
+        self, prim: Usd.Prim, time: Usd.TimeCode, cache: dict[str, LocalMesh | None]
+    ) -> LocalMesh | None:
+        path = str(prim.GetPath())
+        if path not in cache:
+            if prim.IsA(UsdGeom.Mesh):
+                materials = face_materials(prim, time)
+                refined = None
+                if self.truth.subdiv_level > 0 and path not in self.cages:
+                    refined = read_refined(prim, time, self.truth.subdiv_level, materials)
+                cache[path] = refined or read_mesh(prim, time, materials)
+            else:
+                cache[path] = read_polyhedron(prim, time)
+        return cache[path]
+
+    def matrices(self, time: Usd.TimeCode) -> dict[str, list[Array]]:
+        """World matrices of all transformable prims outside instancers, by prim path."""
+        predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+        prims = iter(Usd.PrimRange(self.truth.stage.GetPseudoRoot(), predicate))
+        xforms = UsdGeom.XformCache(time)
+        result = {}
+        for prim in prims:
+            if prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+            if prim.IsA(UsdGeom.Xformable):
+                world = xforms.GetLocalToWorldTransform(prim)
+                result[str(prim.GetPath())] = [self.truth.node_world(world)]
+        return result
+
+
+def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
+    """World-space corners of several placed meshes that share one comparison key."""
+    worlds = [transform_points(mesh.positions, matrix) for mesh, matrix in placed]
+    optional = [transform_points(mesh.optional_positions, matrix) for mesh, matrix in placed]
+    everything = np.vstack(worlds)
+    result = Corners(everything, np.vstack(optional))
+    center = result.center = everything.mean(axis=0)
+    area, volume = np.zeros(2), np.zeros(2)
+    normals, known = [], True
+    for (mesh, matrix), world in zip(placed, worlds, strict=True):
+        sign = math.copysign(1.0, float(np.linalg.det(matrix[:3, :3])))
+        faces = measure(world, mesh.counts, center)
+        result.triangles += int((mesh.counts - 2).sum())
+        result.optional_triangles += mesh.optional_triangles
+        area += faces.area_range
+        result.vector_area = result.vector_area + sign * faces.vector_area
+        ends = sign * np.array(faces.volume_range)
+        volume += np.sort(ends)
+        if mesh.normals is not None:
+            normals.append(_transform_normals(mesh.normals, matrix))
+        elif mesh.flat_shaded and faces.flat.all():
+            normals.append(sign * np.repeat(faces.normals, mesh.counts, axis=0))
+        else:
+            known = False
+    result.area_range = (float(area[0]), float(area[1]))
+    result.volume_range = (float(volume[0]), float(volume[1]))
+    result.normals = np.vstack(normals) if known else None
+    _merge_attributes(result, [mesh for mesh, _ in placed])
+    return result
+
+
+def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
+    shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
+    result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
+    result.undefined_colors = any(mesh.undefined_colors for mesh in meshes)
+    colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
+    if len(colors) == len(meshes):
+        result.colors = np.vstack(colors)
+    labels: list[Indices] = []
+    for mesh in meshes:
+        places = [_place_of(path, result.material_paths) for path in mesh.material_paths]
+        # The last entry answers to index −1, no material.
+        face_label = np.array([*places, -1])[mesh.materials]
+        labels.append(np.repeat(face_label, mesh.counts))
+    result.materials = np.concatenate(labels)
+    result.double_sided = meshes[0].double_sided
+    if any(mesh.double_sided != result.double_sided for mesh in meshes):
+        result.double_sided = None
+
+
+def _place_of(path: str, paths: list[str]) -> int:
+    """The index of `path` in `paths`, where it is added if it is new."""
+    if path not in paths:
+        paths.append(path)
+    return paths.index(path)
+
+
+def _transform_normals(normals: Array, matrix: Array) -> Array:
+    linear = matrix[:3, :3]
+    if abs(np.linalg.det(linear)) < 1e-30:
+        return normals
+    turned = normals @ np.linalg.inv(linear).T
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    return turned / np.where(length > 0, length, 1.0)
+
+
+def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[str]]:
+    """Material index of each face and the materials' paths, subsets included."""
+    counts = UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get(time) or []
+    result = np.full(len(counts), -1, dtype=np.int64)
+    paths: list[str] = []
+
+    def label(target: Usd.Prim) -> int:
+        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial()[0]
+        if not material:
+            return -1
+        return _place_of(str(material.GetPath()), paths)
+
+    result[:] = label(prim)
+    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+        faces = array_of(subset.GetIndicesAttr().Get(time), np.int64)
+        index = label(subset.GetPrim())
+        result[faces[(faces >= 0) & (faces < len(result))]] = index
+    return result, paths

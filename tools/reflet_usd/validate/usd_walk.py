@@ -1,0 +1,143 @@
+"""Owns which prims of a stage are drawn, where, and how often: the truth's placements."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+from pxr import Gf, Usd, UsdGeom, UsdLux
+
+_MAX_INSTANCER_DEPTH = 8
+
+
+@dataclasses.dataclass
+class Placement:
+    """One drawn prim at one place."""
+
+    prim: Usd.Prim
+    key: str
+    """The path it is compared under: its own, or that of the outermost instancer."""
+    matrix: Gf.Matrix4d
+    """Local to the stage's world."""
+
+
+class StageWalk:
+    """Enumerates what a stage draws at one time, as usd-core evaluates it."""
+
+    def __init__(self, stage: Usd.Stage, time: Usd.TimeCode, purposes: tuple[str, ...]) -> None:
+        self.stage = stage
+        self.time = time
+        self.purposes = purposes
+        self.xforms = UsdGeom.XformCache(time)
+        self.instancers: list[str] = []
+        """Paths of the outermost instancers that were met."""
+        self.skipped: dict[str, str] = {}
+        """Drawable prims left out, by path: `invisible` or their purpose."""
+
+    def placements(self) -> Iterator[Placement]:
+        """Every drawn prim once per place: proxies of native instances, instances of instancers."""
+        prims = iter(
+            Usd.PrimRange(
+                self.stage.GetPseudoRoot(),
+                Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate),
+            )
+        )
+        for prim in prims:
+            if prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+                if self._drawn(prim):
+                    path = str(prim.GetPath())
+                    self.instancers.append(path)
+                    world = self.xforms.GetLocalToWorldTransform(prim)
+                    yield from self._instances(prim, path, world, 0)
+            elif self._is_relevant(prim) and self._drawn(prim):
+                world = self.xforms.GetLocalToWorldTransform(prim)
+                yield Placement(prim, str(prim.GetPath()), world)
+
+    def _is_relevant(self, prim: Usd.Prim) -> bool:
+        return prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Camera) or is_light(prim)
+
+    def _drawn(self, prim: Usd.Prim) -> bool:
+        """Whether visibility and purpose keep the prim; notes why where they do not."""
+        imageable = UsdGeom.Imageable(prim)
+        reason = None
+        if not imageable:
+            return True
+        if imageable.ComputeVisibility(self.time) == UsdGeom.Tokens.invisible:
+            reason = "invisible"
+        elif (purpose := imageable.ComputePurpose()) not in self.purposes:
+            reason = str(purpose)
+        if reason:
+            self.skipped[str(prim.GetPath())] = reason
+        return reason is None
+
+    def _instances(
+        self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d, depth: int
+    ) -> Iterator[Placement]:
+        if depth > _MAX_INSTANCER_DEPTH:
+            return
+        schema = UsdGeom.PointInstancer(instancer)
+        targets = schema.GetPrototypesRel().GetForwardedTargets()
+        indices = np.asarray(schema.GetProtoIndicesAttr().Get(self.time) or [], dtype=np.int64)
+        time = self._instancer_time(schema)
+        transforms = schema.ComputeInstanceTransformsAtTime(
+            time,
+            time,
+            UsdGeom.PointInstancer.IncludeProtoXform,
+            UsdGeom.PointInstancer.IgnoreMask,
+        )
+        if len(transforms) != len(indices):
+            return
+        mask = schema.ComputeMaskAtTime(self.time)
+        parts = {
+            index: list(self._prototype_parts(self.stage.GetPrimAtPath(target)))
+            for index, target in enumerate(targets)
+            if index in indices
+        }
+        for number, (index, transform) in enumerate(zip(indices, transforms, strict=True)):
+            if len(mask) and not mask[number]:
+                continue
+            for prim, relative in parts.get(int(index), ()):
+                place = relative * transform * world
+                if prim.IsA(UsdGeom.PointInstancer):
+                    yield from self._instances(prim, key, place, depth + 1)
+                else:
+                    yield Placement(prim, key, place)
+
+    def _instancer_time(self, schema: UsdGeom.PointInstancer) -> Usd.TimeCode:
+        """A number where the earliest time is meant: velocities reach back to minus infinity."""
+        if not self.time.IsEarliestTime():
+            return self.time
+        samples = schema.GetPositionsAttr().GetTimeSamples()
+        return Usd.TimeCode(samples[0]) if samples else Usd.TimeCode.Default()
+
+    def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d]]:
+        """Drawn prims below a prototype, with their transform to the prototype's root."""
+        if not root:
+            return
+        # Prototypes are often kept as overs or classes, so being defined is not asked for.
+        predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
+        prims = iter(Usd.PrimRange(root, predicate))
+        for prim in prims:
+            if self._hidden_within(prim, root):
+                prims.PruneChildren()
+                continue
+            nested = prim.IsA(UsdGeom.PointInstancer)
+            if nested:
+                prims.PruneChildren()
+            if nested or self._is_relevant(prim):
+                yield prim, self.xforms.ComputeRelativeTransform(prim, root)[0]
+
+    def _hidden_within(self, prim: Usd.Prim, root: Usd.Prim) -> bool:
+        imageable = UsdGeom.Imageable(prim)
+        if not imageable:
+            return False
+        if imageable.GetVisibilityAttr().Get(self.time) == UsdGeom.Tokens.invisible:
+            return True
+        return imageable.ComputePurpose() not in self.purposes and prim != root
+
+
+def is_light(prim: Usd.Prim) -> bool:
+    """Whether the prim is a light of UsdLux (any schema that carries LightAPI)."""
+    return prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.BoundableLightBase)
