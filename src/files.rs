@@ -1,9 +1,11 @@
 //! Writes files so that they are either whole or not there.
 
 use std::{
-    fs::{self, File},
+    collections::HashSet,
+    ffi::{OsStr, OsString},
+    fs::{self, File, OpenOptions},
     io::{self, Write as _},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 /// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
@@ -12,23 +14,117 @@ use std::{
 /// # Errors
 /// When the folder cannot be written to or the disk is full; nothing is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
-    let mut beside = std::ffi::OsString::from(".");
-    beside.push(name);
-    beside.push(format!(".{}.tmp", std::process::id()));
-    let beside = path.with_file_name(beside);
-    let written = (|| {
-        let mut file = File::create(&beside)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        drop(file);
-        fs::rename(&beside, path)
-    })();
-    if written.is_err() {
-        // The first error is the one worth telling.
-        let _ = fs::remove_file(&beside);
+    if path.file_name().is_none() {
+        let message = "the path names no file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    written
+    Temporary::create(path)?.fill(bytes)?.rename_to(path)
+}
+
+/// A file under a hidden name beside its goal; gone unless it is renamed.
+#[derive(Debug)]
+pub struct Temporary {
+    path: PathBuf,
+    /// Where to write.
+    pub file: File,
+    renamed: bool,
+}
+
+impl Temporary {
+    /// Creates it beside `goal`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn create(goal: &Path) -> std::io::Result<Self> {
+        let mut name = OsString::from(".");
+        name.push(goal.file_name().unwrap_or_default());
+        name.push(format!(".{}.tmp", std::process::id()));
+        let path = folder_of(goal).join(name);
+        // A leftover of a killed run may have this name; `create_new` never follows a link.
+        let _ = fs::remove_file(&path);
+        let file = OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&path)?;
+        Ok(Self {
+            path,
+            file,
+            renamed: false,
+        })
+    }
+
+    /// Writes all of it, to the disk.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn fill(mut self, bytes: &[u8]) -> std::io::Result<Self> {
+        self.file.write_all(bytes)?;
+        self.file.sync_all()?;
+        Ok(self)
+    }
+
+    /// Gives it its name.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn rename_to(mut self, goal: &Path) -> std::io::Result<()> {
+        fs::rename(&self.path, goal)?;
+        self.renamed = true;
+        // The new name itself must survive a crash too; only Unix can sync a folder.
+        if cfg!(unix) {
+            File::open(folder_of(goal))?.sync_all()?;
+        }
+        Ok(())
+    }
+}
+
+/// Removes what killed runs have left beside these files. Only Linux tells which runs still live
+/// and need their own, so elsewhere nothing is removed.
+pub fn sweep(goals: &[PathBuf]) {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let names: HashSet<_> = goals.iter().filter_map(|goal| goal.file_name()).collect();
+    let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
+    let entries = folders.into_iter().filter_map(|f| fs::read_dir(f).ok());
+    for entry in entries.flatten().flatten() {
+        let name = entry.file_name();
+        let parts = name.to_str().and_then(|name| {
+            let (goal, id) = name
+                .strip_prefix('.')?
+                .strip_suffix(".tmp")?
+                .rsplit_once('.')?;
+            Some((goal, id.parse::<u32>().ok()?))
+        });
+        let is_left = parts.is_some_and(|(goal, id)| {
+            names.contains(OsStr::new(goal)) && !Path::new("/proc").join(id.to_string()).exists()
+        });
+        if is_left {
+            let _ = fs::remove_file(entry.path()); // nobody waits for it
+        }
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.renamed {
+            // Nobody is left to tell, and the next run overwrites it.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// The folder that a file stands in.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+impl Temporary {
+    /// Where it is until it is renamed.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
 }

@@ -8,7 +8,8 @@
 //! Data flows one way, and imports only point down this list (`tests/layers.rs` holds it):
 //!
 //! ```text
-//! scene text ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture ──> report
+//! rhai script ┐
+//! scene text ─┴> SceneDesc ──> World ──> GpuScene ──> passes ──> picture ──> report
 //!                scene/        world/    render/      render/    app/        bench/
 //! ```
 //!
@@ -19,7 +20,7 @@
 //! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
-//! | [`scene`] | what people can write, its defaults and its manual; no assets |
+//! | [`scene`] | what people can write, its defaults and its manual; [`scene::motion`] the scene at one frame, [`scene::script`] the sandbox; no assets |
 //! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!

@@ -10,9 +10,9 @@ use std::{
 
 use super::{
     error::AppError,
-    output::rgb,
-    temporary::{Temporary, check_writable},
+    output::{check_writable, rgb},
 };
+use crate::files::Temporary;
 
 /// What a film's name says about it: its ending, ffmpeg's container and encoder.
 const CONTAINERS: [(&str, &str, &str); 4] = [

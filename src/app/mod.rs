@@ -27,7 +27,6 @@ pub mod render;
 pub mod scene;
 pub mod sequence;
 pub mod stats;
-pub mod temporary;
 
 use cli::{CheckArgs, Cli, Command};
 pub use error::AppError;

@@ -11,13 +11,11 @@ use exr::prelude::{
     SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
 };
 
-use super::{
-    aov,
-    error::AppError,
-    fingerprint::KEYWORD,
-    temporary::{Temporary, check_writable},
+use super::{aov, error::AppError, fingerprint::KEYWORD};
+use crate::{
+    files::{Temporary, folder_of},
+    render::{Picture, Plane, PlaneData},
 };
-use crate::render::{Picture, Plane, PlaneData};
 
 /// What an output file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,6 +137,33 @@ impl Output {
     fn beside(&self, name: &str) -> PathBuf {
         self.path.with_extension(format!("{name}.png"))
     }
+}
+
+/// Checks that a file can be created, before any time is spent on rendering it.
+///
+/// # Errors
+/// [`AppError::Usage`] saying which part of the path is wrong.
+pub fn check_writable(path: &Path) -> Result<(), AppError> {
+    let shown = path.display();
+    let usage = |text: String| Err(AppError::Usage(text));
+    if path.is_dir() {
+        return usage(format!("--output {shown}: is a folder"));
+    }
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        return usage(format!(
+            "--output {shown}: there is no folder {}; create it first",
+            folder.display()
+        ));
+    }
+    // Creating a file is the only test of permissions that means anything.
+    if let Err(error) = Temporary::create(path) {
+        return usage(format!(
+            "--output {shown}: cannot write to {}: {error}",
+            folder.display()
+        ));
+    }
+    Ok(())
 }
 
 /// RGBA to an opaque PNG; `mark` is kept in it as text.

@@ -14,12 +14,12 @@ use super::{
     film::{Film, is_film},
     fingerprint,
     frames::{FrameList, Template},
-    output::Output,
+    output::{Output, check_writable},
     progress::Progress,
     render::{Studio, explain},
-    temporary::{check_writable, sweep},
 };
 use crate::{
+    files::sweep,
     gpu::GpuError,
     render::{Picture, RenderError},
     scene::{desc::TimelineDesc, motion::Motion},
