@@ -72,8 +72,9 @@ fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
     run(&open_gpu(&args.run)?, &args.run, &protocol, &subjects)
 }
 
-/// The adapter that the arguments name.
+/// The adapter that the arguments name, after the folder that they name is known to be one.
 fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+    create_folder(&args.output)?;
     Ok(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?)
@@ -216,7 +217,6 @@ fn run_with(
     scenes: &[&str],
     measure: impl FnOnce(&Bench, &mut Log, &mut dyn Watch) -> Result<Outcome, BenchError>,
 ) -> Result<Vec<Sample>, AppError> {
-    create_folder(&args.output)?;
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
         Log::resume(&path)

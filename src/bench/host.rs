@@ -1,6 +1,6 @@
 //! What a measurement was taken on: adapter, driver, system, program.
 
-use std::{env, fs, path::Path, process::Command, thread};
+use std::{env, fs, path::Path, process::Command, thread, time::UNIX_EPOCH};
 
 use serde::Serialize;
 
@@ -26,7 +26,8 @@ pub struct Host {
     pub cpu: String,
     /// Version of Reflet.
     pub version: &'static str,
-    /// Commit it was built from, `-dirty` after changes; `unknown` outside its repository.
+    /// Newest commit that is older than the program, `-dirty` where files differ from the last
+    /// one; `unknown` outside its repository.
     pub commit: String,
 }
 
@@ -78,14 +79,18 @@ fn commit() -> String {
         return commit.to_owned();
     }
     let program = env::current_exe().ok();
-    let folder = program.as_deref().and_then(Path::parent);
-    folder
-        .and_then(commit_around)
+    program
+        .as_deref()
+        .and_then(commit_before)
         .unwrap_or_else(|| "unknown".to_owned())
 }
 
-/// The commit of the repository around `folder`, if that is Reflet's own.
-fn commit_around(folder: &Path) -> Option<String> {
+/// The newest commit that is older than `program`, if the repository around it is Reflet's own:
+/// commits that were made after it was built say nothing about it.
+fn commit_before(program: &Path) -> Option<String> {
+    let folder = program.parent()?;
+    let built = fs::metadata(program).ok()?.modified().ok()?;
+    let built_s = built.duration_since(UNIX_EPOCH).ok()?.as_secs();
     let git = |arguments: &[&str]| {
         let mut command = Command::new("git");
         let output = command.current_dir(folder).args(arguments).output().ok()?;
@@ -99,8 +104,17 @@ fn commit_around(folder: &Path) -> Option<String> {
     if !manifest.contains("name = \"reflet\"") {
         return None; // someone else's repository
     }
-    let commit = git(&["rev-parse", "--short=12", "HEAD"])?;
+    let before = format!("--before={built_s}");
+    let commit = git(&[
+        "rev-list",
+        "--first-parent",
+        "-1",
+        "--abbrev-commit",
+        "--abbrev=12",
+        &before,
+        "HEAD",
+    ])?;
     let changes = git(&["status", "--porcelain", "--untracked-files=no"])?;
     let dirty = if changes.is_empty() { "" } else { "-dirty" };
-    Some(commit + dirty)
+    (!commit.is_empty()).then(|| commit + dirty)
 }

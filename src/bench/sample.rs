@@ -313,10 +313,11 @@ mod tests {
         let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
         assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
         let sample = Sample {
+            width: 7,
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };
-        let text = header() + sample.line().replacen(",0,0,", ",wide,0,", 1).as_str();
-        assert_eq!(says(&text), "line 2: column frame cannot be \"wide\"");
+        let text = header() + sample.line().replacen(",7,", ",wide,", 1).as_str();
+        assert_eq!(says(&text), "line 2: column width cannot be \"wide\"");
     }
 }
