@@ -16,10 +16,12 @@ pub mod aov;
 pub mod cli;
 pub mod error;
 pub mod info;
+pub mod live;
 pub mod output;
 pub mod render;
 pub mod scene;
 pub mod stats;
+pub mod watch;
 
 use cli::{CheckArgs, Cli, Command};
 pub use error::AppError;

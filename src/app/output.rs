@@ -179,7 +179,10 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// RGBA to an opaque PNG.
-fn encode_png(size: [u32; 2], rgba: &[u8]) -> Result<Vec<u8>, String> {
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode_png(size: [u32; 2], rgba: &[u8]) -> Result<Vec<u8>, String> {
     let rgb: Vec<u8> = rgba
         .chunks_exact(4)
         .flat_map(|texel| [texel[0], texel[1], texel[2]])

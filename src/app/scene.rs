@@ -10,9 +10,13 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{desc::SceneDesc, parse},
+    scene::{
+        desc::SceneDesc,
+        parse::{self, Parsed},
+    },
     world::{
         World,
+        gltf::Trail,
         load::{self, LoadOptions},
         usd,
     },
@@ -46,18 +50,8 @@ pub fn load_scene(
     from: &SceneArgs,
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
-    let overrides = [from.set.as_slice(), overrides].concat();
-    let read = match path {
-        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
-        Some(path) => parse::load(path, &overrides),
-        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
-    };
-    let (desc, mut warnings) = read.map_err(AppError::Scene)?;
-    let options = LoadOptions {
-        assets: asset_folders(&from.assets),
-        ..LoadOptions::default()
-    };
-    let world = load::load(&desc, &options)
+    let (desc, mut warnings) = read_text(path, from, overrides).map_err(AppError::Scene)?;
+    let world = load::load(&desc, &load_options(from, &Trail::default()))
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
@@ -72,8 +66,30 @@ pub fn load_scene(
     })
 }
 
+/// Reads scene text: the file, a scene around a model, or the built-in atrium; with overrides.
+///
+/// # Errors
+/// All mistakes of the text.
+pub fn read_text(path: Option<&Path>, from: &SceneArgs, overrides: &[String]) -> Parsed {
+    let overrides = [from.set.as_slice(), overrides].concat();
+    match path {
+        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
+        Some(path) => parse::load(path, &overrides),
+        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
+    }
+}
+
+/// How files are loaded; what is looked for is noted in `trail`.
+pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
+    LoadOptions {
+        assets: asset_folders(&from.assets),
+        trail: trail.clone(),
+        ..LoadOptions::default()
+    }
+}
+
 /// Whether the argument is a model rather than a scene.
-fn is_model(path: &Path) -> bool {
+pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     usd::is_stage(path)
         || ["gltf", "glb"]

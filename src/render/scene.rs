@@ -68,6 +68,7 @@ pub struct GpuScene {
     pub samplers: [wgpu::Sampler; 4],
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
+    places: Vec<MeshPlace>,
     records: Vec<GpuInstance>,
 }
 
@@ -79,11 +80,7 @@ impl GpuScene {
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees, cutoff: f32) -> Result<Self, GpuError> {
         let (vertices, mesh_data, places) = geometry(gpu, &world.meshes)?;
         let pools = Pools::new(gpu, world)?;
-        let materials: Vec<GpuMaterial> = world
-            .materials
-            .iter()
-            .map(|m| gpu_material(m, world, &pools.places, cutoff))
-            .collect();
+        let materials = materials(gpu, world, &pools, cutoff)?;
         let records = records(world, trees, &places);
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
@@ -92,10 +89,49 @@ impl GpuScene {
             instances: buffer(gpu, "instances", &records, storage)?,
             vertices,
             mesh_data,
-            materials: buffer(gpu, "materials", &materials, storage)?,
+            materials,
             samplers: samplers(gpu),
             draws: draws(world, &places),
+            places,
             pools,
+            records,
+        })
+    }
+
+    /// The same meshes and images with the materials, instances and, where they are new, the trees
+    /// of another world.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`].
+    pub fn restyled(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        trees: &Trees,
+        new_trees: bool,
+        cutoff: f32,
+    ) -> Result<Self, GpuError> {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let records = records(world, trees, &self.places);
+        let (nodes, triangles) = if new_trees {
+            (
+                buffer(gpu, "tree nodes", &trees.nodes, storage)?,
+                buffer(gpu, "tree triangles", &trees.triangles, storage)?,
+            )
+        } else {
+            (self.nodes.clone(), self.triangles.clone())
+        };
+        Ok(Self {
+            nodes,
+            triangles,
+            instances: buffer(gpu, "instances", &records, storage)?,
+            vertices: self.vertices.clone(),
+            mesh_data: self.mesh_data.clone(),
+            materials: materials(gpu, world, &self.pools, cutoff)?,
+            samplers: self.samplers.clone(),
+            draws: draws(world, &self.places),
+            places: self.places.clone(),
+            pools: self.pools.clone(),
             records,
         })
     }
@@ -236,6 +272,19 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
         .enumerate()
         .filter_map(draw)
         .collect()
+}
+
+fn materials(
+    gpu: &Gpu,
+    world: &World,
+    pools: &Pools,
+    cutoff: f32,
+) -> Result<wgpu::Buffer, GpuError> {
+    let materials = world.materials.iter();
+    let materials: Vec<GpuMaterial> = materials
+        .map(|m| gpu_material(m, world, &pools.places, cutoff))
+        .collect();
+    buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
 }
 
 fn gpu_material(m: &Material, world: &World, places: &[Place], cutoff: f32) -> GpuMaterial {
