@@ -18,6 +18,7 @@ pub mod error;
 pub mod info;
 pub mod live;
 pub mod output;
+pub mod preview;
 pub mod render;
 pub mod scene;
 pub mod stats;
@@ -34,6 +35,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     match cli.command {
         Command::Render(args) => render::render(&args),
+        Command::Preview(args) => preview::preview(&args),
         Command::Check(args) => check(&args),
         Command::Info(args) => info::info(&args),
         Command::Compare(args) => run_compare(&args),
