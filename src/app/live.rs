@@ -83,6 +83,8 @@ pub struct Reload {
     pub redone: Redone,
     /// From the changes to being ready for the next frame.
     pub took: Duration,
+    /// The part of it that the driver compiled pipelines.
+    pub driver: Duration,
 }
 
 /// A scene, its renderer and what is wrong with their files now.
@@ -170,6 +172,7 @@ impl Live {
         let started = Instant::now();
         self.read_since = SystemTime::now();
         let made = (self.gpu.made.shaders(), self.gpu.made.pipelines());
+        let driver = self.gpu.made.driver_time();
         let mut reload = Reload {
             ok: true,
             ..Reload::default()
@@ -184,6 +187,7 @@ impl Live {
         }
         reload.shaders = self.gpu.made.shaders() - made.0;
         reload.pipelines = self.gpu.made.pipelines() - made.1;
+        reload.driver = self.gpu.made.driver_time() - driver;
         reload.took = started.elapsed();
         reload
     }

@@ -146,20 +146,19 @@ impl Shader {
         remember(&self.computes, key_of(entry, groups, constants), || {
             let layout = self.pipeline_layout(gpu, groups)?;
             let label = format!("{}.{entry}", self.info.name);
-            gpu.made.pipelines.fetch_add(1, Ordering::Relaxed);
+            let descriptor = wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&layout),
+                module: &self.module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..Default::default()
+                },
+                cache: None,
+            };
             gpu.scoped(&format!("pipeline {label}"), || {
-                gpu.device
-                    .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                        label: Some(&label),
-                        layout: Some(&layout),
-                        module: &self.module,
-                        entry_point: Some(entry),
-                        compilation_options: wgpu::PipelineCompilationOptions {
-                            constants,
-                            ..Default::default()
-                        },
-                        cache: None,
-                    })
+                (gpu.made).pipeline(|| gpu.device.create_compute_pipeline(&descriptor))
             })
         })
     }
@@ -180,8 +179,9 @@ impl Shader {
         self.check_constants(constants)?;
         remember(&self.renders, key_of(state, groups, constants), || {
             let layout = self.pipeline_layout(gpu, groups)?;
-            gpu.made.pipelines.fetch_add(1, Ordering::Relaxed);
-            gpu.scoped(&format!("pipeline {}", self.info.name), || make(&layout))
+            gpu.scoped(&format!("pipeline {}", self.info.name), || {
+                gpu.made.pipeline(|| make(&layout))
+            })
         })
     }
 

@@ -4,5 +4,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod kit;
+mod latency;
 mod redone;
 mod saves;

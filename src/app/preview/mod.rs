@@ -4,7 +4,7 @@ use std::{env, path::PathBuf, sync::Arc};
 
 use eframe::{
     egui,
-    egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
+    egui_wgpu::{SurfaceErrorAction, WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
 };
 
 use super::{
@@ -20,6 +20,7 @@ use crate::{
 mod canvas;
 mod desk;
 mod facts;
+mod messages;
 pub mod navigate;
 mod panels;
 mod picture;
@@ -30,6 +31,20 @@ mod worker;
 use facts::Facts;
 use window::Window;
 use worker::Worker;
+
+/// In wgpu's words: a surface was configured while pictures were being drawn. It is tried again.
+const BUSY: &str = "wait for GPU to come idle";
+
+/// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
+fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
+    match status {
+        wgpu::CurrentSurfaceTexture::Occluded | wgpu::CurrentSurfaceTexture::Timeout => {
+            SurfaceErrorAction::SkipFrame
+        }
+        wgpu::CurrentSurfaceTexture::Lost => SurfaceErrorAction::RecreateSurface,
+        _ => SurfaceErrorAction::Reconfigure,
+    }
+}
 
 /// Opens the window and returns when it is closed.
 ///
@@ -62,8 +77,8 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let live = Live::open(gpu.clone(), origin, wishes)?;
     print_diagnostics(&live.warnings);
-    let mut facts = Facts::of(&live);
-    facts.method = args.method.map_or(facts.method, Method::from);
+    let facts = Facts::of(&live);
+    let method = args.method.map_or(facts.method, Method::from);
     let camera = choose_camera(&facts, args.camera.as_deref())?;
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
     let stem = stem.map_or("atrium".to_owned(), |stem| {
@@ -82,18 +97,24 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
                 device: gpu.device.clone(),
                 queue: gpu.queue.clone(),
             }),
+            on_surface_status: Arc::new(on_surface_status),
             ..WgpuConfiguration::default()
         },
         ..eframe::NativeOptions::default()
     };
     // Renderer commands are checked where they are made; what arrives here is about the window,
     // which repairs its surface by itself, and must not end the rendering.
-    (gpu.device).on_uncaptured_error(Arc::new(|error| eprintln!("warning: the window: {error}")));
+    (gpu.device).on_uncaptured_error(Arc::new(|error| {
+        let text = error.to_string();
+        if !text.contains(BUSY) {
+            eprintln!("warning: the window: {text}");
+        }
+    }));
     let create = move |context: &eframe::CreationContext<'_>| {
         context.egui_ctx.set_theme(egui::Theme::Dark);
         let repaint = context.egui_ctx.clone();
         let worker = Worker::start(gpu, live, move || repaint.request_repaint());
-        let window = Window::new(worker, facts, camera, shots, stem);
+        let window = Window::new(worker, facts, method, camera, (shots, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     eframe::run_native(&title, options, Box::new(create)).map_err(|error| {

@@ -9,9 +9,12 @@ use std::{
 
 use eframe::egui::{self, Key, Ui};
 
+use crate::scene::desc::Method;
+
 use super::{
     desk::free_name,
     facts::{Facts, Judged, Report, Shown, Task, View},
+    messages,
     navigate::{Navigator, as_text},
     panels::{self, Choice, METHODS, Wish},
     worker::Worker,
@@ -45,9 +48,16 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window over a scene, looking through its camera of this index.
-    pub fn new(worker: Worker, facts: Facts, camera: usize, shots: PathBuf, stem: String) -> Self {
-        let mut choice = Choice::new(facts.method);
+    /// A window over a scene that shows `method` through the scene's camera of this index at first,
+    /// and writes pictures of this stem into this folder.
+    pub fn new(
+        worker: Worker,
+        facts: Facts,
+        method: Method,
+        camera: usize,
+        (shots, stem): (PathBuf, String),
+    ) -> Self {
+        let mut choice = Choice::new(method);
         choice.through = Some(camera);
         let start = facts.cameras.get(camera);
         let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
@@ -84,14 +94,13 @@ impl Window {
                 }
                 Ok(Report::Reloaded(reload, ms)) => {
                     let cpu = reload.took.as_secs_f64() * 1e3;
-                    let how = if reload.ok {
-                        "reloaded"
+                    self.note = if reload.ok {
+                        format!(
+                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
+                        )
                     } else {
-                        "not shown, see below"
+                        "saved with a mistake".to_owned()
                     };
-                    self.note = format!(
-                        "{how}: {ms:.0} ms from the save to the picture, {cpu:.0} ms of them to get ready"
-                    );
                 }
                 Ok(Report::Judged(judged)) => {
                     self.judged = Some(*judged);
@@ -126,6 +135,9 @@ impl Window {
             self.navigator.camera = facts.cameras[index].1.clone();
         }
         self.navigator.rescale(&facts.bounds);
+        if facts.method != self.facts.method {
+            self.choice.a.method = facts.method;
+        }
         self.facts = facts;
     }
 
@@ -137,6 +149,10 @@ impl Window {
     fn keys(&mut self, ui: &Ui, wishes: &mut Vec<Wish>) {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
+        }
+        let closes = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, Key::Q);
+        if ui.input_mut(|i| i.consume_shortcut(&closes)) {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
         let pressed = |key| ui.input(|i| i.key_pressed(key) && i.modifiers.is_none());
         for (key, (method, _)) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
@@ -258,7 +274,7 @@ impl Window {
             };
             panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
             panels::materials(ui, &mut self.choice, &self.facts, wishes);
-            panels::scene(ui, &self.facts);
+            messages::scene(ui, &self.facts);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
                 ui.monospace(as_text("copied", &self.navigator.camera));
             });
@@ -277,12 +293,9 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
-        if !self.facts.problems.is_empty() {
-            egui::Panel::bottom("problems")
-                .show(ui, |ui| panels::problems(ui, &self.facts.problems));
-        }
         egui::Panel::right("side")
-            .default_size(300.0)
+            .resizable(false)
+            .exact_size(300.0)
             .show(ui, |ui| self.side_panel(ui, &mut wishes));
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
         let mut is_open = self.choice.help;
@@ -290,7 +303,7 @@ impl eframe::App for Window {
             .open(&mut is_open)
             .resizable(false)
             .collapsible(false)
-            .show(ui.ctx(), panels::help);
+            .show(ui.ctx(), messages::help);
         self.choice.help &= is_open;
         self.grant(ui, wishes);
         self.ask_view(ui, central.inner);
