@@ -92,8 +92,15 @@ impl Session {
             shots
         };
         let before = shots().len();
-        self.key("F12");
-        let path = until("a screenshot", || shots().get(before).cloned());
+        let path = until("a screenshot", || {
+            // A window that is not ready yet loses keys.
+            self.key("F12");
+            let soon = Instant::now() + Duration::from_secs(5);
+            while shots().len() == before && Instant::now() < soon {
+                thread::sleep(Duration::from_millis(50));
+            }
+            shots().get(before).cloned()
+        });
         let picture = image::open(&path).expect("decodes").into_rgb8();
         assert!(picture.width() > 64 && picture.height() > 64);
         picture.into_raw()
@@ -165,12 +172,13 @@ fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
         "a mistake keeps the last good picture"
     );
 
-    let small = session.xdotool(&["windowsize", &session.window, "1", "1"]);
-    drop(small);
-    thread::sleep(Duration::from_millis(300));
-    session.xdotool(&["windowsize", &session.window, "500", "400"]);
-    assert!(session.shot().len() < second.len(), "another size");
-
+    for [width, height] in [["1", "1"], ["500", "400"]] {
+        session.xdotool(&["windowsize", &session.window, width, height]);
+        thread::sleep(Duration::from_millis(300));
+    }
+    until("a picture of another size", || {
+        (session.shot().len() < second.len()).then_some(())
+    });
     session.key("ctrl+q");
     until("the end", || program.0.try_wait().expect("is waited for"));
     fs::remove_dir_all(&folder).expect("clean up");
