@@ -2,7 +2,6 @@
 //! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes
 //! screenshots and closes. Says `SKIPPED` where Xvfb or xdotool is missing.
 
-#[allow(dead_code, reason = "shared by several tests")]
 mod common;
 
 use std::{
