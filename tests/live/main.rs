@@ -5,5 +5,6 @@
 mod common;
 mod kit;
 mod latency;
+mod models;
 mod redone;
 mod saves;
