@@ -15,7 +15,7 @@
 //!
 //! | place | owns |
 //! |---|---|
-//! | [`app`] | the commands and what they print; exit codes |
+//! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
 //! | [`bench`] | picture × picture → error; nothing in it knows how a picture was made |
 //! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
@@ -46,6 +46,14 @@
 //!
 //! Method `rt` is `hybrid` with a full mask; `ssr` is `hybrid` without the tracing. A frame depends
 //! on nothing but its scene, its settings and its camera, so any of them can be rendered alone.
+//!
+//! # A reload
+//!
+//! A save reruns the arrows right of it, and no more. [`app::watch`] says which kind of file has new
+//! content; [`app::live`] reads the text, and [`world::load::Kept`] places and shades it over files
+//! that are in memory already; [`render::Renderer::change`] compares worlds and options and makes
+//! again what differs; shaders are kept by their text and pipelines by their shader. Every step
+//! builds beside what is shown and swaps at its end, so that an error changes nothing.
 //!
 //! # Rules
 //!

@@ -23,6 +23,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to pictures or a film
     Render(RenderArgs),
+    /// Show a scene in a window; every save of its files shows at once
+    Preview(PreviewArgs),
     /// Read a scene and everything it refers to, and report every problem; needs no GPU
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in metres, memory; needs no GPU
@@ -100,6 +102,40 @@ pub struct RenderArgs {
     /// Print pass times, shares by source and cause, rays and memory
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,
+}
+
+/// `preview`
+#[derive(Clone, Debug, Args)]
+#[command(
+    after_help = "Left drag orbits, right drag looks around and flies with W A S D Q E, the \
+                        wheel goes closer, F frames, B wipes between two methods, F12 writes a \
+                        picture, H lists all keys. After a mistake in a file the last good picture \
+                        stays, with the place of the mistake below it."
+)]
+pub struct PreviewArgs {
+    /// Scene file or model; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// What is changed in it
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Width and height of the window
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// How reflections are found at first
+    #[arg(long)]
+    pub method: Option<MethodArg>,
+    /// Which camera of the scene to look through at first; without it `main`, else the first
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Read the shaders from a folder and follow them too
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
+    /// Folder for the pictures of F12; without it, the folder you are in
+    #[arg(long, value_name = "DIR")]
+    pub screenshots: Option<PathBuf>,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 /// `check`

@@ -21,12 +21,15 @@ pub mod film;
 pub mod fingerprint;
 pub mod frames;
 pub mod info;
+pub mod live;
 pub mod output;
+pub mod preview;
 pub mod progress;
 pub mod render;
 pub mod scene;
 pub mod sequence;
 pub mod stats;
+pub mod watch;
 
 use cli::{CheckArgs, Cli, Command};
 pub use error::AppError;
@@ -39,6 +42,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     match cli.command {
         Command::Render(args) => render::render(&args),
+        Command::Preview(args) => preview::preview(&args),
         Command::Check(args) => check(&args),
         Command::Info(args) => info::info(&args),
         Command::Compare(args) => run_compare(&args),

@@ -10,9 +10,14 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse},
+    scene::{
+        desc::SceneDesc,
+        diagnostic::Diagnostic,
+        parse::{self, Parsed},
+    },
     world::{
         World,
+        gltf::Trail,
         load::{self, LoadOptions},
         usd,
     },
@@ -50,20 +55,15 @@ pub fn load_scene(
     from: &SceneArgs,
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
-    let overrides = [from.set.as_slice(), overrides].concat();
-    let read = match path {
-        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
-        Some(path) => parse::load(path, &overrides),
-        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
-    };
+    let read = read_text(path, from, overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
     // Read a second time, for its fingerprint; what cannot be read was an error before.
-    let read = read.map_err(AppError::Scene)?;
     let text = scene_text(path)?;
-    load_desc(name, text, overrides, read, &from.assets)
+    let overrides = [from.set.as_slice(), overrides].concat();
+    load_desc(name, text, overrides, read, from)
 }
 
 /// Loads a scene whose text is at hand; `file` is what messages call it.
@@ -73,7 +73,7 @@ pub fn load_scene(
 pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
     let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
     let name = file.display().to_string();
-    load_desc(name, text.to_owned(), from.set.clone(), read, &from.assets)
+    load_desc(name, text.to_owned(), from.set.clone(), read, from)
 }
 
 fn load_desc(
@@ -81,16 +81,12 @@ fn load_desc(
     text: String,
     overrides: Vec<String>,
     (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
-    assets: &[PathBuf],
+    from: &SceneArgs,
 ) -> Result<LoadedScene, AppError> {
-    let options = LoadOptions {
-        assets: asset_folders(assets),
-        ..LoadOptions::default()
-    };
     for line in desc.script.iter().flat_map(|s| s.setup_log()) {
         eprintln!("{line}");
     }
-    let world = load::load(&desc, &options)
+    let world = load::load(&desc, &load_options(from, &Trail::default()))
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
@@ -104,8 +100,30 @@ fn load_desc(
     })
 }
 
+/// Reads scene text: the file, a scene around a model, or the built-in atrium; with overrides.
+///
+/// # Errors
+/// All mistakes of the text.
+pub fn read_text(path: Option<&Path>, from: &SceneArgs, overrides: &[String]) -> Parsed {
+    let overrides = [from.set.as_slice(), overrides].concat();
+    match path {
+        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
+        Some(path) => parse::load(path, &overrides),
+        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
+    }
+}
+
+/// How files are loaded; what is looked for is noted in `trail`.
+pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
+    LoadOptions {
+        assets: asset_folders(&from.assets),
+        trail: trail.clone(),
+        ..LoadOptions::default()
+    }
+}
+
 /// Whether the argument is a model rather than a scene.
-fn is_model(path: &Path) -> bool {
+pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     usd::is_stage(path)
         || ["gltf", "glb"]

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use super::shader::ShaderError;
+use super::{made::Made, shader::ShaderError};
 
 /// Environment variable that names the adapter, as `--adapter` does.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
@@ -94,6 +94,10 @@ pub struct GpuOptions {
 /// An open device and what is known about it.
 #[derive(Debug)]
 pub struct Gpu {
+    /// What the device belongs to; windows get their surfaces from it.
+    pub instance: wgpu::Instance,
+    /// What the device was opened on.
+    pub adapter: wgpu::Adapter,
     /// Name, driver and kind of the adapter.
     pub adapter_info: wgpu::AdapterInfo,
     /// The device.
@@ -104,6 +108,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Optional features that are on: timestamps, where present.
     pub features: wgpu::Features,
+    /// What was made on it.
+    pub made: Made,
     /// The first error nobody was waiting for.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
@@ -129,9 +135,10 @@ impl Gpu {
 
         let mut refusals = Vec::new();
         for adapter in choose(found, filter.as_deref())? {
-            match Self::open(&adapter) {
+            let name = adapter.get_info().name;
+            match Self::open(&instance, adapter) {
                 Ok(gpu) => return Ok(gpu),
-                Err(reason) => refusals.push(format!("{}: {reason}", adapter.get_info().name)),
+                Err(reason) => refusals.push(format!("{name}: {reason}")),
             }
         }
         Err(GpuError::NoAdapter(format!(
@@ -140,7 +147,10 @@ impl Gpu {
         )))
     }
 
-    fn open(adapter: &wgpu::Adapter) -> Result<Self, wgpu::RequestDeviceError> {
+    fn open(
+        instance: &wgpu::Instance,
+        adapter: wgpu::Adapter,
+    ) -> Result<Self, wgpu::RequestDeviceError> {
         let offered = adapter.limits();
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: offered
@@ -175,6 +185,9 @@ impl Gpu {
         });
         Ok(Self {
             adapter_info: adapter.get_info(),
+            instance: instance.clone(),
+            adapter,
+            made: Made::default(),
             device,
             queue,
             limits,

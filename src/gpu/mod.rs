@@ -2,6 +2,7 @@
 
 pub mod bind;
 pub mod context;
+pub mod made;
 mod naga_types;
 pub mod pipeline;
 pub mod readback;

@@ -1,4 +1,10 @@
-//! Shader modules and compute pipelines on the device, made inside error scopes.
+//! Shader modules and pipelines on the device, made inside error scopes and remembered by their
+//! shader, so that asking for the same pipeline again costs nothing.
+
+use std::{
+    collections::HashMap,
+    sync::{Arc, Mutex, PoisonError, atomic::Ordering},
+};
 
 use naga::valid::Capabilities;
 
@@ -27,6 +33,38 @@ pub struct Shader {
     pub info: ShaderModuleInfo,
     /// The module.
     pub module: wgpu::ShaderModule,
+    computes: Remembered<wgpu::ComputePipeline>,
+    renders: Remembered<wgpu::RenderPipeline>,
+}
+
+/// Pipelines by everything that makes them differ; clones of a shader share them.
+type Remembered<P> = Arc<Mutex<HashMap<String, P>>>;
+
+fn remember<P: Clone>(
+    remembered: &Remembered<P>,
+    key: String,
+    make: impl FnOnce() -> Result<P, GpuError>,
+) -> Result<P, GpuError> {
+    let known = |map: &Remembered<P>| {
+        map.lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(&key)
+            .cloned()
+    };
+    if let Some(pipeline) = known(remembered) {
+        return Ok(pipeline);
+    }
+    let pipeline = make()?;
+    let mut map = remembered.lock().unwrap_or_else(PoisonError::into_inner);
+    map.insert(key, pipeline.clone());
+    Ok(pipeline)
+}
+
+fn key_of(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
+    let of = |b: &Binding| (b.group, b.binding, b.ty, b.visibility);
+    let bindings = groups.iter().map(|group| group.bindings.iter().map(of));
+    let bindings: Vec<Vec<_>> = bindings.map(Iterator::collect).collect();
+    format!("{what} {constants:?} {bindings:?}")
 }
 
 impl Shader {
@@ -53,7 +91,13 @@ impl Shader {
         let module = gpu.scoped(&format!("shader {}", source.file), || {
             create_module(gpu, source, checks)
         })?;
-        Ok(Self { info, module })
+        gpu.made.shaders.fetch_add(1, Ordering::Relaxed);
+        Ok(Self {
+            info,
+            module,
+            computes: Remembered::default(),
+            renders: Remembered::default(),
+        })
     }
 
     /// A pipeline layout over these groups; group numbers are positions.
@@ -99,21 +143,45 @@ impl Shader {
             return Err(ShaderError::new(&self.info.file, message).into());
         }
         self.check_constants(constants)?;
-        let layout = self.pipeline_layout(gpu, groups)?;
-        let label = format!("{}.{entry}", self.info.name);
-        gpu.scoped(&format!("pipeline {label}"), || {
-            gpu.device
-                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(&label),
-                    layout: Some(&layout),
-                    module: &self.module,
-                    entry_point: Some(entry),
-                    compilation_options: wgpu::PipelineCompilationOptions {
-                        constants,
-                        ..Default::default()
-                    },
-                    cache: None,
-                })
+        remember(&self.computes, key_of(entry, groups, constants), || {
+            let layout = self.pipeline_layout(gpu, groups)?;
+            let label = format!("{}.{entry}", self.info.name);
+            let descriptor = wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&layout),
+                module: &self.module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants,
+                    ..Default::default()
+                },
+                cache: None,
+            };
+            gpu.scoped(&format!("pipeline {label}"), || {
+                (gpu.made).pipeline(|| gpu.device.create_compute_pipeline(&descriptor))
+            })
+        })
+    }
+
+    /// The render pipeline that `make` builds on the layout of these groups; `state` tells apart
+    /// what differs beside groups and constants.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] for an unknown override or exceeded limits, or what wgpu says.
+    pub fn render_pipeline(
+        &self,
+        gpu: &Gpu,
+        state: &str,
+        groups: &[&GroupLayout],
+        constants: &[(&str, f64)],
+        make: impl FnOnce(&wgpu::PipelineLayout) -> wgpu::RenderPipeline,
+    ) -> Result<wgpu::RenderPipeline, GpuError> {
+        self.check_constants(constants)?;
+        remember(&self.renders, key_of(state, groups, constants), || {
+            let layout = self.pipeline_layout(gpu, groups)?;
+            gpu.scoped(&format!("pipeline {}", self.info.name), || {
+                gpu.made.pipeline(|| make(&layout))
+            })
         })
     }
 

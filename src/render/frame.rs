@@ -13,11 +13,11 @@ use crate::{
 
 use super::{
     RenderError, RenderOptions, Renderer,
+    build::Reflections,
     lights::lights,
     pass::Dispatch,
     passes::{blur, compact, compose, ssr, tone},
     recorder::Recorder,
-    renderer::Reflections,
     stats::{FrameStats, Shares},
     types::Frame,
     view::{View, jitter},
@@ -69,21 +69,23 @@ impl Renderer {
             targets,
             scene,
             maps,
+            passes,
             ..
         } = self;
-        let mut recorder = Recorder::new(gpu, &self.timer, &self.shared, self.options.image.size);
+        let mut recorder = Recorder::new(gpu, &self.timer, &passes.shared, self.options.image.size);
         let r = &mut recorder;
         if sample == 0 {
-            self.shadow.record(r, maps, scene, &shadow_views);
+            passes.shadow.record(r, maps, scene, &shadow_views);
         }
-        self.visibility
+        passes
+            .visibility
             .record(r, targets, scene, &view.clip_from_world(jitter));
-        self.surface.record(r, &Dispatch::PerPixel);
-        self.light.record(r, &Dispatch::PerPixel);
-        if let Some(reflections) = &self.reflections {
+        passes.surface.record(r, &Dispatch::PerPixel);
+        passes.light.record(r, &Dispatch::PerPixel);
+        if let Some(reflections) = &passes.reflections {
             reflections.record(r, &self.options, self.unit_m);
         }
-        let compose = &self.compose[sample as usize % 2];
+        let compose = &passes.compose[sample as usize % 2];
         compose.set_params(
             gpu,
             &compose::Params {
@@ -95,9 +97,10 @@ impl Renderer {
         );
         compose.record(r, &Dispatch::PerPixel);
         if sample + 1 == self.options.image.samples {
-            self.tone
+            passes
+                .tone
                 .set_params(gpu, &tone::Params::new(&self.options.image));
-            self.tone.record(r, &Dispatch::PerPixel);
+            passes.tone.record(r, &Dispatch::PerPixel);
         }
         recorder.finish()
     }
@@ -133,7 +136,7 @@ impl Renderer {
         frame_ms: f64,
     ) -> Result<FrameStats, GpuError> {
         let method = self.options.reflection.method;
-        let counters: Vec<u32> = match &self.reflections {
+        let counters: Vec<u32> = match &self.passes.reflections {
             Some(r) => readback::read_buffer(gpu, &r.list.counters)?,
             None => vec![0; 16],
         };
@@ -147,7 +150,7 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if let Some(r) = &self.reflections {
+        if let Some(r) = &self.passes.reflections {
             bytes.push(("ray_list".to_owned(), r.list.rays.size()));
         }
         Ok(FrameStats {

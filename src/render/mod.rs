@@ -5,6 +5,7 @@ use std::fmt;
 use crate::{gpu::GpuError, scene::diagnostic::Diagnostic, world::World};
 
 pub mod aov;
+mod build;
 pub mod cause;
 pub mod cull;
 pub mod frame;
@@ -24,7 +25,7 @@ pub mod types;
 pub mod view;
 
 pub use picture::{Picture, Plane, PlaneData};
-pub use renderer::{RenderOptions, Renderer};
+pub use renderer::{Redone, RenderOptions, Renderer};
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,23 +1,19 @@
-//! A scene made ready for frames: what is uploaded, built and bound, once.
+//! A scene made ready for frames: what is uploaded, built and bound, and what of it is redone when
+//! the scene, its settings or the shaders change.
 
 use std::time::Instant;
 
 use crate::{
-    gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, pipeline::Checks},
+    gpu::{Gpu, ShaderLibrary, Timer},
     scene::desc::{ImageDesc, Method, ReflectionDesc},
     world::{World, bvh::Trees},
 };
 
 use super::{
     RenderError,
+    build::{Bound, Passes, Shaders, last_sub_frame, needed_passes, needs},
     lights::ShadowSizes,
-    pass::{ComputePass, Pass, Shared},
-    passes::{
-        self, blur, compact, compose, light,
-        shadow::{self, Shadow, ShadowMaps},
-        ssr, surface, tone, trace,
-        visibility::{self, Visibility},
-    },
+    passes::{compose, shadow::ShadowMaps},
     plan::Plan,
     scene::GpuScene,
     targets::{Target, Targets},
@@ -46,33 +42,45 @@ pub struct Renderer {
     pub(super) scene: GpuScene,
     pub(super) maps: ShadowMaps,
     pub(super) buffers: FrameBuffers,
-    pub(super) shared: Shared,
     pub(super) targets: Targets,
     pub(super) timer: Timer,
-    pub(super) shadow: Shadow,
-    pub(super) visibility: Visibility,
-    pub(super) surface: ComputePass,
-    pub(super) light: ComputePass,
-    pub(super) reflections: Option<Reflections>,
-    pub(super) compose: [ComputePass; 2],
-    pub(super) tone: ComputePass,
+    pub(super) shaders: Shaders,
+    pub(super) passes: Passes,
 }
 
-/// Passes that only exist where the scene reflects.
-#[derive(Debug)]
-pub(super) struct Reflections {
-    pub(super) ssr: ComputePass,
-    pub(super) compact: ComputePass,
-    pub(super) trace: Option<Trace>,
-    pub(super) blur: Option<[ComputePass; 2]>,
-    pub(super) list: compact::RayList,
+/// Which parts of a renderer were made again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Redone {
+    /// Geometry and images were uploaded.
+    pub upload: bool,
+    /// All trees were built.
+    pub trees: bool,
+    /// The top level over moved instances was built.
+    pub poses: bool,
+    /// Materials and instances were uploaded.
+    pub materials: bool,
+    /// Passes were bound to something else; pipelines that existed were used again.
+    pub passes: bool,
 }
 
-/// Passes that only exist where something is traced.
-#[derive(Debug)]
-pub(super) struct Trace {
-    pub(super) arguments: ComputePass,
-    pub(super) trace: ComputePass,
+impl Redone {
+    /// What was done by two changes together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            upload: self.upload || other.upload,
+            trees: self.trees || other.trees,
+            poses: self.poses || other.poses,
+            materials: self.materials || other.materials,
+            passes: self.passes || other.passes,
+        }
+    }
+}
+
+/// Trees and how long they took.
+fn build_trees(gpu: &Gpu, world: &World) -> Result<(Trees, f64), RenderError> {
+    let started = Instant::now();
+    let trees = Trees::build(world, gpu.largest_storage_buffer())?;
+    Ok((trees, started.elapsed().as_secs_f64() * 1e3))
 }
 
 impl Renderer {
@@ -86,56 +94,47 @@ impl Renderer {
         world: &World,
         options: &RenderOptions,
     ) -> Result<Self, RenderError> {
+        Self::with_shaders(gpu, library, world, options, &Shaders::default())
+    }
+
+    /// A renderer for another world that takes over this one's shaders and pipelines.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn anew(
+        &self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        world: &World,
+        options: &RenderOptions,
+    ) -> Result<Self, RenderError> {
+        Self::with_shaders(gpu, library, world, options, &self.shaders)
+    }
+
+    fn with_shaders(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        world: &World,
+        options: &RenderOptions,
+        shaders: &Shaders,
+    ) -> Result<Self, RenderError> {
         super::check_world(world)?;
-        let started = Instant::now();
-        let trees = Trees::build(world, gpu.largest_storage_buffer())?;
-        let tree_ms = started.elapsed().as_secs_f64() * 1e3;
+        let (trees, tree_ms) = build_trees(gpu, world)?;
         let scene = GpuScene::new(gpu, world, &trees)?;
-        let plan = if options.general {
-            Plan::general(&options.reflection)
-        } else {
-            Plan::of(world, &trees, &scene.pools.places, &options.reflection)
-        };
+        let plan = plan_of(world, &trees, &scene, options);
         let maps = ShadowMaps::new(gpu, ShadowSizes::of(&world.lights))?;
         let buffers = FrameBuffers::new(gpu);
-        let shaders = Shaders::new(gpu, library, &needed_passes(&plan, options))?;
-        let shared = shaders.shared(gpu, &buffers, &maps, &scene)?;
+        let shaders = shaders.with(gpu, library, &needed_passes(&plan, options))?;
         let targets = Targets::new(gpu, options.image.size, |t| needs(&plan, options, t))?;
-        let constants = plan.constants();
-        let build = Build {
-            gpu,
-            shaders: &shaders,
-            shared: &shared,
+        let bound = Bound {
+            scene: &scene,
+            maps: &maps,
+            buffers: &buffers,
             targets: &targets,
-            constants: &constants,
         };
-        let compose = |i: usize| build.pass(&compose::PASS, &compose::ALIASES[i], &[]);
-        let color = &compose::ALIASES[last_sub_frame(options)][..1];
+        let passes = Passes::new(gpu, &shaders, &plan, options, bound)?;
         Ok(Self {
-            shadow: Shadow::new(
-                gpu,
-                shaders.get(&shadow::PASS)?,
-                &shared,
-                &maps,
-                plan.cutouts,
-                &constants,
-            )?,
-            visibility: Visibility::new(
-                gpu,
-                shaders.get(&visibility::PASS)?,
-                &shared,
-                &scene.draws,
-                &constants,
-            )?,
-            surface: build.pass(&surface::PASS, &[], &[])?,
-            light: build.pass(&light::PASS, &[], &[])?,
-            reflections: plan
-                .reflections
-                .then(|| Reflections::new(&build, options))
-                .transpose()?,
-            compose: [compose(0)?, compose(1)?],
-            tone: build.pass(&tone::PASS, color, &[])?,
-            unit_m: options.reflection.unit_m.unwrap_or_else(|| world.unit_m()),
+            unit_m: unit_of(world, options),
             options: *options,
             timer: Timer::new(gpu)?,
             plan,
@@ -144,14 +143,112 @@ impl Renderer {
             scene,
             maps,
             buffers,
-            shared,
             targets,
+            shaders,
+            passes,
         })
+    }
+
+    /// Makes ready for `world`, which has the same meshes and textures as `old`, and for other
+    /// options or shaders; only what that changes is done again. On an error nothing has changed.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn change(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        old: &World,
+        world: &World,
+        options: &RenderOptions,
+    ) -> Result<Redone, RenderError> {
+        let trees = !same_trees(old, world);
+        let mut redone = Redone {
+            trees,
+            poses: !trees && !same_poses(old, world),
+            ..Redone::default()
+        };
+        redone.materials =
+            redone.trees || old.materials != world.materials || !same_materials(old, world);
+        let trees = if redone.trees {
+            super::check_world(world)?;
+            Some(build_trees(gpu, world)?)
+        } else {
+            None
+        };
+        let new_trees = trees.as_ref().map(|(trees, _)| trees);
+        let scene = if redone.materials {
+            let current = new_trees.unwrap_or(&self.trees);
+            Some((self.scene).restyled(gpu, world, current, redone.trees)?)
+        } else {
+            None
+        };
+        let plan = plan_of(
+            world,
+            new_trees.unwrap_or(&self.trees),
+            scene.as_ref().unwrap_or(&self.scene),
+            options,
+        );
+        let sizes = ShadowSizes::of(&world.lights);
+        let maps = if sizes == self.maps.sizes {
+            self.maps.clone()
+        } else {
+            ShadowMaps::new(gpu, sizes)?
+        };
+        let needed = needed_passes(&plan, options);
+        let shaders = self.shaders.with(gpu, library, &needed)?;
+        let same_targets = self.options.image.size == options.image.size
+            && Target::ALL
+                .iter()
+                .all(|t| needs(&plan, options, *t) == needs(&self.plan, &self.options, *t));
+        let targets = if same_targets {
+            self.targets.clone()
+        } else {
+            Targets::new(gpu, options.image.size, |t| needs(&plan, options, t))?
+        };
+        redone.passes = scene.is_some()
+            || !same_targets
+            || sizes != self.maps.sizes
+            || plan.constants() != self.plan.constants()
+            || !shaders.same(&self.shaders, &needed)
+            || last_sub_frame(options) != last_sub_frame(&self.options)
+            || options.reflection.method != self.options.reflection.method;
+        if redone.passes {
+            let bound = Bound {
+                scene: scene.as_ref().unwrap_or(&self.scene),
+                maps: &maps,
+                buffers: &self.buffers,
+                targets: &targets,
+            };
+            self.passes = Passes::new(gpu, &shaders, &plan, options, bound)?;
+        }
+        // Nothing fails from here on.
+        if let Some((trees, tree_ms)) = trees {
+            (self.trees, self.tree_ms) = (trees, tree_ms);
+        }
+        if let Some(scene) = scene {
+            self.scene = scene;
+        }
+        self.unit_m = unit_of(world, options);
+        self.options = *options;
+        self.plan = plan;
+        self.maps = maps;
+        self.targets = targets;
+        self.shaders = shaders;
+        if redone.poses {
+            self.update(gpu, world);
+        }
+        Ok(redone)
     }
 
     /// What the scene needs and what was left out.
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    /// What it renders with.
+    pub fn options(&self) -> &RenderOptions {
+        &self.options
     }
 
     /// The length U in metres.
@@ -198,93 +295,55 @@ impl Renderer {
     }
 }
 
-/// Parity of the last sub-frame.
-fn last_sub_frame(options: &RenderOptions) -> usize {
-    (options.image.samples as usize + 1) % 2
+/// What the frame contains.
+fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptions) -> Plan {
+    if options.general {
+        Plan::general(&options.reflection)
+    } else {
+        Plan::of(world, trees, &scene.pools.places, &options.reflection)
+    }
 }
 
-/// The passes that this plan and these options record.
-fn needed_passes(plan: &Plan, options: &RenderOptions) -> Vec<&'static Pass> {
-    let is_needed = |pass: &&Pass| match pass.name {
-        "ssr" | "compact" => plan.reflections,
-        "arguments" | "trace" => plan.reflections && options.reflection.method != Method::Ssr,
-        "blur" => plan.reflections && options.reflection.blur_px > 0.0,
-        _ => true,
+fn unit_of(world: &World, options: &RenderOptions) -> f32 {
+    let unit_m = options.reflection.unit_m;
+    unit_m.unwrap_or_else(|| world.unit_m())
+}
+
+/// Whether trees over one world serve the other once the top level is built again: what stands
+/// still stands where it stood, and everything is hit by the same rays.
+fn same_trees(a: &World, b: &World) -> bool {
+    let flags = |world: &World, material: usize| {
+        let material = &world.materials[material];
+        (material.alpha_cutoff.is_some(), material.double_sided)
     };
-    passes::ALL.into_iter().filter(is_needed).collect()
-}
-
-/// Whether a target is written by this plan.
-fn needs(plan: &Plan, options: &RenderOptions, target: Target) -> bool {
-    match target {
-        Target::Reflection | Target::Cause | Target::Hit => plan.reflections,
-        Target::Blurred => plan.reflections && options.reflection.blur_px > 0.0,
-        Target::ColorOdd => options.image.samples > 1,
-        _ => true,
-    }
-}
-
-/// What building a compute pass takes.
-struct Build<'a> {
-    gpu: &'a Gpu,
-    shaders: &'a Shaders,
-    shared: &'a Shared,
-    targets: &'a Targets,
-    constants: &'a [(&'static str, f64)],
-}
-
-impl Build<'_> {
-    fn pass(
-        &self,
-        pass: &'static Pass,
-        aliases: &[(&str, Target)],
-        extra: &[(&str, &wgpu::Buffer)],
-    ) -> Result<ComputePass, GpuError> {
-        let shader = self.shaders.get(pass)?;
-        let mut built = ComputePass::new(self.gpu, pass, shader, self.shared, self.constants)?;
-        built.bind(self.gpu, self.targets, aliases, extra)?;
-        Ok(built)
-    }
-}
-
-impl Reflections {
-    fn new(build: &Build<'_>, options: &RenderOptions) -> Result<Self, GpuError> {
-        let settings = &options.reflection;
-        let list = compact::RayList::new(build.gpu, options.image.size)?;
-        let mut constants = build.constants.to_vec();
-        let march = settings.method != Method::Rt;
-        constants.push(("MARCH", f64::from(u8::from(march))));
-        let build = Build {
-            constants: &constants,
-            ..*build
-        };
-        let named = list.named();
-        let blur = |i: usize| build.pass(&blur::PASS, &blur::ALIASES[i], &[]);
-        let trace = || {
-            Ok::<_, GpuError>(Trace {
-                arguments: build.pass(&compact::ARGUMENTS, &[], &named)?,
-                trace: build.pass(&trace::PASS, &[], &named)?,
-            })
-        };
-        Ok(Self {
-            ssr: build.pass(&ssr::PASS, &[], &[])?,
-            compact: build.pass(&compact::PASS, &[], &named)?,
-            trace: (settings.method != Method::Ssr).then(trace).transpose()?,
-            blur: if settings.blur_px > 0.0 {
-                Some([blur(0)?, blur(1)?])
-            } else {
-                None
-            },
-            list,
+    a.instances.len() == b.instances.len()
+        && a.instances.iter().zip(&b.instances).all(|(x, y)| {
+            x.mesh == y.mesh
+                && x.dynamic == y.dynamic
+                && (x.dynamic || x.world_from_object == y.world_from_object)
+                && flags(a, x.material) == flags(b, y.material)
         })
-    }
+}
+
+/// Whether every instance stands where it stood.
+fn same_poses(a: &World, b: &World) -> bool {
+    let instances = a.instances.iter().zip(&b.instances);
+    instances
+        .into_iter()
+        .all(|(x, y)| x.world_from_object == y.world_from_object)
+}
+
+/// Whether every instance has the material of the same index.
+fn same_materials(a: &World, b: &World) -> bool {
+    let of = |world: &World| -> Vec<usize> { world.instances.iter().map(|i| i.material).collect() };
+    of(a) == of(b)
 }
 
 /// The uniform blocks of group 0.
 #[derive(Debug)]
 pub(super) struct FrameBuffers {
-    frame: wgpu::Buffer,
-    lights: wgpu::Buffer,
+    pub(super) frame: wgpu::Buffer,
+    pub(super) lights: wgpu::Buffer,
 }
 
 impl FrameBuffers {
@@ -309,61 +368,5 @@ impl FrameBuffers {
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         gpu.queue
             .write_buffer(&self.lights, 0, bytemuck::bytes_of(lights));
-    }
-}
-
-/// The shaders of the frame by the name of their pass.
-struct Shaders(Vec<(&'static str, Shader)>);
-
-impl Shaders {
-    fn new(gpu: &Gpu, library: &ShaderLibrary, needed: &[&'static Pass]) -> Result<Self, GpuError> {
-        let load = |pass: &&'static Pass| {
-            // `check_world` and `Trees::build` validated every index that tracing follows.
-            let is_trace = pass.name == trace::PASS.name;
-            let checks = if is_trace {
-                Checks::NoneIfEmbedded
-            } else {
-                Checks::All
-            };
-            Ok((pass.name, Shader::new(gpu, library, pass.name, checks)?))
-        };
-        Ok(Self(
-            needed.iter().map(load).collect::<Result<_, GpuError>>()?,
-        ))
-    }
-
-    fn get(&self, pass: &Pass) -> Result<&Shader, GpuError> {
-        let found = self.0.iter().find(|(name, _)| *name == pass.name);
-        let missing = || GpuError::Binding(format!("pass `{}` was not planned", pass.name));
-        found.map(|(_, shader)| shader).ok_or_else(missing)
-    }
-
-    /// Groups 0 and 1 with everything that any of these shaders uses of them.
-    fn shared(
-        &self,
-        gpu: &Gpu,
-        buffers: &FrameBuffers,
-        maps: &ShadowMaps,
-        scene: &GpuScene,
-    ) -> Result<Shared, GpuError> {
-        let infos: Vec<_> = self.0.iter().map(|(_, shader)| &shader.info).collect();
-        let frame = GroupLayout::new(gpu, "frame", &infos, 0)?;
-        let world = GroupLayout::new(gpu, "scene", &infos, 1)?;
-        let empty = GroupLayout::new(gpu, "empty", &[], 0)?;
-        let frame_group = frame.bind_with(gpu, |name| match name {
-            "frame" => Some(buffers.frame.as_entire_binding()),
-            "lights" => Some(buffers.lights.as_entire_binding()),
-            "shadow_cubes" => Some(wgpu::BindingResource::TextureView(&maps.cubes)),
-            "shadow_maps" => Some(wgpu::BindingResource::TextureView(&maps.maps)),
-            "shadow_sampler" => Some(wgpu::BindingResource::Sampler(&maps.sampler)),
-            _ => None,
-        })?;
-        let scene_group = world.bind_with(gpu, |name| scene.resource(name))?;
-        let empty_group = empty.bind(gpu, &[])?;
-        Ok(Shared {
-            layouts: [frame, world],
-            groups: [frame_group, scene_group],
-            empty: (empty, empty_group),
-        })
     }
 }

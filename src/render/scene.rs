@@ -70,6 +70,7 @@ pub struct GpuScene {
     pub samplers: [wgpu::Sampler; 4],
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
+    places: Vec<MeshPlace>,
     records: Vec<GpuInstance>,
 }
 
@@ -81,11 +82,7 @@ impl GpuScene {
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
         let (vertices, mesh_data, places) = geometry(gpu, &world.meshes)?;
         let pools = Pools::new(gpu, world)?;
-        let materials: Vec<GpuMaterial> = world
-            .materials
-            .iter()
-            .map(|m| gpu_material(m, world, &pools.places))
-            .collect();
+        let materials = materials(gpu, world, &pools)?;
         let records = records(world, trees, &places);
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
@@ -94,10 +91,48 @@ impl GpuScene {
             instances: buffer(gpu, "instances", &records, storage)?,
             vertices,
             mesh_data,
-            materials: buffer(gpu, "materials", &materials, storage)?,
+            materials,
             samplers: samplers(gpu),
             draws: draws(world, &places),
+            places,
             pools,
+            records,
+        })
+    }
+
+    /// The same meshes and images with the materials, instances and, where they are new, the trees
+    /// of another world.
+    ///
+    /// # Errors
+    /// As [`GpuScene::new`].
+    pub fn restyled(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        trees: &Trees,
+        new_trees: bool,
+    ) -> Result<Self, GpuError> {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let records = records(world, trees, &self.places);
+        let (nodes, triangles) = if new_trees {
+            (
+                buffer(gpu, "tree nodes", &trees.nodes, storage)?,
+                buffer(gpu, "tree triangles", &trees.triangles, storage)?,
+            )
+        } else {
+            (self.nodes.clone(), self.triangles.clone())
+        };
+        Ok(Self {
+            nodes,
+            triangles,
+            instances: buffer(gpu, "instances", &records, storage)?,
+            vertices: self.vertices.clone(),
+            mesh_data: self.mesh_data.clone(),
+            materials: materials(gpu, world, &self.pools)?,
+            samplers: self.samplers.clone(),
+            draws: draws(world, &self.places),
+            places: self.places.clone(),
+            pools: self.pools.clone(),
             records,
         })
     }
@@ -257,6 +292,14 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
         .enumerate()
         .filter_map(draw)
         .collect()
+}
+
+fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {
+    let materials = world.materials.iter();
+    let materials: Vec<GpuMaterial> = materials
+        .map(|m| gpu_material(m, world, &pools.places))
+        .collect();
+    buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
 }
 
 fn gpu_material(m: &Material, world: &World, places: &[Place]) -> GpuMaterial {

@@ -116,7 +116,7 @@ impl Target {
 }
 
 /// The textures of one picture size.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Targets {
     /// Pixels.
     pub size: [u32; 2],

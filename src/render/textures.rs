@@ -29,7 +29,7 @@ pub struct Place {
 }
 
 /// All images of a scene on the GPU.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Pools {
     /// Per pool: its linear view and its sRGB view.
     pub views: Vec<[wgpu::TextureView; 2]>,

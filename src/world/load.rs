@@ -8,7 +8,7 @@ use std::{
 
 use super::{
     World,
-    gltf::{self, Fault, Model, Sandbox},
+    gltf::{self, Fault, Model, Sandbox, Trail},
     texture::{self, TextureLimits},
     usd,
 };
@@ -21,11 +21,13 @@ mod camera;
 mod copies;
 mod extras;
 mod finish;
+mod kept;
 mod material;
 mod place;
 mod tangent;
 
 pub(super) use copies::invertible;
+pub use kept::Kept;
 
 /// Where files are looked up and what loading may cost.
 #[derive(Clone, Debug)]
@@ -38,6 +40,8 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
+    /// Where it is noted what was looked for.
+    pub trail: Trail,
 }
 
 impl Default for LoadOptions {
@@ -47,6 +51,7 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
+            trail: Trail::default(),
         }
     }
 }
@@ -56,14 +61,24 @@ impl Default for LoadOptions {
 /// # Errors
 /// Everything found wrong with the scene's names and files, in the order of the scene text.
 pub fn load(desc: &SceneDesc, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
+    load_kept(desc, options).map(|(world, _)| world)
+}
+
+/// As [`load`], with what a later text of the same scene needs to be loaded without its files.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_kept(
+    desc: &SceneDesc,
+    options: &LoadOptions,
+) -> Result<(World, Kept), Vec<Diagnostic>> {
     let mut loader = Loader::new(desc, options);
     let models = loader.read_models();
     loader.check_names(&models);
     loader.fail_on_errors()?;
     loader.place_all(&models);
-    drop(models); // its meshes were moved out; its encoded images live on in the requests
     loader.fail_on_errors()?;
-    loader.finish()
+    loader.finish(models)
 }
 
 /// Everything that is known while loading.
@@ -86,6 +101,7 @@ struct Loader<'a> {
 }
 
 /// What a `[model.NAME]` became.
+#[derive(Clone, Copy, Debug)]
 enum Source {
     /// Index into [`Loader::loaded`].
     File(usize),
@@ -132,7 +148,8 @@ impl<'a> Loader<'a> {
         Self {
             desc,
             options,
-            sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes),
+            sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
+                .with_trail(&options.trail),
             folders,
             world: World {
                 environment: desc.environment,
@@ -224,8 +241,8 @@ impl<'a> Loader<'a> {
             read_guarded(path, &self.sandbox)
         };
         match read {
-            Ok(mut model) => {
-                self.world.warnings.append(&mut model.warnings);
+            Ok(model) => {
+                self.world.warnings.extend_from_slice(&model.warnings);
                 self.add_files(&model.files);
                 self.loaded.push(model);
                 Some(self.loaded.len() - 1)
@@ -265,18 +282,23 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn finish(mut self) -> Result<World, Vec<Diagnostic>> {
+    fn finish(mut self, models: Vec<Source>) -> Result<(World, Kept), Vec<Diagnostic>> {
         let limits = TextureLimits {
             max_px: self.options.max_texture_px,
             budget_bytes: self.options.image_budget_bytes,
             max_file_bytes: self.options.max_file_bytes,
         };
-        self.loaded.clear();
-        finish::run(&mut self.world)?;
         if let Some(script) = &self.desc.script {
             self.add_files(&script.files());
         }
-        let requests = self.textures.take_used(&mut self.world);
+        let needs = finish::needs(&self.world);
+        let num_warnings = self.world.warnings.len();
+        finish::run(&mut self.world, &needs)?;
+        let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
+        let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
+            .into_iter()
+            .map(|(key, request)| ((key, request.srgb), request))
+            .unzip();
         let image_files = requests.iter().filter_map(|r| match &r.source {
             gltf::ImageSource::File(path) => Some(path.clone()),
             gltf::ImageSource::Bytes(_) => None,
@@ -286,7 +308,17 @@ impl<'a> Loader<'a> {
         self.world.textures = texture::decode_all(&requests, &limits)?;
         self.warn_of_reduced(&requests);
         camera::add_default(&mut self.world);
-        Ok(self.world)
+        let kept = Kept {
+            sources: kept::sources(self.desc),
+            models,
+            loaded: self.loaded,
+            meshes: self.meshes,
+            needs,
+            images,
+            mesh_warnings,
+            files: self.world.files.clone(),
+        };
+        Ok((self.world, kept))
     }
 }
 

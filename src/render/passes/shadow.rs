@@ -36,7 +36,7 @@ const MAX_MAP_BYTES: u64 = 4 << 30;
 const SLOT_BYTES: u64 = 256;
 
 /// The maps of a scene's lights; they exist (one texel large) even without any.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ShadowMaps {
     /// What they were made for.
     pub sizes: ShadowSizes,
@@ -279,7 +279,7 @@ fn pipeline(
     cutout: bool,
     constants: &[(&'static str, f64)],
 ) -> Result<wgpu::RenderPipeline, GpuError> {
-    let layout = shader.pipeline_layout(gpu, &[&shared.empty.0, &shared.layouts[1], layout])?;
+    let groups = [&shared.empty.0, &shared.layouts[1], layout];
     let constants = known(shader, constants);
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,
@@ -291,11 +291,12 @@ fn pipeline(
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &attributes,
     })];
-    gpu.scoped("shadow pipeline", || {
+    let state = if cutout { "cutout" } else { "opaque" };
+    shader.render_pipeline(gpu, state, &groups, &constants, |layout| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(PASS.name),
-                layout: Some(&layout),
+                layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module: &shader.module,
                     entry_point: Some(if cutout { "vertex" } else { "vertex_opaque" }),

@@ -144,18 +144,19 @@ fn pipeline(
     class: DrawClass,
     constants: &[(&'static str, f64)],
 ) -> Result<wgpu::RenderPipeline, GpuError> {
-    let layout = shader.pipeline_layout(gpu, &[&shared.layouts[0], &shared.layouts[1]])?;
+    let groups = [&shared.layouts[0], &shared.layouts[1]];
     let mut constants = known(shader, constants);
     constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,
         ..Default::default()
     };
-    gpu.scoped("visibility pipeline", || {
+    let state = format!("{class:?}");
+    shader.render_pipeline(gpu, &state, &groups, &constants, |layout| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(PASS.name),
-                layout: Some(&layout),
+                layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module: &shader.module,
                     entry_point: Some("vertex"),

@@ -5,9 +5,30 @@ use std::{
     fs::File,
     io::Read,
     path::{Component, Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
 };
 
 use super::Fault;
+
+/// Every file that was read or looked for while loading, as it was named: links are not followed,
+/// and it need not exist. Clones share one list.
+#[derive(Clone, Debug, Default)]
+pub struct Trail(Arc<Mutex<Vec<PathBuf>>>);
+
+impl Trail {
+    fn add(&self, path: PathBuf) {
+        let mut paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
+
+    /// What was looked at so far.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        paths.clone()
+    }
+}
 
 /// The folders that files may be read from, canonical.
 #[derive(Clone, Debug, Default)]
@@ -15,9 +36,16 @@ pub struct Sandbox {
     roots: Vec<PathBuf>,
     /// Largest file that is read, bytes.
     pub max_file_bytes: u64,
+    trail: Trail,
 }
 
 impl Sandbox {
+    /// The same folders; what is looked for is added to `trail`.
+    pub fn with_trail(self, trail: &Trail) -> Self {
+        let trail = trail.clone();
+        Self { trail, ..self }
+    }
+
     /// Allows everything below `roots`; those that do not exist are left out.
     pub fn new<'a>(roots: impl IntoIterator<Item = &'a Path>, max_file_bytes: u64) -> Self {
         let roots = roots.into_iter().filter_map(|root| {
@@ -31,6 +59,7 @@ impl Sandbox {
         Self {
             roots: roots.collect(),
             max_file_bytes,
+            trail: Trail::default(),
         }
     }
 
@@ -62,6 +91,7 @@ impl Sandbox {
         } else {
             folder
         };
+        let named = folder.join(&name);
         let folder = (folder.canonicalize())
             .map_err(|e| Fault::new("file-not-found", format!("\"{}\": {e}", folder.display())))?;
         let inside = |path: &Path| self.roots.iter().any(|root| path.starts_with(root));
@@ -78,6 +108,7 @@ impl Sandbox {
         if !inside(&path) {
             return Err(escape("leaves the allowed folders"));
         }
+        self.trail.add(named);
         let path = path
             .canonicalize()
             .map_err(|e| Fault::new("file-not-found", format!("\"{shown}\": {e}")))?;

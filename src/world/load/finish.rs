@@ -12,18 +12,24 @@ use crate::{
     world::{Mesh, World},
 };
 
-#[derive(Clone, Copy, Default)]
-struct Needs {
+/// What a mesh needs for its materials.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Needs {
     /// Which texture coordinates a normal map uses.
     tangents_from: Option<u32>,
     uv1: bool,
 }
 
-/// Brings every mesh into the form that its materials need.
-///
-/// # Errors
-/// `internal` where the tangent generator panicked on a mesh.
-pub fn run(world: &mut World) -> Result<(), Vec<Diagnostic>> {
+impl Needs {
+    /// Whether a mesh that was finished for `self` will do for `other`.
+    pub fn cover(self, other: Self) -> bool {
+        let tangents = other.tangents_from.is_none() || other.tangents_from == self.tangents_from;
+        tangents && (self.uv1 || !other.uv1)
+    }
+}
+
+/// What the materials need of each mesh.
+pub fn needs(world: &World) -> Vec<Needs> {
     let mut needs = vec![Needs::default(); world.meshes.len()];
     for instance in &world.instances {
         let material = &world.materials[instance.material];
@@ -40,6 +46,14 @@ pub fn run(world: &mut World) -> Result<(), Vec<Diagnostic>> {
         ];
         need.uv1 |= textures.into_iter().flatten().any(|t| t.uv_set == 1);
     }
+    needs
+}
+
+/// Brings every mesh into the form that its materials need.
+///
+/// # Errors
+/// `internal` where the tangent generator panicked on a mesh.
+pub fn run(world: &mut World, needs: &[Needs]) -> Result<(), Vec<Diagnostic>> {
     let messages: Vec<_> = (world.meshes.par_iter_mut())
         .zip(needs)
         .flat_map_iter(|(mesh, need)| finish(mesh, need))
@@ -54,7 +68,7 @@ pub fn run(world: &mut World) -> Result<(), Vec<Diagnostic>> {
     }
 }
 
-fn finish(mesh: &mut Mesh, need: Needs) -> Vec<Diagnostic> {
+fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
     let mut messages = Vec::new();
     if !need.uv1 {
         mesh.uv1 = Vec::new();

@@ -15,7 +15,7 @@ use crate::{
 
 /// Which image: a file by its canonical path, or an image inside a loaded file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-enum ImageKey {
+pub enum ImageKey {
     File(PathBuf),
     Embedded { loaded: usize, image: usize },
 }
@@ -23,22 +23,22 @@ enum ImageKey {
 /// The images that materials use, each once per color space.
 #[derive(Default)]
 pub struct TextureTable {
-    requests: Vec<TextureRequest>,
+    requests: Vec<(ImageKey, TextureRequest)>,
     indices: HashMap<(ImageKey, bool), usize>,
 }
 
 impl TextureTable {
     fn index(&mut self, key: ImageKey, request: TextureRequest) -> usize {
         let next = self.requests.len();
-        let index = *self.indices.entry((key, request.srgb)).or_insert(next);
+        let index = *(self.indices.entry((key.clone(), request.srgb))).or_insert(next);
         if index == next {
-            self.requests.push(request);
+            self.requests.push((key, request));
         }
         index
     }
 
     /// Leaves the requests that the world's materials use, and points the materials at them.
-    pub fn take_used(&mut self, world: &mut World) -> Vec<TextureRequest> {
+    pub fn take_used(&mut self, world: &mut World) -> Vec<(ImageKey, TextureRequest)> {
         let mut new_index = vec![None; self.requests.len()];
         let mut used = Vec::new();
         for slot in world.materials.iter_mut().flat_map(slots).flatten() {

@@ -1,0 +1,112 @@
+//! Where the window and the watcher leave what the rendering thread should do.
+
+use std::{
+    collections::VecDeque,
+    fs,
+    path::{Path, PathBuf},
+    sync::{Arc, Condvar, Mutex, PoisonError},
+};
+
+use super::facts::{Task, View};
+
+#[derive(Default)]
+struct Inbox {
+    view: Option<View>,
+    tasks: VecDeque<Task>,
+    ends: bool,
+}
+
+/// Where tasks are left for the thread.
+#[derive(Clone, Default)]
+pub struct Desk(Arc<(Mutex<Inbox>, Condvar)>);
+
+impl Desk {
+    fn change(&self, change: impl FnOnce(&mut Inbox)) {
+        change(&mut self.0.0.lock().unwrap_or_else(PoisonError::into_inner));
+        self.0.1.notify_one();
+    }
+
+    /// Asks for a view in place of any before.
+    pub fn show(&self, view: View) {
+        self.change(|inbox| inbox.view = Some(view));
+    }
+
+    /// Asks for a task; the same kind of edit of the same material is done once.
+    pub fn ask(&self, task: Task) {
+        self.change(|inbox| {
+            if let Task::Edit(new) = &task {
+                let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
+                inbox.tasks.retain(|old| !same(old));
+            }
+            inbox.tasks.push_back(task);
+        });
+    }
+
+    /// Tells the thread to end; what was left is not done.
+    pub fn end(&self) {
+        self.change(|inbox| inbox.ends = true);
+    }
+
+    /// Waits for something to do; `None` at the end.
+    pub fn take(&self) -> Option<(Option<View>, VecDeque<Task>)> {
+        let mut inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if inbox.ends {
+                return None;
+            }
+            if inbox.view.is_some() || !inbox.tasks.is_empty() {
+                return Some((inbox.view.take(), std::mem::take(&mut inbox.tasks)));
+            }
+            inbox = self.0.1.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Whether nothing is left to do.
+    pub fn is_empty(&self) -> bool {
+        let inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
+        inbox.view.is_none() && inbox.tasks.is_empty()
+    }
+}
+
+/// The first name that no file has yet: `scene-001.png`.
+pub fn free_name(folder: &Path, stem: &str) -> PathBuf {
+    let name = |number: u32| folder.join(format!("{stem}-{number:03}.png"));
+    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
+    let found = (1..10_000).map(name).find(is_free);
+    found.unwrap_or_else(|| name(10_000))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::app::{preview::facts::Edit, watch::Change};
+
+    #[test]
+    fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
+        let desk = Desk::default();
+        let edit = |material, roughness| {
+            Task::Edit(Edit {
+                material,
+                reflectivity: 0.5,
+                roughness,
+                metallic: 0.0,
+            })
+        };
+        desk.ask(Task::Reload([Change::Scene].into(), Instant::now()));
+        for roughness in [0.1, 0.2, 0.3] {
+            desk.ask(edit(4, roughness));
+            desk.ask(edit(5, 1.0 - roughness));
+        }
+        desk.ask(Task::Judge);
+        let (view, tasks) = desk.take().expect("something to do");
+        assert!(view.is_none() && desk.is_empty());
+        let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
+        assert_eq!(left.len(), 4, "{left:?}");
+        assert!(left[0].starts_with("Reload") && left[3] == "Judge");
+        assert!(left[1].contains("0.3") && left[2].contains("0.7"));
+        desk.end();
+        assert!(desk.take().is_none());
+    }
+}

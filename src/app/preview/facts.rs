@@ -1,0 +1,209 @@
+//! What the window and the rendering thread tell each other.
+
+use std::{path::PathBuf, time::Instant};
+
+use crate::{
+    app::{
+        live::{Live, Problems, Reload},
+        watch::Changes,
+    },
+    bench::metric::Scores,
+    math::Bounds,
+    render::{aov::Aov, stats::FrameStats},
+    scene::{
+        desc::{CameraDesc, Method},
+        diagnostic::Diagnostic,
+    },
+};
+
+use super::canvas::Canvas;
+
+/// What of a frame is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// The finished picture.
+    Picture,
+    /// An intermediate one.
+    Aov(Aov),
+}
+
+impl Look {
+    /// Name in menus.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Aov(aov) => aov.name(),
+        }
+    }
+
+    /// Everything that can be looked at.
+    pub fn all() -> impl Iterator<Item = Self> {
+        std::iter::once(Self::Picture).chain(Aov::ALL.into_iter().map(Self::Aov))
+    }
+}
+
+/// One side of the wipe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    /// How reflections are found.
+    pub method: Method,
+    /// What of the frame.
+    pub look: Look,
+}
+
+/// What the window wants to see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// From where.
+    pub camera: CameraDesc,
+    /// Pixels of the viewport.
+    pub size: [u32; 2],
+    /// The left side, or all of it.
+    pub a: Side,
+    /// The right side of a wipe.
+    pub b: Option<Side>,
+    /// Fewer pixels and one sub-frame while the camera moves.
+    pub draft: bool,
+}
+
+/// A change of a material until the scene is read again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edit {
+    /// Index of the material.
+    pub material: usize,
+    /// Specular reflectance at normal incidence, 0 to 1.
+    pub reflectivity: f32,
+    /// Perceptual roughness, 0 to 1.
+    pub roughness: f32,
+    /// 0 to 1.
+    pub metallic: f32,
+}
+
+/// Something to do once.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// Files changed; since when that is known.
+    Reload(Changes, Instant),
+    /// Change a material.
+    Edit(Edit),
+    /// Compare the left side's method with `rt`.
+    Judge,
+    /// Write the left side's picture.
+    Shot(PathBuf),
+    /// Which material is at this part of the picture, from the top left.
+    Pick([f32; 2]),
+}
+
+/// A material as the panel lists it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name in the scene or file.
+    pub name: String,
+    /// Its numbers.
+    pub edit: Edit,
+    /// How many instances have it.
+    pub uses: usize,
+    /// Around those instances.
+    pub bounds: Bounds,
+}
+
+/// What is known of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facts {
+    /// Name and value of each camera.
+    pub cameras: Vec<(String, CameraDesc)>,
+    /// Parallel to the world's.
+    pub materials: Vec<Row>,
+    /// Around everything.
+    pub bounds: Bounds,
+    /// The scene's own method.
+    pub method: Method,
+    /// The length U, meters.
+    pub unit_m: f32,
+    /// What the frame leaves out.
+    pub dropped: Vec<String>,
+    /// What keeps the newest content from being shown.
+    pub problems: Problems,
+    /// About what is shown.
+    pub warnings: Vec<Diagnostic>,
+}
+
+impl Facts {
+    /// Those of a live scene.
+    pub fn of(live: &Live) -> Self {
+        let world = live.world();
+        let row = |(material, m): (usize, &crate::world::Material)| Row {
+            name: m.name.clone(),
+            edit: Edit {
+                material,
+                reflectivity: m.reflectivity,
+                roughness: m.roughness,
+                metallic: m.metallic,
+            },
+            uses: 0,
+            bounds: Bounds::EMPTY,
+        };
+        let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
+        let mut bounds = Bounds::EMPTY;
+        for instance in &world.instances {
+            let around = world.meshes[instance.mesh].bounds;
+            let around = around.transformed(&instance.world_from_object);
+            let row = &mut materials[instance.material];
+            row.uses += 1;
+            row.bounds = row.bounds.union(around);
+            bounds = bounds.union(around);
+        }
+        let dropped = live.renderer().plan().dropped.iter();
+        Self {
+            cameras: (world.cameras.iter())
+                .map(|entry| (entry.name.clone(), entry.value.clone()))
+                .collect(),
+            materials,
+            bounds,
+            method: live.desc().reflection.method,
+            unit_m: live.renderer().unit_m(),
+            dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
+            problems: live.problems.clone(),
+            warnings: live.warnings.clone(),
+        }
+    }
+}
+
+/// A finished frame.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Counts frames that were drawn.
+    pub number: u64,
+    /// The left side, and the right one of a wipe.
+    pub sides: Vec<(Canvas, FrameStats)>,
+}
+
+/// The left side's method against `rt`.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Of what.
+    pub view: View,
+    /// Whole frame.
+    pub scores: Scores,
+    /// FLIP per pixel.
+    pub heat: Canvas,
+}
+
+/// What the rendering thread has to say.
+#[derive(Clone, Debug)]
+pub enum Report {
+    /// The scene is another.
+    Facts(Box<Facts>),
+    /// A reload, and from the first word of it to the new picture, milliseconds.
+    Reloaded(Reload, f64),
+    /// A frame.
+    Shown(Box<Shown>),
+    /// An error map.
+    Judged(Box<Judged>),
+    /// The material under the pointer.
+    Picked(Option<usize>),
+    /// Something to tell in the status line.
+    Note(String),
+    /// Nothing is left to do.
+    Idle,
+}

@@ -1,0 +1,142 @@
+//! `preview`: a window on a scene that follows its files.
+
+use std::{env, path::PathBuf, sync::Arc};
+
+use eframe::{
+    egui,
+    egui_wgpu::{SurfaceErrorAction, WgpuConfiguration, WgpuSetup, WgpuSetupExisting},
+};
+
+use super::{
+    cli::PreviewArgs,
+    error::{AppError, print_diagnostics},
+    live::{Live, Origin, Wishes},
+};
+use crate::{
+    gpu::{Gpu, GpuOptions},
+    scene::desc::Method,
+};
+
+mod canvas;
+mod desk;
+mod facts;
+mod messages;
+pub mod navigate;
+mod panels;
+mod picture;
+mod plot;
+mod window;
+mod worker;
+
+use facts::Facts;
+use window::Window;
+use worker::Worker;
+
+/// In wgpu's words: a surface was configured while pictures were being drawn. It is tried again.
+const BUSY: &str = "wait for GPU to come idle";
+
+/// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
+fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
+    match status {
+        wgpu::CurrentSurfaceTexture::Occluded | wgpu::CurrentSurfaceTexture::Timeout => {
+            SurfaceErrorAction::SkipFrame
+        }
+        wgpu::CurrentSurfaceTexture::Lost => SurfaceErrorAction::RecreateSurface,
+        _ => SurfaceErrorAction::Reconfigure,
+    }
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// A scene that cannot be shown at first, no usable GPU, no display.
+pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
+    let shots = match &args.screenshots {
+        Some(folder) if folder.is_dir() => folder.clone(),
+        Some(folder) => {
+            let text = format!(
+                "--screenshots {}: there is no such folder",
+                folder.display()
+            );
+            return Err(AppError::Usage(text));
+        }
+        None => env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
+    };
+    let gpu = Arc::new(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?);
+    let origin = Origin {
+        path: args.scene.clone(),
+        from: args.from.clone(),
+        shaders: args.shaders.clone(),
+    };
+    let wishes = Wishes {
+        size: Some([64, 64]),
+        method: args.method.map(Method::from),
+        samples: Some(1),
+    };
+    let live = Live::open(gpu.clone(), origin, wishes)?;
+    print_diagnostics(&live.warnings);
+    let facts = Facts::of(&live);
+    let method = args.method.map_or(facts.method, Method::from);
+    let camera = choose_camera(&facts, args.camera.as_deref())?;
+    let stem = args.scene.as_deref().and_then(|path| path.file_stem());
+    let stem = stem.map_or("atrium".to_owned(), |stem| {
+        stem.to_string_lossy().into_owned()
+    });
+    let title = format!("{stem} – Reflet on {}", gpu.adapter_info.name);
+    let [width, height] = args.size.unwrap_or([1280, 800]).map(|side| side as f32);
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title(&title)
+            .with_inner_size([width, height]),
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::Existing(WgpuSetupExisting {
+                instance: gpu.instance.clone(),
+                adapter: gpu.adapter.clone(),
+                device: gpu.device.clone(),
+                queue: gpu.queue.clone(),
+            }),
+            on_surface_status: Arc::new(on_surface_status),
+            ..WgpuConfiguration::default()
+        },
+        ..eframe::NativeOptions::default()
+    };
+    // Renderer commands are checked where they are made; what arrives here is about the window,
+    // which repairs its surface by itself, and must not end the rendering.
+    (gpu.device).on_uncaptured_error(Arc::new(|error| {
+        let text = error.to_string();
+        if !text.contains(BUSY) {
+            eprintln!("warning: the window: {text}");
+        }
+    }));
+    let create = move |context: &eframe::CreationContext<'_>| {
+        context.egui_ctx.set_theme(egui::Theme::Dark);
+        let repaint = context.egui_ctx.clone();
+        let worker = Worker::start(gpu, live, move || repaint.request_repaint());
+        let window = Window::new(worker, facts, method, camera, (shots, stem));
+        Ok(Box::new(window) as Box<dyn eframe::App>)
+    };
+    eframe::run_native(&title, options, Box::new(create)).map_err(|error| {
+        AppError::Internal(format!(
+            "no window can be opened: {error}; `reflet render` needs none"
+        ))
+    })
+}
+
+/// Index of the named camera; without a name `main`, else the first.
+fn choose_camera(facts: &Facts, name: Option<&str>) -> Result<usize, AppError> {
+    let place = |name: &str| facts.cameras.iter().position(|(known, _)| known == name);
+    match name {
+        None => Ok(place("main").unwrap_or(0)),
+        Some(name) => place(name).ok_or_else(|| {
+            let known: Vec<&str> = facts
+                .cameras
+                .iter()
+                .map(|(name, _)| name.as_str())
+                .collect();
+            let known = known.join(", ");
+            AppError::Usage(format!("--camera {name}: the scene has: {known}"))
+        }),
+    }
+}

@@ -1,0 +1,279 @@
+//! Moving the camera: orbit, pan, dolly, look around, fly, frame; and the camera as scene text.
+
+use std::fmt::Write as _;
+
+use glam::{Quat, Vec2, Vec3};
+
+use crate::{math::Bounds, scene::desc::CameraDesc};
+
+/// Closest that the view may come to straight up or down, radians.
+const POLE: f32 = 0.02;
+/// Radians that a drag over the picture's height turns.
+const TURN: f32 = std::f32::consts::PI;
+/// Part of the distance to the target that a notch of the wheel goes.
+const NOTCH: f32 = 0.12;
+
+/// A camera that a person moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Navigator {
+    /// Where it is.
+    pub camera: CameraDesc,
+    /// How fast it flies, meters a second.
+    pub speed_m: f32,
+    /// Diagonal of the scene, meters: what speeds and distances are measured by.
+    scale_m: f32,
+}
+
+impl Navigator {
+    /// Starts at a camera of a scene of this size.
+    pub fn new(camera: CameraDesc, bounds: &Bounds) -> Self {
+        let scale_m = scale_of(bounds);
+        Self {
+            camera,
+            speed_m: scale_m / 8.0,
+            scale_m,
+        }
+    }
+
+    /// Takes over the size of a scene that was read again; camera and speed stay.
+    pub fn rescale(&mut self, bounds: &Bounds) {
+        self.scale_m = scale_of(bounds);
+    }
+
+    fn forward(&self) -> Vec3 {
+        (self.camera.target - self.camera.eye).normalize_or(Vec3::NEG_Z)
+    }
+
+    fn up(&self) -> Vec3 {
+        self.camera.up.normalize_or(Vec3::Y)
+    }
+
+    fn right(&self) -> Vec3 {
+        let forward = self.forward();
+        let side = forward.cross(self.up());
+        side.try_normalize()
+            .unwrap_or_else(|| forward.any_orthonormal_vector())
+    }
+
+    fn distance(&self) -> f32 {
+        self.camera.eye.distance(self.camera.target)
+    }
+
+    /// The view direction after turning by a drag, given as a part of the picture's height.
+    fn turned(&self, drag: Vec2) -> Vec3 {
+        let forward = self.forward();
+        let elevation = forward.dot(self.up()).clamp(-1.0, 1.0).asin();
+        let most = std::f32::consts::FRAC_PI_2 - POLE;
+        let wanted = (elevation - drag.y * TURN).clamp(-most, most);
+        let pitch = Quat::from_axis_angle(self.right(), wanted - elevation);
+        Quat::from_axis_angle(self.up(), -drag.x * TURN) * (pitch * forward)
+    }
+
+    /// Circles around the target.
+    pub fn orbit(&mut self, drag: Vec2) {
+        let forward = self.turned(drag);
+        self.camera.eye = self.camera.target - forward * self.distance();
+    }
+
+    /// Turns on the spot.
+    pub fn look(&mut self, drag: Vec2) {
+        let forward = self.turned(drag);
+        self.camera.target = self.camera.eye + forward * self.distance();
+    }
+
+    /// Moves sideways, so that what is at the target's distance stays under the pointer.
+    pub fn pan(&mut self, drag: Vec2) {
+        let right = self.right();
+        let up = right.cross(self.forward());
+        let height = 2.0 * self.distance() * (self.camera.fov_deg.to_radians() * 0.5).tan();
+        self.shift((up * drag.y - right * drag.x) * height);
+    }
+
+    fn shift(&mut self, by: Vec3) {
+        self.camera.eye += by;
+        self.camera.target += by;
+    }
+
+    /// Goes towards the target, or away from it; never through it.
+    pub fn dolly(&mut self, notches: f32) {
+        let least = (self.scale_m * 1e-4).max(2.0 * self.camera.near_m);
+        let distance = (self.distance() * (-notches * NOTCH).exp()).max(least);
+        self.camera.eye = self.camera.target - self.forward() * distance;
+    }
+
+    /// Flies for `seconds` along right, up and forward, each -1 to 1.
+    pub fn fly(&mut self, direction: Vec3, seconds: f32) {
+        let (right, forward) = (self.right(), self.forward());
+        let along = right * direction.x + self.up() * direction.y + forward * direction.z;
+        self.shift(along.normalize_or_zero() * self.speed_m * seconds);
+    }
+
+    /// Changes the speed by notches of the wheel.
+    pub fn change_speed(&mut self, notches: f32) {
+        let range = (self.scale_m * 1e-4, self.scale_m * 10.0);
+        self.speed_m = (self.speed_m * (notches * 0.2).exp()).clamp(range.0, range.1);
+    }
+
+    /// Keeps the direction and goes where all of `bounds` is seen.
+    pub fn frame(&mut self, bounds: &Bounds, aspect: f32) {
+        if bounds.is_empty() {
+            return;
+        }
+        let radius = (bounds.diagonal() * 0.5).max(self.scale_m * 1e-4);
+        let half = self.camera.fov_deg.to_radians() * 0.5;
+        let narrow = half.min((half.tan() * aspect).atan());
+        let forward = self.forward();
+        self.camera.target = bounds.center();
+        self.camera.eye = self.camera.target - forward * (1.1 * radius / narrow.sin());
+    }
+}
+
+fn scale_of(bounds: &Bounds) -> f32 {
+    let diagonal = bounds.diagonal();
+    if diagonal > 0.0 { diagonal } else { 1.0 }
+}
+
+/// A camera as it is written in a scene.
+pub fn as_text(name: &str, camera: &CameraDesc) -> String {
+    let defaults = CameraDesc::default();
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let name = if !name.is_empty() && name.chars().all(is_bare) {
+        name.to_owned()
+    } else {
+        format!("{:?}", name.replace(|c: char| c.is_control(), " "))
+    };
+    let mut text = format!(
+        "[camera.{name}]\neye = {}\ntarget = {}\n",
+        vector(camera.eye),
+        vector(camera.target)
+    );
+    // Writing to a string cannot fail.
+    if camera.up != defaults.up {
+        let _ = writeln!(text, "up = {}", vector(camera.up));
+    }
+    let _ = writeln!(text, "fov_deg = {}", number(camera.fov_deg));
+    if camera.near_m != defaults.near_m {
+        let _ = writeln!(text, "near_m = {}", camera.near_m);
+    }
+    text
+}
+
+fn vector(v: Vec3) -> String {
+    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
+}
+
+/// To a tenth of a millimeter, without trailing zeros.
+fn number(v: f32) -> String {
+    let text = format!("{v:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scene::parse;
+
+    fn navigator() -> Navigator {
+        let bounds = Bounds {
+            min: Vec3::splat(-1.0),
+            max: Vec3::splat(1.0),
+        };
+        Navigator::new(CameraDesc::default(), &bounds)
+    }
+
+    #[test]
+    fn orbiting_keeps_the_distance_and_never_tips_over() {
+        let mut nav = navigator();
+        let distance = nav.distance();
+        for i in 0..200 {
+            nav.orbit(Vec2::new(0.03, if i % 70 < 40 { 0.05 } else { -0.05 }));
+            assert!((nav.distance() - distance).abs() < 1e-3 * distance);
+            assert!(nav.forward().dot(nav.up()).abs() < 1.0);
+            assert_eq!(nav.camera.target, Vec3::ZERO);
+        }
+    }
+
+    #[test]
+    fn looking_keeps_the_eye_and_panning_the_direction() {
+        let mut nav = navigator();
+        let eye = nav.camera.eye;
+        nav.look(Vec2::new(0.25, -0.1));
+        assert_eq!(nav.camera.eye, eye);
+        let forward = nav.forward();
+        nav.pan(Vec2::new(0.5, 0.5));
+        assert!(nav.forward().distance(forward) < 1e-5 && nav.camera.eye != eye);
+    }
+
+    #[test]
+    fn the_wheel_comes_close_but_not_through() {
+        let mut nav = navigator();
+        let forward = nav.forward();
+        nav.dolly(1000.0);
+        assert!(nav.distance() > 0.0 && nav.forward().distance(forward) < 1e-3);
+        nav.dolly(-10.0);
+        assert!(nav.distance() > 2.0 * nav.camera.near_m);
+    }
+
+    #[test]
+    fn flying_goes_at_its_speed_whatever_the_keys() {
+        let mut nav = navigator();
+        let eye = nav.camera.eye;
+        nav.fly(Vec3::new(1.0, 0.0, 1.0), 0.5);
+        assert!((nav.camera.eye.distance(eye) - 0.5 * nav.speed_m).abs() < 1e-4);
+        nav.change_speed(1e6);
+        assert!(nav.speed_m.is_finite());
+    }
+
+    #[test]
+    fn framing_sees_all_corners() {
+        let mut nav = navigator();
+        let bounds = Bounds {
+            min: Vec3::new(3.0, -2.0, 1.0),
+            max: Vec3::new(4.0, 5.0, 9.0),
+        };
+        let half = (nav.camera.fov_deg.to_radians() * 0.5).tan();
+        for aspect in [0.5, 1.0, 2.0] {
+            nav.frame(&bounds, aspect);
+            for i in 0..8 {
+                let pick = |bit: u32| {
+                    if i >> bit & 1 == 0 {
+                        bounds.min
+                    } else {
+                        bounds.max
+                    }
+                };
+                let corner = Vec3::new(pick(0).x, pick(1).y, pick(2).z) - nav.camera.eye;
+                let depth = corner.dot(nav.forward());
+                let side = corner.dot(nav.right()).abs();
+                assert!(depth > 0.0 && side <= depth * half * aspect, "{aspect}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_copied_camera_reads_back() {
+        let mut camera = CameraDesc {
+            up: Vec3::Z,
+            fov_deg: 33.3333,
+            near_m: 0.0025,
+            ..CameraDesc::default()
+        };
+        camera.eye = Vec3::new(-0.000_01, 12.345_67, 1e3);
+        for name in ["main", "my \"best\" view"] {
+            let text = format!("version = 1\n{}", as_text(name, &camera));
+            let (desc, _) = parse::parse(&text, Path::new("copied.toml"), &[]).expect(&text);
+            assert_eq!(desc.cameras[0].name, name);
+            let read = &desc.cameras[0].value;
+            assert!(read.eye.distance(camera.eye) < 2e-4 && read.up == camera.up);
+            assert!((read.fov_deg - camera.fov_deg).abs() < 1e-4);
+            assert_eq!(read.near_m, camera.near_m);
+        }
+    }
+}

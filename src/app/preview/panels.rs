@@ -1,0 +1,305 @@
+//! The panels: what can be chosen, what a frame cost, where its reflections came from, materials.
+//! They draw what they are given and say what was asked for.
+
+use std::collections::VecDeque;
+
+use eframe::egui::{self, Ui};
+
+use super::{
+    facts::{Edit, Facts, Judged, Look, Side},
+    plot,
+};
+use crate::{render::stats::FrameStats, scene::desc::Method};
+
+/// Methods with their names.
+pub const METHODS: [(Method, &str); 3] = [
+    (Method::Hybrid, "hybrid"),
+    (Method::Ssr, "ssr"),
+    (Method::Rt, "rt"),
+];
+
+/// What was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// Look through the scene's camera of this index.
+    Through(usize),
+    /// Frame the selection or the scene.
+    Frame,
+    /// Copy the camera.
+    Copy,
+    /// Compare with `rt`.
+    Judge,
+    /// Write a picture.
+    Shot,
+    /// Change a material.
+    Edit(Edit),
+}
+
+/// What a person has chosen.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// The left side.
+    pub a: Side,
+    /// The right side.
+    pub b: Side,
+    /// Whether there are two sides.
+    pub wipe: bool,
+    /// Where the line between them is, 0 to 1.
+    pub wipe_at: f32,
+    /// Index of the selected material.
+    pub material: Option<usize>,
+    /// Index of the scene's camera that is looked through; `None` once it was moved.
+    pub through: Option<usize>,
+    /// Whether the list of keys is open.
+    pub help: bool,
+    /// Whether the error map is shown in place of the picture.
+    pub heat: bool,
+}
+
+impl Choice {
+    /// At first: the picture by one method.
+    pub fn new(method: Method) -> Self {
+        let side = |method| Side {
+            method,
+            look: Look::Picture,
+        };
+        Self {
+            a: side(method),
+            b: side(if method == Method::Rt {
+                Method::Hybrid
+            } else {
+                Method::Rt
+            }),
+            wipe: false,
+            wipe_at: 0.5,
+            material: None,
+            through: None,
+            help: false,
+            heat: false,
+        }
+    }
+}
+
+fn method_name(method: Method) -> &'static str {
+    METHODS
+        .iter()
+        .find(|(m, _)| *m == method)
+        .map_or("?", |(_, name)| name)
+}
+
+fn side_menu(ui: &mut Ui, id: &str, side: &mut Side) {
+    for (method, name) in METHODS {
+        ui.selectable_value(&mut side.method, method, name);
+    }
+    let label = ui.weak("shows");
+    let menu = egui::ComboBox::from_id_salt(id)
+        .selected_text(side.look.name())
+        .width(104.0)
+        .height(360.0)
+        .show_ui(ui, |ui| {
+            for look in Look::all() {
+                ui.selectable_value(&mut side.look, look, look.name());
+            }
+        });
+    menu.response.labelled_by(label.id);
+}
+
+/// The row above the picture.
+pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+    ui.horizontal_wrapped(|ui| {
+        side_menu(ui, "texture", &mut choice.a);
+        ui.separator();
+        ui.checkbox(&mut choice.wipe, "wipe")
+            .on_hover_text("B: compare with another method or texture");
+        if choice.wipe {
+            side_menu(ui, "texture of the right side", &mut choice.b);
+        }
+        ui.separator();
+        let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
+        let shown = choice.through.and_then(name).unwrap_or("free camera");
+        let label = ui.weak("camera");
+        let menu = egui::ComboBox::from_id_salt("camera")
+            .selected_text(shown)
+            .show_ui(ui, |ui| {
+                for (index, (name, _)) in facts.cameras.iter().enumerate() {
+                    if ui
+                        .selectable_label(choice.through == Some(index), name)
+                        .clicked()
+                    {
+                        wishes.push(Wish::Through(index));
+                    }
+                }
+            });
+        menu.response.labelled_by(label.id);
+        let mut button = |ui: &mut Ui, text: &str, hover: &str, wish: Wish| {
+            if ui.button(text).on_hover_text(hover).clicked() {
+                wishes.push(wish);
+            }
+        };
+        button(
+            ui,
+            "frame",
+            "F: show the selection, or the scene",
+            Wish::Frame,
+        );
+        button(ui, "copy camera", "C: as scene text", Wish::Copy);
+        button(ui, "error", "X: this method against rt", Wish::Judge);
+        button(ui, "screenshot", "F12: write a PNG file", Wish::Shot);
+        if ui.button("keys").on_hover_text("H").clicked() {
+            choice.help = !choice.help;
+        }
+    });
+}
+
+/// Times of the passes: now as bars, lately as a line.
+pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<f32>) {
+    egui::CollapsingHeader::new("Passes")
+        .default_open(true)
+        .show(ui, |ui| {
+            let most = stats
+                .passes_ms
+                .iter()
+                .map(|(_, ms)| *ms)
+                .fold(1e-6, f64::max);
+            egui::Grid::new("passes")
+                .num_columns(3)
+                .striped(true)
+                .show(ui, |ui| {
+                    for (name, ms) in &stats.passes_ms {
+                        ui.label(name);
+                        ui.monospace(format!("{ms:9.3} ms"));
+                        plot::bar(ui, (*ms / most) as f32, plot::ACCENT);
+                        ui.end_row();
+                    }
+                    ui.strong("frame");
+                    ui.monospace(format!("{:9.3} ms", stats.frame_ms));
+                    ui.end_row();
+                });
+            if stats.passes_ms.is_empty() {
+                ui.weak("this adapter has no timestamps");
+            }
+            plot::line(ui, history, "frame, ms");
+            let pixels = format!("{} × {}", stats.size[0], stats.size[1]);
+            ui.weak(format!(
+                "{pixels}, samples {}, {} rays",
+                stats.samples, stats.rays
+            ));
+        });
+}
+
+/// Where reflections came from, and why.
+pub fn shares(ui: &mut Ui, stats: &FrameStats) {
+    egui::CollapsingHeader::new("Reflections")
+        .default_open(true)
+        .show(ui, |ui| {
+            let shares = &stats.shares;
+            if shares.reflective == 0 {
+                ui.weak("no reflective pixels");
+                return;
+            }
+            let part = 100.0 * shares.reflective as f64 / shares.pixels.max(1) as f64;
+            ui.weak(format!("{part:.1} % of the picture reflects"));
+            plot::shares(ui, &shares.sources);
+            egui::Grid::new("causes")
+                .num_columns(3)
+                .striped(true)
+                .show(ui, |ui| {
+                    for cause in shares.causes.iter().filter(|cause| cause.pixels > 0) {
+                        ui.label(cause.name);
+                        ui.monospace(format!("{:5.1} %", cause.percent));
+                        plot::bar(
+                            ui,
+                            (cause.percent / 100.0) as f32,
+                            plot::cause_color(cause.name),
+                        );
+                        ui.end_row();
+                    }
+                });
+        });
+}
+
+/// The last comparison with `rt`.
+pub fn judged(ui: &mut Ui, judged: Option<&Judged>, is_old: bool, choice: &mut Choice) {
+    let Some(judged) = judged else { return };
+    egui::CollapsingHeader::new("Error against rt")
+        .default_open(true)
+        .show(ui, |ui| {
+            let scores = &judged.scores;
+            let ssim = scores
+                .ssim
+                .map_or("–".to_owned(), |ssim| format!("{ssim:.4}"));
+            egui::Grid::new("scores")
+                .num_columns(2)
+                .striped(true)
+                .show(ui, |ui| {
+                    for (name, value) in [
+                        ("method", method_name(judged.view.a.method).to_owned()),
+                        ("SSIM", ssim),
+                        ("FLIP mean", format!("{:.4}", scores.flip_mean)),
+                        ("FLIP 99 %", format!("{:.4}", scores.flip_p99)),
+                        ("PSNR", format!("{:.1} dB", scores.psnr_db)),
+                    ] {
+                        ui.label(name);
+                        ui.monospace(value);
+                        ui.end_row();
+                    }
+                });
+            ui.checkbox(&mut choice.heat, "show where (FLIP)");
+            if is_old {
+                ui.weak("of an earlier view; X compares again");
+            }
+        });
+}
+
+/// The list of materials, and the numbers of the selected one.
+pub fn materials(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+    egui::CollapsingHeader::new("Materials")
+        .default_open(true)
+        .show(ui, |ui| {
+            egui::ScrollArea::vertical()
+                .id_salt("materials")
+                .max_height(180.0)
+                .show(ui, |ui| {
+                    for row in &facts.materials {
+                        let index = row.edit.material;
+                        let text = format!("{}  ×{}", row.name, row.uses);
+                        if ui
+                            .selectable_label(choice.material == Some(index), text)
+                            .clicked()
+                        {
+                            choice.material = (choice.material != Some(index)).then_some(index);
+                        }
+                    }
+                });
+            let selected = choice.material.and_then(|index| facts.materials.get(index));
+            let Some(row) = selected else {
+                ui.weak("click one here or in the picture");
+                return;
+            };
+            let mut edit = row.edit;
+            let mut slider = |value: &mut f32, text: &str| {
+                ui.add(
+                    egui::Slider::new(value, 0.0..=1.0)
+                        .text(text)
+                        .max_decimals(3),
+                );
+            };
+            slider(&mut edit.reflectivity, "reflectivity");
+            slider(&mut edit.roughness, "roughness");
+            slider(&mut edit.metallic, "metallic");
+            if edit != row.edit {
+                wishes.push(Wish::Edit(edit));
+            }
+            if ui.button("copy as scene text").clicked() {
+                ui.ctx().copy_text(format!(
+                    "reflectivity = {}\nroughness = {}\nmetallic = {}\n",
+                    edit.reflectivity, edit.roughness, edit.metallic
+                ));
+            }
+            ui.weak("until the scene is saved again");
+        });
+}
+
+#[cfg(test)]
+#[path = "panels_tests.rs"]
+mod tests;

@@ -1,0 +1,311 @@
+//! The window: turns pointer and keys into a view, shows what comes back, and draws only when
+//! something changed.
+
+use std::{
+    collections::{HashMap, VecDeque},
+    path::PathBuf,
+    sync::mpsc::TryRecvError,
+};
+
+use eframe::egui::{self, Key, Ui};
+
+use crate::scene::desc::Method;
+
+use super::{
+    desk::free_name,
+    facts::{Facts, Judged, Report, Shown, Task, View},
+    messages,
+    navigate::{Navigator, as_text},
+    panels::{self, Choice, METHODS, Wish},
+    worker::Worker,
+};
+
+/// How long the camera must rest before the full picture is drawn, seconds.
+const SETTLE_S: f64 = 0.15;
+/// Frames in the plot.
+const HISTORY: usize = 120;
+
+/// The application.
+pub struct Window {
+    pub(super) worker: Worker,
+    pub(super) facts: Facts,
+    pub(super) choice: Choice,
+    pub(super) navigator: Navigator,
+    pub(super) shown: Option<Shown>,
+    pub(super) judged: Option<Judged>,
+    history: VecDeque<f32>,
+    /// Registered textures by the number of their canvas.
+    pub(super) textures: HashMap<u64, egui::TextureId>,
+    /// The view that was last asked for.
+    asked: Option<View>,
+    /// When the camera moved last, seconds.
+    moved_at: f64,
+    pub(super) note: String,
+    is_busy: bool,
+    pub(super) viewport: [u32; 2],
+    shots: PathBuf,
+    stem: String,
+}
+
+impl Window {
+    /// A window over a scene that shows `method` through the scene's camera of this index at first,
+    /// and writes pictures of this stem into this folder.
+    pub fn new(
+        worker: Worker,
+        facts: Facts,
+        method: Method,
+        camera: usize,
+        (shots, stem): (PathBuf, String),
+    ) -> Self {
+        let mut choice = Choice::new(method);
+        choice.through = Some(camera);
+        let start = facts.cameras.get(camera);
+        let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
+        Self {
+            navigator: Navigator::new(start, &facts.bounds),
+            worker,
+            facts,
+            choice,
+            shown: None,
+            judged: None,
+            history: VecDeque::new(),
+            textures: HashMap::new(),
+            asked: None,
+            moved_at: f64::NEG_INFINITY,
+            note: String::new(),
+            is_busy: false,
+            viewport: [0, 0],
+            shots,
+            stem,
+        }
+    }
+
+    fn receive(&mut self) {
+        loop {
+            match self.worker.reports.try_recv() {
+                Ok(Report::Facts(facts)) => self.take_facts(*facts),
+                Ok(Report::Shown(shown)) => {
+                    self.history
+                        .extend(shown.sides.first().map(|(_, s)| s.frame_ms as f32));
+                    if self.history.len() > HISTORY {
+                        self.history.pop_front();
+                    }
+                    self.shown = Some(*shown);
+                }
+                Ok(Report::Reloaded(reload, ms)) => {
+                    let cpu = reload.took.as_secs_f64() * 1e3;
+                    self.note = if reload.ok {
+                        format!(
+                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
+                        )
+                    } else {
+                        "saved with a mistake".to_owned()
+                    };
+                }
+                Ok(Report::Judged(judged)) => {
+                    self.judged = Some(*judged);
+                    self.choice.heat = true;
+                }
+                Ok(Report::Picked(material)) => self.choice.material = material,
+                Ok(Report::Note(note)) => self.note = note,
+                Ok(Report::Idle) => self.is_busy = false,
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.note = "the renderer stopped; start the preview again".to_owned();
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Takes over a scene that was read again: camera and selection stay, by name.
+    fn take_facts(&mut self, facts: Facts) {
+        let material = self
+            .choice
+            .material
+            .and_then(|i| self.facts.materials.get(i));
+        self.choice.material =
+            material.and_then(|old| facts.materials.iter().position(|new| new.name == old.name));
+        let camera = self.choice.through.and_then(|i| self.facts.cameras.get(i));
+        let camera =
+            camera.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
+        self.choice.through = camera;
+        if let Some(index) = camera {
+            // One that was not moved by hand follows the scene.
+            self.navigator.camera = facts.cameras[index].1.clone();
+        }
+        self.navigator.rescale(&facts.bounds);
+        if facts.method != self.facts.method {
+            self.choice.a.method = facts.method;
+        }
+        self.facts = facts;
+    }
+
+    pub(super) fn ask(&mut self, task: Task) {
+        self.is_busy = true;
+        self.worker.desk.ask(task);
+    }
+
+    fn keys(&mut self, ui: &Ui, wishes: &mut Vec<Wish>) {
+        if ui.ctx().egui_wants_keyboard_input() {
+            return;
+        }
+        let closes = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, Key::Q);
+        if ui.input_mut(|i| i.consume_shortcut(&closes)) {
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+        let pressed = |key| ui.input(|i| i.key_pressed(key) && i.modifiers.is_none());
+        for (key, (method, _)) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
+            if pressed(key) {
+                self.choice.a.method = method;
+            }
+        }
+        for (key, wish) in [
+            (Key::F, Wish::Frame),
+            (Key::C, Wish::Copy),
+            (Key::X, Wish::Judge),
+            (Key::F12, Wish::Shot),
+            (Key::R, Wish::Through(self.choice.through.unwrap_or(0))),
+        ] {
+            if pressed(key) {
+                wishes.push(wish);
+            }
+        }
+        if pressed(Key::B) {
+            self.choice.wipe = !self.choice.wipe;
+        }
+        if pressed(Key::H) {
+            self.choice.help = !self.choice.help;
+        }
+        if pressed(Key::Escape) {
+            self.choice.help = false;
+            self.choice.heat = false;
+        }
+    }
+
+    fn grant(&mut self, ui: &Ui, wishes: Vec<Wish>) {
+        for wish in wishes {
+            match wish {
+                Wish::Through(index) => {
+                    if let Some((_, camera)) = self.facts.cameras.get(index) {
+                        self.navigator.camera = camera.clone();
+                        self.choice.through = Some(index);
+                    }
+                }
+                Wish::Frame => {
+                    let row = self
+                        .choice
+                        .material
+                        .and_then(|i| self.facts.materials.get(i));
+                    let bounds = row.map_or(self.facts.bounds, |row| row.bounds);
+                    let [width, height] = self.viewport.map(|side| side.max(1) as f32);
+                    self.navigator.frame(&bounds, width / height);
+                    self.choice.through = None;
+                }
+                Wish::Copy => {
+                    ui.ctx()
+                        .copy_text(as_text("copied", &self.navigator.camera));
+                    self.note = "the camera is in the clipboard, as scene text".to_owned();
+                }
+                Wish::Judge => self.ask(Task::Judge),
+                Wish::Shot => self.ask(Task::Shot(free_name(&self.shots, &self.stem))),
+                Wish::Edit(edit) => {
+                    if let Some(row) = self.facts.materials.get_mut(edit.material) {
+                        row.edit = edit;
+                    }
+                    self.ask(Task::Edit(edit));
+                }
+            }
+        }
+    }
+
+    /// Asks for the view, if it is another than before.
+    fn ask_view(&mut self, ui: &Ui, moved: bool) {
+        let now = ui.input(|i| i.time);
+        if moved {
+            self.moved_at = now;
+            self.choice.through = None;
+            self.choice.heat = false;
+        }
+        let rests = now - self.moved_at >= SETTLE_S;
+        if !rests {
+            let wait = SETTLE_S - (now - self.moved_at) + 0.01;
+            ui.ctx().request_repaint_after_secs(wait as f32);
+        }
+        let view = View {
+            camera: self.navigator.camera.clone(),
+            size: self.viewport,
+            a: self.choice.a,
+            b: self.choice.wipe.then_some(self.choice.b),
+            draft: !rests,
+        };
+        // A minimized window has no pixels: nothing is asked for.
+        if view.size.iter().all(|side| *side > 0) && self.asked.as_ref() != Some(&view) {
+            self.is_busy = true;
+            self.worker.desk.show(view.clone());
+            self.asked = Some(view);
+        }
+    }
+
+    fn status(&self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let number = self.shown.as_ref().map_or(0, |shown| shown.number);
+            if self.is_busy {
+                ui.label(format!("drawing after frame {number} …"));
+            } else {
+                ui.label(format!("still: nothing changed since frame {number}"));
+            }
+            ui.separator();
+            ui.weak(&self.note);
+        });
+    }
+
+    fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        egui::ScrollArea::vertical().show(ui, |ui| {
+            if let Some((_, stats)) = self.shown.as_ref().and_then(|shown| shown.sides.first()) {
+                panels::shares(ui, stats);
+                panels::times(ui, stats, &self.history);
+            }
+            let is_old = match (&self.judged, &self.asked) {
+                (Some(Judged { view: then, .. }), Some(now)) => {
+                    then.camera != now.camera || then.a != now.a
+                }
+                _ => false,
+            };
+            panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
+            panels::materials(ui, &mut self.choice, &self.facts, wishes);
+            messages::scene(ui, &self.facts);
+            egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
+                ui.monospace(as_text("copied", &self.navigator.camera));
+            });
+        });
+    }
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.receive();
+        let mut wishes = Vec::new();
+        self.keys(ui, &mut wishes);
+        egui::Panel::top("bar").show(ui, |ui| {
+            ui.add_space(3.0);
+            panels::bar(ui, &mut self.choice, &self.facts, &mut wishes);
+            ui.add_space(2.0);
+        });
+        egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        egui::Panel::right("side")
+            .resizable(false)
+            .exact_size(300.0)
+            .show(ui, |ui| self.side_panel(ui, &mut wishes));
+        let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
+        let mut is_open = self.choice.help;
+        egui::Window::new("Keys")
+            .open(&mut is_open)
+            .resizable(false)
+            .collapsible(false)
+            .show(ui.ctx(), messages::help);
+        self.choice.help &= is_open;
+        self.grant(ui, wishes);
+        self.ask_view(ui, central.inner);
+    }
+}

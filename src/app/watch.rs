@@ -1,0 +1,394 @@
+//! Watches the files that a scene was read from and says which kind of them has new content.
+//!
+//! Folders are watched, not files: editors save by renaming another file over the old one, and a
+//! watch on a file would die with it. An event only says where to look; the hash of the content
+//! decides. A file's hash is taken before anybody reads the file again, so a save that comes while
+//! it is read is seen as another change.
+
+use std::{
+    collections::{BTreeSet, HashMap},
+    fs::{self, File},
+    io::{self, Read as _},
+    path::{Component, Path, PathBuf},
+    sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
+    thread,
+    time::{Duration, Instant, SystemTime},
+};
+
+use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use sha2::{Digest as _, Sha256};
+
+/// What has new content.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Change {
+    /// A shader, or its folder gained or lost one.
+    Shader,
+    /// A model, buffer, image or stage.
+    Asset,
+    /// The scene text.
+    Scene,
+}
+
+/// The kinds of files that changed together.
+pub type Changes = BTreeSet<Change>;
+
+/// What to watch.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct WatchList {
+    /// Files that were read or looked for, as they were named; they need not exist.
+    pub files: Vec<(PathBuf, Change)>,
+    /// Folders of shaders.
+    pub shader_folders: Vec<PathBuf>,
+}
+
+/// An event is acted on after this long without another…
+const QUIET: Duration = Duration::from_millis(10);
+/// …but never later than this after the first.
+const MOST_WAIT: Duration = Duration::from_millis(30);
+/// How often folders that do not exist are looked for.
+const RETRY: Duration = Duration::from_millis(250);
+/// Clocks of file systems tick this coarsely.
+const CLOCK_TICK: Duration = Duration::from_millis(50);
+/// Links in a row before a path is given up; as in Linux.
+const MOST_LINKS: u32 = 40;
+
+enum Message {
+    Event(notify::Result<notify::Event>),
+    Watch(WatchList, SystemTime),
+    Stop,
+}
+
+/// A thread that watches until it is dropped.
+#[derive(Debug)]
+pub struct Watcher {
+    messages: Sender<Message>,
+    thread: Option<thread::JoinHandle<()>>,
+}
+
+impl Watcher {
+    /// Starts watching nothing; `report` is called from the watching thread
+    /// with what changed and when the first word of it came.
+    ///
+    /// # Errors
+    /// When the system gives no watch, such as when its limit is reached.
+    pub fn new(report: impl Fn(Changes, Instant) + Send + 'static) -> Result<Self, String> {
+        let (messages, inbox) = mpsc::channel();
+        let events = messages.clone();
+        let system = notify::recommended_watcher(move |event| {
+            // Nobody listens any more while the program ends.
+            let _ = events.send(Message::Event(event));
+        })
+        .map_err(|error| format!("files cannot be watched: {error}"))?;
+        let watching = Watching {
+            system,
+            folders: HashMap::new(),
+            shader_folders: Vec::new(),
+            files: HashMap::new(),
+        };
+        let thread = thread::Builder::new()
+            .name("watch".into())
+            .spawn(move || watching.run(&inbox, &report))
+            .map_err(|error| format!("files cannot be watched: {error}"))?;
+        Ok(Self {
+            messages,
+            thread: Some(thread),
+        })
+    }
+
+    /// Watches these from now on in place of those before. `read_since` is when reading them
+    /// began: a file that is new here and was written since then counts as changed.
+    pub fn watch(&self, list: WatchList, read_since: SystemTime) {
+        // A thread that ended has nothing left to watch for.
+        let _ = self.messages.send(Message::Watch(list, read_since));
+    }
+}
+
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        let _ = self.messages.send(Message::Stop);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+type Hash = [u8; 32];
+
+struct Watched {
+    change: Change,
+    /// `None` where it cannot be read.
+    hash: Option<Hash>,
+    /// Every place whose change may change what the name means: itself and the links on its way.
+    places: Vec<PathBuf>,
+}
+
+/// The state of the watching thread.
+struct Watching {
+    system: RecommendedWatcher,
+    /// Folders to watch, and whether the system does.
+    folders: HashMap<PathBuf, bool>,
+    /// As named, and resolved.
+    shader_folders: Vec<(PathBuf, PathBuf)>,
+    files: HashMap<PathBuf, Watched>,
+}
+
+impl Watching {
+    fn run(mut self, inbox: &Receiver<Message>, report: &impl Fn(Changes, Instant)) {
+        loop {
+            let missing = self.folders.values().any(|is_watched| !is_watched);
+            let first = if missing {
+                match inbox.recv_timeout(RETRY) {
+                    Ok(message) => message,
+                    Err(RecvTimeoutError::Timeout) => {
+                        if self.watch_folders() {
+                            send(report, self.look_at(None), Instant::now());
+                        }
+                        continue;
+                    }
+                    Err(RecvTimeoutError::Disconnected) => return,
+                }
+            } else {
+                let Ok(message) = inbox.recv() else { return };
+                message
+            };
+            let mut touched = Touched::default();
+            let mut next = Some(first);
+            let started = Instant::now();
+            let deadline = started + MOST_WAIT;
+            while let Some(message) = next {
+                match message {
+                    Message::Stop => return,
+                    Message::Event(event) => touched.add(event),
+                    Message::Watch(list, since) => {
+                        send(report, self.replace(&list, since), started)
+                    }
+                }
+                let left = deadline.saturating_duration_since(Instant::now());
+                next = inbox.recv_timeout(QUIET.min(left)).ok();
+            }
+            send(report, self.settle(&touched), started);
+        }
+    }
+
+    /// Looks at what the events were about.
+    fn settle(&mut self, touched: &Touched) -> Changes {
+        let is_folder = |path: &PathBuf| self.folders.contains_key(path);
+        if touched.everything || touched.paths.iter().any(is_folder) {
+            // A folder that goes away takes its watch along, also when another takes its name.
+            for (folder, is_watched) in &mut self.folders {
+                let _ = self.system.unwatch(folder);
+                *is_watched = false;
+            }
+            self.watch_folders();
+            return self.look_at(None);
+        }
+        self.look_at(Some(&touched.paths))
+    }
+
+    /// Hashes the files that the paths may mean, or all; the kinds of those that differ.
+    fn look_at(&mut self, paths: Option<&BTreeSet<PathBuf>>) -> Changes {
+        let mut changes = Changes::new();
+        if !self.find_shaders().is_empty() {
+            changes.insert(Change::Shader);
+        }
+        for (name, file) in &mut self.files {
+            let is_meant =
+                |paths: &BTreeSet<PathBuf>| file.places.iter().any(|p| paths.contains(p));
+            if paths.is_none_or(is_meant) {
+                file.places = places(name);
+                let hash = hash(name).ok();
+                if hash != file.hash {
+                    file.hash = hash;
+                    changes.insert(file.change);
+                }
+            }
+        }
+        if self.watch_folders() && paths.is_some() {
+            // What came into a folder before it was watched was told by nobody.
+            changes.extend(self.look_at(None));
+        }
+        changes
+    }
+
+    fn replace(&mut self, list: &WatchList, since: SystemTime) -> Changes {
+        let named = |folder: &PathBuf| (folder.clone(), canonical(folder));
+        self.shader_folders = list.shader_folders.iter().map(named).collect();
+        let is_kept = |name: &PathBuf| list.files.iter().any(|(kept, _)| kept == name);
+        self.files
+            .retain(|name, file| file.change == Change::Shader || is_kept(name));
+        let mut fresh = self.find_shaders();
+        for (name, change) in &list.files {
+            if !self.files.contains_key(name) {
+                self.add(name, *change);
+                fresh.push(name.clone());
+            }
+        }
+        // Watch first, hash second: what is saved in between is told by an event.
+        self.watch_folders();
+        let mut changes = Changes::new();
+        for name in fresh {
+            if let Some(file) = self.files.get_mut(&name) {
+                file.hash = hash(&name).ok();
+                if written_since(&name, since) {
+                    changes.insert(file.change);
+                }
+            }
+        }
+        changes
+    }
+
+    fn add(&mut self, name: &Path, change: Change) {
+        let file = Watched {
+            change,
+            hash: None,
+            places: places(name),
+        };
+        self.files.insert(name.to_owned(), file);
+    }
+
+    /// Takes in shaders that are new in their folders; which ones.
+    fn find_shaders(&mut self) -> Vec<PathBuf> {
+        let mut found = Vec::new();
+        let folders = self.shader_folders.iter();
+        for folder in folders.flat_map(|(named, _)| [named.clone(), named.join("lib")]) {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                let is_shader = path.extension().is_some_and(|e| e == "wgsl");
+                if is_shader && !self.files.contains_key(&path) {
+                    found.push(path);
+                }
+            }
+        }
+        for path in &found {
+            self.add(path, Change::Shader);
+        }
+        found
+    }
+
+    /// Asks the system to watch what it should and does not; whether anything was added.
+    fn watch_folders(&mut self) -> bool {
+        let parents = self.files.values().flat_map(|file| &file.places);
+        let mut wanted: BTreeSet<PathBuf> = parents
+            .filter_map(|place| place.parent().map(Path::to_owned))
+            .collect();
+        for (named, resolved) in &self.shader_folders {
+            wanted.extend([resolved.clone(), canonical(&named.join("lib"))]);
+        }
+        let (kept, gone) = std::mem::take(&mut self.folders)
+            .into_iter()
+            .partition::<HashMap<_, _>, _>(|(folder, _)| wanted.contains(folder));
+        self.folders = kept;
+        for (folder, _) in gone.into_iter().filter(|(_, is_watched)| *is_watched) {
+            let _ = self.system.unwatch(&folder);
+        }
+        let mut added = false;
+        for folder in wanted {
+            let is_watched = self.folders.entry(folder.clone()).or_insert(false);
+            if !*is_watched {
+                let watch = self.system.watch(&folder, RecursiveMode::NonRecursive);
+                *is_watched = watch.is_ok();
+                added |= *is_watched;
+            }
+        }
+        added
+    }
+}
+
+/// Where something happened.
+#[derive(Default)]
+struct Touched {
+    paths: BTreeSet<PathBuf>,
+    /// Events were lost.
+    everything: bool,
+}
+
+impl Touched {
+    fn add(&mut self, event: notify::Result<notify::Event>) {
+        match event {
+            Ok(event) if event.need_rescan() => self.everything = true,
+            // Reading a file is no change; and it is what a reload does.
+            Ok(event) if matches!(event.kind, EventKind::Access(_)) => {}
+            Ok(event) => self.paths.extend(event.paths),
+            Err(_) => self.everything = true,
+        }
+    }
+}
+
+fn send(report: &impl Fn(Changes, Instant), changes: Changes, since: Instant) {
+    if !changes.is_empty() {
+        report(changes, since);
+    }
+}
+
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize()
+        .or_else(|_| std::path::absolute(path))
+        .unwrap_or_else(|_| path.to_owned())
+}
+
+/// The file's own place and those of the links on the way to it, each with a folder that is no link.
+fn places(name: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());
+    for _ in 0..MOST_LINKS {
+        let Some((link, after)) = first_link(&rest) else {
+            found.push(rest);
+            return found;
+        };
+        let target = fs::read_link(&link).unwrap_or_default();
+        let folder = link.parent().unwrap_or(Path::new("/"));
+        rest = folder.join(target).join(after);
+        found.push(link);
+    }
+    found
+}
+
+/// The first link of an absolute path, and what follows it.
+fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
+    let mut before = PathBuf::new();
+    let mut parts = path.components();
+    while let Some(part) = parts.next() {
+        match part {
+            Component::ParentDir => {
+                before.pop();
+            }
+            Component::CurDir => {}
+            part => before.push(part),
+        }
+        if before.is_symlink() {
+            return Some((before, parts.as_path().to_owned()));
+        }
+    }
+    None
+}
+
+fn hash(path: &Path) -> io::Result<Hash> {
+    let mut file = File::open(path)?;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut block)? {
+            0 => return Ok(hash.finalize().into()),
+            length => hash.update(&block[..length]),
+        }
+    }
+}
+
+/// Whether content or name of the file changed since then, as far as its times tell.
+fn written_since(path: &Path, since: SystemTime) -> bool {
+    let Ok(metadata) = fs::metadata(path) else {
+        return false;
+    };
+    let since = since.checked_sub(CLOCK_TICK).unwrap_or(since);
+    let modified = metadata.modified().is_ok_and(|time| time >= since);
+    #[cfg(unix)]
+    let moved = {
+        use std::os::unix::fs::MetadataExt as _;
+        let seconds = Duration::from_secs(metadata.ctime().max(0).unsigned_abs());
+        let time = SystemTime::UNIX_EPOCH + seconds;
+        time + Duration::from_nanos(metadata.ctime_nsec().max(0).unsigned_abs()) >= since
+    };
+    #[cfg(not(unix))]
+    let moved = false;
+    modified || moved
+}

@@ -1,0 +1,10 @@
+//! Hot reload without a window: saves on disk become changes, changes redo no more than they must,
+//! and a mistake leaves the last good scene.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod kit;
+mod latency;
+mod models;
+mod redone;
+mod saves;

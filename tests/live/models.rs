@@ -1,0 +1,119 @@
+//! A scene over a glTF file: text edits are placed and shaded over what was read before, and look
+//! like a fresh start.
+
+use std::{fs, sync::Arc};
+
+use reflet::app::watch::Change;
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, open, picture},
+};
+
+const SCENE: &str = r#"version = 1
+[image]
+size = [48, 32]
+[camera.main]
+eye = [0, 0, 3]
+[model.quads]
+file = "quads.gltf"
+[light.sun]
+kind = "directional"
+direction = [0, 0, -1]
+intensity_lux = 3
+shadow = "none"
+"#;
+
+/// A quad with texture coordinates, once with the material `left`, once with `right`.
+fn write_model(folder: &Folder) {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0f32]];
+    let mut bytes: Vec<u8> = Vec::new();
+    let floats = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]);
+    let uvs = corners.iter().flat_map(|[x, y]| [*x, *y]);
+    bytes.extend(floats.chain(uvs).flat_map(f32::to_le_bytes));
+    bytes.extend([0u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes));
+    folder.write("quads.bin", &bytes);
+    for (name, color) in [("left.png", [250, 40, 40]), ("right.png", [40, 250, 40])] {
+        let picture = image::RgbImage::from_pixel(4, 4, image::Rgb(color));
+        picture.save(folder.path(name)).expect("written");
+    }
+    let primitive = |material: u32| {
+        format!(
+            r#"{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1}}, "indices": 2, "material": {material}}}]}}"#
+        )
+    };
+    let material = |name: &str, texture: u32| {
+        format!(
+            r#"{{"name": "{name}", "pbrMetallicRoughness": {{"metallicFactor": 0, "baseColorTexture": {{"index": {texture}}}}}}}"#
+        )
+    };
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0, 1]}}],
+        "nodes": [{{"mesh": 0, "translation": [-1.1, 0, 0]}}, {{"mesh": 1, "translation": [1.1, 0, 0]}}],
+        "meshes": [{}, {}], "materials": [{}, {}],
+        "images": [{{"uri": "left.png"}}, {{"uri": "right.png"}}],
+        "textures": [{{"source": 0}}, {{"source": 1}}],
+        "buffers": [{{"uri": "quads.bin", "byteLength": 92}}],
+        "bufferViews": [{{"buffer": 0, "byteOffset": 0, "byteLength": 48}},
+            {{"buffer": 0, "byteOffset": 48, "byteLength": 32}},
+            {{"buffer": 0, "byteOffset": 80, "byteLength": 12}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                "min": [-1, -1, 0], "max": [1, 1, 0]}},
+            {{"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"}},
+            {{"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}}]}}"#,
+        primitive(0),
+        primitive(1),
+        material("left", 0),
+        material("right", 1),
+    );
+    folder.write("quads.gltf", text);
+}
+
+#[test]
+fn text_edits_over_a_model_read_only_what_is_new() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    write_model(&folder);
+    let scene = folder.write("scene.toml", SCENE);
+    let mut live = open(&gpu, &scene, None);
+    let list = live.watch_list().0;
+    for name in ["quads.gltf", "quads.bin", "left.png", "right.png"] {
+        let file = (folder.path(name), Change::Asset);
+        assert!(list.files.contains(&file), "{name} is watched");
+    }
+    let mut last = picture(&gpu, &mut live);
+    let over =
+        |material: &str, keys: &str| format!("{SCENE}[model.quads.material.{material}]\n{keys}\n");
+    let checker = "checker = { colors = [[1, 1, 0], [0, 0, 1]], size_m = 0.5 }";
+    for (text, reads) in [
+        (over("left", "base_color = [0.5, 1, 1]"), false),
+        // One image fewer: the other's place changes.
+        (over("left", checker), false),
+        (over("right", checker), false),
+        (over("\"*\"", "roughness = 0.01"), false),
+        // An image that the file does not use yet as data, and tangents for it.
+        (over("left", "normal_texture = \"right.png\""), true),
+        (
+            over("left", "normal_texture = \"right.png\"\nnormal_scale = 2"),
+            false,
+        ),
+        (SCENE.to_owned(), false),
+        (
+            format!("{SCENE}[[instance]]\nmodel = \"quads\"\ntranslation = [0, 1, 0]\n"),
+            false,
+        ),
+    ] {
+        fs::write(&scene, &text).expect("written");
+        let reload = live.reload(&[Change::Scene].into());
+        assert!(reload.ok, "{:?}", live.problems);
+        assert_eq!(reload.files, reads, "{text}");
+        let now = picture(&gpu, &mut live);
+        assert!(
+            now == picture(&gpu, &mut open(&gpu, &scene, None)),
+            "{text}"
+        );
+        assert!(now != last, "{text}");
+        last = now;
+    }
+}

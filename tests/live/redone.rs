@@ -1,0 +1,294 @@
+//! What a change redoes, counted; and that a mistake keeps the last good picture.
+
+use std::{fs, path::PathBuf, sync::Arc};
+
+use reflet::{
+    app::{
+        live::{Live, Reload, Wishes},
+        watch::Change,
+    },
+    gpu::Gpu,
+    render::Redone,
+    scene::desc::Method,
+};
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, Watch, copy_shaders, open, picture},
+};
+
+/// The scene on disk, opened and rendered once.
+struct Session {
+    gpu: Arc<Gpu>,
+    folder: Folder,
+    scene: PathBuf,
+    live: Live,
+    text: String,
+}
+
+impl Session {
+    fn new(text: &str) -> Option<Self> {
+        let gpu = Arc::new(gpu_or_skip()?);
+        let folder = Folder::new();
+        let scene = folder.write("scene.toml", text);
+        let live = open(&gpu, &scene, None);
+        Some(Self {
+            gpu,
+            folder,
+            scene,
+            live,
+            text: text.to_owned(),
+        })
+    }
+
+    fn picture(&mut self) -> Vec<u8> {
+        picture(&self.gpu, &mut self.live)
+    }
+
+    /// Replaces text in the scene and reloads.
+    fn edit(&mut self, from: &str, to: &str) -> Reload {
+        assert!(self.text.contains(from), "{from}");
+        self.text = self.text.replacen(from, to, 1);
+        fs::write(&self.scene, &self.text).expect("written");
+        self.live.reload(&[Change::Scene].into())
+    }
+
+    /// The picture of a session that opens what is on disk now.
+    fn afresh(&self) -> Vec<u8> {
+        picture(&self.gpu, &mut open(&self.gpu, &self.scene, None))
+    }
+
+    /// What an edit redid, after checking that it shows and shows what a fresh start would.
+    fn shown(&mut self, from: &str, to: &str) -> Redone {
+        let before = self.picture();
+        let reload = self.edit(from, to);
+        assert!(reload.ok, "{:?}", self.live.problems);
+        assert!(!reload.files, "{from}: no file needs reading");
+        assert_eq!((reload.shaders, reload.pipelines), (0, 0), "{from}");
+        let after = self.picture();
+        assert!(after != before, "{from}: the picture did not change");
+        assert!(
+            after == self.afresh(),
+            "{from}: not what a fresh start shows"
+        );
+        reload.redone
+    }
+}
+
+const NOTHING: Redone = Redone {
+    upload: false,
+    trees: false,
+    poses: false,
+    materials: false,
+    passes: false,
+};
+
+const MATERIALS: Redone = Redone {
+    materials: true,
+    passes: true,
+    ..NOTHING
+};
+
+#[test]
+fn lights_cameras_tone_and_environment_redo_nothing() {
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    for (from, to) in [
+        ("position = [2, 4, 3]", "position = [-2, 4, 3]"),
+        ("intensity_cd = 30", "intensity_cd = 60"),
+        ("eye = [0, 2, 5]", "eye = [1, 2, 5]"),
+        ("color = [0.2, 0.2, 0.3]", "color = [0.5, 0.2, 0.3]"),
+        ("size = [48, 32]", "size = [48, 32]\nexposure_ev = 1"),
+        ("[image]", "[reflection]\nray_length_u = 0.5\n[image]"),
+    ] {
+        assert_eq!(session.shown(from, to), NOTHING, "{from}");
+    }
+}
+
+#[test]
+fn materials_and_still_instances_redo_no_more_than_themselves() {
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    let color = (
+        "base_color = [0.9, 0.1, 0.1]",
+        "base_color = [0.1, 0.9, 0.1]",
+    );
+    assert_eq!(session.shown(color.0, color.1), MATERIALS);
+    assert_eq!(
+        session.shown("reflectivity = 0.5", "reflectivity = 0.9"),
+        MATERIALS
+    );
+    let trees = Redone {
+        trees: true,
+        ..MATERIALS
+    };
+    let moved = ("translation = [0, 0.5, 0]", "translation = [0.5, 0.5, 0]");
+    assert_eq!(session.shown(moved.0, moved.1), trees);
+}
+
+#[test]
+fn a_moved_dynamic_instance_redoes_the_top_level_alone() {
+    let text = SCENE.replace(
+        "translation = [0, 0.5, 0]",
+        "translation = [0, 0.5, 0]\ndynamic = true",
+    );
+    let Some(mut session) = Session::new(&text) else {
+        return;
+    };
+    let poses = Redone {
+        poses: true,
+        ..NOTHING
+    };
+    let moved = ("translation = [0, 0.5, 0]", "translation = [0.5, 0.7, 0]");
+    assert_eq!(session.shown(moved.0, moved.1), poses);
+}
+
+#[test]
+fn another_shape_reads_the_scene_whole() {
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
+    assert!(reload.ok && reload.files && reload.redone.upload && reload.redone.trees);
+    assert_eq!(reload.shaders, 0, "the text of the shaders is the same");
+    assert!(session.picture() == session.afresh());
+}
+
+#[test]
+fn broken_then_good_keeps_the_last_picture() {
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    for round in 0..50 {
+        let before = session.picture();
+        let good = session.text.clone();
+        let broken = match round % 3 {
+            0 => good.replace("reflectivity = ", "reflectivit = "),
+            1 => good[..good.len() / 2].to_owned(),
+            _ => good.replace("material = \"red\"", "material = \"rde\""),
+        };
+        fs::write(&session.scene, broken).expect("written");
+        let reload = session.live.reload(&[Change::Scene].into());
+        assert!(!reload.ok);
+        let problem = &session.live.problems.scene[0];
+        assert!(problem.span.source.is_some(), "{problem:?} has no place");
+        assert!(session.picture() == before, "round {round}");
+        let from = format!("intensity_cd = {}", 30 + round);
+        let reload = session.edit(&from, &format!("intensity_cd = {}", 31 + round));
+        assert!(reload.ok && session.live.problems.is_empty());
+        if round % 10 == 0 {
+            assert!(session.picture() == session.afresh());
+        }
+    }
+}
+
+#[test]
+fn methods_share_what_they_have_in_common() {
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    let first = session.picture();
+    let wish = |session: &mut Session, method| {
+        let wishes = Wishes {
+            method: Some(method),
+            ..Wishes::default()
+        };
+        let made = session.gpu.made.pipelines();
+        session.live.wish(wishes).expect("builds");
+        session.gpu.made.pipelines() - made
+    };
+    assert!(
+        wish(&mut session, Method::Rt) <= 1,
+        "only the march is another"
+    );
+    assert!(session.picture() != first || session.live.renderer().plan().bounces > 0);
+    assert_eq!(wish(&mut session, Method::Ssr), 0, "it marches like hybrid");
+    assert_eq!(wish(&mut session, Method::Hybrid), 0);
+    assert!(session.picture() == first, "the same as before");
+}
+
+#[test]
+fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    let scene = folder.write("scene.toml", SCENE);
+    let shaders = copy_shaders(&folder);
+    let mut live = open(&gpu, &scene, Some(&shaders));
+    let before = picture(&gpu, &mut live);
+    let tone = shaders.join("tone.wgsl");
+    let good = fs::read_to_string(&tone).expect("readable");
+
+    fs::write(&tone, good.replace("fn main", "fn main(")).expect("written");
+    let reload = live.reload(&[Change::Shader].into());
+    assert!(!reload.ok && reload.pipelines == 0);
+    let error = live.problems.shader.clone().expect("is told");
+    let place = error.location.expect("has a place");
+    assert!(
+        place.file.ends_with("tone.wgsl") && place.line > 1,
+        "{place:?}"
+    );
+    assert!(picture(&gpu, &mut live) == before);
+
+    let edited = good.replace(
+        "vec4f(srgb(saturate(c)), 1.0)",
+        "vec4f(1.0 - srgb(saturate(c)), 1.0)",
+    );
+    assert!(edited != good, "the shader writes its result otherwise now");
+    fs::write(&tone, edited).expect("written");
+    let reload = live.reload(&[Change::Shader].into());
+    assert!(reload.ok && live.problems.is_empty(), "{:?}", live.problems);
+    assert_eq!((reload.shaders, reload.pipelines), (1, 1));
+    assert_eq!((reload.files, reload.redone.trees), (false, false));
+    assert!(picture(&gpu, &mut live) != before);
+
+    fs::write(&tone, &good).expect("written");
+    assert!(live.reload(&[Change::Shader].into()).ok);
+    assert!(picture(&gpu, &mut live) == before);
+}
+
+#[test]
+fn an_asset_that_changes_or_comes_late_is_read() {
+    let png = |color: [u8; 3]| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let picture = image::RgbImage::from_pixel(4, 4, image::Rgb(color));
+        picture
+            .write_to(&mut bytes, image::ImageFormat::Png)
+            .expect("encodes");
+        bytes.into_inner()
+    };
+    let text = SCENE.replace(
+        "base_color = [0.9, 0.1, 0.1]",
+        "base_color_texture = \"paint.png\"",
+    );
+    let Some(mut session) = Session::new(SCENE) else {
+        return;
+    };
+    fs::write(&session.scene, &text).expect("written");
+    assert!(
+        !session.live.reload(&[Change::Scene].into()).ok,
+        "no paint yet"
+    );
+
+    let watch = Watch::new();
+    let (list, since) = session.live.watch_list();
+    let paint = session.folder.path("paint.png");
+    assert!(list.files.contains(&(paint.clone(), Change::Asset)));
+    watch.watcher.watch(list, since);
+    session.folder.write("paint.png", png([0, 0, 255]));
+    let shared = std::cell::RefCell::new(&mut session);
+    watch.until(
+        |changes| {
+            shared.borrow_mut().live.reload(changes);
+        },
+        || shared.borrow().live.problems.is_empty(),
+    );
+    let blue = session.picture();
+    session.folder.write("paint.png", png([0, 255, 0]));
+    let reload = session.live.reload(&[Change::Asset].into());
+    assert!(reload.ok && reload.files);
+    let green = session.picture();
+    assert!(green != blue && green == session.afresh());
+}

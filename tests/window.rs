@@ -1,0 +1,184 @@
+//! The preview in a real window: on a virtual display with whatever adapter there is, it opens,
+//! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes
+//! screenshots and closes. Says `SKIPPED` where Xvfb or xdotool is missing.
+
+mod common;
+
+use std::{
+    fs,
+    io::{BufRead as _, BufReader},
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Software drivers on busy machines are slow; a test fails only past this.
+const MOST: Duration = Duration::from_secs(90);
+
+/// A process that ends with the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A virtual display and its name, if one can be had.
+fn display() -> Option<(Running, String)> {
+    let works = |tool: &str| {
+        let found = Command::new(tool).arg("--version").output();
+        found.is_ok() || {
+            eprintln!("SKIPPED: {tool} is not installed");
+            false
+        }
+    };
+    if !works("xdotool") {
+        return None;
+    }
+    let started = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", "800x600x24"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn();
+    let Ok(mut child) = started else {
+        eprintln!("SKIPPED: Xvfb is not installed");
+        return None;
+    };
+    let mut number = String::new();
+    let out = child.stdout.take().expect("piped");
+    let running = Running(child);
+    BufReader::new(out)
+        .read_line(&mut number)
+        .expect("Xvfb says its display");
+    assert!(!number.trim().is_empty(), "Xvfb did not start");
+    Some((running, format!(":{}", number.trim())))
+}
+
+struct Session {
+    display: String,
+    folder: PathBuf,
+    window: String,
+}
+
+impl Session {
+    fn xdotool(&self, arguments: &[&str]) -> Option<String> {
+        let ran = Command::new("xdotool")
+            .args(arguments)
+            .env("DISPLAY", &self.display)
+            .output()
+            .expect("runs");
+        let said = String::from_utf8_lossy(&ran.stdout).trim().to_owned();
+        (ran.status.success() && !said.is_empty()).then_some(said)
+    }
+
+    fn key(&self, key: &str) {
+        self.xdotool(&["windowfocus", &self.window]);
+        self.xdotool(&["key", key]);
+    }
+
+    /// Presses F12 and waits for the picture, which is whole when it is there.
+    fn shot(&self) -> Vec<u8> {
+        let shots = || {
+            let entries = fs::read_dir(&self.folder).expect("folder");
+            let paths = entries.map(|entry| entry.expect("entry").path());
+            let mut shots: Vec<PathBuf> = paths
+                .filter(|path| path.extension().is_some_and(|e| e == "png"))
+                .collect();
+            shots.sort();
+            shots
+        };
+        let before = shots().len();
+        let path = until("a screenshot", || {
+            // A window that is not ready yet loses keys.
+            self.key("F12");
+            let soon = Instant::now() + Duration::from_secs(5);
+            while shots().len() == before && Instant::now() < soon {
+                thread::sleep(Duration::from_millis(50));
+            }
+            shots().get(before).cloned()
+        });
+        let picture = image::open(&path).expect("decodes").into_rgb8();
+        assert!(picture.width() > 64 && picture.height() > 64);
+        picture.into_raw()
+    }
+}
+
+fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + MOST;
+    loop {
+        if let Some(value) = found() {
+            return value;
+        }
+        assert!(Instant::now() < deadline, "{what} never came");
+        thread::sleep(Duration::from_millis(100));
+    }
+}
+
+fn brightness(picture: &[u8]) -> f64 {
+    picture.iter().map(|v| f64::from(*v)).sum::<f64>() / picture.len() as f64
+}
+
+#[test]
+fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
+    if common::gpu_or_skip().is_none() {
+        return;
+    }
+    let Some((_server, display)) = display() else {
+        return;
+    };
+    let folder = std::env::temp_dir().join(format!("reflet-window-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("folder");
+    let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
+    let text = fs::read_to_string(cornell).expect("readable");
+    let scene = folder.join("scene.toml");
+    fs::write(&scene, &text).expect("written");
+
+    let program = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .arg("preview")
+        .arg(&scene)
+        .arg("--screenshots")
+        .arg(&folder)
+        .args(["--size", "640x420"])
+        .env("DISPLAY", &display)
+        .env_remove("WAYLAND_DISPLAY")
+        .spawn();
+    let mut program = Running(program.expect("starts"));
+    let mut session = Session {
+        display,
+        folder: folder.clone(),
+        window: String::new(),
+    };
+    session.window = until("a window", || {
+        let found = session.xdotool(&["search", "--name", "Reflet"])?;
+        found.lines().next().map(str::to_owned)
+    });
+
+    let first = session.shot();
+    assert!(brightness(&first) > 10.0, "something is seen");
+    fs::write(&scene, text.replace("intensity_cd = ", "intensity_cd = 10")).expect("written");
+    let second = until("the edit in the picture", || {
+        let next = session.shot();
+        (brightness(&next) > brightness(&first) + 5.0).then_some(next)
+    });
+    fs::write(&scene, "version = 1\n[camera.main]\neye = 5\n").expect("written");
+    thread::sleep(Duration::from_millis(500));
+    assert!(
+        session.shot() == second,
+        "a mistake keeps the last good picture"
+    );
+
+    for [width, height] in [["1", "1"], ["500", "400"]] {
+        session.xdotool(&["windowsize", &session.window, width, height]);
+        thread::sleep(Duration::from_millis(300));
+    }
+    until("a picture of another size", || {
+        (session.shot().len() < second.len()).then_some(())
+    });
+    session.key("ctrl+q");
+    until("the end", || program.0.try_wait().expect("is waited for"));
+    fs::remove_dir_all(&folder).expect("clean up");
+}
