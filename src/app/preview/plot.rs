@@ -46,7 +46,8 @@ pub fn line(ui: &mut Ui, values: &VecDeque<f32>, label: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 56.0), Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
-    let most = values.iter().copied().fold(1e-3, f32::max) * 1.1;
+    // Room above the line for the label.
+    let most = values.iter().copied().fold(1e-3, f32::max) * 1.5;
     let step = rect.width() / (values.len().max(2) - 1) as f32;
     let place = |(i, value): (usize, &f32)| -> Pos2 {
         pos2(
