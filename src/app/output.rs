@@ -14,7 +14,7 @@ use exr::prelude::{
 use super::{aov, error::AppError, fingerprint::KEYWORD};
 use crate::{
     files::{Temporary, folder_of},
-    render::{Picture, Plane, PlaneData},
+    render::{Picture, Plane, PlaneData, aov::Aov},
 };
 
 /// What an output file holds.
@@ -56,6 +56,19 @@ impl Output {
             path: path.to_owned(),
             format,
         })
+    }
+
+    /// Checks the files beside a PNG too, one for each of these AOVs.
+    ///
+    /// # Errors
+    /// As [`Output::new`].
+    pub fn check_beside(&self, aovs: &[Aov]) -> Result<(), AppError> {
+        match self.format {
+            Format::Png => aovs
+                .iter()
+                .try_for_each(|aov| check_writable(&self.beside(aov.name()))),
+            Format::Exr => Ok(()),
+        }
     }
 
     /// Writes the picture and its planes; no file gets its name before all are complete and on

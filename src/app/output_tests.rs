@@ -77,6 +77,21 @@ fn a_png_and_its_planes_are_written_whole() {
 }
 
 #[test]
+fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
+    let folder = folder("beside");
+    fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
+    let output = Output::new(&folder.join("out.png")).expect("writable");
+    assert!(output.check_beside(&[Aov::Normal]).is_ok());
+    match output.check_beside(&[Aov::Normal, Aov::Source]) {
+        Err(AppError::Usage(text)) => {
+            assert!(text.contains("out.source.png: is a folder"), "{text}")
+        }
+        other => panic!("{other:?}"),
+    }
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
 fn an_exr_keeps_floats_and_codes() {
     let folder = folder("exr");
     let path = folder.join("out.EXR");

@@ -101,6 +101,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         let studio = Studio::new(args, loaded, camera, aovs, &library)?;
         return sequence::render(args, studio, &frames);
     };
+    output.check_beside(&aovs)?;
     let mut studio = Studio::new(args, loaded, camera, aovs, &library)?;
     let motion = Motion::new(&studio.loaded.desc);
     if !motion.is_still() {
