@@ -47,10 +47,13 @@ if [ "$full" = yes ]; then
 fi
 
 if [ -f tools/pyproject.toml ]; then
+    heading "Python lints"
+    .venv/bin/ruff check --config tools/pyproject.toml tools
+
     heading "Python tests"
     pytest=(.venv/bin/python -m pytest -q)
-    if [ "$full" = no ]; then
-        pytest+=(-m "not slow")
+    if [ "$full" = yes ]; then
+        pytest+=(--full)
     fi
     "${pytest[@]}" tests/tools
 fi
