@@ -1,5 +1,5 @@
 //! Entry point: arguments in, exit code out (0; 1 internal, 2 usage, 3 scene,
-//! 4 no usable GPU, 5 some frames failed, 6 a comparison crossed a threshold, 130 interrupted).
+//! 4 no usable GPU, 5 some frames failed, 6 a comparison crossed a threshold, 130 or 143 interrupted).
 
 use std::{env, panic, process::ExitCode};
 

@@ -18,7 +18,8 @@ pub enum AppError {
     Picture(Vec<Diagnostic>),
     /// A comparison crossed a threshold, which it said on standard output: exit code 6.
     Threshold,
-    /// Ctrl-C stopped it; what was done until then is kept, and the text says where: exit code 130.
+    /// Ctrl-C or SIGTERM stopped it; what was done until then is kept, and the text says where: exit
+    /// code 130 or 143.
     Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
     Gpu(GpuError),
@@ -30,14 +31,14 @@ pub enum AppError {
 
 impl AppError {
     /// 1 internal, 2 usage, 3 scene, 4 no usable GPU, 5 some frames failed, 6 threshold crossed, 130
-    /// interrupted.
+    /// or 143 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
             Self::Frames(_) => 5,
             Self::Threshold => 6,
-            Self::Interrupted(_) => super::bench::progress::INTERRUPTED,
+            Self::Interrupted(_) => super::stop::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
             // The scene, or the picture that it asks for, is too large.
             Self::Gpu(GpuError::Limit { .. }) => 3,

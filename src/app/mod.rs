@@ -16,6 +16,7 @@ use crate::{
 pub mod aov;
 pub mod bench;
 pub mod cli;
+pub mod encoder;
 pub mod error;
 pub mod film;
 pub mod fingerprint;
@@ -29,6 +30,7 @@ pub mod render;
 pub mod scene;
 pub mod sequence;
 pub mod stats;
+pub mod stop;
 pub mod watch;
 
 use cli::{CheckArgs, Cli, Command};

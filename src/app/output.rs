@@ -58,6 +58,11 @@ impl Output {
         })
     }
 
+    /// Whether it holds linear color.
+    pub fn has_color(&self) -> bool {
+        self.format == Format::Exr
+    }
+
     /// Checks the files beside a PNG too, one for each of these AOVs.
     ///
     /// # Errors
@@ -132,18 +137,26 @@ impl Output {
         }
     }
 
-    /// Whether all files of a picture with these planes are there, whole and with this fingerprint.
+    /// The files of a picture with these planes.
+    pub fn files(&self, planes: &[&str]) -> Vec<PathBuf> {
+        let beside = match self.format {
+            Format::Png => planes,
+            Format::Exr => &[],
+        };
+        let beside = beside.iter().map(|name| self.beside(name));
+        std::iter::once(self.path.clone()).chain(beside).collect()
+    }
+
+    /// Whether all of them are there, whole and with this fingerprint.
     pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
-        let has = |found: Option<String>| found.as_deref() == Some(mark);
-        match self.format {
-            Format::Exr => has(exr_mark(&self.path)),
-            Format::Png => {
-                let beside = planes.iter().map(|name| self.beside(name));
-                std::iter::once(self.path.clone())
-                    .chain(beside)
-                    .all(|path| has(png_mark(&path)))
-            }
-        }
+        let found = match self.format {
+            Format::Png => png_mark,
+            Format::Exr => exr_mark,
+        };
+        let files = self.files(planes);
+        files
+            .iter()
+            .all(|path| found(path).as_deref() == Some(mark))
     }
 
     /// `out.png` and `depth` make `out.depth.png`.

@@ -53,8 +53,13 @@ impl Progress {
         self.show(frame, verb, path, Some(seconds));
     }
 
+    /// Frames that have their file.
+    pub fn written(&self) -> usize {
+        self.kept + self.rendered
+    }
+
     fn show(&self, frame: u32, verb: &str, path: &Path, seconds: Option<f64>) {
-        let done = self.kept + self.rendered;
+        let done = self.written();
         let file = path.display();
         match self.form {
             ProgressForm::Bar => {}

@@ -1,6 +1,6 @@
 //! `render`: a scene becomes pictures or a film.
 
-use std::{path::Path, time::Instant};
+use std::{path::Path, sync::Arc, time::Instant};
 
 use super::{
     cli::{RenderArgs, StatsForm},
@@ -13,14 +13,14 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::{Picture, RenderError, RenderOptions, Renderer, aov::Aov},
+    render::{PendingPicture, Picture, RenderError, RenderOptions, Renderer, Wanted, aov::Aov},
     scene::{desc::Method, motion::Motion},
 };
 
 /// Everything that pictures of one scene are made with.
 pub struct Studio {
-    /// The device.
-    pub gpu: Gpu,
+    /// The device, which the encoders of a film share.
+    pub gpu: Arc<Gpu>,
     /// The scene, posed for the next picture.
     pub loaded: LoadedScene,
     /// Further pictures of every frame.
@@ -51,7 +51,7 @@ impl Studio {
         let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
             .map_err(|error| explain(error, own_shaders))?;
         Ok(Self {
-            gpu,
+            gpu: Arc::new(gpu),
             loaded,
             aovs,
             own_shaders,
@@ -69,6 +69,19 @@ impl Studio {
         self.renderer.update(&self.gpu, world);
         let camera = &world.cameras[self.camera].value;
         self.renderer.picture(&self.gpu, world, camera, &self.aovs)
+    }
+
+    /// Starts a picture of the scene as it is posed, with linear color or without.
+    ///
+    /// # Errors
+    /// As [`Renderer::begin`].
+    pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world);
+        let camera = &world.cameras[self.camera].value;
+        let aovs = &self.aovs;
+        self.renderer
+            .begin(&self.gpu, world, camera, Wanted { color, aovs })
     }
 }
 

@@ -1,15 +1,11 @@
-//! Many frames of one scene: loaded once, posed and rendered in turn, encoded on a thread while the
-//! next one renders.
+//! Many frames of one scene: loaded once, posed and submitted in turn; reading back, encoding and
+//! writing run beside the next ones.
 
-use std::{
-    path::PathBuf,
-    sync::mpsc::{Receiver, sync_channel},
-    thread,
-    time::Instant,
-};
+use std::{sync::Mutex, thread, time::Instant};
 
 use super::{
     cli::RenderArgs,
+    encoder::{Encoders, Failures, Rendered, Target},
     error::{AppError, print_diagnostics},
     film::{Film, is_film},
     fingerprint,
@@ -17,16 +13,14 @@ use super::{
     output::{Output, check_writable},
     progress::Progress,
     render::{Studio, explain},
+    stop,
 };
 use crate::{
     files::sweep,
     gpu::GpuError,
-    render::{Picture, RenderError},
+    render::{PendingPicture, RenderError},
     scene::{desc::TimelineDesc, motion::Motion},
 };
-
-/// Pictures that may wait for their encoder.
-const WAITING: usize = 2;
 
 /// Whether a command asks for frames of a film and not for one picture.
 ///
@@ -36,27 +30,6 @@ pub fn is_wanted(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
     Ok(args.frames.is_some() || template.is_some() || is_film(&args.output))
 }
-
-/// Where the frames go.
-enum Target {
-    /// A file for each.
-    Files { output: Output, names: Vec<PathBuf> },
-    /// All in one.
-    Film(Box<Film>),
-}
-
-/// A rendered frame on its way to its file.
-struct Finished {
-    /// In the list of frames.
-    index: usize,
-    frame: u32,
-    picture: Picture,
-    mark: String,
-    started: Instant,
-}
-
-/// What rendering and encoding leave behind.
-type Failures = Vec<(u32, String)>;
 
 /// The frames of a command, and the timeline that they are of.
 ///
@@ -121,11 +94,16 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
 pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &studio.loaded, &studio.gpu)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
-    let mut target = target(args, &studio, frames)?;
-    if let (true, Target::Files { names, .. }) = (args.resume, &target) {
-        sweep(names);
-    }
+    let target = target(args, &studio, frames)?;
     let planes: Vec<_> = studio.aovs.iter().map(|aov| aov.name()).collect();
+    if let (true, Target::Files { output, names }) = (args.resume, &target) {
+        let files = names.iter().cloned().map(|name| output.renamed(name));
+        sweep(
+            &files
+                .flat_map(|file| file.files(&planes))
+                .collect::<Vec<_>>(),
+        );
+    }
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
         let mark = fingerprint::of_frame(run, *frame);
@@ -138,60 +116,81 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
             _ => wanted.push((index, *frame, mark)),
         }
     }
-    let (sender, receiver) = sync_channel(WAITING);
-    let in_one_file = matches!(target, Target::Film(_));
+    stop::listen();
+    let gpu = studio.gpu.clone();
+    let encoders = Encoders::new(&gpu, &target, progress);
     let desc = studio.loaded.desc.clone();
     let motion = Motion::new(&desc);
+    let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let mut failures = thread::scope(|scope| {
-        let target = &mut target;
-        let encoder = scope.spawn(move || encode(target, &receiver, progress));
+        let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
         for (index, frame, mark) in wanted {
+            if stop::is_wanted() {
+                break;
+            }
             let started = Instant::now();
-            match picture(&mut studio, &motion, frame) {
+            match begin(&mut studio, &motion, frame, has_color) {
                 Ok(picture) => {
-                    let finished = Finished {
+                    let rendered = Rendered {
                         index,
                         frame,
                         picture,
                         mark,
                         started,
                     };
-                    if sender.send(finished).is_err() {
-                        break; // the encoder has failed, and says so
+                    if sender.send(rendered).is_err() {
+                        break; // the encoders have failed, and say so
                     }
                 }
                 Err((why, fatal)) => {
                     failures.push((frame, why));
-                    if fatal || in_one_file {
+                    if fatal || matches!(target, Target::Film(_)) {
                         break;
                     }
                 }
             }
         }
-        drop(sender);
-        let encoded = encoder
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        failures.extend(encoded);
         failures
     });
+    let (done, unwritten) = encoders.finish();
+    failures.extend(unwritten);
     failures.sort();
+    if stop::is_wanted() && done < frames.0.len() {
+        return Err(stopped(&target, done, frames.0.len(), failures));
+    }
     if !failures.is_empty() {
         return Err(AppError::Frames(failures));
     }
     if let Target::Film(film) = target {
+        let film = film.into_inner();
+        let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
         eprintln!("wrote {}", film.finish()?.display());
     }
     Ok(())
 }
 
+/// What a stopped command says.
+fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> AppError {
+    if !failures.is_empty() {
+        // What is wrong with the scene matters more than where the signal came.
+        AppError::Frames(failures).print();
+    }
+    AppError::Interrupted(match target {
+        Target::Film(_) => format!("stopped after {done} of {total} frames; no film was written"),
+        Target::Files { .. } => {
+            format!("stopped: {done} of {total} frames are there; add --resume to go on")
+        }
+    })
+}
+
+/// Where the frames go, and that they can go there.
 fn target(args: &RenderArgs, studio: &Studio, frames: &FrameList) -> Result<Target, AppError> {
     let desc = &studio.loaded.desc;
     if is_film(&args.output) {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let film = Film::new(&args.output, desc.image.size, fps, frames.0.len())?;
-        return Ok(Target::Film(Box::new(film)));
+        return Ok(Target::Film(Box::new(Mutex::new(film))));
     }
     let template = Template::new(&args.output)?;
     let name = |frame: &u32| {
@@ -206,45 +205,13 @@ fn target(args: &RenderArgs, studio: &Studio, frames: &FrameList) -> Result<Targ
     })
 }
 
-/// Writes frames as they come.
-fn encode(target: &mut Target, receiver: &Receiver<Finished>, mut progress: Progress) -> Failures {
-    let mut failures = Failures::new();
-    for finished in receiver {
-        let Finished {
-            index,
-            frame,
-            picture,
-            mark,
-            started,
-        } = finished;
-        let result = match target {
-            Target::Film(film) => film
-                .add(&picture.display)
-                .map(|()| ("added to", film.goal().to_owned())),
-            Target::Files { output, names } => {
-                let name = names[index].clone();
-                let own = output.renamed(name.clone());
-                own.write_marked(&picture, Some(&mark))
-                    .map(|_| ("wrote", name))
-            }
-        };
-        match result {
-            Ok((verb, path)) => {
-                progress.done(frame, verb, &path, started.elapsed().as_secs_f64());
-            }
-            Err(error) => {
-                failures.push((frame, error.to_string()));
-                if matches!(target, Target::Film(_)) {
-                    break;
-                }
-            }
-        }
-    }
-    failures
-}
-
-/// One frame's picture; else why not, and whether no other will do better.
-fn picture(studio: &mut Studio, motion: &Motion, frame: u32) -> Result<Picture, (String, bool)> {
+/// Starts one frame's picture; else why not, and whether no other will do better.
+fn begin(
+    studio: &mut Studio,
+    motion: &Motion,
+    frame: u32,
+    has_color: bool,
+) -> Result<PendingPicture, (String, bool)> {
     let wrong_scene = |errors: Vec<crate::scene::diagnostic::Diagnostic>| {
         print_diagnostics(&errors);
         let first = errors.first().map(|e| e.message.clone());
@@ -255,7 +222,7 @@ fn picture(studio: &mut Studio, motion: &Motion, frame: u32) -> Result<Picture, 
         eprintln!("frame {frame}: {line}");
     }
     studio.loaded.world.apply(&state).map_err(wrong_scene)?;
-    studio.picture().map_err(|error| {
+    studio.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,
             RenderError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))

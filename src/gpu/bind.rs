@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{
-    context::{Gpu, GpuError},
+    context::Gpu,
+    error::GpuError,
     reflect::{Binding, ShaderModuleInfo},
 };
 

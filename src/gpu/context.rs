@@ -1,12 +1,12 @@
 //! The device: which adapter is taken, what is asked of it, and how its errors reach people.
 
 use std::{
-    env, fmt,
+    env,
     sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
 
-use super::{made::Made, shader::ShaderError};
+use super::{error::GpuError, made::Made};
 
 /// Environment variable that names the adapter, as `--adapter` does.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
@@ -22,67 +22,6 @@ const MAX_ARRAY_LAYERS: u32 = 2048;
 
 /// How long to wait for submitted work before calling the GPU hung. Software drivers are slow.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(600);
-
-/// What can go wrong between here and the GPU.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GpuError {
-    /// No adapter can be used; the text says what to install or what to choose.
-    NoAdapter(String),
-    /// Something is larger than this adapter or Reflet allows.
-    Limit {
-        /// What is too large, such as `triangle buffer`.
-        what: String,
-        /// Its size.
-        wanted: u64,
-        /// The largest size that works.
-        limit: u64,
-        /// Unit of both, such as `bytes`.
-        unit: &'static str,
-    },
-    /// A shader does not assemble or validate.
-    Shader(ShaderError),
-    /// A name is bound that a shader does not declare, or the reverse.
-    Binding(String),
-    /// GPU memory ran out while doing the named thing.
-    OutOfMemory(String),
-    /// wgpu refused a call: a bug in Reflet.
-    Validation(String),
-    /// The device stopped working or did not answer.
-    Lost(String),
-}
-
-impl fmt::Display for GpuError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoAdapter(text) => f.write_str(text),
-            Self::Limit {
-                what,
-                wanted,
-                limit,
-                unit,
-            } => write!(
-                f,
-                "{what} needs {wanted} {unit}, and at most {limit} are possible here"
-            ),
-            Self::Shader(error) => error.fmt(f),
-            Self::Binding(text) => f.write_str(text),
-            Self::OutOfMemory(what) => write!(
-                f,
-                "the GPU ran out of memory: {what}; try a smaller --size or fewer textures"
-            ),
-            Self::Validation(text) => write!(f, "the GPU refused a command: {text}"),
-            Self::Lost(text) => write!(f, "the GPU stopped working: {text}"),
-        }
-    }
-}
-
-impl std::error::Error for GpuError {}
-
-impl From<ShaderError> for GpuError {
-    fn from(error: ShaderError) -> Self {
-        Self::Shader(error)
-    }
-}
 
 /// How to choose the adapter.
 #[derive(Clone, Debug, Default)]
@@ -242,8 +181,20 @@ impl Gpu {
     /// # Errors
     /// A lost or silent device, or any error that nobody was waiting for.
     pub fn wait(&self) -> Result<(), GpuError> {
+        self.poll(None)
+    }
+
+    /// Waits until this submission and all before it are done.
+    ///
+    /// # Errors
+    /// As [`Gpu::wait`].
+    pub fn wait_for(&self, submission: &wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.poll(Some(submission.clone()))
+    }
+
+    fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
         let polled = self.device.poll(wgpu::PollType::Wait {
-            submission_index: None,
+            submission_index,
             timeout: Some(SUBMISSION_TIMEOUT),
         });
         self.check()?;

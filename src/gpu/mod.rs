@@ -2,6 +2,7 @@
 
 pub mod bind;
 pub mod context;
+pub mod error;
 pub mod made;
 mod naga_types;
 pub mod pipeline;
@@ -11,7 +12,8 @@ pub mod shader;
 pub mod timer;
 
 pub use bind::GroupLayout;
-pub use context::{Gpu, GpuError, GpuOptions};
+pub use context::{Gpu, GpuOptions};
+pub use error::GpuError;
 pub use pipeline::{Checks, Shader};
 pub use reflect::{ShaderModuleInfo, check};
 pub use shader::{ShaderError, ShaderLibrary, ShaderSource};

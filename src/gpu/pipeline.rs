@@ -10,7 +10,8 @@ use naga::valid::Capabilities;
 
 use super::{
     bind::{GroupLayout, over_limits},
-    context::{Gpu, GpuError},
+    context::Gpu,
+    error::GpuError,
     reflect::{self, Binding, ShaderModuleInfo},
     shader::{ShaderError, ShaderLibrary, ShaderSource},
 };

@@ -1,11 +1,19 @@
 //! Textures and buffers back to the CPU, tightly packed.
 
+use std::{
+    sync::mpsc::{Receiver, channel},
+    time::Duration,
+};
+
 use bytemuck::Pod;
 
-use super::context::{Gpu, GpuError};
+use super::{context::Gpu, error::GpuError};
 
 /// Largest staging buffer: a 16384 × 16384 float picture is read in bands of rows.
 const MAX_BAND_BYTES: u64 = 64 << 20;
+
+/// How long an answer may take once the work is done.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Mip 0, layer 0 of a 2D texture, rows from the top, no padding. Needs `COPY_SRC`.
 ///
@@ -25,40 +33,158 @@ pub fn read_texture_layer(
     mip_level: u32,
     layer: u32,
 ) -> Result<Vec<u8>, GpuError> {
-    let format = texture.format();
-    let aspect = if format.has_depth_aspect() {
+    let plane = TexturePlane::of(texture, mip_level, layer)?;
+    let mut bytes = Vec::with_capacity((plane.row_bytes * u64::from(plane.height)) as usize);
+    let rows_per_band = plane.rows_per_band();
+    for first_row in (0..plane.height).step_by(rows_per_band as usize) {
+        let mut downloads = Downloads::new(gpu);
+        let end = plane.height.min(first_row + rows_per_band);
+        downloads.rows(gpu, &plane, first_row..end)?;
+        downloads.start(gpu)?.take_into(gpu, &mut [&mut bytes])?;
+    }
+    Ok(bytes)
+}
+
+/// A whole buffer as values of `T`; a rest shorter than one `T` is dropped. Needs `COPY_SRC`.
+///
+/// # Errors
+/// What wgpu says about the copy.
+pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
+    if buffer.size() == 0 {
+        return Ok(Vec::new());
+    }
+    let mut downloads = Downloads::new(gpu);
+    downloads.buffer(gpu, buffer)?;
+    let mut bytes = Vec::new();
+    downloads.start(gpu)?.take_into(gpu, &mut [&mut bytes])?;
+    Ok(values(&bytes))
+}
+
+/// Bytes as values of `T`; a rest shorter than one `T` is dropped.
+pub fn values<T: Pod>(bytes: &[u8]) -> Vec<T> {
+    let whole = bytes.len() - bytes.len() % size_of::<T>().max(1);
+    bytemuck::pod_collect_to_vec(&bytes[..whole])
+}
+
+/// One mip of one layer of a texture.
+struct TexturePlane<'a> {
+    texture: &'a wgpu::Texture,
+    mip_level: u32,
+    layer: u32,
+    width: u32,
+    height: u32,
+    row_bytes: u64,
+}
+
+impl<'a> TexturePlane<'a> {
+    fn of(texture: &'a wgpu::Texture, mip_level: u32, layer: u32) -> Result<Self, GpuError> {
+        let format = texture.format();
+        let texel_bytes = format.block_copy_size(Some(aspect(format)));
+        let texel_bytes = texel_bytes.ok_or_else(|| {
+            GpuError::Validation(format!("textures of format {format:?} cannot be read back"))
+        })?;
+        let width = (texture.width() >> mip_level).max(1);
+        Ok(Self {
+            texture,
+            mip_level,
+            layer,
+            width,
+            height: (texture.height() >> mip_level).max(1),
+            row_bytes: u64::from(width) * u64::from(texel_bytes),
+        })
+    }
+
+    /// Bytes of a row in a staging buffer.
+    fn padded_bytes(&self) -> u64 {
+        let alignment = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into();
+        self.row_bytes.next_multiple_of(alignment)
+    }
+
+    fn rows_per_band(&self) -> u32 {
+        if self.texture.format().has_depth_aspect() {
+            // WebGPU forbids copying part of a depth texture.
+            self.height
+        } else {
+            (MAX_BAND_BYTES / self.padded_bytes()).clamp(1, self.height.into()) as u32
+        }
+    }
+}
+
+fn aspect(format: wgpu::TextureFormat) -> wgpu::TextureAspect {
+    if format.has_depth_aspect() {
         wgpu::TextureAspect::DepthOnly
     } else {
         wgpu::TextureAspect::All
-    };
-    let texel_bytes = format.block_copy_size(Some(aspect)).ok_or_else(|| {
-        GpuError::Validation(format!("textures of format {format:?} cannot be read back"))
-    })?;
-    let width = (texture.width() >> mip_level).max(1);
-    let height = (texture.height() >> mip_level).max(1);
-    let row_bytes = u64::from(width) * u64::from(texel_bytes);
-    let padded = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT.into());
-    // A depth texture is copied whole: WebGPU forbids copying part of one.
-    let rows_per_band = if format.has_depth_aspect() {
-        height
-    } else {
-        (MAX_BAND_BYTES / padded).clamp(1, height.into()) as u32
-    };
-    let mut bytes = Vec::with_capacity((row_bytes * u64::from(height)) as usize);
-    for first_row in (0..height).step_by(rows_per_band as usize) {
-        let num_rows = rows_per_band.min(height - first_row);
+    }
+}
+
+/// Copies to the CPU, being recorded; they are submitted together.
+pub struct Downloads {
+    encoder: wgpu::CommandEncoder,
+    copies: Vec<Copy>,
+}
+
+/// What one copy leaves in its staging buffer.
+struct Copy {
+    staging: wgpu::Buffer,
+    /// Without and with padding.
+    row_bytes: [u64; 2],
+}
+
+impl Downloads {
+    /// None yet.
+    pub fn new(gpu: &Gpu) -> Self {
+        let label = Some("readback");
+        Self {
+            encoder: (gpu.device).create_command_encoder(&wgpu::CommandEncoderDescriptor { label }),
+            copies: Vec::new(),
+        }
+    }
+
+    /// Adds mip 0, layer 0 of a texture, which comes out as [`read_texture`] gives it.
+    ///
+    /// # Errors
+    /// As [`read_texture`].
+    pub fn texture(&mut self, gpu: &Gpu, texture: &wgpu::Texture) -> Result<(), GpuError> {
+        let plane = TexturePlane::of(texture, 0, 0)?;
+        self.rows(gpu, &plane, 0..plane.height)
+    }
+
+    /// Adds a whole buffer, which is not empty.
+    ///
+    /// # Errors
+    /// What wgpu says about the staging buffer.
+    pub fn buffer(&mut self, gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<(), GpuError> {
+        let size = buffer.size();
+        let staging = staging_buffer(gpu, size)?;
+        self.encoder
+            .copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+        self.copies.push(Copy {
+            staging,
+            row_bytes: [size; 2],
+        });
+        Ok(())
+    }
+
+    fn rows(
+        &mut self,
+        gpu: &Gpu,
+        plane: &TexturePlane,
+        rows: std::ops::Range<u32>,
+    ) -> Result<(), GpuError> {
+        let padded = plane.padded_bytes();
+        let num_rows = rows.end - rows.start;
         let staging = staging_buffer(gpu, padded * u64::from(num_rows))?;
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(
+        self.encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
-                texture,
-                mip_level,
+                texture: plane.texture,
+                mip_level: plane.mip_level,
                 origin: wgpu::Origin3d {
                     x: 0,
-                    y: first_row,
-                    z: layer,
+                    y: rows.start,
+                    z: plane.layer,
                 },
-                aspect,
+                aspect: aspect(plane.texture.format()),
             },
             wgpu::TexelCopyBufferInfo {
                 buffer: &staging,
@@ -69,34 +195,87 @@ pub fn read_texture_layer(
                 },
             },
             wgpu::Extent3d {
-                width,
+                width: plane.width,
                 height: num_rows,
                 depth_or_array_layers: 1,
             },
         );
-        let band = map(gpu, encoder, &staging)?;
-        for row in band.chunks_exact(padded as usize) {
-            bytes.extend_from_slice(&row[..row_bytes as usize]);
-        }
+        self.copies.push(Copy {
+            staging,
+            row_bytes: [plane.row_bytes, padded],
+        });
+        Ok(())
     }
-    Ok(bytes)
+
+    /// Submits the copies and does not wait for them: work that is submitted later may overwrite
+    /// what they read.
+    ///
+    /// # Errors
+    /// What wgpu says about the submission.
+    pub fn start(self, gpu: &Gpu) -> Result<Pending, GpuError> {
+        let submission = gpu.submit(self.encoder)?;
+        let (sender, answers) = channel();
+        for copy in &self.copies {
+            let sender = sender.clone();
+            copy.staging
+                .map_async(wgpu::MapMode::Read, .., move |result| {
+                    // Whoever drops `Pending` does not want to know.
+                    let _ = sender.send(result);
+                });
+        }
+        Ok(Pending {
+            copies: self.copies,
+            submission,
+            answers,
+        })
+    }
 }
 
-/// A whole buffer as values of `T`; a rest shorter than one `T` is dropped. Needs `COPY_SRC`.
-///
-/// # Errors
-/// What wgpu says about the copy.
-pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
-    let size = buffer.size();
-    if size == 0 {
-        return Ok(Vec::new());
+/// Copies on their way to the CPU. Dropping them gives them up.
+pub struct Pending {
+    copies: Vec<Copy>,
+    submission: wgpu::SubmissionIndex,
+    answers: Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Pending {
+    /// Waits for the copies, but not for what was submitted after them, and gives the bytes of
+    /// each without padding, in the order in which they were added.
+    ///
+    /// # Errors
+    /// A lost or silent device.
+    pub fn take(self, gpu: &Gpu) -> Result<Vec<Vec<u8>>, GpuError> {
+        let mut all = vec![Vec::new(); self.copies.len()];
+        let mut goals: Vec<_> = all.iter_mut().collect();
+        self.take_into(gpu, &mut goals)?;
+        Ok(all)
     }
-    let staging = staging_buffer(gpu, size)?;
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
-    let bytes = map(gpu, encoder, &staging)?;
-    let whole = bytes.len() - bytes.len() % size_of::<T>().max(1);
-    Ok(bytemuck::pod_collect_to_vec(&bytes[..whole]))
+
+    /// Appends the bytes of each copy to its goal.
+    fn take_into(self, gpu: &Gpu, goals: &mut [&mut Vec<u8>]) -> Result<(), GpuError> {
+        let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
+        gpu.wait_for(&self.submission)?;
+        for _ in &self.copies {
+            // Another thread's wait may be what delivers the answer, a moment after ours is over.
+            let answer = self.answers.recv_timeout(ANSWER_TIMEOUT);
+            answer
+                .map_err(|error| error.to_string())
+                .and_then(|mapped| mapped.map_err(|error| error.to_string()))
+                .map_err(lost)?;
+        }
+        for (copy, goal) in self.copies.iter().zip(goals) {
+            let view = copy.staging.get_mapped_range(..);
+            let view = view.map_err(|error| lost(error.to_string()))?;
+            let [row_bytes, padded] = copy.row_bytes.map(|bytes| bytes as usize);
+            goal.reserve(view.len() / padded.max(1) * row_bytes);
+            for row in view.chunks_exact(padded.max(1)) {
+                goal.extend_from_slice(&row[..row_bytes]);
+            }
+            drop(view);
+            copy.staging.unmap();
+        }
+        Ok(())
+    }
 }
 
 fn staging_buffer(gpu: &Gpu, size: u64) -> Result<wgpu::Buffer, GpuError> {
@@ -109,33 +288,4 @@ fn staging_buffer(gpu: &Gpu, size: u64) -> Result<wgpu::Buffer, GpuError> {
             mapped_at_creation: false,
         })
     })
-}
-
-/// Submits the copy into `staging`, waits, and takes the bytes.
-fn map(
-    gpu: &Gpu,
-    encoder: wgpu::CommandEncoder,
-    staging: &wgpu::Buffer,
-) -> Result<Vec<u8>, GpuError> {
-    gpu.submit(encoder)?;
-    let (sender, receiver) = std::sync::mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver lives until the wait below is over.
-        let _ = sender.send(result);
-    });
-    gpu.wait()?;
-    let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
-    // Another thread's wait may be what delivers the result, a moment after ours is over.
-    match receiver.recv_timeout(std::time::Duration::from_secs(10)) {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(lost(error.to_string())),
-        Err(error) => return Err(lost(error.to_string())),
-    }
-    let view = staging
-        .get_mapped_range(..)
-        .map_err(|error| lost(error.to_string()))?;
-    let bytes = view.to_vec();
-    drop(view);
-    staging.unmap();
-    Ok(bytes)
 }

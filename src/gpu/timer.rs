@@ -2,10 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::{
-    context::{Gpu, GpuError},
-    readback,
-};
+use super::{context::Gpu, error::GpuError, readback};
 
 /// Most passes that one frame times; later ones run untimed.
 const MAX_PASSES: u32 = 256;

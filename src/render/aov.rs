@@ -7,7 +7,9 @@ use crate::{
     scene::desc::CameraDesc,
 };
 
-use super::{Plane, PlaneData, Renderer, cause::Cause, targets::Target, types::NONE};
+use super::{
+    Plane, PlaneData, Renderer, cause::Cause, download::Values, targets::Target, types::NONE,
+};
 
 /// A quantity that can be written beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +91,28 @@ impl Aov {
         Self::ALL.into_iter().find(|aov| aov.name() == name)
     }
 
+    /// The targets that it is decoded from.
+    pub const fn targets(self) -> &'static [Target] {
+        match self {
+            Self::Depth => &[Target::ViewDepth],
+            Self::Normal | Self::Material => &[Target::Surface, Target::ViewDepth],
+            Self::BaseColor => &[Target::BaseColor],
+            Self::Emission => &[Target::Emission],
+            Self::Radiance => &[Target::Radiance],
+            Self::Specular => &[Target::Specular],
+            Self::Reflection => &[Target::Reflection],
+            Self::Reflectance => &[
+                Target::Surface,
+                Target::ViewDepth,
+                Target::Cause,
+                Target::BaseColor,
+            ],
+            Self::Source | Self::Cause => &[Target::Cause],
+            Self::HitDistance | Self::HitIds => &[Target::Hit],
+            Self::Ids => &[Target::Ids],
+        }
+    }
+
     /// Reads the plane of the last picture.
     ///
     /// # Errors
@@ -99,35 +123,43 @@ impl Aov {
         renderer: &Renderer,
         camera: &CameraDesc,
     ) -> Result<Plane, GpuError> {
+        let values = renderer.download(gpu, self.targets(), false)?.take(gpu)?;
+        Ok(self.of(&values, camera))
+    }
+
+    /// The plane of a frame whose [`Aov::targets`] are there, seen by `camera`.
+    pub fn of(self, values: &Values, camera: &CameraDesc) -> Plane {
+        let rgb = |target| {
+            let texels = values.of::<[u16; 4]>(target).into_iter();
+            let channels = texels.flat_map(|p| [p[0], p[1], p[2]]);
+            (
+                RGB,
+                PlaneData::F32(channels.map(|h| half(u32::from(h))).collect()),
+            )
+        };
         let (channels, data) = match self {
-            Self::Depth => (
-                &["Z"][..],
-                far_to_infinity(renderer.read(gpu, Target::ViewDepth)?),
-            ),
-            Self::BaseColor => (RGB, rgb(renderer, gpu, Target::BaseColor)?),
-            Self::Emission => (RGB, rgb(renderer, gpu, Target::Emission)?),
-            Self::Radiance => (RGB, rgb(renderer, gpu, Target::Radiance)?),
-            Self::Specular => (RGB, rgb(renderer, gpu, Target::Specular)?),
-            Self::Reflection => (RGB, rgb(renderer, gpu, Target::Reflection)?),
-            Self::Normal | Self::Material | Self::Reflectance => {
-                self.surface(gpu, renderer, camera)?
+            Self::Depth => {
+                let depths = values.of::<f32>(Target::ViewDepth).into_iter();
+                let far = depths.map(|d| if d < FAR { d } else { f32::INFINITY });
+                (&["Z"][..], PlaneData::F32(far.collect()))
             }
-            Self::Cause => (
-                &["cause"][..],
-                PlaneData::U32(renderer.read(gpu, Target::Cause)?),
-            ),
+            Self::BaseColor => rgb(Target::BaseColor),
+            Self::Emission => rgb(Target::Emission),
+            Self::Radiance => rgb(Target::Radiance),
+            Self::Specular => rgb(Target::Specular),
+            Self::Reflection => rgb(Target::Reflection),
+            Self::Normal | Self::Material | Self::Reflectance => self.surface(values, camera),
+            Self::Cause => (&["cause"][..], PlaneData::U32(values.of(Target::Cause))),
             Self::Source => {
-                let causes: Vec<u32> = renderer.read(gpu, Target::Cause)?;
-                let source = |c: u32| {
-                    Cause::from_number(c).map_or(0, |c| c.source(renderer.method()) as u32)
-                };
+                let source =
+                    |c: u32| Cause::from_number(c).map_or(0, |c| c.source(values.method) as u32);
+                let causes = values.of::<u32>(Target::Cause).into_iter();
                 (
                     &["source"][..],
-                    PlaneData::U32(causes.into_iter().map(source).collect()),
+                    PlaneData::U32(causes.map(source).collect()),
                 )
             }
             Self::HitDistance => {
-                let hits = hits(gpu, renderer)?;
                 let distance = |h: [u32; 4]| {
                     if h[1] == NONE {
                         f32::INFINITY
@@ -135,74 +167,65 @@ impl Aov {
                         f32::from_bits(h[0])
                     }
                 };
-                (
-                    &["Z"][..],
-                    PlaneData::F32(hits.into_iter().map(distance).collect()),
-                )
+                let distances = hits(values).into_iter().map(distance);
+                (&["Z"][..], PlaneData::F32(distances.collect()))
             }
             Self::HitIds => {
-                let hits = hits(gpu, renderer)?;
-                let ids = hits.into_iter().flat_map(|h| [h[1], h[2]]);
+                let ids = hits(values).into_iter().flat_map(|h| [h[1], h[2]]);
                 (&["instance", "triangle"][..], PlaneData::U32(ids.collect()))
             }
             Self::Ids => (
                 &["instance", "triangle"][..],
-                PlaneData::U32(renderer.read(gpu, Target::Ids)?),
+                PlaneData::U32(values.of(Target::Ids)),
             ),
         };
-        Ok(Plane {
+        Plane {
             name: self.name(),
             channels,
             data,
-        })
+        }
     }
 
-    fn surface(
-        self,
-        gpu: &Gpu,
-        renderer: &Renderer,
-        camera: &CameraDesc,
-    ) -> Result<(&'static [&'static str], PlaneData), GpuError> {
-        let packed: Vec<[u32; 4]> = renderer.read(gpu, Target::Surface)?;
-        let depths: Vec<f32> = renderer.read(gpu, Target::ViewDepth)?;
+    fn surface(self, values: &Values, camera: &CameraDesc) -> (&'static [&'static str], PlaneData) {
+        let packed: Vec<[u32; 4]> = values.of(Target::Surface);
+        let depths: Vec<f32> = values.of(Target::ViewDepth);
         let seen = packed
             .iter()
             .zip(&depths)
             .map(|(p, d)| (*d < FAR).then_some(*p));
-        Ok(match self {
+        match self {
             Self::Normal => {
                 let normals =
                     seen.flat_map(|p| p.map_or(Vec3::ZERO, |p| unpack_unit(p[0])).to_array());
                 (&["X", "Y", "Z"], PlaneData::F32(normals.collect()))
             }
             Self::Material => {
-                let values = seen.flat_map(|p| {
+                let numbers = seen.flat_map(|p| {
                     p.map_or([0.0; 3], |p| [half(p[2]), half(p[2] >> 16), half(p[3])])
                 });
                 (
                     &["roughness", "metallic", "reflectivity"],
-                    PlaneData::F32(values.collect()),
+                    PlaneData::F32(numbers.collect()),
                 )
             }
             _ => (
                 &["Y"],
-                PlaneData::F32(reflectance(gpu, renderer, camera, &packed, &depths)?),
+                PlaneData::F32(reflectance(values, camera, &packed, &depths)),
             ),
-        })
+        }
     }
 }
 
 /// Schlick's reflectance at each reflective pixel as compose weights it, 0 elsewhere.
 fn reflectance(
-    gpu: &Gpu,
-    renderer: &Renderer,
+    values: &Values,
     camera: &CameraDesc,
     packed: &[[u32; 4]],
     depths: &[f32],
-) -> Result<Vec<f32>, GpuError> {
-    let causes: Vec<u32> = renderer.read(gpu, Target::Cause)?;
-    let base: Vec<[u16; 4]> = renderer.read(gpu, Target::BaseColor)?;
-    let size = renderer.targets().size;
+) -> Vec<f32> {
+    let causes: Vec<u32> = values.of(Target::Cause);
+    let base: Vec<[u16; 4]> = values.of(Target::BaseColor);
+    let size = values.size;
     let view = super::view::View::new(camera, size);
     let at = |i: usize| {
         let reflects = causes[i] != Cause::NotReflective as u32 && causes[i] != Cause::Rough as u32;
@@ -220,31 +243,16 @@ fn reflectance(
         let fresnel = f0 + (Vec3::splat(f90) - f0) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5);
         fresnel.element_sum() / 3.0
     };
-    Ok((0..causes.len()).map(at).collect())
+    (0..causes.len()).map(at).collect()
 }
 
 /// What the mirror rays met; nothing where the frame has no reflections.
-fn hits(gpu: &Gpu, renderer: &Renderer) -> Result<Vec<[u32; 4]>, GpuError> {
-    let mut hits: Vec<[u32; 4]> = renderer.read(gpu, Target::Hit)?;
-    if !renderer.plan().reflections {
+fn hits(values: &Values) -> Vec<[u32; 4]> {
+    let mut hits: Vec<[u32; 4]> = values.of(Target::Hit);
+    if !values.reflections {
         hits.fill([0, NONE, NONE, 0]);
     }
-    Ok(hits)
-}
-
-fn far_to_infinity(depths: Vec<f32>) -> PlaneData {
-    PlaneData::F32(
-        depths
-            .into_iter()
-            .map(|d| if d < FAR { d } else { f32::INFINITY })
-            .collect(),
-    )
-}
-
-fn rgb(renderer: &Renderer, gpu: &Gpu, target: Target) -> Result<PlaneData, GpuError> {
-    let halves: Vec<[u16; 4]> = renderer.read(gpu, target)?;
-    let rgb = halves.into_iter().flat_map(|p| [p[0], p[1], p[2]]);
-    Ok(PlaneData::F32(rgb.map(|h| half(u32::from(h))).collect()))
+    hits
 }
 
 /// The 16-bit float in the low half.

@@ -5,9 +5,9 @@ use std::time::Instant;
 use glam::Vec2;
 
 use crate::{
-    gpu::{Gpu, GpuError, readback, timer::sum_by_name},
+    gpu::{Gpu, readback, timer::sum_by_name},
     math::Bounds,
-    scene::desc::{CameraDesc, Method},
+    scene::desc::CameraDesc,
     world::World,
 };
 
@@ -16,8 +16,8 @@ use super::{
     build::Reflections,
     lights::lights,
     pass::Dispatch,
-    passes::{blur, compact, compose, ssr, tone},
-    recorder::Recorder,
+    passes::{blur, compose, ssr, tone},
+    recorder::{Recorder, Timing},
     stats::{FrameStats, Shares},
     types::Frame,
     view::{View, jitter},
@@ -40,21 +40,50 @@ impl Renderer {
         let view = View::new(camera, self.options.image.size);
         let mut passes_ms = Vec::new();
         for sample in 0..samples {
-            passes_ms.extend(self.sub_frame(gpu, world, &view, sample)?);
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes);
+            passes_ms.extend(recorder.finish()?);
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
-        Ok(self.stats(gpu, sum_by_name(passes_ms), frame_ms)?)
+        let mut stats = self.stats(sum_by_name(passes_ms), frame_ms);
+        if let Some(r) = &self.passes.reflections {
+            stats.count(&readback::read_buffer(gpu, &r.list.counters)?);
+        }
+        Ok(stats)
     }
 
-    /// One sub-frame, pass by pass; milliseconds of each.
-    fn sub_frame(
+    /// Submits one picture; at most two of its sub-frames are ever waiting for the GPU. Nothing is
+    /// timed or counted.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub(super) fn submit(
         &mut self,
         gpu: &Gpu,
         world: &World,
+        camera: &CameraDesc,
+    ) -> Result<FrameStats, RenderError> {
+        let view = View::new(camera, self.options.image.size);
+        let mut before = None;
+        for sample in 0..self.options.image.samples {
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None);
+            let submission = recorder.submit()?;
+            if let Some(before) = before.replace(submission) {
+                gpu.wait_for(&before)?;
+            }
+        }
+        Ok(self.stats(Vec::new(), 0.0))
+    }
+
+    /// One sub-frame, pass by pass.
+    fn sub_frame<'a>(
+        &'a mut self,
+        gpu: &'a Gpu,
+        world: &World,
         view: &View,
         sample: u32,
-    ) -> Result<Vec<(String, f64)>, GpuError> {
+        timing: Timing,
+    ) -> Recorder<'a> {
         let jitter = jitter(sample, self.options.image.samples);
         let bounds = self
             .scene
@@ -72,7 +101,8 @@ impl Renderer {
             passes,
             ..
         } = self;
-        let mut recorder = Recorder::new(gpu, &self.timer, &passes.shared, self.options.image.size);
+        let size = self.options.image.size;
+        let mut recorder = Recorder::new(gpu, &self.timer, timing, &passes.shared, size);
         let r = &mut recorder;
         if sample == 0 {
             passes.shadow.record(r, maps, scene, &shadow_views);
@@ -102,7 +132,7 @@ impl Renderer {
                 .set_params(gpu, &tone::Params::new(&self.options.image));
             passes.tone.record(r, &Dispatch::PerPixel);
         }
-        recorder.finish()
+        recorder
     }
 
     fn frame(&self, world: &World, view: &View, jitter: Vec2) -> Frame {
@@ -129,17 +159,8 @@ impl Renderer {
         }
     }
 
-    fn stats(
-        &self,
-        gpu: &Gpu,
-        passes_ms: Vec<(String, f64)>,
-        frame_ms: f64,
-    ) -> Result<FrameStats, GpuError> {
-        let method = self.options.reflection.method;
-        let counters: Vec<u32> = match &self.passes.reflections {
-            Some(r) => readback::read_buffer(gpu, &r.list.counters)?,
-            None => vec![0; 16],
-        };
+    /// The stats of a frame whose counters nobody has read.
+    fn stats(&self, passes_ms: Vec<(String, f64)>, frame_ms: f64) -> FrameStats {
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));
@@ -153,22 +174,19 @@ impl Renderer {
         if let Some(r) = &self.passes.reflections {
             bytes.push(("ray_list".to_owned(), r.list.rays.size()));
         }
-        Ok(FrameStats {
-            size: self.options.image.size,
+        let (size, method) = (self.options.image.size, self.method());
+        FrameStats {
+            size,
             samples: self.options.image.samples,
             method,
             unit_m: self.unit_m,
             tree_ms: self.tree_ms,
-            shares: Shares::new(&counters, self.options.image.size, method),
-            rays: if method == Method::Ssr {
-                0
-            } else {
-                counters[compact::RAY_COUNTER]
-            },
+            shares: Shares::new(&[], size, method),
+            rays: 0,
             passes_ms,
             frame_ms,
             bytes,
-        })
+        }
     }
 }
 

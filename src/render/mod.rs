@@ -8,6 +8,7 @@ pub mod aov;
 mod build;
 pub mod cause;
 pub mod cull;
+pub mod download;
 pub mod frame;
 pub mod geometry;
 pub mod lights;
@@ -24,7 +25,7 @@ pub mod textures;
 pub mod types;
 pub mod view;
 
-pub use picture::{Picture, Plane, PlaneData};
+pub use picture::{PendingPicture, Picture, Plane, PlaneData, Wanted};
 pub use renderer::{Redone, RenderOptions, Renderer};
 
 /// Why there is no picture.

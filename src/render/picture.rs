@@ -1,12 +1,14 @@
 //! A finished picture on the CPU: linear color, display color and AOV planes.
 
-use crate::{
-    gpu::{Gpu, GpuError, readback},
-    scene::desc::CameraDesc,
-    world::World,
-};
+use crate::{gpu::Gpu, scene::desc::CameraDesc, world::World};
 
-use super::{RenderError, Renderer, aov::Aov, stats::FrameStats, targets::Target};
+use super::{
+    RenderError, Renderer,
+    aov::Aov,
+    download::{Download, Values},
+    stats::FrameStats,
+    targets::Target,
+};
 
 /// Pixels of one quantity, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +35,8 @@ pub enum PlaneData {
 pub struct Picture {
     /// Pixels.
     pub size: [u32; 2],
-    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames.
+    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty where it was not
+    /// asked for.
     pub color: Vec<f32>,
     /// Display color, RGBA, sRGB.
     pub display: Vec<u8>,
@@ -43,8 +46,66 @@ pub struct Picture {
     pub stats: FrameStats,
 }
 
+/// What a picture is to hold besides its display color.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// Linear radiance.
+    pub color: bool,
+    /// Further planes.
+    pub aovs: &'a [Aov],
+}
+
+/// A picture that is being rendered, or on its way to the CPU. It may be taken on another thread
+/// while the renderer goes on with the next one.
+pub struct PendingPicture {
+    download: Download,
+    /// The target that holds the sum of the sub-frames, if it is wanted.
+    color: Option<Target>,
+    aovs: Vec<Aov>,
+    camera: CameraDesc,
+    stats: FrameStats,
+}
+
+impl PendingPicture {
+    /// Waits for the picture.
+    ///
+    /// # Errors
+    /// A lost or silent device.
+    pub fn take(self, gpu: &Gpu) -> Result<Picture, RenderError> {
+        let values = self.download.take(gpu)?;
+        let mut stats = self.stats;
+        if let Some(counters) = &values.counters {
+            stats.count(counters);
+        }
+        let color = self
+            .color
+            .map(|target| mean(&values, target, stats.samples));
+        let planes = self.aovs.iter().map(|aov| aov.of(&values, &self.camera));
+        Ok(Picture {
+            size: values.size,
+            color: color.unwrap_or_default(),
+            display: values.of(Target::Display),
+            planes: planes.collect(),
+            stats,
+        })
+    }
+}
+
+/// The mean of the sub-frames whose sum a target holds, opaque.
+fn mean(values: &Values, target: Target, samples: u32) -> Vec<f32> {
+    let mut color: Vec<f32> = values.of(target);
+    let scale = 1.0 / samples as f32;
+    for pixel in color.chunks_exact_mut(4) {
+        for channel in &mut pixel[..3] {
+            *channel *= scale;
+        }
+        pixel[3] = 1.0;
+    }
+    color
+}
+
 impl Renderer {
-    /// Renders and reads back one picture.
+    /// Renders one picture, times its passes and reads everything back.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -56,39 +117,45 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Picture, RenderError> {
         let stats = self.render(gpu, world, camera)?;
-        let mut color: Vec<f32> = self.read(gpu, self.color())?;
-        let scale = 1.0 / stats.samples as f32;
-        for pixel in color.chunks_exact_mut(4) {
-            for channel in &mut pixel[..3] {
-                *channel *= scale;
-            }
-            pixel[3] = 1.0;
-        }
-        let planes = aovs
-            .iter()
-            .map(|aov| aov.plane(gpu, self, camera))
-            .collect::<Result<_, _>>()?;
-        Ok(Picture {
-            size: stats.size,
-            color,
-            display: self.read(gpu, Target::Display)?,
-            planes,
-            stats,
-        })
+        let color = true;
+        self.pending(gpu, camera, Wanted { color, aovs }, stats, false)?
+            .take(gpu)
     }
 
-    /// The values of a target; zeros where this frame does not write it.
+    /// Starts a picture without timing its passes, and does not wait for its end: the next one may
+    /// be posed and started meanwhile.
     ///
     /// # Errors
-    /// What reading back says.
-    pub fn read<T: bytemuck::Pod>(&self, gpu: &Gpu, target: Target) -> Result<Vec<T>, GpuError> {
-        let size = self.targets().size;
-        let Some(texture) = self.targets().texture(target) else {
-            let bytes = target.pixel_bytes() * u64::from(size[0]) * u64::from(size[1]);
-            return Ok(vec![T::zeroed(); bytes as usize / size_of::<T>()]);
-        };
-        Ok(bytemuck::pod_collect_to_vec(&readback::read_texture(
-            gpu, texture,
-        )?))
+    /// As [`Renderer::render`].
+    pub fn begin(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+        wanted: Wanted,
+    ) -> Result<PendingPicture, RenderError> {
+        let stats = self.submit(gpu, world, camera)?;
+        self.pending(gpu, camera, wanted, stats, true)
+    }
+
+    fn pending(
+        &self,
+        gpu: &Gpu,
+        camera: &CameraDesc,
+        wanted: Wanted,
+        stats: FrameStats,
+        count: bool,
+    ) -> Result<PendingPicture, RenderError> {
+        let color = wanted.color.then(|| self.color());
+        let planes = wanted.aovs.iter().flat_map(|aov| aov.targets());
+        let targets = [Target::Display].into_iter().chain(color);
+        let targets: Vec<_> = targets.chain(planes.copied()).collect();
+        Ok(PendingPicture {
+            download: self.download(gpu, &targets, count)?,
+            color,
+            aovs: wanted.aovs.to_vec(),
+            camera: camera.clone(),
+            stats,
+        })
     }
 }

@@ -1,11 +1,20 @@
 //! Records passes one after another and times them: by GPU timestamps, or, on software adapters,
-//! whose timestamps say little, by waiting for each pass on the CPU.
+//! whose timestamps say little, by waiting for each pass on the CPU. Untimed, nothing is waited for.
 
 use std::time::Instant;
 
 use crate::gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 
 use super::pass::Shared;
+
+/// Whether passes are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timing {
+    /// Each of them.
+    Passes,
+    /// None.
+    None,
+}
 
 /// One sub-frame being recorded.
 pub struct Recorder<'a> {
@@ -15,23 +24,31 @@ pub struct Recorder<'a> {
     pub shared: &'a Shared,
     /// Pixels of the picture.
     pub size: [u32; 2],
-    timer: &'a Timer,
+    /// `None` where nothing is timed, or where the recorder waits instead.
+    timer: Option<&'a Timer>,
     encoder: wgpu::CommandEncoder,
-    /// Milliseconds of each pass that was waited for; `None` with real timestamps.
+    /// Milliseconds of each pass that was waited for; `None` where none is.
     waited: Option<Vec<(String, f64)>>,
     fault: Option<GpuError>,
 }
 
 impl<'a> Recorder<'a> {
     /// Starts a sub-frame.
-    pub fn new(gpu: &'a Gpu, timer: &'a Timer, shared: &'a Shared, size: [u32; 2]) -> Self {
+    pub fn new(
+        gpu: &'a Gpu,
+        timer: &'a Timer,
+        timing: Timing,
+        shared: &'a Shared,
+        size: [u32; 2],
+    ) -> Self {
+        let timed = timing == Timing::Passes;
         Self {
             gpu,
             shared,
             size,
-            timer,
+            timer: (timed && !gpu.is_software()).then_some(timer),
             encoder: encoder(gpu),
-            waited: gpu.is_software().then(Vec::new),
+            waited: (timed && gpu.is_software()).then(Vec::new),
             fault: None,
         }
     }
@@ -48,7 +65,7 @@ impl<'a> Recorder<'a> {
         record: impl FnOnce(&mut wgpu::CommandEncoder, &Recording<'a>),
     ) {
         let context = Recording {
-            timer: self.waited.is_none().then_some(self.timer),
+            timer: self.timer,
             shared: self.shared,
         };
         record(&mut self.encoder, &context);
@@ -69,6 +86,17 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
+    /// Submits an untimed sub-frame.
+    ///
+    /// # Errors
+    /// The first thing the GPU refused.
+    pub fn submit(self) -> Result<wgpu::SubmissionIndex, GpuError> {
+        match self.fault {
+            Some(fault) => Err(fault),
+            None => self.gpu.submit(self.encoder),
+        }
+    }
+
     /// Submits what is left, waits, and gives the time of each pass in the order of the frame.
     ///
     /// # Errors
@@ -77,21 +105,22 @@ impl<'a> Recorder<'a> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        self.timer.resolve(&mut self.encoder);
+        if let Some(timer) = self.timer {
+            timer.resolve(&mut self.encoder);
+        }
         self.gpu.submit(self.encoder)?;
-        match self.waited {
-            Some(waited) => {
+        match (self.waited, self.timer) {
+            (None, Some(timer)) => timer.read(self.gpu),
+            (waited, _) => {
                 self.gpu.wait()?;
-                Ok(sum_by_name(waited))
+                Ok(sum_by_name(waited.unwrap_or_default()))
             }
-            None => self.timer.read(self.gpu),
         }
     }
 }
 
 /// What a pass needs while it records.
 pub struct Recording<'a> {
-    /// `None` where the recorder waits instead.
     timer: Option<&'a Timer>,
     /// Groups 0 and 1.
     pub shared: &'a Shared,

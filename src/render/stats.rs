@@ -4,7 +4,10 @@ use serde::Serialize;
 
 use crate::scene::desc::Method;
 
-use super::cause::{Cause, Source};
+use super::{
+    cause::{Cause, Source},
+    passes::compact,
+};
 
 /// Pixels by cause, and what follows from them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -88,10 +91,10 @@ pub struct FrameStats {
     pub unit_m: f32,
     /// Building all trees on the CPU, milliseconds.
     pub tree_ms: f64,
-    /// GPU time of each pass over all sub-frames, milliseconds; empty without timestamps.
+    /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,
-    /// From the first submission to the last pixel done, milliseconds.
+    /// From the first submission to the last pixel done, milliseconds; 0 where nothing was timed.
     pub frame_ms: f64,
     /// Of the last sub-frame.
     pub shares: Shares,
@@ -103,6 +106,14 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
+    /// Takes over the counters of the compact pass.
+    pub fn count(&mut self, counters: &[u32]) {
+        self.shares = Shares::new(counters, self.size, self.method);
+        if self.method != Method::Ssr {
+            self.rays = counters.get(compact::RAY_COUNTER).copied().unwrap_or(0);
+        }
+    }
+
     /// Sum of the passes, milliseconds.
     pub fn passes_total_ms(&self) -> f64 {
         self.passes_ms.iter().map(|(_, ms)| ms).sum()

@@ -1,25 +1,15 @@
 //! Progress of long work on standard error: one line that is rewritten on a terminal, plain lines
-//! elsewhere; and Ctrl-C as a wish to stop after the current frame.
+//! elsewhere.
 
 use std::{
     io::{IsTerminal as _, Write as _, stderr},
-    process,
-    sync::{
-        OnceLock,
-        atomic::{AtomicBool, Ordering},
-    },
     time::{Duration, Instant},
 };
 
-use crate::bench::run::Watch;
-
-/// Exit code of a program that Ctrl-C stopped (128 + SIGINT).
-pub const INTERRUPTED: u8 = 130;
+use crate::{app::stop, bench::run::Watch};
 
 /// Between plain lines.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
-
-static STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// Progress since it was made.
 #[derive(Debug)]
@@ -30,19 +20,9 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Starts to count, and takes over Ctrl-C: the first one stops after the current frame, the
-    /// second at once.
+    /// Starts to count, and takes over Ctrl-C.
     pub fn new() -> Self {
-        static HANDLER: OnceLock<()> = OnceLock::new();
-        HANDLER.get_or_init(|| {
-            let handler = || {
-                if STOPPED.swap(true, Ordering::SeqCst) {
-                    process::exit(i32::from(INTERRUPTED));
-                }
-            };
-            // Without a handler Ctrl-C ends the program; the table is whole even then.
-            let _ = ctrlc::set_handler(handler);
-        });
+        stop::listen();
         Self {
             is_terminal: stderr().is_terminal(),
             started: Instant::now(),
@@ -96,6 +76,6 @@ impl Watch for Progress {
     }
 
     fn is_stopped(&self) -> bool {
-        STOPPED.load(Ordering::SeqCst)
+        stop::is_wanted()
     }
 }

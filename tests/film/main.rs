@@ -1,7 +1,10 @@
 //! Films: every frame alone is the frame of the film, whatever the order; resuming keeps what is
 //! right and nothing else; failing frames are told.
 
+#[path = "../common/mod.rs"]
 mod common;
+#[cfg(unix)]
+mod stopped;
 
 use std::{
     collections::BTreeMap,

@@ -1,0 +1,143 @@
+//! Rendered frames become files, on threads of their own: each waits for its picture, encodes it
+//! and writes it, while the next ones render.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{Receiver, SyncSender, sync_channel},
+    },
+    thread::{self, Scope},
+    time::Instant,
+};
+
+use super::{error::AppError, film::Film, output::Output, progress::Progress, render::explain};
+use crate::{gpu::Gpu, render::PendingPicture};
+
+/// Pictures that may wait for an encoder: enough that neither side waits for the other's hiccups.
+const WAITING: usize = 2;
+
+/// Most encoders; more would only wait for the disk.
+const MOST: usize = 8;
+
+/// Where the frames go.
+pub enum Target {
+    /// A file for each.
+    Files {
+        /// What kind of file.
+        output: Output,
+        /// Name of each frame's file.
+        names: Vec<PathBuf>,
+    },
+    /// All in one.
+    Film(Box<Mutex<Film>>),
+}
+
+/// A frame on its way to its file.
+pub struct Rendered {
+    /// In the list of frames.
+    pub index: usize,
+    /// Its number.
+    pub frame: u32,
+    /// What the GPU is busy with.
+    pub picture: PendingPicture,
+    /// Its fingerprint.
+    pub mark: String,
+    /// When it was begun.
+    pub started: Instant,
+}
+
+/// Frames without a picture, and why.
+pub type Failures = Vec<(u32, String)>;
+
+/// What all encoders of a command share.
+pub struct Encoders<'a> {
+    gpu: &'a Gpu,
+    target: &'a Target,
+    progress: Mutex<Progress>,
+    failures: Mutex<Failures>,
+}
+
+impl<'a> Encoders<'a> {
+    /// Encoders that write to `target`.
+    pub fn new(gpu: &'a Gpu, target: &'a Target, progress: Progress) -> Self {
+        Self {
+            gpu,
+            target,
+            progress: Mutex::new(progress),
+            failures: Mutex::default(),
+        }
+    }
+
+    /// Starts them, and gives the place where they get their frames from. They end when it is
+    /// dropped; it refuses frames when they have ended.
+    pub fn spawn<'scope>(&'scope self, scope: &'scope Scope<'scope, '_>) -> SyncSender<Rendered> {
+        let count = match self.target {
+            // Frames of one film must come in order.
+            Target::Film(_) => 1,
+            // Half of the cores: scripts and the driver need the others.
+            Target::Files { .. } => {
+                thread::available_parallelism().map_or(1, |cores| (cores.get() / 2).clamp(1, MOST))
+            }
+        };
+        let (sender, queue) = sync_channel(WAITING);
+        let queue = Arc::new(Mutex::new(queue));
+        for _ in 0..count {
+            let queue = queue.clone();
+            scope.spawn(move || while self.one(&queue) {});
+        }
+        sender
+    }
+
+    /// How many frames were written, and which were not.
+    pub fn finish(self) -> (usize, Failures) {
+        let progress = self.progress.into_inner();
+        let failures = self.failures.into_inner();
+        (
+            progress.unwrap_or_else(PoisonError::into_inner).written(),
+            failures.unwrap_or_else(PoisonError::into_inner),
+        )
+    }
+
+    /// Waits for a frame and writes it; whether another may follow.
+    fn one(&self, queue: &Mutex<Receiver<Rendered>>) -> bool {
+        let Ok(rendered) = lock(queue).recv() else {
+            return false;
+        };
+        let (frame, started) = (rendered.frame, rendered.started);
+        match self.write(rendered) {
+            Ok((verb, path)) => {
+                let seconds = started.elapsed().as_secs_f64();
+                lock(&self.progress).done(frame, verb, &path, seconds);
+                true
+            }
+            Err(error) => {
+                lock(&self.failures).push((frame, error.to_string()));
+                // A film with a hole is none.
+                !matches!(self.target, Target::Film(_))
+            }
+        }
+    }
+
+    fn write(&self, rendered: Rendered) -> Result<(&'static str, PathBuf), AppError> {
+        let picture = rendered.picture.take(self.gpu);
+        let picture = picture.map_err(|error| explain(error, false))?;
+        match self.target {
+            Target::Film(film) => {
+                let mut film = lock(film);
+                film.add(&picture.display)?;
+                Ok(("added to", film.goal().to_owned()))
+            }
+            Target::Files { output, names } => {
+                let name = names[rendered.index].clone();
+                let own = output.renamed(name.clone());
+                own.write_marked(&picture, Some(&rendered.mark))?;
+                Ok(("wrote", name))
+            }
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

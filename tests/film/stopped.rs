@@ -1,0 +1,168 @@
+//! Killed and stopped runs: every file that has its name is whole, nothing that was there is lost,
+//! and a resumed film is the film of an uninterrupted run.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    os::unix::process::ExitStatusExt as _,
+    path::Path,
+    process::{Child, Command, Stdio},
+    time::{Duration, Instant},
+};
+
+use crate::{common::gpu_or_skip, folder, pictures};
+
+/// Many small frames, so that moments fall between, into and after them.
+const FRAMES: &[&str] = &[
+    "-o",
+    "f.##.png",
+    "--set",
+    "timeline.end=23",
+    "--aov",
+    "depth",
+    "--resume",
+];
+
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(["render", "scene.toml"])
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn signal(child: &Child, name: &str) {
+    let id = child.id().to_string();
+    let sent = Command::new("kill").args([name, &id]).status();
+    assert!(sent.is_ok(), "there is a kill command");
+}
+
+/// Waits for the end and gives exit code (negative: the signal) and standard error.
+fn end(child: Child) -> (i32, String) {
+    let output = child.wait_with_output().expect("it ends");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!text.contains("panicked"), "{text}");
+    let status = output.status;
+    let code = status.code().or(status.signal().map(|signal| -signal));
+    (code.expect("code or signal"), text)
+}
+
+fn hidden(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable");
+    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with('.')).collect()
+}
+
+/// Pseudo-random numbers from 0 to 1 (xorshift64*, Vigna 2016).
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Ends a film at `rounds` random moments, by turns with SIGKILL and SIGTERM.
+fn end_at_random_moments(name: &str, rounds: u32) {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let whole = folder(&format!("{name}-whole"));
+    let started = Instant::now();
+    let (code, text) = end(start(&whole, FRAMES));
+    let run_s = started.elapsed().as_secs_f64();
+    assert_eq!(code, 0, "{text}");
+    let whole = pictures(&whole);
+    assert_eq!(whole.len(), 48);
+
+    let folder = folder(name);
+    let mut chance = Chance(0x5EED);
+    let mut before = BTreeMap::new();
+    let (mut ended_early, mut part_done) = (0, 0);
+    for round in 0..rounds {
+        let kill = round % 2 == 0;
+        let child = start(&folder, FRAMES);
+        std::thread::sleep(Duration::from_secs_f64(chance.next() * run_s));
+        signal(&child, if kill { "-KILL" } else { "-TERM" });
+        let (code, text) = end(child);
+        let context = format!("round {round}, code {code}: {text}");
+        // Before the program listens, SIGTERM ends it as SIGKILL does.
+        let allowed: &[i32] = if kill { &[-9, 0] } else { &[143, -15, 0] };
+        assert!(allowed.contains(&code), "{context}");
+        if code == 143 {
+            assert!(text.contains("add --resume to go on"), "{context}");
+        }
+        let now = pictures(&folder);
+        for (name, bytes) in &now {
+            assert!(*bytes == whole[name], "{name} is not whole; {context}");
+        }
+        let lost = before.keys().find(|name| !now.contains_key(*name));
+        assert_eq!(lost, None, "{context}");
+        ended_early += u32::from(code != 0);
+        part_done += u32::from(!now.is_empty() && now.len() < whole.len());
+        before = now;
+        if before.len() == whole.len() {
+            for name in std::mem::take(&mut before).keys() {
+                fs::remove_file(folder.join(name)).expect("it is there");
+            }
+        }
+    }
+    assert!(ended_early > 0 && part_done > 0, "no moment was inside");
+    let (code, text) = end(start(&folder, FRAMES));
+    assert_eq!(code, 0, "{text}");
+    assert!(pictures(&folder) == whole, "the resumed film is another");
+    if cfg!(target_os = "linux") {
+        assert_eq!(hidden(&folder), [] as [String; 0]);
+    }
+}
+
+#[test]
+fn a_few_kills_lose_nothing() {
+    end_at_random_moments("kills", 8);
+}
+
+#[test]
+#[ignore = "takes a minute; tools/check.sh --full runs it"]
+fn a_hundred_kills_lose_nothing() {
+    end_at_random_moments("kills-100", 100);
+}
+
+/// After the first frame is told, so that the program is known to listen.
+#[test]
+fn a_signal_ends_a_film_between_frames() {
+    use std::io::{BufRead as _, BufReader, Read as _};
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("signal");
+    let long = ["--set", "timeline.end=2000"];
+    for (output, name, code, says) in [
+        ("f.####.png", "-TERM", 143, "add --resume to go on"),
+        ("f.####.png", "-INT", 130, "add --resume to go on"),
+        ("f.apng", "-TERM", 143, "no film was written"),
+    ] {
+        let mut child = start(&folder, &[&["-o", output][..], &long].concat());
+        let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+        let mut text = String::new();
+        while !text.contains("(1 of 2001)") {
+            let read = errors.read_line(&mut text).expect("readable");
+            assert!(read > 0, "it has ended: {text}");
+        }
+        signal(&child, name);
+        errors.read_to_string(&mut text).expect("readable");
+        let status = child.wait().expect("it ends");
+        assert_eq!(status.code(), Some(code), "{text}");
+        assert!(text.contains(says), "{text}");
+        assert_eq!(hidden(&folder), [] as [String; 0], "{output}");
+    }
+    assert!(!folder.join("f.apng").exists());
+    let told = pictures(&folder).len();
+    assert!((1..2000).contains(&told), "{told} frames");
+}
