@@ -38,7 +38,11 @@ pub enum Command {
     /// Print the manual of scene text, as Markdown
     Manual,
     /// Print the manual of scripts, as Markdown
-    Scripting,
+    Scripting {
+        /// Print a Rhai definition file instead, from which editors complete and explain names
+        #[arg(long)]
+        definitions: bool,
+    },
 }
 
 /// Where the scene comes from and what is changed in it.

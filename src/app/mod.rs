@@ -51,7 +51,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Bench(args) => bench::bench(&args),
         Command::Schema => print_json(&schema()),
         Command::Manual => print_out(&manual()),
-        Command::Scripting => print_out(&script::api::manual()),
+        Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
+        Command::Scripting { definitions: false } => print_out(&script::api::manual()),
     }
 }
 

@@ -25,3 +25,8 @@ fn the_manual_of_scene_text_is_up_to_date() {
 fn the_manual_of_scripts_is_up_to_date() {
     check("docs/scripting.md", &script::api::manual());
 }
+
+#[test]
+fn the_definitions_for_editors_are_up_to_date() {
+    check("docs/reflet.d.rhai", &script::api::definitions());
+}

@@ -1,6 +1,7 @@
 //! Everything that a script can call beside Rhai itself: one table that registers the functions,
 //! documents them, and holds an example of each that a test runs.
 
+mod definitions;
 mod math;
 mod random;
 mod scene;
@@ -10,12 +11,15 @@ use std::fmt::Write as _;
 
 use rhai::Engine;
 
+pub use self::definitions::definitions;
 use super::engine::limits;
 
 /// One function, operator or property.
 pub struct Entry {
-    /// How it is written, such as `vec3(x, y, z)`; several forms with `, ` and code between.
+    /// How it is written, such as `vec3(x, y, z)`; several forms with `; ` between.
     pub signature: &'static str,
+    /// The type that each form gives, with `; ` between; `?` depends on the arguments.
+    pub gives: &'static str,
     /// What it does.
     pub text: &'static str,
     /// An expression that is true.

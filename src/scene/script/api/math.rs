@@ -20,6 +20,7 @@ macro_rules! of_one {
 pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "vec3(x, y, z); vec3(s)",
+        gives: "vec3; vec3",
         text: "A vector. An array of three numbers does where the scene expects one.",
         example: "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)",
         register: |e| {
@@ -38,6 +39,7 @@ pub static VECTORS: &[Entry] = &[
     },
     Entry {
         signature: "v.x; v.y; v.z",
+        gives: "float; float; float",
         text: "The parts of a vector, which can be set.",
         example: "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0",
         register: |e| {
@@ -51,12 +53,14 @@ pub static VECTORS: &[Entry] = &[
     },
     Entry {
         signature: "a + b; a - b; a * b; a / b; -a; a == b",
+        gives: "vec3; vec3; vec3; vec3; vec3; bool",
         text: "Part by part; one side of `*` and the right side of `/` may be a number.",
         example: "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)",
         register: vector_operators,
     },
     Entry {
         signature: "dot(a, b); cross(a, b)",
+        gives: "float; vec3",
         text: "Dot and cross product.",
         example: "dot(vec3(1, 2, 3), vec3(1, 1, 1)) == 6.0 && cross(vec3(1, 0, 0), vec3(0, 1, 0)) == vec3(0, 0, 1)",
         register: |e| {
@@ -66,6 +70,7 @@ pub static VECTORS: &[Entry] = &[
     },
     Entry {
         signature: "length(v); distance(a, b); normalize(v)",
+        gives: "float; float; vec3",
         text: "Length, distance of two points, and the direction of a vector that is not 0.",
         example: "length(vec3(3, 0, 4)) == 5.0 && normalize(vec3(0, 2, 0)) == vec3(0, 1, 0)",
         register: |e| {
@@ -104,6 +109,7 @@ fn vector_operators(e: &mut Engine) {
 pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "rotation_deg(x, y, z)",
+        gives: "quat",
         text: "A `quat` from degrees about X, then Y, then Z, all fixed axes, as `rotation_deg` in scene text.",
         example: "distance(rotation_deg(0, 0, 90) * vec3(1, 0, 0), vec3(0, 1, 0)) < 1e-6",
         register: |e| {
@@ -118,6 +124,7 @@ pub static ROTATIONS: &[Entry] = &[
     },
     Entry {
         signature: "axis_deg(axis, degrees)",
+        gives: "quat",
         text: "A `quat` about an axis, counter-clockwise seen against it.",
         example: "distance(axis_deg(vec3(0, 1, 0), 90) * vec3(1, 0, 0), vec3(0, 0, -1)) < 1e-6",
         register: |e| {
@@ -137,6 +144,7 @@ pub static ROTATIONS: &[Entry] = &[
     },
     Entry {
         signature: "facing(direction, up)",
+        gives: "quat",
         text: "A `quat` that turns -Z to `direction` and keeps Y as near to `up` as it can.",
         example: "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6",
         register: |e| {
@@ -156,6 +164,7 @@ pub static ROTATIONS: &[Entry] = &[
     },
     Entry {
         signature: "a * b; q * v; inverse(q); slerp(a, b, t)",
+        gives: "quat; vec3; quat; quat",
         text: "Of rotations: first `b`, then `a`; a vector turned; the way back; between two.",
         example: "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6",
         register: |e| {
@@ -169,6 +178,7 @@ pub static ROTATIONS: &[Entry] = &[
     },
     Entry {
         signature: "mat4(position, rotation, scale)",
+        gives: "mat4",
         text: "A matrix that scales, then rotates, then moves; arguments as of `ctx.place`.",
         example: "mat4([1, 0, 0], [0, 0, 0], 2) * vec3(1, 1, 1) == vec3(3, 2, 2)",
         register: |e| {
@@ -184,6 +194,7 @@ pub static ROTATIONS: &[Entry] = &[
     },
     Entry {
         signature: "a * b; m * v; inverse(m); direction(m, v)",
+        gives: "mat4; vec3; mat4; vec3",
         text: "Of matrices: first `b`, then `a`; a point moved; the way back; a direction, which is not moved.",
         example: "let m = mat4([1, 2, 3], [0, 0, 0], 1); inverse(m) * (m * vec3(4, 5, 6)) == vec3(4, 5, 6) && direction(m, vec3(0, 1, 0)) == vec3(0, 1, 0)",
         register: |e| {
@@ -203,6 +214,7 @@ pub static ROTATIONS: &[Entry] = &[
 pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "mix(a, b, t)",
+        gives: "?",
         text: "From `a` at t = 0 to `b` at 1; numbers or vectors.",
         example: "mix(2, 4, 0.5) == 3.0 && mix(vec3(0), vec3(2), 0.5) == vec3(1)",
         register: |e| {
@@ -217,6 +229,7 @@ pub static NUMBERS: &[Entry] = &[
     },
     Entry {
         signature: "clamp(x, low, high)",
+        gives: "float",
         text: "The number of the range that is nearest to `x`.",
         example: "clamp(5, 0, 1.5) == 1.5",
         register: |e| {
@@ -231,6 +244,7 @@ pub static NUMBERS: &[Entry] = &[
     },
     Entry {
         signature: "smoothstep(low, high, x)",
+        gives: "float",
         text: "0 below `low`, 1 above `high`, and a smooth way between.",
         example: "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0",
         register: |e| {
@@ -249,6 +263,7 @@ pub static NUMBERS: &[Entry] = &[
     },
     Entry {
         signature: "fract(x)",
+        gives: "float",
         text: "What is left above the next whole number below: 0 up to 1, also for negative numbers.",
         example: "fract(2.25) == 0.25 && fract(-0.25) == 0.75",
         register: |e| {
@@ -257,6 +272,7 @@ pub static NUMBERS: &[Entry] = &[
     },
     Entry {
         signature: "radians(degrees); degrees(radians)",
+        gives: "float; float",
         text: "Conversion of angles.",
         example: "degrees(radians(90)) == 90.0",
         register: |e| {
@@ -270,6 +286,7 @@ pub static NUMBERS: &[Entry] = &[
     },
     Entry {
         signature: "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)",
+        gives: "float; float; float; float; float; float; float; float; float",
         text: "As Rhai's own, of integers too; angles are radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are there as well.",
         example: "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5",
         register: |e| {

@@ -11,6 +11,7 @@ use super::{
 pub static RANDOM: &[Entry] = &[
     Entry {
         signature: "hash01(seed); hash01(seed, id); hash01(seed, id, frame)",
+        gives: "float; float; float",
         text: "A number from 0 up to 1 that looks random and depends on these integers alone.",
         example: "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1",
         register: |e| {
@@ -23,6 +24,7 @@ pub static RANDOM: &[Entry] = &[
     },
     Entry {
         signature: "noise(seed, x); noise(seed, vector)",
+        gives: "float; float",
         text: "Smooth value noise, 0 to 1: random at whole numbers, without corners between.",
         example: "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1",
         register: |e| {

@@ -11,6 +11,7 @@ use super::{
 pub static CALL: &[Entry] = &[
     Entry {
         signature: "ctx.t",
+        gives: "float",
         text: "Time of the frame, seconds: `ctx.frame / ctx.fps`.",
         example: "ctx.t == 0.5",
         register: |e| {
@@ -19,6 +20,7 @@ pub static CALL: &[Entry] = &[
     },
     Entry {
         signature: "ctx.frame",
+        gives: "int",
         text: "Number of the frame, an integer.",
         example: "ctx.frame == 12",
         register: |e| {
@@ -27,6 +29,7 @@ pub static CALL: &[Entry] = &[
     },
     Entry {
         signature: "ctx.fps",
+        gives: "float",
         text: "Frames a second.",
         example: "ctx.fps == 24.0",
         register: |e| {
@@ -35,6 +38,7 @@ pub static CALL: &[Entry] = &[
     },
     Entry {
         signature: "ctx.start; ctx.end",
+        gives: "int; int",
         text: "First and last frame of the timeline.",
         example: "ctx.start == 0 && ctx.end == 47",
         register: |e| {
@@ -44,6 +48,7 @@ pub static CALL: &[Entry] = &[
     },
     Entry {
         signature: "ctx.params",
+        gives: "Map",
         text: "The scene's `[params]`, changed by `--set params.NAME=VALUE`.",
         example: "ctx.params.count == 31",
         register: |e| {
@@ -55,6 +60,7 @@ pub static CALL: &[Entry] = &[
 pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.place(name, position); ctx.place(name, position, rotation); ctx.place(name, position, rotation, scale); ctx.place(name, matrix)",
+        gives: "(); (); (); ()",
         text: "Places an instance. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. What is left out stays as it is.",
         example: "ctx.place(\"ball\", [0, 1, 2], [0, 90, 0], 0.5); ctx.position(\"ball\").y == 1.0",
         register: |e| {
@@ -75,6 +81,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.position(name)",
+        gives: "vec3",
         text: "Where an instance is in this frame: as the scene's motion or this call has put it.",
         example: "ctx.position(\"ball\") == vec3(0, 1, 0)",
         register: |e| {
@@ -85,6 +92,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.matrix(name)",
+        gives: "mat4",
         text: "World from model space of an instance in this frame, a `mat4`.",
         example: "ctx.matrix(\"ball\") * vec3(0, 0, 0) == ctx.position(\"ball\")",
         register: |e| {
@@ -96,6 +104,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.camera(name, #{ … })",
+        gives: "()",
         text: "Sets any of `eye`, `target`, `up` and `fov_deg` of a camera.",
         example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
         register: |e| {
@@ -106,6 +115,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.light(name, #{ … })",
+        gives: "()",
         text: "Sets any of `position`, `direction`, `target` (of a spot), `intensity_cd`, `intensity_lux` and `color` that the light's kind has.",
         example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
         register: |e| {
@@ -116,6 +126,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.material(name, #{ … })",
+        gives: "()",
         text: "Sets any of `base_color`, `metallic`, `roughness`, `normal_scale`, `emission`, `emission_strength` and `reflectivity` of a `[material.NAME]`.",
         example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
         register: |e| {
@@ -126,6 +137,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "print(value); debug(value)",
+        gives: "(); ()",
         text: "Writes a line to standard error; `debug` says where it stands.",
         example: "print(`frame ${ctx.frame}`); true",
         register: |_| {},
