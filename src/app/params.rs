@@ -121,7 +121,7 @@ mod tests {
             ("speed", ParamValue::Number(1e-9)),
             ("on", ParamValue::Switch(false)),
             ("word", ParamValue::Text("x = \"1\"\n\t\u{7f}é'".into())),
-            ("at", ParamValue::Numbers(vec![0.0, 1e20])),
+            ("at", ParamValue::Numbers(vec![0.0, 1e11])),
             ("a b", ParamValue::Integer(2)),
         ] {
             let old = own.iter().find(|(known, _)| known == name);
