@@ -6,6 +6,7 @@ pub mod course;
 pub mod page;
 pub mod tables;
 pub mod words;
+pub mod work;
 
 use super::sample::Sample;
 use super::summary::{Group, Metric, groups};

@@ -75,6 +75,8 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
         "2",
         "--warm-up",
         "1",
+        "--counters",
+        "--split-trace",
         "-o",
         "out",
     ];
@@ -96,6 +98,26 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
         let causes: f64 = sample.details("cause_", "_px").iter().map(|(_, n)| n).sum();
         assert_eq!(causes as u64, sample.reflective_px);
         assert_eq!(sample.false_accepts.is_some(), sample.method != "rt");
+        let rejects = sample.details("false_reject_", "_px");
+        let rejects: f64 = rejects.iter().map(|(_, px)| px).sum();
+        assert_eq!(sample.false_rejects.unwrap_or(0), rejects as u64);
+        let timed = sample.reflection_ms.is_some();
+        assert_eq!(
+            sample.traverse_ms.is_some_and(|ms| ms > 0.0),
+            timed && sample.method != "ssr"
+        );
+        let marches = sample.march_steps.expect("counted") > 0;
+        let traces = sample.visited_nodes.expect("counted") > 0;
+        assert_eq!(
+            (marches, traces),
+            (sample.method != "rt", sample.method != "ssr")
+        );
+        let of_trace = sample.detail("trace_visited_nodes");
+        assert_eq!(
+            sample.visited_nodes,
+            Some(of_trace as u64),
+            "shadows are maps here"
+        );
     }
     let error = |method: &str| {
         let of = first.iter().find(|s| s.method == method).expect("measured");
@@ -107,6 +129,13 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["measured"], 10);
     assert_eq!(json["host"]["adapter"], first[0].adapter.as_str());
+    let counted = json["counted"].as_array().expect("a list");
+    assert_eq!(counted.len(), 5);
+    assert_eq!(counted[4]["setting"], "rt");
+    assert_eq!(
+        counted[4]["visited_nodes"],
+        first[4].visited_nodes.expect("counted")
+    );
     for chart in ["chart-1-flip.svg", "chart-1-ssim.svg", "course-1-knob.svg"] {
         let svg = fs::read_to_string(out.join(chart)).expect("a chart");
         assert!(
@@ -116,6 +145,14 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     }
     let html = fs::read_to_string(out.join("report.html")).expect("a report");
     assert!(html.ends_with("</html>\n") && html.contains("<svg") && html.contains("<title>"));
+    for part in [
+        "Work of one frame",
+        "False reject",
+        "trace: traversal",
+        "Work, on any machine",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
     for outside in ["src=\"http", "href=\"http", "@import", "<script"] {
         assert!(!html.contains(outside), "{outside}");
     }
@@ -236,6 +273,26 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
         "marching first pays while it leaves less than 50.0 % of the rays",
         "traces 25.0 % of rt's rays",
         "n is too small for percentiles",
+    ] {
+        assert!(text.contains(part), "{part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
+    let mut rows = made_up();
+    for (row, steps, nodes) in [(3, 300, 1_000), (5, 0, 4_000)] {
+        rows[row].march_steps = Some(steps);
+        rows[row].traversals = Some(100);
+        rows[row].visited_nodes = Some(nodes);
+        rows[row].tested_triangles = Some(50);
+    }
+    rows[5].traverse_ms = Some(2.25);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    for part in [
+        "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \
+         visits 4000. Marching spares 75.0 % of the visits, 10.0 nodes for each step.",
+        "traversal takes 2.25 ms (75 %) and shading 0.750 ms",
     ] {
         assert!(text.contains(part), "{part:?} in\n{text}");
     }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::kit::{assert_color, gpu, render};
+use crate::kit::{FACING, assert_color, gpu, render};
 
 /// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
@@ -102,34 +102,6 @@ material = "white"
         }
     }
 }
-
-/// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
-const FACING: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-target = [0, 0, -1]
-fov_deg = 2
-[image]
-size = [9, 9]
-tone_map = "none"
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 0.5
-reflection = "mirror"
-emission = [0.1, 0.1, 0.1]
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[[instance]]
-model = "mirror"
-translation = [0, 0, -1]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "mirror"
-translation = [0, 0, 1]
-rotation_deg = [-90, 0, 0]
-"#;
 
 #[test]
 fn facing_mirrors_give_the_series_up_to_the_last_bounce() {

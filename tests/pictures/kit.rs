@@ -3,13 +3,13 @@
 use std::{path::Path, sync::OnceLock};
 
 use reflet::{
-    gpu::{Gpu, ShaderLibrary},
+    gpu::Gpu,
     render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
     scene::{desc::SceneDesc, parse},
     world::{World, load},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, shaders};
 
 /// The process's device; `None` where tests are skipped.
 pub fn gpu() -> Option<&'static Gpu> {
@@ -57,8 +57,7 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
         image: desc.image,
         general,
     };
-    Renderer::new(gpu, &ShaderLibrary::embedded(), world, &options)
-        .unwrap_or_else(|e| panic!("{e}"))
+    Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Linear color of a pixel.
@@ -114,3 +113,31 @@ pub fn share_differing(a: &Picture, b: &Picture, levels: u8) -> f64 {
         .count();
     differing as f64 / f64::from(a.size[0] * a.size[1])
 }
+
+/// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
+pub const FACING: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 0]
+target = [0, 0, -1]
+fov_deg = 2
+[image]
+size = [9, 9]
+tone_map = "none"
+[material.mirror]
+base_color = [0, 0, 0]
+reflectivity = 0.5
+reflection = "mirror"
+emission = [0.1, 0.1, 0.1]
+[model.mirror]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[[instance]]
+model = "mirror"
+translation = [0, 0, -1]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "mirror"
+translation = [0, 0, 1]
+rotation_deg = [-90, 0, 0]
+"#;

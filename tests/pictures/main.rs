@@ -5,6 +5,7 @@ mod common;
 
 mod agreement;
 mod closed_form;
+mod counts;
 mod edge_cases;
 mod kit;
 mod ray_list;

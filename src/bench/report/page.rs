@@ -6,6 +6,7 @@ use super::{
     Section,
     chart::escape,
     tables::{breakdown, overview, points},
+    work::{verdicts, work},
 };
 use crate::bench::summary::digits;
 
@@ -130,7 +131,9 @@ fn section(section: &Section) -> String {
     }
     out += "</div>\n";
     out += &points(section);
+    out += &verdicts(&section.group.points);
     out += &breakdown(&section.group.points);
+    out += &work(&section.group.points);
     out
 }
 
