@@ -17,6 +17,19 @@ pub enum Course {
     ErrorByKnob,
 }
 
+impl Course {
+    /// How it is read.
+    pub const fn caption(self) -> &'static str {
+        match self {
+            Self::Milliseconds => "Wall time of each frame that was measured.",
+            Self::Ssim => "SSIM of each frame that was measured against rt: 1 is equal.",
+            Self::ErrorByKnob => {
+                "What the knob does to the error. A method that it does nothing for is a level line."
+            }
+        }
+    }
+}
+
 /// Lines and how they are labeled.
 struct Plot {
     lines: Vec<(&'static str, Vec<(f64, f64)>)>,

@@ -92,7 +92,7 @@ fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
             }
             let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
             Some(best.map_or_else(
-                || format!("{method} is not done with any setting"),
+                || format!("no setting of {method} is done"),
                 |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
             ))
         })
