@@ -230,7 +230,7 @@ class Shaders:
     def stages(self) -> Iterator[list[Any]]:
         """What is run, the quickest first; the first failure ends it."""
         pictures = self.programs["pictures"]
-        for module in ["closed_form", "counts", "edge_cases", "ray_list", "agreement"]:
+        for module in ["closed_form", "material", "counts", "edge_cases", "ray_list", "agreement"]:
             yield [pictures, f"{module}::"]
         yield [self.programs["trace_oracle"]]
 

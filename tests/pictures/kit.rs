@@ -19,8 +19,13 @@ pub fn gpu() -> Option<&'static Gpu> {
 
 /// A scene read from text, with `--set` settings laid over it.
 pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
+    scene_of(Path::new("test.toml"), text, set)
+}
+
+/// The same as if it stood in `file`, beside the images that it names.
+pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-    let (desc, _) = parse::parse(text, Path::new("test.toml"), &set).unwrap_or_else(|errors| {
+    let (desc, _) = parse::parse(text, file, &set).unwrap_or_else(|errors| {
         panic!(
             "{}",
             errors.iter().map(|e| e.to_string()).collect::<String>()

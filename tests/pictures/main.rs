@@ -8,4 +8,5 @@ mod closed_form;
 mod counts;
 mod edge_cases;
 mod kit;
+mod material;
 mod ray_list;
