@@ -295,7 +295,7 @@ class Rust:
             if "src/bench/" in mutant.file:
                 stages = [["--test", "metric"], ["--lib", "bench::"]]
             else:
-                stages = [["--test", "scene"], ["--lib", "scene::"]]
+                stages = [["--test", "scene"], ["--lib", "scene::"], ["--test", "script_hostile"]]
             for stage in stages:
                 code, output = self.cargo(stage, 900)
                 if code is not None and "error: could not compile" in output:
