@@ -203,7 +203,7 @@ class Shaders:
     def __init__(self) -> None:
         self.folder = SCRATCH / "shaders"
         tests = ["cargo", "build", "--release", "--locked", "--message-format=json"]
-        tests += ["--bin", "reflet", "--test", "pictures", "--test", "trace_oracle"]
+        tests += ["--test", "pictures", "--test", "trace_oracle"]
         built = subprocess.run(tests, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
         messages = [json.loads(line) for line in built.stdout.splitlines() if line[:1] == "{"]
         # Copies: a build of the tree must not change them meanwhile.
@@ -238,25 +238,18 @@ class Shaders:
         shutil.rmtree(self.folder, ignore_errors=True)
         shutil.copytree(ROOT / "shaders", self.folder)
 
-    def is_valid(self) -> tuple[bool, str]:
-        picture = SCRATCH / "valid.png"
-        command = [self.programs["reflet"], "render", "--shaders", self.folder, "-o", picture]
-        command += ["--size", "8x8", "--set", "reflection.blur_px=2", "--stats", "json"]
-        code, output = run([*command, "--counters"], 120, cwd=ROOT)
-        return code is None or not ("error[shader" in output or "wgsl:" in output), output
-
     def attempt(self, mutant: Mutant) -> tuple[str, str]:
         self.reset()
         write_mutant(self.folder.parent, mutant)
-        is_valid, output = self.is_valid()
-        if not is_valid:
-            return "does not compile", first_error(output)
         stages = list(self.stages())
         if mutant.file.endswith("bvh.wgsl"):
             stages.insert(0, stages.pop())
         for stage in stages:
             limit_s = self.limits_s[tuple(stage)]
             code, output = run(stage, limit_s, cwd=ROOT, env=self.environment)
+            refused = re.search(rf"^{re.escape(str(self.folder))}/\S+\.wgsl:\d+.*", output, re.M)
+            if code and refused:
+                return "does not compile", refused[0]
             if code != 0:
                 return "killed", killer(code, output)
         return "survived", ""
@@ -332,6 +325,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--only", metavar="TEXT", help="all whose name contains this")
     parser.add_argument("--list", action="store_true", help="print their names, run nothing")
     parser.add_argument("--json", metavar="FILE", help="write the outcome of each there")
+    parser.add_argument("--resume", action="store_true", help="keep what that file holds already")
     return parser.parse_args()
 
 
@@ -339,6 +333,7 @@ def main() -> int:
     args = arguments()
     reasons = tomllib.loads(REASONS.read_text()).get("survivor", []) if REASONS.exists() else []
     results = []
+    log = Log(args.json, args.resume)
     for group in [args.group] if args.group else GROUPS:
         mutants = drawn(group, args.seed)
         wanted = args.count or GROUPS[group][0]
@@ -348,34 +343,42 @@ def main() -> int:
         if args.list:
             print("\n".join(mutant.name for mutant in mutants[:wanted]))
             continue
-        results += attempts(group, mutants, wanted, reasons)
-    if args.list:
-        return 0
-    if args.json:
-        pathlib.Path(args.json).write_text(json.dumps(results, indent=1) + "\n")
-    return summary(results)
+        results += attempts(group, mutants, wanted, reasons, log)
+    return 0 if args.list else summary(results)
+
+
+class Log:
+    """Outcomes by the name of their mutant, as a file of JSON where one is wanted."""
+
+    def __init__(self, file: str | None, resume: bool) -> None:
+        self.path = pathlib.Path(file) if file else None
+        self.results: dict[str, dict[str, Any]] = {}
+        if resume and self.path and self.path.exists():
+            known = json.loads(self.path.read_text())
+            self.results = {result["name"]: result for result in known}
+
+    def add(self, result: dict[str, Any]) -> None:
+        self.results[result["name"]] = result
+        if self.path:
+            text = json.dumps(list(self.results.values()), indent=1)
+            self.path.write_text(text + "\n")
 
 
 def attempts(
-    group: str, mutants: list[Mutant], wanted: int, reasons: list[dict[str, str]]
+    group: str, mutants: list[Mutant], wanted: int, reasons: list[dict[str, str]], log: Log
 ) -> list[dict[str, Any]]:
-    if not mutants:
-        return []
-    tester = {"shader": Shaders, "rust": Rust}[group]()
-    results, counted = [], 0
+    tester: Shaders | Rust | None = None
+    results: list[dict[str, Any]] = []
+    counted = 0
     for mutant in mutants:
         if counted == wanted:
             break
         started = time.monotonic()
-        outcome, by = tester.attempt(mutant)
-        reason = reason_for(mutant, reasons) if outcome == "survived" else None
-        counted += outcome != "does not compile"
-        seconds = time.monotonic() - started
-        note = f" ({by})" if by else ""
-        excused = " [reason known]" if reason else ""
-        print(f"{outcome:<17}{mutant.name}{note}{excused}, {seconds:.0f} s", flush=True)
-        results.append(
-            {
+        result = log.results.get(mutant.name)
+        if result is None:
+            tester = tester or {"shader": Shaders, "rust": Rust}[group]()
+            outcome, by = tester.attempt(mutant)
+            result = {
                 "group": group,
                 "name": mutant.name,
                 "file": mutant.file,
@@ -383,9 +386,14 @@ def attempts(
                 "mutant": mutant.mutated.strip(),
                 "outcome": outcome,
                 "by": by,
-                "reason": reason,
             }
-        )
+            log.add(result)
+            note = f" ({by})" if by else ""
+            seconds = time.monotonic() - started
+            print(f"{outcome:<17}{mutant.name}{note}, {seconds:.0f} s", flush=True)
+        counted += result["outcome"] != "does not compile"
+        survived = result["outcome"] == "survived"
+        results.append(result | {"reason": reason_for(mutant, reasons) if survived else None})
     return results
 
 

@@ -9,9 +9,12 @@ use super::{
     chart::{color, escape},
     words::spots,
 };
-use crate::bench::{
-    front::front,
-    summary::{Metric, Point, digits, label},
+use crate::{
+    bench::{
+        front::front,
+        summary::{Metric, Point, digits, label},
+    },
+    render::{pass::Pass, passes},
 };
 
 /// Colors of passes in bars.
@@ -208,6 +211,11 @@ pub fn breakdown(points: &[Point]) -> String {
     if names.is_empty() {
         return String::new();
     }
+    // A method that lacks a pass must not move it to the end.
+    names.sort_by_key(|part| {
+        let of_part = |pass: &&Pass| part.split(':').next() == Some(pass.name);
+        passes::ALL.iter().position(of_part)
+    });
     let color = |name: &str| {
         let index = names.iter().position(|known| *known == name).unwrap_or(0);
         PASS_COLORS[index % PASS_COLORS.len()]
