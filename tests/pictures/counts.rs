@@ -89,6 +89,21 @@ fn facing_mirrors_visit_one_node_a_bounce() {
     }
 }
 
+/// With a reflectance of 0.075 the throughput is 1.4 / 255 after two reflections and 0.1 / 255 after
+/// three: two are followed by another, three are not.
+#[test]
+fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
+    let set = [
+        "reflection.method=rt",
+        "reflection.bounces=16",
+        "material.mirror.reflectivity=0.075",
+    ];
+    let Some((_, _, counts)) = counted(FACING, &set) else {
+        return;
+    };
+    assert_eq!(of(&counts, "trace").traversals, 3 * 81);
+}
+
 #[test]
 fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
     let text = r#"

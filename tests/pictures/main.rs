@@ -8,5 +8,7 @@ mod closed_form;
 mod counts;
 mod edge_cases;
 mod kit;
+mod lamp;
 mod material;
+mod mesh;
 mod ray_list;
