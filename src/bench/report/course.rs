@@ -39,6 +39,8 @@ struct Plot {
     log_x: bool,
     bottom: f64,
     top: f64,
+    /// Where lines of this kind leave room.
+    legend: SeriesLabelPosition,
 }
 
 const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
@@ -79,6 +81,7 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         log_x: false,
         bottom,
         top,
+        legend: SeriesLabelPosition::LowerLeft,
     })
 }
 
@@ -117,6 +120,7 @@ fn over_knob(group: &Group) -> Option<Plot> {
         log_x,
         bottom: 0.0,
         top: (high * 1.15).max(1e-6),
+        legend: SeriesLabelPosition::UpperRight,
     })
 }
 
@@ -171,6 +175,7 @@ fn svg(plot: &Plot) -> Result<String, String> {
         }
         chart
             .configure_series_labels()
+            .position(plot.legend.clone())
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(204, 204, 204))
             .label_font(("sans-serif", 13))

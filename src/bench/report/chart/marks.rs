@@ -164,3 +164,35 @@ pub fn legend(out: &mut String, dots: &[Dot]) {
         left + 8
     );
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_cover_neither_dots_nor_each_other() {
+        let dots = [(100, 100), (104, 98), (100, 103), (300, 100)];
+        let mut labels = Labels::around(&dots);
+        let mut out = String::new();
+        for (dot, value) in dots.iter().zip([0.005, 0.025, 0.065, 128.0]) {
+            labels.write(&mut out, value, *dot);
+        }
+        assert!(out.contains(">128</text>") && out.contains(">0.005</text>"));
+        let boxes = &labels.taken;
+        assert!(boxes.len() > dots.len() + 1, "{out}");
+        for (i, label) in boxes.iter().enumerate().skip(dots.len()) {
+            for other in &boxes[..i] {
+                let [left, top, right, bottom] = *label;
+                assert!(
+                    right < other[0] || other[2] < left || bottom < other[1] || other[3] < top,
+                    "{label:?} covers {other:?}"
+                );
+            }
+        }
+        // Where there is no room nothing is written.
+        let crowd = vec![(50, 50); 20];
+        let mut labels = Labels::around(&crowd);
+        (0..20).for_each(|i| labels.write(&mut out, f64::from(i), (50, 50)));
+        assert!(labels.taken.len() < 20 + 7, "{}", labels.taken.len());
+    }
+}
