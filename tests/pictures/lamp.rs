@@ -2,7 +2,9 @@
 
 use std::f32::consts::PI;
 
-use crate::kit::{assert_color, color, gpu, render, renderer, scene};
+use reflet::render::aov::Aov;
+
+use crate::kit::{assert_color, color, floats, gpu, render, renderer, scene};
 
 /// A white floor seen from 4 m above.
 const FLOOR: &str = r#"
@@ -99,4 +101,51 @@ fn an_empty_floor_casts_no_shadow_on_itself() {
             }
         }
     }
+}
+
+/// A ball of few triangles: where its smooth normal has turned away the flat triangle may still face
+/// the lamp, and light there would be negative.
+#[test]
+fn no_light_falls_from_behind_the_smooth_normal() {
+    let Some(gpu) = gpu() else { return };
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [65, 65]
+tone_map = "none"
+[environment]
+color = [0, 0, 0]
+[light.sun]
+kind = "directional"
+direction = [-1, 0, 0]
+intensity_lux = 3
+shadow = "none"
+[material.white]
+reflectivity = 0
+[model.ball]
+shape = { kind = "sphere", radius = 1, segments = 12 }
+material = "white"
+[[instance]]
+model = "ball"
+rotation_deg = [7, 11, 0]
+"#;
+    let picture = render(gpu, text, &[], &[Aov::Normal]);
+    let normals = floats(&picture, Aov::Normal).chunks_exact(3);
+    let (mut lit, mut turned_away) = (0, 0);
+    for (pixel, normal) in picture.color.chunks_exact(4).zip(normals) {
+        // Away from a lamp at +X.
+        if normal[0] <= -1e-3 {
+            assert_eq!(pixel[0], 0.0, "normal {normal:?}");
+            turned_away += 1;
+        } else if pixel[0] > 0.0 {
+            let expected = 3.0 * normal[0] / PI;
+            assert!((pixel[0] - expected).abs() < 2e-3, "normal {normal:?}");
+            lit += 1;
+        }
+    }
+    assert!(lit > 400 && turned_away > 400, "{lit} {turned_away}");
 }
