@@ -139,7 +139,7 @@ fn every_wrap_mode_shows_the_texel_that_it_means() {
 #[test]
 fn a_texture_finer_than_pixels_shows_its_mean() {
     // 1024 stripes over 37 pixels: the level of detail must leave their mean.
-    let stripes = |x: u32, _: u32| if x % 2 == 0 { 0 } else { 255 };
+    let stripes = |x: u32, _: u32| if x.is_multiple_of(2) { 0 } else { 255 };
     let slot = TextureRef {
         nearest: false,
         ..SLOT
