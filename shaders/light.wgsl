@@ -4,11 +4,11 @@
 
 @group(2) @binding(4) var radiance: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(5) var specular: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
+fn light_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var lit: Shade;
     if (textureLoad(view_depth, id.xy, 0).x < FAR) {
@@ -19,4 +19,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));
     textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    light_pixel(id);
+}
+
+@compute @workgroup_size(8, 8)
+fn counted(@builtin(global_invocation_id) id: vec3u) {
+    light_pixel(id);
+    textureStore(counts, id.xy, vec4u(0u, traversals, visited_nodes, tested_triangles));
 }

@@ -5,6 +5,7 @@
 #import cause
 
 override MARCH: bool = true; // false: method rt, every reflective pixel is left to the tracer
+override REFUSE: bool = true; // false: every crossing is taken, to judge what is refused
 
 struct Params {
     threshold_m: f32, // the paper's T
@@ -19,6 +20,10 @@ struct Params {
 @group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(8) var ids: texture_2d<u32>;
 @group(2) @binding(9) var<uniform> params: Params;
+@group(2) @binding(10) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+
+// Looks at the depth buffer since the invocation started, with COUNT.
+var<private> march_steps: u32 = 0u;
 
 // A ray on the screen: pixel position and near / depth are linear in s from 0 to 1.
 struct ScreenRay {
@@ -77,6 +82,7 @@ struct Probe {
 // reflector's tangent plane never is in front of the ray: camera and ray are both above that plane,
 // and so is every point between them. This keeps grazing floors from reflecting themselves.
 fn probe(r: ScreenRay, s: f32, origin: Surface) -> Probe {
+    if (COUNT) { march_steps++; }
     var p: Probe;
     let at = r.start + r.delta * s;
     p.pixel = vec2u(clamp(at.xy, vec2f(0.0), frame.size - 1.0));
@@ -92,6 +98,7 @@ fn probe(r: ScreenRay, s: f32, origin: Surface) -> Probe {
 fn decide(p: Probe, origin: vec3f, direction: vec3f) -> March {
     let met = load_surface(p.pixel);
     var m = March(CAUSE_HIT, p.pixel, dot(met.position - origin, direction));
+    if (!REFUSE) { return m; }
     if (p.ray_m - p.scene_m > params.threshold_m) {
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
@@ -156,8 +163,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     return decide(p, origin, direction);
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
+fn reflect_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var why = CAUSE_NOT_REFLECTIVE;
     var color = vec3f(0.0);
@@ -185,4 +191,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     textureStore(reflection, id.xy, vec4f(min(color, vec3f(65000.0)), 1.0));
     textureStore(cause, id.xy, vec4u(why, 0u, 0u, 0u));
     textureStore(hit, id.xy, found);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    reflect_pixel(id);
+}
+
+@compute @workgroup_size(8, 8)
+fn counted(@builtin(global_invocation_id) id: vec3u) {
+    reflect_pixel(id);
+    textureStore(counts, id.xy, vec4u(march_steps, traversals, visited_nodes, tested_triangles));
 }

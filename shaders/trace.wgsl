@@ -7,13 +7,24 @@
 @group(2) @binding(6) var reflection: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
 
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+
+// false: the same rays are followed and their hits written, but nothing is shaded; it tells what
+// traversal takes of the time.
+override SHADE: bool = true;
+
 const DARKEST: f32 = 1.0 / 255.0; // below it a bounce cannot be seen
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ray = (group.y * groups.x + group.x) * 64u + lane;
-    if (ray >= counters[15]) { return; }
-    let pixel = vec2u(rays[ray] & 0xffffu, rays[ray] >> 16u);
+// Whether the list has this ray; what lies past its end fills the last workgroups.
+fn is_listed(ray: u32) -> bool {
+    return ray < counters[15];
+}
+
+fn pixel_of(ray: u32) -> vec2u {
+    return vec2u(rays[ray] & 0xffffu, rays[ray] >> 16u);
+}
+
+fn trace_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
     var direction = normalize(first.position - frame.eye);
     var cone_m = frame.pixel_spread * distance(first.position, frame.eye);
@@ -30,16 +41,34 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
             break;
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        // Without shading a surface only matters where the path may go on from it.
+        if (!SHADE && bounce + 1u == frame.bounces) { break; }
         cone_m += frame.pixel_spread * h.t;
         let s = surface_at(h.instance, h.triangle, h.bary, direction, cone_m);
-        let lit = shade(s, -direction);
-        color += throughput * (lit.diffuse + lit.specular);
+        if (SHADE) {
+            let lit = shade(s, -direction);
+            color += throughput * (lit.diffuse + lit.specular);
+        }
         if (!is_reflector(s)) { break; }
         throughput *= fresnel(s, dot(s.normal, -direction));
         if (max(throughput.x, max(throughput.y, throughput.z)) < DARKEST) { break; }
         origin = ray_origin(s.position, s.geometric_normal);
         direction = mirror_direction(direction, s);
     }
-    textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0));
+    if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }
     textureStore(hit, pixel, found);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ray = (group.y * groups.x + group.x) * 64u + lane;
+    if (is_listed(ray)) { trace_pixel(pixel_of(ray)); }
+}
+
+@compute @workgroup_size(64)
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ray = (group.y * groups.x + group.x) * 64u + lane;
+    if (!is_listed(ray)) { return; }
+    trace_pixel(pixel_of(ray));
+    textureStore(counts, pixel_of(ray), vec4u(0u, traversals, visited_nodes, tested_triangles));
 }

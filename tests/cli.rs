@@ -230,7 +230,11 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
     ];
     let [out, error] = exits(
         &folder,
-        &[&render[..], &["-o", "a.png", "--stats", "json"]].concat(),
+        &[
+            &render[..],
+            &["-o", "a.png", "--stats", "json", "--counters"],
+        ]
+        .concat(),
         0,
     );
     assert!(error.contains("wrote a.png"), "{error}");
@@ -243,6 +247,16 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
         .filter_map(|share| share["percent"].as_f64())
         .sum();
     assert!((sum - 100.0).abs() < 1e-9, "{shares:?}");
+    let passes: Vec<&str> = (stats["counts"].as_array().into_iter().flatten())
+        .filter_map(|counts| counts["pass"].as_str())
+        .collect();
+    assert_eq!(passes, ["light", "ssr", "trace"]);
+    assert!(
+        stats["counts"][1]["march_steps"].as_u64() > Some(0),
+        "{out}"
+    );
+    let [_, error] = exits(&folder, &["render", "-o", "c.png", "--counters"], 2);
+    assert!(error.contains("--stats"), "{error}");
     let size = image::image_dimensions(folder.join("a.png")).expect("a PNG");
     assert_eq!(size, (33, 17));
 
@@ -260,7 +274,7 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
     ];
     let [out, _] = exits(&folder, &[&render[..], &other].concat(), 0);
     assert!(
-        out.contains("reflective") && out.contains("samples 2"),
+        out.contains("reflective") && out.contains("samples 2") && !out.contains("counted"),
         "{out}"
     );
     let exr = exr::prelude::read_first_flat_layer_from_file(folder.join("b.exr")).expect("an EXR");

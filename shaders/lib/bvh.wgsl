@@ -14,8 +14,8 @@
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
-// Whether visited_nodes and tested_triangles are counted.
-override COUNT_VISITS: bool = false;
+// Whether work is counted; without it the counting is no part of the pipeline.
+override COUNT: bool = false;
 
 const STATIC_ROOT = 0u;
 const TOP_ROOT = 1u;
@@ -45,7 +45,9 @@ struct Hit {
     flags: u32,
 }
 
-// Counted since the invocation started, with COUNT_VISITS.
+// Counted since the invocation started, with COUNT: traversals from the root, of which a ray behind
+// cut-outs needs several, and what they looked at.
+var<private> traversals: u32 = 0u;
 var<private> visited_nodes: u32 = 0u;
 var<private> tested_triangles: u32 = 0u;
 
@@ -241,7 +243,7 @@ fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: 
     let visit = visit_node(node, ray, t_min, t_max);
     (*cursor).group = visit.children;
     (*cursor).primitives = visit.primitives;
-    if COUNT_VISITS {
+    if COUNT {
         visited_nodes++;
     }
 }
@@ -261,7 +263,7 @@ fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_f
         descend(&cursor, ray, t_min, (*best).t);
         while cursor.primitives.y != 0u {
             test_triangle(next_primitive(&cursor), ray, t_min, inside, inside_flags, shadow, best);
-            if COUNT_VISITS {
+            if COUNT {
                 tested_triangles++;
             }
         }
@@ -305,6 +307,9 @@ fn is_blocked(best: Hit) -> bool {
 // The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here.
 // The static tree first, as if it were an instance at the origin; then those of the top level.
 fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
+    if COUNT {
+        traversals++;
+    }
     var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     var top = Cursor(vec2u(TOP_ROOT, ROOT_GROUP), vec2u(0u), 0u);
     let world_ray = traversal_ray(origin, direction);

@@ -99,18 +99,20 @@ fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
     return material_alpha(material, instance, c.index, bary, 0.0, 1.0) >= materials[material].alpha_cutoff;
 }
 
-fn tri_wave_integral(x: f32) -> f32 {
-    let h = fract(x * 0.5) - 0.5;
-    return 1.0 - 2.0 * abs(h);
+// Integral from 0 of the square wave that is 1 in the first cell, -1 in the second, and so on.
+fn square_wave_integral(x: f32) -> f32 {
+    return 1.0 - 2.0 * abs(fract(x * 0.5) - 0.5);
 }
 
-// Box-filtered 3D checker; the small shift keeps faces that lie on a cell border stable.
-fn checker(p: vec3f, width: f32) -> f32 {
-    let w = max(width, 1e-4);
+// 3D checker, filtered by the box that holds the footprint; it lies in the surface, so it has no
+// depth along the normal. The small shift keeps faces that lie on a cell border stable.
+fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
+    let w = max(width * sqrt(max(vec3f(1.0) - normal * normal, vec3f(0.0))), vec3f(1e-4));
     let q = p + 1e-3;
     var product = 1.0;
     for (var axis = 0; axis < 3; axis++) {
-        product *= 2.0 * (tri_wave_integral(q[axis] + w * 0.5) - tri_wave_integral(q[axis] - w * 0.5)) / w;
+        let half = w[axis] * 0.5;
+        product *= (square_wave_integral(q[axis] + half) - square_wave_integral(q[axis] - half)) / w[axis];
     }
     return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
 }
@@ -154,8 +156,11 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     if (HAS_CHECKERS && materials[m].checker_size_m > 0.0) {
         let size = materials[m].checker_size_m;
         let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z;
-        let scale = sqrt(length(cross(c.p[1] - c.p[0], c.p[2] - c.p[0])) / area2);
-        s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, checker(p_object / size, footprint * scale / size));
+        let cross_object = cross(c.p[1] - c.p[0], c.p[2] - c.p[0]);
+        let area2_object = max(length(cross_object), 1e-20);
+        let width = footprint * sqrt(area2_object / area2) / size;
+        let odd = checker(p_object / size, cross_object / area2_object, width);
+        s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, odd);
     }
     if (HAS_TEXTURES) {
         for (var k = 0u; k < 5u; k++) {

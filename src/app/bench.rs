@@ -2,8 +2,6 @@
 
 use std::{fs, path::Path};
 
-use serde::Serialize;
-
 use super::{
     error::AppError,
     print_out,
@@ -15,7 +13,7 @@ use crate::{
         choose::{Bound, block, choose},
         hash::Hash,
         host::Host,
-        knob::{Knob, method_name},
+        knob::Knob,
         log::{self, Log},
         report::{
             Section,
@@ -24,7 +22,6 @@ use crate::{
         },
         run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch},
         sample::Sample,
-        score::{TOLERANCE_RELATIVE, TOLERANCE_U},
         write::write_whole,
     },
     gpu::{Gpu, GpuOptions, ShaderLibrary},
@@ -36,6 +33,7 @@ pub mod args;
 pub mod paper;
 pub mod progress;
 pub mod reload;
+mod settings;
 pub mod shots;
 pub mod walk;
 
@@ -69,9 +67,11 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
 }
 
 fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
-    let protocol = protocol(args)?;
+    let mut protocol = protocol(args)?;
     let subjects = subjects(args)?;
-    run(&open_gpu(&args.run)?, &args.run, &protocol, &subjects)
+    let gpu = open_gpu(&args.run)?;
+    protocol.count |= gpu.is_software();
+    run(&gpu, &args.run, &protocol, &subjects)
 }
 
 /// The adapter that the arguments name, after the folder that they name is known to be one.
@@ -100,6 +100,8 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
         sizes: args.sizes.clone(),
         frames: args.run.frames,
         warm_up: args.run.warm_up,
+        count: args.run.counters,
+        split_trace: args.run.split_trace,
     })
 }
 
@@ -247,7 +249,8 @@ fn run_with(
         );
         progress.note(&text);
     }
-    write_settings(&args.output, protocol, scenes, &host, &outcome)?;
+    let json = settings::json(protocol, scenes, &host, &outcome, log.samples())?;
+    write(&args.output.join("bench.json"), &json)?;
     if outcome.interrupted {
         return Err(AppError::Interrupted(format!(
             "stopped; {} holds {} samples, and --resume measures the rest",
@@ -256,60 +259,6 @@ fn run_with(
         )));
     }
     Ok(log.samples().to_vec())
-}
-
-/// `bench.json`
-#[derive(Serialize)]
-struct Settings<'a> {
-    host: &'a Host,
-    scenes: &'a [&'a str],
-    methods: Vec<&'static str>,
-    knob: String,
-    values: Vec<f64>,
-    sizes: &'a [[u32; 2]],
-    frames: u32,
-    warm_up: u32,
-    order: &'static str,
-    reference: String,
-    hit_tolerance_u: f32,
-    hit_tolerance_relative: f32,
-    measured: usize,
-    kept: usize,
-    interrupted: bool,
-}
-
-fn write_settings(
-    folder: &Path,
-    protocol: &Protocol,
-    scenes: &[&str],
-    host: &Host,
-    outcome: &Outcome,
-) -> Result<(), AppError> {
-    let (knob, values) = match &protocol.turn {
-        Turn::Nothing => ("none".to_owned(), Vec::new()),
-        Turn::Own => ("each method's own".to_owned(), Vec::new()),
-        Turn::One(knob, values) => (knob.name().to_owned(), values.clone()),
-    };
-    let settings = Settings {
-        host,
-        scenes,
-        methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
-        knob,
-        values,
-        sizes: &protocol.sizes,
-        frames: protocol.frames,
-        warm_up: protocol.warm_up,
-        order: "A B C, C B A, repeated",
-        reference: format!("rt, {} bounces", crate::bench::run::REFERENCE_BOUNCES),
-        hit_tolerance_u: TOLERANCE_U,
-        hit_tolerance_relative: TOLERANCE_RELATIVE,
-        measured: outcome.measured,
-        kept: outcome.skipped,
-        interrupted: outcome.interrupted,
-    };
-    let json = serde_json::to_vec_pretty(&settings)
-        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
-    write(&folder.join("bench.json"), &json)
 }
 
 /// Draws the report into the folder and says where it is.

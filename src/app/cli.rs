@@ -106,6 +106,10 @@ pub struct RenderArgs {
     /// Print pass times, shares by source and cause, rays and memory
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,
+    /// With --stats, also count march steps, traversals, visited nodes and tested triangles, in one
+    /// more frame; they do not depend on the machine
+    #[arg(long, requires = "stats")]
+    pub counters: bool,
 }
 
 /// `preview`

@@ -13,7 +13,10 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::{PendingPicture, Picture, RenderError, RenderOptions, Renderer, Wanted, aov::Aov},
+    render::{
+        PendingPicture, Picture, RenderError, RenderOptions, Renderer, Wanted, aov::Aov,
+        probe::PassCounts,
+    },
     scene::{desc::Method, motion::Motion},
 };
 
@@ -83,6 +86,13 @@ impl Studio {
         self.renderer
             .begin(&self.gpu, world, camera, Wanted { color, aovs })
     }
+
+    /// Counts what the passes do, in a frame that is rendered for it.
+    fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
+        let world = &self.loaded.world;
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.counts(&self.gpu, world, camera)
+    }
 }
 
 /// Renders one picture, or the frames of a film.
@@ -135,7 +145,14 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let report = Report::new(&studio.gpu, picture.stats, around);
+    let mut report = Report::new(&studio.gpu, picture.stats, around);
+    if args.counters {
+        report.counts = Some(
+            studio
+                .counts()
+                .map_err(|error| explain(error, studio.own_shaders))?,
+        );
+    }
     match args.stats {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),

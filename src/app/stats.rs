@@ -6,7 +6,10 @@ use serde::Serialize;
 
 use crate::{
     gpu::Gpu,
-    render::stats::{FrameStats, Share},
+    render::{
+        probe::PassCounts,
+        stats::{FrameStats, Share},
+    },
 };
 
 /// What `--stats` prints: the frame's numbers, what they were measured on, and what follows.
@@ -30,6 +33,9 @@ pub struct Report {
     pub load_ms: f64,
     /// From the program's start to the finished picture, milliseconds.
     pub first_picture_ms: f64,
+    /// What the passes did, of one more frame; none without `--counters`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub counts: Option<Vec<PassCounts>>,
     /// Most memory the program held at once, bytes, where the system tells.
     pub peak_resident_bytes: Option<u64>,
 }
@@ -57,6 +63,7 @@ impl Report {
             frame,
             load_ms: around.load_ms,
             first_picture_ms: around.first_picture_ms,
+            counts: None,
             peak_resident_bytes: peak_resident_bytes(),
         }
     }
@@ -95,6 +102,9 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
+        for (index, pass) in self.counts.iter().flatten().enumerate() {
+            line(if index == 0 { "counted" } else { "" }, counted(pass));
+        }
         let total: u64 = frame.bytes.iter().map(|(_, bytes)| bytes).sum();
         line(
             "memory",
@@ -116,6 +126,21 @@ impl Report {
             None => rays.to_string(),
         }
     }
+}
+
+/// What a pass did, without what it never does.
+fn counted(pass: &PassCounts) -> String {
+    let named = pass.counts.named().into_iter();
+    let texts = named.filter(|(_, count)| *count > 0);
+    let texts: Vec<String> = texts
+        .map(|(what, count)| format!("{count} {}", what.replace('_', " ")))
+        .collect();
+    let texts = if texts.is_empty() {
+        "nothing marched or traced".to_owned()
+    } else {
+        texts.join(", ")
+    };
+    format!("{:<8}{texts}", pass.pass)
 }
 
 fn time(what: &str, ms: f64) -> String {
@@ -152,7 +177,10 @@ fn peak_resident_bytes() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{render::stats::Shares, scene::desc::Method};
+    use crate::{
+        render::{probe::Counts, stats::Shares},
+        scene::desc::Method,
+    };
 
     fn report() -> Report {
         let mut counters = [0; 10];
@@ -162,6 +190,13 @@ mod tests {
             load_ms: 12.0,
             first_picture_ms: 300.0,
             peak_resident_bytes: None,
+            counts: Some(vec![PassCounts {
+                pass: "ssr",
+                counts: Counts {
+                    march_steps: 1200,
+                    ..Counts::default()
+                },
+            }]),
             adapter: "llvmpipe".to_owned(),
             software: true,
             frame: FrameStats {
@@ -193,6 +228,7 @@ mod tests {
             "source      screen 80.0 %, traced 20.0 %\n",
             "cause       hit 80.0 %, hidden 20.0 %\n",
             "rays        50, 1.25 M rays/s\n",
+            "counted     ssr     1200 march steps\n",
             "memory      1.5 MiB of buffers and textures\n",
         ] {
             assert!(text.contains(part), "{part:?} in\n{text}");
@@ -211,5 +247,7 @@ mod tests {
         assert_eq!(json["shares"]["sources"][0]["name"], "screen");
         assert_eq!(json["passes_ms"]["trace"], 2.5);
         assert_eq!(json["rays_per_s"], 1.25e6);
+        assert_eq!(json["counts"][0]["pass"], "ssr");
+        assert_eq!(json["counts"][0]["march_steps"], 1200);
     }
 }

@@ -2,6 +2,9 @@
 
 use crate::scene::desc::{Method, ReflectionDesc};
 
+/// Most steps that a scene may ask for.
+pub const MAX_STEPS: u32 = 4096;
+
 /// A setting that trades time for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knob {
@@ -106,7 +109,7 @@ impl Knob {
         let (ok, range) = match self {
             Self::ThresholdU => (value >= 0.0, "0 or more"),
             Self::Steps => (
-                whole && (8.0..=4096.0).contains(&value),
+                whole && (8.0..=f64::from(MAX_STEPS)).contains(&value),
                 "a whole number from 8 to 4096",
             ),
             Self::RayLengthU => (value > 0.0, "above 0"),

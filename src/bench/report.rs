@@ -6,10 +6,11 @@ pub mod course;
 pub mod page;
 pub mod tables;
 pub mod words;
+pub mod work;
 
 use super::sample::Sample;
 use super::summary::{Group, Metric, groups};
-use chart::{Axes, Time, draw};
+use chart::{Axes, BAR_REACH, Time, draw};
 use course::Course;
 
 /// A chart as a file.
@@ -19,6 +20,8 @@ pub struct ChartFile {
     pub name: String,
     /// Its SVG.
     pub svg: String,
+    /// How to read it.
+    pub caption: String,
 }
 
 /// One group with everything that is said and drawn about it.
@@ -52,8 +55,11 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                 }
                 let axes = Axes { time, metric };
                 if let Some(svg) = draw(&group, axes)? {
-                    let name = format!("chart-{}-{what}.svg", index + 1);
-                    charts.push(ChartFile { name, svg });
+                    charts.push(ChartFile {
+                        name: format!("chart-{}-{what}.svg", index + 1),
+                        svg,
+                        caption: caption(axes),
+                    });
                 }
             }
             for (what, course) in [
@@ -62,8 +68,11 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                 ("ssim", Course::Ssim),
             ] {
                 if let Some(svg) = course::draw(&group, course)? {
-                    let name = format!("course-{}-{what}.svg", index + 1);
-                    charts.push(ChartFile { name, svg });
+                    charts.push(ChartFile {
+                        name: format!("course-{}-{what}.svg", index + 1),
+                        svg,
+                        caption: course.caption().to_owned(),
+                    });
                 }
             }
             Ok(Section {
@@ -73,4 +82,23 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
             })
         })
         .collect()
+}
+
+/// How a chart of error against time is read.
+fn caption(axes: Axes) -> String {
+    let what = match axes.time {
+        Time::Frame => "time of a frame",
+        Time::Reflection => "time of the passes that find reflections",
+    };
+    let error = match axes.metric {
+        Metric::Flip => "FLIP, the difference an observer sees: 0 is equal, 1 is black for white",
+        Metric::Dissimilarity => "1 − SSIM: 0 is equal",
+        Metric::RelMse => "relMSE: 0 is equal",
+    };
+    format!(
+        "Across: {what}; up: {error}. Lower left is better. Every dot is a setting (point at it), \
+         every curve a method turned by its knob; the gray stairs are what nothing beats. Bars are \
+         the 5th to 95th percentile, cut off at {BAR_REACH} times the slowest median. An error of 0 \
+         stands on the bottom edge."
+    )
 }

@@ -4,7 +4,7 @@ use std::{cell::RefCell, fmt, path::Path, time::Instant};
 
 use super::{
     host::Host,
-    knob::{Knob, Variant},
+    knob::{Knob, MAX_STEPS, Variant},
     log::Log,
     score::{Errors, Hits, PLANES, Reference, View},
 };
@@ -60,6 +60,10 @@ pub struct Protocol {
     pub frames: u32,
     /// Untimed frames before them, 1 or more.
     pub warm_up: u32,
+    /// Whether what passes do is counted, in one untimed frame of each variant.
+    pub count: bool,
+    /// Whether each timed frame is followed by one that times traversal apart from shading.
+    pub split_trace: bool,
 }
 
 /// What is turned, and to which values.
@@ -303,16 +307,17 @@ impl Bench<'_> {
             .and_then(|view| reference.errors(&view))
             .map_err(|e| e.to_string());
         let mut verdicts = None;
-        if let (Some(hits), true) = (Hits::new(&picture), variant.method != Method::Rt) {
+        if let (Some(hits), true) = (Hits::of(&picture.planes), variant.method != Method::Rt) {
             renderer.retune(&ReflectionDesc {
-                threshold_u: f32::MAX.sqrt(),
+                steps: MAX_STEPS,
                 ..variant.reflection
             });
-            let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, &PLANES)?;
+            let (world, camera) = (&subject.world, &subject.camera);
+            let planes = renderer.crossings(self.gpu, world, camera, &PLANES)?;
             let unit_m = renderer.unit_m();
             let length_m = variant.reflection.ray_length_u * unit_m;
-            verdicts = Hits::new(&picture)
-                .map(|boundless| reference.verdicts(&hits, &boundless, length_m, unit_m));
+            verdicts = Hits::of(&planes)
+                .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
             renderer.retune(&variant.reflection);
         }
         Ok(match (errors, verdicts.transpose()) {

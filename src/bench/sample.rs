@@ -1,7 +1,11 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
 use super::csv::{self, CsvError, Table};
-use crate::render::{cause::Cause, passes};
+use crate::render::{
+    cause::Cause,
+    passes,
+    probe::{COUNTED_PASSES, Counts},
+};
 
 /// A value that a cell holds.
 trait Cell: Sized {
@@ -128,12 +132,23 @@ sample! {
     passes_ms: Option<f64>,
     /// The same of march, compaction, tracing and blur.
     reflection_ms: Option<f64>,
+    /// The rays of the trace pass followed once more without shading, milliseconds; measured in a
+    /// frame of its own right after this one, where it was asked for.
+    traverse_ms: Option<f64>,
     /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
     update_ms: Option<f64>,
     /// Building all trees, milliseconds; no part of a frame.
     tree_ms: f64,
     /// Rays traced from pixels.
     rays: u64,
+    /// Looks at the depth buffer, of a counted frame; none where nothing was counted.
+    march_steps: Option<u64>,
+    /// Walks through the trees from their root, of all passes.
+    traversals: Option<u64>,
+    /// Nodes that they visited.
+    visited_nodes: Option<u64>,
+    /// Triangles that they tested.
+    tested_triangles: Option<u64>,
     /// Bytes of all buffers and textures.
     bytes: u64,
     /// Pixels that reflect.
@@ -180,7 +195,7 @@ sample! {
     mask_max_difference: Option<f64>,
     /// Answers that the march gave and a ray contradicts.
     false_accepts: Option<u64>,
-    /// Crossings that T refused and a ray confirms.
+    /// Crossings that the march refused, or had no steps left to reach, and a ray confirms.
     false_rejects: Option<u64>,
     /// Adapter.
     adapter: String,
@@ -204,8 +219,16 @@ fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     T::of(text).ok_or_else(|| format!("column {column} cannot be \"{text}\""))
 }
 
-/// The columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px` and
-/// `false_reject_NAME_px`.
+/// Causes whose refusals can be judged: those for which there is a crossing.
+pub const REFUSALS: [Cause; 4] = [
+    Cause::Hidden,
+    Cause::BackFace,
+    Cause::Reflector,
+    Cause::Steps,
+];
+
+/// The columns after the fixed ones: `pass_NAME_ms`, `cause_NAME_px`, `false_accept_NAME_px`,
+/// `false_reject_NAME_px` and `PASS_COUNTED`, such as `trace_visited_nodes`.
 pub fn detail_columns() -> Vec<String> {
     let passes = passes::ALL
         .iter()
@@ -218,7 +241,11 @@ pub fn detail_columns() -> Vec<String> {
     passes
         .chain(causes().map(|c| format!("cause_{}_px", c.name())))
         .chain([Cause::Hit, Cause::None].map(|c| format!("false_accept_{}_px", c.name())))
-        .chain([format!("false_reject_{}_px", Cause::Hidden.name())])
+        .chain(REFUSALS.map(|c| format!("false_reject_{}_px", c.name())))
+        .chain(COUNTED_PASSES.iter().flat_map(|pass| {
+            let names = Counts::default().named();
+            names.map(|(what, _)| format!("{}_{what}", pass.name))
+        }))
         .collect()
 }
 
@@ -243,6 +270,12 @@ impl Sample {
             Some((name.to_owned(), *value))
         };
         columns.filter_map(of).collect()
+    }
+
+    /// The value of a column of [`detail_columns`]; 0 where there is no such column.
+    pub fn detail(&self, column: &str) -> f64 {
+        let index = detail_columns().iter().position(|name| name == column);
+        index.map_or(0.0, |index| self.detail[index])
     }
 
     /// Whether the frame was measured.

@@ -11,6 +11,7 @@ use super::{
         ssim::SsimMap,
     },
     picture::{Encoding, Pair, Picture, PictureError},
+    sample::REFUSALS,
 };
 use crate::render::{self, Plane, PlaneData, aov::Aov, cause::Cause};
 
@@ -109,15 +110,15 @@ fn enlarge(pixels: Vec<[f32; 3]>, from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]>
 }
 
 impl Hits {
-    /// From a picture with [`PLANES`]; `None` when one is missing.
-    pub fn new(picture: &render::Picture) -> Option<Self> {
-        let PlaneData::U32(cause) = plane(picture, Aov::Cause)? else {
+    /// From [`PLANES`]; `None` when one is missing.
+    pub fn of(planes: &[Plane]) -> Option<Self> {
+        let PlaneData::U32(cause) = plane(planes, Aov::Cause)? else {
             return None;
         };
-        let PlaneData::F32(distance_m) = plane(picture, Aov::HitDistance)? else {
+        let PlaneData::F32(distance_m) = plane(planes, Aov::HitDistance)? else {
             return None;
         };
-        let PlaneData::U32(ids) = plane(picture, Aov::HitIds)? else {
+        let PlaneData::U32(ids) = plane(planes, Aov::HitIds)? else {
             return None;
         };
         Some(Self {
@@ -127,10 +128,10 @@ impl Hits {
         })
     }
 
-    /// The crossing that the march refused as too far behind, where the same march without a
-    /// threshold (`boundless`) takes it; nothing at other refused pixels, whose `distance_m` is
-    /// that of the traced ray.
-    fn candidates(&self, boundless: &Self) -> (Vec<f32>, Vec<u32>) {
+    /// What the march found: its hit, or the crossing that it refused or, for `steps`, would have
+    /// met later, which is where the same march that refuses nothing (`crossings`) ends. Nothing at
+    /// other pixels, whose `distance_m` is that of the traced ray.
+    fn candidates(&self, crossings: &Self) -> (Vec<f32>, Vec<u32>) {
         // A march that met a pixel beside its own may measure a little less than nothing.
         let met = |hits: &Self, i: usize| {
             let distance_m = hits.distance_m[i];
@@ -139,16 +140,18 @@ impl Hits {
         };
         let of = |i: usize| match Cause::from_number(self.cause[i]) {
             Some(Cause::Hit) => met(self, i),
-            Some(Cause::Hidden) if boundless.cause[i] == Cause::Hit as u32 => met(boundless, i),
+            Some(cause) if REFUSALS.contains(&cause) && crossings.cause[i] == Cause::Hit as u32 => {
+                met(crossings, i)
+            }
             _ => (f32::INFINITY, 0),
         };
         (0..self.cause.len()).map(of).unzip()
     }
 }
 
-fn plane(picture: &render::Picture, aov: Aov) -> Option<&PlaneData> {
+fn plane(planes: &[Plane], aov: Aov) -> Option<&PlaneData> {
     let named = |plane: &&Plane| plane.name == aov.name();
-    picture.planes.iter().find(named).map(|plane| &plane.data)
+    planes.iter().find(named).map(|plane| &plane.data)
 }
 
 impl Reference {
@@ -158,8 +161,8 @@ impl Reference {
     /// A sentence: a pixel that is NaN, infinite or negative, a missing plane.
     pub fn new(picture: &render::Picture) -> Result<Self, String> {
         let view = View::new(picture, picture.size).map_err(|e| e.to_string())?;
-        let hits = Hits::new(picture).ok_or("the reference lacks its hit planes")?;
-        let Some(PlaneData::F32(weights)) = plane(picture, Aov::Reflectance) else {
+        let hits = Hits::of(&picture.planes).ok_or("the reference lacks its hit planes")?;
+        let Some(PlaneData::F32(weights)) = plane(&picture.planes, Aov::Reflectance) else {
             return Err("the reference lacks its reflectance plane".to_owned());
         };
         let [width, height] = picture.size.map(|side| side as usize);
@@ -188,19 +191,19 @@ impl Reference {
         })
     }
 
-    /// False accepts and rejects of a march of `length_m`, per cause. `boundless` is the same
-    /// march without a threshold. Surfaces are told apart by instance.
+    /// False accepts and rejects of a march of `length_m`, per cause. `crossings` is the same
+    /// march with all steps and no refusals. Surfaces are told apart by instance.
     ///
     /// # Errors
     /// A sentence: planes of another size, an unknown cause.
     pub fn verdicts(
         &self,
         hits: &Hits,
-        boundless: &Hits,
+        crossings: &Hits,
         length_m: f32,
         unit_m: f32,
     ) -> Result<Vec<CauseTally>, String> {
-        let (screen_m, screen) = hits.candidates(boundless);
+        let (screen_m, screen) = hits.candidates(crossings);
         let cut = |&d: &f32| if d <= length_m { d } else { f32::INFINITY };
         let ray_m: Vec<f32> = self.hits.distance_m.iter().map(cut).collect();
         let planes = HitPlanes {
@@ -253,21 +256,23 @@ mod tests {
     }
 
     #[test]
-    fn refused_crossings_come_from_the_boundless_march() {
-        let hits = |cause: [Cause; 4], distance_m: [f32; 4]| Hits {
+    fn refused_crossings_come_from_the_march_that_refuses_nothing() {
+        use Cause::{BackFace, Hidden, Hit, OffScreen, Reflector, Steps};
+        let hits = |cause: [Cause; 7], distance_m: [f32; 7]| Hits {
             cause: cause.map(|c| c as u32).to_vec(),
             distance_m: distance_m.to_vec(),
-            instance: vec![3; 4],
+            instance: vec![3; 7],
         };
         let marched = hits(
-            [Cause::Hit, Cause::Hidden, Cause::Hidden, Cause::OffScreen],
-            [1.0, 9.0, 9.0, 9.0],
+            [Hit, Hidden, BackFace, Reflector, Steps, Steps, OffScreen],
+            [1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0],
         );
-        let boundless = hits(
-            [Cause::Hit, Cause::Hit, Cause::BackFace, Cause::OffScreen],
-            [1.0, 2.0, 0.0, 0.0],
+        let crossings = hits(
+            [Hit, Hit, Hit, Hit, Hit, OffScreen, OffScreen],
+            [1.0, 2.0, -0.1, 4.0, 5.0, 0.0, 0.0],
         );
-        let (distances, _) = marched.candidates(&boundless);
-        assert_eq!(distances, [1.0, 2.0, f32::INFINITY, f32::INFINITY]);
+        let (distances, _) = marched.candidates(&crossings);
+        let none = f32::INFINITY;
+        assert_eq!(distances, [1.0, 2.0, 0.0, 4.0, 5.0, none, none]);
     }
 }

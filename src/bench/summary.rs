@@ -31,6 +31,10 @@ pub struct Point {
     pub reflection_ms: Option<Spread>,
     /// Median milliseconds of each pass that ran.
     pub passes_ms: Vec<(String, f64)>,
+    /// Whether errors, shares, verdicts and counts are means over the frames of an animation.
+    pub is_mean: bool,
+    /// Median milliseconds of the trace pass's rays without shading, where that was timed.
+    pub traverse_ms: Option<f64>,
 }
 
 /// Points that may share a chart: one scene, camera, size, reference, adapter and commit.
@@ -134,6 +138,8 @@ impl Point {
             frame_ms,
             reflection_ms: spread(|s| s.reflection_ms),
             passes_ms: passes.filter_map(median).collect(),
+            is_mean: false,
+            traverse_ms: spread(|s| s.traverse_ms).map(|spread| spread.median),
             sample: (*first).clone(),
         })
     }
@@ -142,6 +148,7 @@ impl Point {
     /// mask over the frames whose mask is large enough; shares are of all reflective pixels.
     /// Percentiles and PSNR have no mean.
     fn averaged(mut self, samples: &[&Sample]) -> Self {
+        self.is_mean = true;
         let mean = |of: fn(&Sample) -> Option<f64>| {
             let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
@@ -167,6 +174,19 @@ impl Point {
         (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
         (s.psnr_db, s.mask_psnr_db) = (None, None); // infinite where one frame is equal
         (s.false_accepts, s.false_rejects) = (None, None);
+        let mean_count = |of: fn(&Sample) -> Option<u64>| {
+            let counts: Option<Vec<u64>> = samples.iter().map(|s| of(s)).collect();
+            counts.map(|counts| counts.iter().sum::<u64>() / counts.len() as u64)
+        };
+        s.march_steps = mean_count(|s| s.march_steps);
+        s.traversals = mean_count(|s| s.traversals);
+        s.visited_nodes = mean_count(|s| s.visited_nodes);
+        s.tested_triangles = mean_count(|s| s.tested_triangles);
+        // Times of passes have medians of their own; causes, verdicts and counts have means.
+        for (index, value) in s.detail.iter_mut().enumerate() {
+            let sum: f64 = samples.iter().map(|s| s.detail[index]).sum();
+            *value = sum / samples.len() as f64;
+        }
         self
     }
 
@@ -184,6 +204,14 @@ impl Point {
             Metric::Dissimilarity => ssim.map(|ssim| (1.0 - ssim).max(0.0)),
             Metric::RelMse => rel_mse,
         }
+    }
+
+    /// The trace pass as milliseconds of traversal and of everything else in it, above all
+    /// shading; none where they were not timed apart.
+    pub fn split_trace_ms(&self) -> Option<[f64; 2]> {
+        let traverse_ms = self.traverse_ms?;
+        let rest_ms = self.pass_ms("trace") - traverse_ms;
+        Some([traverse_ms, rest_ms.max(0.0)])
     }
 
     /// Milliseconds of a pass; 0 where it did not run.

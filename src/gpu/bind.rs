@@ -54,6 +54,23 @@ impl GroupLayout {
         })
     }
 
+    /// The layout of what one entry point uses of `@group(group)`: what only other entry points of
+    /// the shader use need not be bound for it.
+    ///
+    /// # Errors
+    /// As [`GroupLayout::new`].
+    pub fn of_entry(
+        gpu: &Gpu,
+        module: &ShaderModuleInfo,
+        entry: &str,
+        group: u32,
+    ) -> Result<Self, GpuError> {
+        let mut used = module.clone();
+        used.bindings
+            .retain(|binding| binding.entry_points.iter().any(|name| name == entry));
+        Self::new(gpu, &module.name, &[&used], group)
+    }
+
     /// A bind group whose resources `lookup` finds by name.
     ///
     /// # Errors

@@ -55,6 +55,8 @@ pub struct Binding {
     pub ty: wgpu::BindingType,
     /// The stages that use it.
     pub visibility: wgpu::ShaderStages,
+    /// The entry points that use it.
+    pub entry_points: Vec<String>,
     /// File and line of its declaration, for messages.
     pub declared_at: String,
 }
@@ -256,11 +258,13 @@ impl Reflection<'_> {
             let Some(slot) = global.binding else { continue };
             let name = global.name.clone().unwrap_or_default();
             let users = entry_points.iter().enumerate();
-            let visibility = users
+            let users: Vec<&EntryPoint> = users
                 .filter(|(index, _)| !self.info.get_entry_point(*index)[handle].is_empty())
-                .fold(wgpu::ShaderStages::NONE, |all, (_, entry)| {
-                    all | entry.stage
-                });
+                .map(|(_, entry)| entry)
+                .collect();
+            let visibility = users
+                .iter()
+                .fold(wgpu::ShaderStages::NONE, |all, entry| all | entry.stage);
             if visibility.is_empty() {
                 continue;
             }
@@ -276,6 +280,7 @@ impl Reflection<'_> {
                 name,
                 ty,
                 visibility,
+                entry_points: users.iter().map(|entry| entry.name.clone()).collect(),
                 declared_at: at.map_or_else(
                     || self.source.file.to_string(),
                     |at| format!("{}:{}", at.file, at.line),

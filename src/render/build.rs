@@ -11,7 +11,7 @@ use crate::{
 
 use super::{
     RenderOptions,
-    pass::{ComputePass, Pass, Shared},
+    pass::{ComputePass, MAIN, Named, Pass, Shared},
     passes::{
         self, blur, compact, compose, light,
         shadow::{self, Shadow, ShadowMaps},
@@ -19,6 +19,7 @@ use super::{
         visibility::{self, Visibility},
     },
     plan::Plan,
+    probe::Probes,
     renderer::FrameBuffers,
     scene::GpuScene,
     targets::{Target, Targets},
@@ -35,6 +36,8 @@ pub(super) struct Passes {
     pub(super) reflections: Option<Reflections>,
     pub(super) compose: [ComputePass; 2],
     pub(super) tone: ComputePass,
+    /// Built when they are first asked for.
+    pub(super) probes: Probes,
 }
 
 /// Passes that only exist where the scene reflects.
@@ -110,6 +113,7 @@ impl Passes {
                 .transpose()?,
             compose: [compose(0)?, compose(1)?],
             tone: build.pass(&tone::PASS, color, &[])?,
+            probes: Probes::default(),
             shared,
         })
     }
@@ -142,12 +146,12 @@ pub(super) fn needs(plan: &Plan, options: &RenderOptions, target: Target) -> boo
 }
 
 /// What building a compute pass takes.
-struct Build<'a> {
-    gpu: &'a Gpu,
-    shaders: &'a Shaders,
-    shared: &'a Shared,
-    targets: &'a Targets,
-    constants: &'a [(&'static str, f64)],
+pub(super) struct Build<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) shaders: &'a Shaders,
+    pub(super) shared: &'a Shared,
+    pub(super) targets: &'a Targets,
+    pub(super) constants: &'a [(&'static str, f64)],
 }
 
 impl Build<'_> {
@@ -155,13 +159,31 @@ impl Build<'_> {
         &self,
         pass: &'static Pass,
         aliases: &[(&str, Target)],
-        extra: &[(&str, &wgpu::Buffer)],
+        extra: &[Named<'_>],
     ) -> Result<ComputePass, GpuError> {
         let shader = self.shaders.get(pass)?;
-        let mut built = ComputePass::new(self.gpu, pass, shader, self.shared, self.constants)?;
+        self.entry(pass, shader, MAIN, aliases, extra)
+    }
+
+    /// A pass that starts at `entry` of any shader.
+    pub(super) fn entry(
+        &self,
+        pass: &'static Pass,
+        shader: &Shader,
+        entry: &str,
+        aliases: &[(&str, Target)],
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        let (shared, constants) = (self.shared, self.constants);
+        let mut built = ComputePass::new(self.gpu, pass, shader, entry, shared, constants)?;
         built.bind(self.gpu, self.targets, aliases, extra)?;
         Ok(built)
     }
+}
+
+/// Whether the march is part of the pipeline.
+pub(super) fn march_constant(method: Method) -> (&'static str, f64) {
+    ("MARCH", f64::from(u8::from(method != Method::Rt)))
 }
 
 impl Reflections {
@@ -169,8 +191,7 @@ impl Reflections {
         let settings = &options.reflection;
         let list = compact::RayList::new(build.gpu, options.image.size)?;
         let mut constants = build.constants.to_vec();
-        let march = settings.method != Method::Rt;
-        constants.push(("MARCH", f64::from(u8::from(march))));
+        constants.push(march_constant(settings.method));
         let build = Build {
             constants: &constants,
             ..*build
@@ -245,7 +266,7 @@ impl Shaders {
         passes.iter().all(same)
     }
 
-    fn get(&self, pass: &Pass) -> Result<&Shader, GpuError> {
+    pub(super) fn get(&self, pass: &Pass) -> Result<&Shader, GpuError> {
         let missing = || GpuError::Binding(format!("pass `{}` was not planned", pass.name));
         let found = self.0.get(pass.name);
         found.map(|(_, shader)| shader).ok_or_else(missing)

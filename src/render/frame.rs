@@ -17,6 +17,7 @@ use super::{
     lights::lights,
     pass::Dispatch,
     passes::{blur, compose, ssr, tone},
+    probe::{Probe, Probes},
     recorder::{Recorder, Timing},
     stats::{FrameStats, Shares},
     types::Frame,
@@ -40,7 +41,7 @@ impl Renderer {
         let view = View::new(camera, self.options.image.size);
         let mut passes_ms = Vec::new();
         for sample in 0..samples {
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes);
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
             passes_ms.extend(recorder.finish()?);
         }
         gpu.wait()?;
@@ -66,7 +67,7 @@ impl Renderer {
         let view = View::new(camera, self.options.image.size);
         let mut before = None;
         for sample in 0..self.options.image.samples {
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None);
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, None);
             let submission = recorder.submit()?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
@@ -75,14 +76,15 @@ impl Renderer {
         Ok(self.stats(Vec::new(), 0.0))
     }
 
-    /// One sub-frame, pass by pass.
-    fn sub_frame<'a>(
+    /// One sub-frame, pass by pass; a probe measures what a picture does not need.
+    pub(super) fn sub_frame<'a>(
         &'a mut self,
         gpu: &'a Gpu,
         world: &World,
         view: &View,
         sample: u32,
         timing: Timing,
+        probe: Option<Probe>,
     ) -> Recorder<'a> {
         let jitter = jitter(sample, self.options.image.samples);
         let bounds = self
@@ -104,6 +106,9 @@ impl Renderer {
         let size = self.options.image.size;
         let mut recorder = Recorder::new(gpu, &self.timer, timing, &passes.shared, size);
         let r = &mut recorder;
+        if probe == Some(Probe::Count) {
+            passes.probes.clear(r.encoder());
+        }
         if sample == 0 {
             passes.shadow.record(r, maps, scene, &shadow_views);
         }
@@ -111,9 +116,11 @@ impl Renderer {
             .visibility
             .record(r, targets, scene, &view.clip_from_world(jitter));
         passes.surface.record(r, &Dispatch::PerPixel);
-        passes.light.record(r, &Dispatch::PerPixel);
+        let light = passes.probes.instead_of(&passes.light, probe);
+        light.record(r, &Dispatch::PerPixel);
         if let Some(reflections) = &passes.reflections {
-            reflections.record(r, &self.options, self.unit_m);
+            let instead = (&passes.probes, probe);
+            reflections.record(r, &self.options, self.unit_m, instead);
         }
         let compose = &passes.compose[sample as usize % 2];
         compose.set_params(
@@ -192,18 +199,26 @@ impl Renderer {
 
 impl Reflections {
     /// The reflections of one sub-frame.
-    fn record(&self, r: &mut Recorder<'_>, options: &RenderOptions, unit_m: f32) {
+    fn record(
+        &self,
+        r: &mut Recorder<'_>,
+        options: &RenderOptions,
+        unit_m: f32,
+        (probes, probe): (&Probes, Option<Probe>),
+    ) {
         let settings = &options.reflection;
         r.encoder().clear_buffer(&self.list.counters, 0, None);
-        self.ssr
-            .set_params(r.gpu, &ssr::Params::new(settings, unit_m));
-        self.ssr.record(r, &Dispatch::PerPixel);
+        let ssr = probes.instead_of(&self.ssr, probe);
+        ssr.set_params(r.gpu, &ssr::Params::new(settings, unit_m));
+        ssr.record(r, &Dispatch::PerPixel);
         self.compact.record(r, &Dispatch::PerPixel);
         if let Some(traced) = &self.trace {
             traced.arguments.record(r, &Dispatch::Once);
-            traced
-                .trace
-                .record(r, &Dispatch::Indirect(&self.list.arguments));
+            let rays = Dispatch::Indirect(&self.list.arguments);
+            probes.instead_of(&traced.trace, probe).record(r, &rays);
+            if let Some(traverse) = probes.traverse(probe) {
+                traverse.record(r, &rays);
+            }
         }
         if let Some(blur) = &self.blur {
             for (pass, direction) in blur.iter().zip([[1, 0], [0, 1]]) {

@@ -16,6 +16,7 @@ pub mod pass;
 pub mod passes;
 pub mod picture;
 pub mod plan;
+pub mod probe;
 pub mod recorder;
 pub mod renderer;
 pub mod scene;

@@ -2,6 +2,11 @@
 
 use crate::gpu::{Gpu, GpuError, GroupLayout, Shader};
 
+/// Where the shader of a pass starts.
+pub const MAIN: &str = "main";
+/// Where it starts to do the same and to write down how much that was.
+pub const COUNTED: &str = "counted";
+
 use super::recorder::Recorder;
 use super::targets::{Target, Targets};
 use super::types::StructSpec;
@@ -18,6 +23,9 @@ pub struct Pass {
     /// Layout of its `Params`, where it has them.
     pub params: Option<StructSpec>,
 }
+
+/// A resource with its name in the shaders.
+pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
 
 /// The groups that all passes share.
 #[derive(Debug)]
@@ -82,7 +90,8 @@ pub struct ComputePass {
 }
 
 impl ComputePass {
-    /// Builds the pipeline; `constants` may hold more than this shader overrides.
+    /// Builds the pipeline from one entry point; `constants` may hold more than this shader
+    /// overrides.
     ///
     /// # Errors
     /// What the shader or wgpu refuses, by file and name.
@@ -90,20 +99,21 @@ impl ComputePass {
         gpu: &Gpu,
         pass: &'static Pass,
         shader: &Shader,
+        entry: &str,
         shared: &Shared,
         constants: &[(&'static str, f64)],
     ) -> Result<Self, GpuError> {
-        let layout = GroupLayout::new(gpu, pass.name, &[&shader.info], 2)?;
+        let layout = GroupLayout::of_entry(gpu, &shader.info, entry, 2)?;
         let groups = [
             shared.layout_for(shader, 0),
             shared.layout_for(shader, 1),
             &layout,
         ];
         let constants = known(shader, constants);
-        let pipeline = shader.compute_pipeline(gpu, "main", &groups, &constants)?;
+        let pipeline = shader.compute_pipeline(gpu, entry, &groups, &constants)?;
         let tile = shader
             .info
-            .entry_point("main")
+            .entry_point(entry)
             .map_or([1, 1], |e| [e.workgroup_size[0], e.workgroup_size[1]]);
         let params = pass
             .params
@@ -119,6 +129,11 @@ impl ComputePass {
         })
     }
 
+    /// Name of the pass.
+    pub fn name(&self) -> &'static str {
+        self.pass.name
+    }
+
     /// Binds targets, `params` and `extra` by name. `aliases` give a target another name here.
     ///
     /// # Errors
@@ -128,14 +143,14 @@ impl ComputePass {
         gpu: &Gpu,
         targets: &Targets,
         aliases: &[(&str, Target)],
-        extra: &[(&str, &wgpu::Buffer)],
+        extra: &[Named<'_>],
     ) -> Result<(), GpuError> {
         let lookup = |name: &str| {
             if name == "params" {
                 return self.params.as_ref().map(wgpu::Buffer::as_entire_binding);
             }
-            if let Some((_, buffer)) = extra.iter().find(|(n, _)| *n == name) {
-                return Some(buffer.as_entire_binding());
+            if let Some((_, resource)) = extra.iter().find(|(n, _)| *n == name) {
+                return Some(resource.clone());
             }
             let alias = aliases.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
             let declared = self.pass.reads.iter().chain(self.pass.writes);

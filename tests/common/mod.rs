@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use reflet::gpu::{Gpu, GpuError, GpuOptions};
+use reflet::gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary};
 
 /// The GPU, or `None` after saying `SKIPPED` where there is no adapter.
 ///
@@ -39,6 +39,15 @@ pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
         return None;
     }
     Some(folder)
+}
+
+/// The shaders under test: the built-in ones, or those of the folder that `REFLET_TEST_SHADERS`
+/// names, in which `tools/mutants.py` plants mistakes without a rebuild.
+pub fn shaders() -> ShaderLibrary {
+    let Some(folder) = std::env::var_os("REFLET_TEST_SHADERS") else {
+        return ShaderLibrary::embedded();
+    };
+    ShaderLibrary::from_dir(Path::new(&folder)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::kit::{assert_color, gpu, render};
+use crate::kit::{FACING, assert_color, gpu, render};
 
 /// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
@@ -102,34 +102,6 @@ material = "white"
         }
     }
 }
-
-/// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
-const FACING: &str = r#"
-version = 1
-[camera.main]
-eye = [0, 0, 0]
-target = [0, 0, -1]
-fov_deg = 2
-[image]
-size = [9, 9]
-tone_map = "none"
-[material.mirror]
-base_color = [0, 0, 0]
-reflectivity = 0.5
-reflection = "mirror"
-emission = [0.1, 0.1, 0.1]
-[model.mirror]
-shape = { kind = "plane", size = [4, 4] }
-material = "mirror"
-[[instance]]
-model = "mirror"
-translation = [0, 0, -1]
-rotation_deg = [90, 0, 0]
-[[instance]]
-model = "mirror"
-translation = [0, 0, 1]
-rotation_deg = [-90, 0, 0]
-"#;
 
 #[test]
 fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
@@ -273,4 +245,64 @@ fn fading_ends_in_the_environment() {
     let rest = 1.0 - 5.0 / 10.0;
     let expected = [0.2 * rest + (1.0 - rest), 0.5 * rest, 0.8 * rest];
     assert_color(&picture, 16, 8, expected, 2e-3);
+}
+
+/// Khronos PBR Neutral, Narkowicz's ACES and the sRGB curve.
+#[test]
+fn tone_curves_are_those_of_their_papers() {
+    let Some(gpu) = gpu() else { return };
+    let srgb = |c: f32| {
+        let c = c.clamp(0.0, 1.0);
+        if c <= 0.003_130_8 {
+            12.92 * c
+        } else {
+            1.055 * c.powf(1.0 / 2.4) - 0.055
+        }
+    };
+    let neutral = |c: [f32; 3]| {
+        let least = c.iter().copied().fold(f32::INFINITY, f32::min);
+        let offset = if least < 0.08 {
+            least - 6.25 * least * least
+        } else {
+            0.04
+        };
+        let c = c.map(|v| v - offset);
+        let peak = c.iter().copied().fold(0.0, f32::max);
+        if peak < 0.76 {
+            return c;
+        }
+        let compressed = 1.0 - 0.24 * 0.24 / (peak + 0.24 - 0.76);
+        let white = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
+        c.map(|v| v * compressed / peak * (1.0 - white) + compressed * white)
+    };
+    let aces = |c: [f32; 3]| c.map(|c| (c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14));
+    let none = |c: [f32; 3]| c;
+    type Curve<'a> = &'a dyn Fn([f32; 3]) -> [f32; 3];
+    let curves: [(&str, Curve); 3] = [("neutral", &neutral), ("aces", &aces), ("none", &none)];
+    for emission in [
+        [0.001, 0.002, 0.05],
+        [0.3, 0.5, 0.2],
+        [0.9, 0.4, 0.1],
+        [6.0, 2.0, 0.5],
+    ] {
+        for (name, curve) in &curves {
+            let set = [
+                format!("material.lamp.emission={emission:?}"),
+                format!("image.tone_map=\"{name}\""),
+                "image.exposure_ev=0.5".to_owned(),
+                "reflection.method=\"rt\"".to_owned(),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let picture = render(gpu, MIRROR, &set, &[]);
+            let expected = curve(emission.map(|v: f32| v * 2f32.sqrt())).map(|v| srgb(v) * 255.0);
+            let at = 4 * (8 * 33 + 16);
+            for (found, expected) in picture.display[at..].iter().zip(expected) {
+                let off = (f32::from(*found) - expected).abs();
+                assert!(
+                    off < 1.0,
+                    "{name} of {emission:?}: {found}, expected {expected}"
+                );
+            }
+        }
+    }
 }

@@ -3,13 +3,13 @@
 use std::{path::Path, sync::OnceLock};
 
 use reflet::{
-    gpu::{Gpu, ShaderLibrary},
+    gpu::Gpu,
     render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
     scene::{desc::SceneDesc, parse},
     world::{World, load},
 };
 
-use crate::common::gpu_or_skip;
+use crate::common::{gpu_or_skip, shaders};
 
 /// The process's device; `None` where tests are skipped.
 pub fn gpu() -> Option<&'static Gpu> {
@@ -19,8 +19,13 @@ pub fn gpu() -> Option<&'static Gpu> {
 
 /// A scene read from text, with `--set` settings laid over it.
 pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
+    scene_of(Path::new("test.toml"), text, set)
+}
+
+/// The same as if it stood in `file`, beside the images that it names.
+pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-    let (desc, _) = parse::parse(text, Path::new("test.toml"), &set).unwrap_or_else(|errors| {
+    let (desc, _) = parse::parse(text, file, &set).unwrap_or_else(|errors| {
         panic!(
             "{}",
             errors.iter().map(|e| e.to_string()).collect::<String>()
@@ -57,8 +62,7 @@ pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Re
         image: desc.image,
         general,
     };
-    Renderer::new(gpu, &ShaderLibrary::embedded(), world, &options)
-        .unwrap_or_else(|e| panic!("{e}"))
+    Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Linear color of a pixel.
@@ -114,3 +118,31 @@ pub fn share_differing(a: &Picture, b: &Picture, levels: u8) -> f64 {
         .count();
     differing as f64 / f64::from(a.size[0] * a.size[1])
 }
+
+/// Two mirrors with emission 0.1 and reflectance 1/2 face each other; the camera stands between.
+pub const FACING: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 0]
+target = [0, 0, -1]
+fov_deg = 2
+[image]
+size = [9, 9]
+tone_map = "none"
+[material.mirror]
+base_color = [0, 0, 0]
+reflectivity = 0.5
+reflection = "mirror"
+emission = [0.1, 0.1, 0.1]
+[model.mirror]
+shape = { kind = "plane", size = [4, 4] }
+material = "mirror"
+[[instance]]
+model = "mirror"
+translation = [0, 0, -1]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "mirror"
+translation = [0, 0, 1]
+rotation_deg = [-90, 0, 0]
+"#;

@@ -5,6 +5,10 @@ mod common;
 
 mod agreement;
 mod closed_form;
+mod counts;
 mod edge_cases;
 mod kit;
+mod lamp;
+mod material;
+mod mesh;
 mod ray_list;

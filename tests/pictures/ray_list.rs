@@ -1,15 +1,15 @@
 //! The indirect dispatch reaches every ray, also beyond 65,535 workgroups in one dimension, where a
 //! one-dimensional dispatch would silently do nothing.
 
-use reflet::gpu::{Gpu, GroupLayout, Shader, ShaderLibrary, pipeline::Checks, readback};
+use reflet::gpu::{Gpu, GroupLayout, Shader, pipeline::Checks, readback};
 use wgpu::util::DeviceExt as _;
 
-use crate::kit::gpu;
+use crate::{common::shaders, kit::gpu};
 
 /// The workgroups that `arguments.wgsl` gives for this many rays.
 fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
-    let shader = Shader::new(gpu, &ShaderLibrary::embedded(), "arguments", Checks::All)
-        .unwrap_or_else(|e| panic!("{e}"));
+    let shader =
+        Shader::new(gpu, &shaders(), "arguments", Checks::All).unwrap_or_else(|e| panic!("{e}"));
     let empty = GroupLayout::new(gpu, "empty", &[], 0).unwrap_or_else(|e| panic!("{e}"));
     let layout =
         GroupLayout::new(gpu, "arguments", &[&shader.info], 2).unwrap_or_else(|e| panic!("{e}"));

@@ -89,6 +89,9 @@ fn files_that_cannot_be_scenes_say_why() {
     assert!(said(&folder).1.contains("a folder was given"));
     let large = write("large.toml", &vec![b' '; parse::MOST_BYTES as usize + 1]);
     assert_eq!(said(&large).0, "file-too-large");
+    let mut just_fits = vec![b' '; parse::MOST_BYTES as usize];
+    just_fits[..12].copy_from_slice(b"version = 1\n");
+    assert!(parse::load(&write("fits.toml", &just_fits), &[]).is_ok());
     let (name, text) = said(&write("latin1.toml", b"version = 1\n# caf\xe9\n"));
     assert_eq!(name, "not-utf8");
     assert!(text.contains("latin1.toml:2:6"), "{text}");
@@ -97,6 +100,33 @@ fn files_that_cannot_be_scenes_say_why() {
         parse::load(&good, &[]).map(|(scene, _)| scene.folder),
         Ok(folder.clone())
     );
+    std::fs::remove_dir_all(&folder).expect("it was made here");
+}
+
+/// A script must not run on half of what it was written for.
+#[test]
+fn a_script_waits_until_its_parameters_can_be_read() {
+    let folder = std::env::temp_dir().join(format!("reflet-script-waits-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    let script = "fn setup(ctx) { throw \"it ran\" }";
+    std::fs::write(folder.join("s.rhai"), script).expect("a temporary file");
+    let of = |tables: &str| {
+        let text = format!("version = 1\nscript = \"s.rhai\"\n{tables}");
+        let file = folder.join("scene.toml");
+        std::fs::write(&file, text).expect("a temporary file");
+        let errors = parse::load(&file, &[]).expect_err("it cannot be read");
+        let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        (texts.len(), texts.join("\n"))
+    };
+    let (count, text) = of("[params]\nside = 3\n");
+    assert!(count == 1 && text.contains("it ran"), "{text}");
+    for tables in [
+        "[params]\nside = { wide = 3 }\n",
+        "[timeline]\nend = \"never\"\n",
+    ] {
+        let (count, text) = of(tables);
+        assert!(count == 1 && !text.contains("it ran"), "{text}");
+    }
     std::fs::remove_dir_all(&folder).expect("it was made here");
 }
 

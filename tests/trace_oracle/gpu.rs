@@ -1,5 +1,6 @@
 //! Runs `shaders/lib/bvh.wgsl` on a device of its own.
 
+use crate::common::shaders;
 use reflet::world::bvh::{Ray, TraceInstance, Trees};
 use wgpu::util::DeviceExt as _;
 
@@ -192,7 +193,8 @@ impl Gpu {
     }
 
     fn pipeline(&self, parts: Parts) -> wgpu::ComputePipeline {
-        let source = format!("{KERNEL}\n{}", include_str!("../../shaders/lib/bvh.wgsl"));
+        let bvh = shaders().lib_source("bvh").expect("the shader assembles");
+        let source = format!("{KERNEL}\n{}", bvh.text);
         let module = self
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -203,7 +205,7 @@ impl Gpu {
             ("HAS_STATIC", parts.has_static),
             ("HAS_TOP_LEVEL", parts.has_top_level),
             ("HAS_CUTOUT", parts.has_cutout),
-            ("COUNT_VISITS", true),
+            ("COUNT", true),
         ]
         .map(|(name, on)| (name, f64::from(u8::from(on))));
         self.device

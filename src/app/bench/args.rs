@@ -63,6 +63,14 @@ pub struct RunArgs {
     /// Untimed frames before them, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub warm_up: u32,
+    /// Count march steps, traversals, visited nodes and tested triangles in one more frame of each
+    /// setting; always on a software adapter, where they say more than its milliseconds
+    #[arg(long)]
+    pub counters: bool,
+    /// After each timed frame, time the rays of the trace pass without shading in a frame of its
+    /// own; `paper scenario1` always does
+    #[arg(long)]
+    pub split_trace: bool,
     /// Folder for samples.csv, bench.json, report.html and the charts; made if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,

@@ -111,7 +111,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     } else {
         args.sizes.clone()
     };
-    let protocol = Protocol {
+    let mut protocol = Protocol {
         methods: vec![Method::Ssr, Method::Hybrid, Method::Rt],
         turn: match args.figure {
             PaperExperiment::Fig1 => Turn::One(Knob::ThresholdU, thresholds()),
@@ -120,9 +120,12 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
         sizes,
         frames: args.run.frames,
         warm_up: args.run.warm_up,
+        count: args.run.counters,
+        split_trace: args.run.split_trace || args.figure == PaperExperiment::Scenario1,
     };
     let subjects = stage.subjects(&args.assets)?;
     let gpu = open_gpu(&args.run)?;
+    protocol.count |= gpu.is_software();
     let mut galleries = Vec::new();
     let mut show = |subject: &Subject| {
         let shots = shots(args.figure, &subject.reflection);

@@ -1,7 +1,5 @@
 //! Milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
-use std::fmt::Write as _;
-
 use plotters::{
     coord::{
         ranged1d::{AsRangedCoord, Ranged, ValueFormatter},
@@ -15,6 +13,9 @@ use crate::bench::{
     front::{Spot, front},
     summary::{Group, Metric, Point, digits},
 };
+use marks::{End, Labels, legend, mark};
+
+mod marks;
 
 /// What the horizontal axis shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +37,9 @@ pub struct Axes {
 
 /// Most dots whose values are written beside them; of more, only those on the front.
 const MAX_NAMED: usize = 24;
+
+/// How many times the slowest median a bar of percentiles may reach, and below the fastest.
+pub const BAR_REACH: f64 = 1.5;
 
 /// Pixels of a chart.
 const SIZE: (u32, u32) = (860, 500);
@@ -67,23 +71,23 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     if dots.len() < 2 {
         return Ok(None);
     }
-    let times = dots.iter().flat_map(|dot| {
-        let [low, high] = dot.spread.unwrap_or([dot.spot.ms; 2]);
-        [low, high, dot.spot.ms]
-    });
-    let (fastest, slowest) = times.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), ms| {
-        (low.min(ms), high.max(ms))
-    });
+    let medians = dots.iter().map(|dot| [dot.spot.ms; 2]);
+    let [first, last] = medians.fold([f64::INFINITY, 0.0], widened);
+    // A single frame that was held up must not squeeze the dots together: bars are cut off.
+    let limits = [first / BAR_REACH, last * BAR_REACH];
+    let bars = dots.iter().filter_map(|dot| dot.spread);
+    let bars = bars.map(|ends| ends.map(|ms| ms.clamp(limits[0], limits[1])));
+    let [fastest, slowest] = bars.fold([first, last], widened);
     let [bottom, top] = error_range(&dots);
     let errors = (bottom..top).log_scale();
     // A log axis needs a decade to be readable.
     if slowest > 8.0 * fastest && fastest > 0.0 {
         let times = (fastest / 1.3..slowest * 1.5).log_scale();
-        plot(group, axes, &dots, times, errors, bottom)
+        plot(group, axes, &dots, times, errors, (bottom, limits))
     } else {
         let margin = (0.08 * (slowest - fastest)).max(0.02 * slowest).max(1e-6);
         let times: RangedCoordf64 = ((fastest - margin).max(0.0)..slowest + 2.0 * margin).into();
-        plot(group, axes, &dots, times, errors, bottom)
+        plot(group, axes, &dots, times, errors, (bottom, limits))
     }
     .map(Some)
 }
@@ -125,6 +129,11 @@ fn error_range(dots: &[Dot]) -> [f64; 2] {
     [bottom, 10f64.powf((high * 1.1).log10().ceil())]
 }
 
+/// A range with what lies in another.
+fn widened([low, high]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 2] {
+    [low.min(first), high.max(last)]
+}
+
 /// What plotters says, as text.
 fn said(error: impl std::fmt::Display) -> String {
     format!("the chart cannot be drawn: {error}")
@@ -136,7 +145,7 @@ fn plot<X, Y>(
     dots: &[Dot],
     times: impl AsRangedCoord<CoordDescType = X, Value = f64>,
     errors: impl AsRangedCoord<CoordDescType = Y, Value = f64>,
-    bottom: f64,
+    (bottom, limits): (f64, [f64; 2]),
 ) -> Result<String, String>
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
@@ -179,15 +188,23 @@ where
         }
         let to_pixels = chart.as_coord_spec();
         let few = dots.len() <= MAX_NAMED;
-        for dot in dots {
-            let at = to_pixels.translate(&shown(&dot.spot));
-            let ends = dot
-                .spread
-                .map(|ends| ends.map(|ms| to_pixels.translate(&(ms, shown(&dot.spot).1)).0));
+        let places: Vec<(i32, i32)> = dots
+            .iter()
+            .map(|dot| to_pixels.translate(&shown(&dot.spot)))
+            .collect();
+        let mut labels = Labels::around(&places);
+        for (dot, at) in dots.iter().zip(places) {
+            let end = |ms: f64| {
+                let kept = ms.clamp(limits[0], limits[1]);
+                let x = to_pixels.translate(&(kept, shown(&dot.spot).1)).0;
+                let is_cut = kept != ms;
+                End { x, is_cut }
+            };
+            let ends = dot.spread.map(|ends| ends.map(end));
             mark(&mut overlay, dot, group, axes.metric, at, ends);
-            // Many labels cover each other; the hover text has all of them.
+            // The hover text has all values.
             if let (Some(value), true) = (dot.point.sample.value, few || dot.is_on_front) {
-                name(&mut overlay, value, at);
+                labels.write(&mut overlay, value, at);
             }
         }
         legend(&mut overlay, dots);
@@ -234,116 +251,6 @@ fn stairs(dots: &[Dot], bottom: f64) -> Vec<(f64, f64)> {
         stairs.push((spot.ms, error));
     }
     stairs
-}
-
-/// A dot with its hover text; hollow when dominated, ringed on the front.
-fn mark(
-    out: &mut String,
-    dot: &Dot,
-    group: &Group,
-    metric: Metric,
-    (x, y): (i32, i32),
-    ends: Option<[i32; 2]>,
-) {
-    let RGBColor(r, g, b) = color(&dot.point.sample.method);
-    let title = format!(
-        "{}: {} ms, {} {}{}{}",
-        dot.point.label(),
-        digits(dot.spot.ms),
-        metric.name(),
-        digits(dot.spot.error),
-        dot.point
-            .error(Metric::Dissimilarity, group.masked)
-            .map_or(String::new(), |e| format!(", SSIM {:.4}", 1.0 - e)),
-        if dot.is_on_front {
-            ", on the front"
-        } else {
-            ", dominated"
-        }
-    );
-    let (fill, ring) = if dot.is_on_front {
-        (format!("rgb({r},{g},{b})"), "#111")
-    } else {
-        ("#fff".to_owned(), "")
-    };
-    let stroke = if ring.is_empty() {
-        format!("rgb({r},{g},{b})")
-    } else {
-        ring.to_owned()
-    };
-    // Writing to a string cannot fail.
-    if let Some([low, high]) = ends {
-        let _ = writeln!(
-            out,
-            "<path d=\"M{low} {y}H{high}M{low} {}v8M{high} {}v8\" stroke=\"rgb({r},{g},{b})\" \
-             stroke-opacity=\".55\"/>",
-            y - 4,
-            y - 4
-        );
-    }
-    let _ = writeln!(
-        out,
-        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill=\"{fill}\" stroke=\"{stroke}\" \
-         stroke-width=\"2\"><title>{}</title></circle>",
-        escape(&title)
-    );
-}
-
-/// A knob's value beside its dot.
-fn name(out: &mut String, value: f64, (x, y): (i32, i32)) {
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"11\" \
-         fill=\"#444\">{value}</text>",
-        x + 9,
-        y - 7
-    );
-}
-
-/// Methods with their knob, and what the marks mean, in the upper right corner.
-fn legend(out: &mut String, dots: &[Dot]) {
-    let mut lines: Vec<(String, String, &str)> = Vec::new();
-    for method in ["ssr", "hybrid", "rt"] {
-        let of = dots.iter().filter(|d| d.point.sample.method == method);
-        let knobs: Vec<&str> = of
-            .clone()
-            .filter_map(|d| d.point.sample.knob.as_deref())
-            .collect();
-        let turned = of.clone().any(|d| d.point.sample.value.is_some());
-        let RGBColor(r, g, b) = color(method);
-        if of.count() > 0 {
-            let knob = knobs.first().filter(|_| turned);
-            let text = knob.map_or(method.to_owned(), |knob| format!("{method}, by {knob}"));
-            lines.push((text, format!("rgb({r},{g},{b})"), "2"));
-        }
-    }
-    lines.push(("Pareto front".to_owned(), "#969696".to_owned(), "6"));
-    let left = SIZE.0 as i32 - 214;
-    let height = 20 * (lines.len() as i32 + 1) + 8;
-    let _ = writeln!(
-        out,
-        "<rect x=\"{left}\" y=\"22\" width=\"190\" height=\"{height}\" fill=\"#fff\" \
-         fill-opacity=\".88\" stroke=\"#ccc\"/>"
-    );
-    for (row, (text, stroke, width)) in lines.iter().enumerate() {
-        let y = 38 + 20 * row as i32;
-        let _ = writeln!(
-            out,
-            "<path d=\"M{} {y}h22\" stroke=\"{stroke}\" stroke-width=\"{width}\"/>\
-             <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"12\">{}</text>",
-            left + 8,
-            left + 38,
-            y + 4,
-            escape(text)
-        );
-    }
-    let y = 42 + 20 * lines.len() as i32;
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"11\" \
-         fill=\"#444\">hollow: dominated; bottom: 0</text>",
-        left + 8
-    );
 }
 
 /// Text for XML.

@@ -17,6 +17,19 @@ pub enum Course {
     ErrorByKnob,
 }
 
+impl Course {
+    /// How it is read.
+    pub const fn caption(self) -> &'static str {
+        match self {
+            Self::Milliseconds => "Wall time of each frame that was measured.",
+            Self::Ssim => "SSIM of each frame that was measured against rt: 1 is equal.",
+            Self::ErrorByKnob => {
+                "What the knob does to the error. A method that it does nothing for is a level line."
+            }
+        }
+    }
+}
+
 /// Lines and how they are labeled.
 struct Plot {
     lines: Vec<(&'static str, Vec<(f64, f64)>)>,
@@ -26,6 +39,8 @@ struct Plot {
     log_x: bool,
     bottom: f64,
     top: f64,
+    /// Where lines of this kind leave room.
+    legend: SeriesLabelPosition,
 }
 
 const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
@@ -66,6 +81,7 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         log_x: false,
         bottom,
         top,
+        legend: SeriesLabelPosition::LowerLeft,
     })
 }
 
@@ -104,6 +120,7 @@ fn over_knob(group: &Group) -> Option<Plot> {
         log_x,
         bottom: 0.0,
         top: (high * 1.15).max(1e-6),
+        legend: SeriesLabelPosition::UpperRight,
     })
 }
 
@@ -158,6 +175,7 @@ fn svg(plot: &Plot) -> Result<String, String> {
         }
         chart
             .configure_series_labels()
+            .position(plot.legend.clone())
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(204, 204, 204))
             .label_font(("sans-serif", 13))

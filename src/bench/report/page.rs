@@ -6,6 +6,7 @@ use super::{
     Section,
     chart::escape,
     tables::{breakdown, overview, points},
+    work::{verdicts, work},
 };
 use crate::bench::summary::digits;
 
@@ -49,7 +50,7 @@ tr.failed td{opacity:.75;font-style:italic}
 .bar i{display:block;height:100%}
 .shots{display:grid;grid-template-columns:repeat(auto-fill,minmax(330px,1fr));gap:12px}
 .shots img{width:100%;border-radius:4px;image-rendering:pixelated}
-figcaption{font-size:13px;opacity:.85}
+figcaption{font-size:13px;opacity:.85;max-width:860px}
 .key span{display:inline-block;margin-right:1rem;font-size:13px}
 .key b{display:inline-block;width:.8em;height:.8em;margin-right:.35em;border-radius:2px}
 ";
@@ -126,11 +127,18 @@ fn section(section: &Section) -> String {
         digits(f64::from(s.unit_m))
     );
     for chart in &section.charts {
-        let _ = writeln!(out, "<figure>{}</figure>", chart.svg);
+        let _ = writeln!(
+            out,
+            "<figure>{}<figcaption>{}</figcaption></figure>",
+            chart.svg,
+            escape(&chart.caption)
+        );
     }
     out += "</div>\n";
     out += &points(section);
+    out += &verdicts(&section.group.points);
     out += &breakdown(&section.group.points);
+    out += &work(&section.group.points);
     out
 }
 

@@ -9,9 +9,12 @@ use super::{
     chart::{color, escape},
     words::spots,
 };
-use crate::bench::{
-    front::front,
-    summary::{Metric, Point, digits, label},
+use crate::{
+    bench::{
+        front::front,
+        summary::{Metric, Point, digits, label},
+    },
+    render::{pass::Pass, passes},
 };
 
 /// Colors of passes in bars.
@@ -100,7 +103,7 @@ const HEADS: [&str; 18] = [
     "rough %",
     "sum %",
     "false accepts",
-    "false rejects (T)",
+    "false rejects",
 ];
 
 /// Every setting with its errors, shares and verdicts.
@@ -179,10 +182,28 @@ fn cells(point: &Point) -> Vec<String> {
     ]
 }
 
+/// The passes of a point in the order of the frame, the trace pass in its two parts where they were
+/// timed apart, and before them what the CPU does for moved instances.
+fn parts(point: &Point) -> Vec<(String, f64)> {
+    let update = point.sample.update_ms.map(|ms| ("update".to_owned(), ms));
+    let mut parts: Vec<(String, f64)> = update.into_iter().collect();
+    for (name, ms) in &point.passes_ms {
+        match point.split_trace_ms().filter(|_| name == "trace") {
+            Some([traversal, shading]) => {
+                parts.push(("trace: traversal".to_owned(), traversal));
+                parts.push(("trace: shading".to_owned(), shading));
+            }
+            None => parts.push((name.clone(), *ms)),
+        }
+    }
+    parts
+}
+
 /// Where the time of each setting goes, to one scale, and the memory it holds.
 pub fn breakdown(points: &[Point]) -> String {
+    let rows: Vec<Vec<(String, f64)>> = points.iter().map(parts).collect();
     let mut names: Vec<&str> = Vec::new();
-    for (name, _) in points.iter().flat_map(|p| &p.passes_ms) {
+    for (name, _) in rows.iter().flatten() {
         if !names.contains(&name.as_str()) {
             names.push(name);
         }
@@ -190,11 +211,16 @@ pub fn breakdown(points: &[Point]) -> String {
     if names.is_empty() {
         return String::new();
     }
+    // A method that lacks a pass must not move it to the end.
+    names.sort_by_key(|part| {
+        let of_part = |pass: &&Pass| part.split(':').next() == Some(pass.name);
+        passes::ALL.iter().position(of_part)
+    });
     let color = |name: &str| {
         let index = names.iter().position(|known| *known == name).unwrap_or(0);
         PASS_COLORS[index % PASS_COLORS.len()]
     };
-    let mut out = "<h3>Where the time goes (median ms of each pass) and memory</h3>\n\
+    let mut out = "<h3>Where the time goes (median ms of each pass) and memory held</h3>\n\
                    <p class=\"key\">"
         .to_owned();
     for name in &names {
@@ -208,7 +234,7 @@ pub fn breakdown(points: &[Point]) -> String {
     out.extend(names.iter().map(|name| format!("<th>{name}</th>")));
     out += "<th>MiB</th></tr>\n";
     let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
-    for point in points {
+    for (point, parts) in points.iter().zip(&rows) {
         let RGBColor(r, g, b) = self::color(&point.sample.method);
         let _ = write!(
             out,
@@ -216,7 +242,7 @@ pub fn breakdown(points: &[Point]) -> String {
              <td class=\"left\"><div class=\"bar\">",
             escape(&point.label())
         );
-        for (name, ms) in &point.passes_ms {
+        for (name, ms) in parts {
             let _ = write!(
                 out,
                 "<i style=\"width:{:.2}%;background:{}\" title=\"{name}: {} ms\"></i>",
@@ -226,11 +252,10 @@ pub fn breakdown(points: &[Point]) -> String {
             );
         }
         out += "</div></td>";
-        out.extend(
-            names
-                .iter()
-                .map(|name| format!("<td>{}</td>", digits(point.pass_ms(name)))),
-        );
+        out.extend(names.iter().map(|name| {
+            let ms = parts.iter().find(|(part, _)| part == name);
+            format!("<td>{}</td>", digits(ms.map_or(0.0, |(_, ms)| *ms)))
+        }));
         let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
         let _ = writeln!(out, "<td>{mebibytes:.1}</td></tr>");
     }

@@ -29,6 +29,8 @@ pub fn sentences(group: &Group) -> Vec<String> {
     sentences.extend(equal_time(&spots, &points));
     sentences.extend(equal_error(&spots, &points));
     sentences.extend(break_even(&points));
+    sentences.extend(work(&points));
+    sentences.extend(split_trace(&points));
     sentences.push(region(group));
     if points.iter().any(|p| p.ms.p5_p95.is_none()) {
         let n = points.iter().map(|p| p.ms.n).min().unwrap_or(0);
@@ -90,7 +92,7 @@ fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
             }
             let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
             Some(best.map_or_else(
-                || format!("{method} is not done with any setting"),
+                || format!("no setting of {method} is done"),
                 |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
             ))
         })
@@ -167,8 +169,8 @@ pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point
     points.iter().find(same).copied()
 }
 
-/// The break-even share at the `hybrid` setting that errs least.
-fn break_even(points: &[&Point]) -> Option<String> {
+/// The `hybrid` setting that errs least, with the `rt` setting of the same rays.
+fn best_pair<'a>(points: &[&'a Point]) -> Option<(&'a Point, &'a Point)> {
     let pairs = points
         .iter()
         .filter_map(|p| Some((*p, counterpart(p, points)?)));
@@ -176,7 +178,48 @@ fn break_even(points: &[&Point]) -> Option<String> {
         let error = |p: &Point| p.error(Metric::Flip, false).unwrap_or(f64::INFINITY);
         error(a.0).total_cmp(&error(b.0))
     };
-    let (hybrid, rt) = pairs.min_by(least)?;
+    pairs.min_by(least)
+}
+
+/// What `hybrid` does and what it spares `rt`, in numbers that hold on any machine.
+fn work(points: &[&Point]) -> Option<String> {
+    let (hybrid, rt) = best_pair(points)?;
+    let [steps, nodes] = [hybrid.sample.march_steps?, hybrid.sample.visited_nodes?];
+    let all_nodes = rt.sample.visited_nodes?;
+    let spared = all_nodes.saturating_sub(nodes);
+    let each = if steps > 0 && spared > 0 {
+        let ratio = digits(spared as f64 / steps as f64);
+        format!(", {ratio} nodes for each step")
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "Work, on any machine: {} takes {steps} march steps and visits {nodes} tree nodes; {} \
+         visits {all_nodes}. Marching spares {:.1} % of the visits{each}.",
+        hybrid.label(),
+        rt.label(),
+        100.0 * spared as f64 / all_nodes.max(1) as f64
+    ))
+}
+
+/// Traversal and shading of rt's trace pass.
+fn split_trace(points: &[&Point]) -> Option<String> {
+    let of = |p: &&&Point| p.sample.method == "rt" && p.split_trace_ms().is_some();
+    let rt = points.iter().find(of)?;
+    let [traversal, shading] = rt.split_trace_ms()?;
+    Some(format!(
+        "Of the trace pass of {}, traversal takes {} ms ({:.0} %) and shading {} ms: traversal is \
+         the same rays followed without shading in a frame of its own, shading is the rest.",
+        rt.label(),
+        digits(traversal),
+        100.0 * traversal / (traversal + shading).max(1e-9),
+        digits(shading)
+    ))
+}
+
+/// The break-even share at the `hybrid` setting that errs least.
+fn break_even(points: &[&Point]) -> Option<String> {
+    let (hybrid, rt) = best_pair(points)?;
     let costs = costs(hybrid, rt);
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;

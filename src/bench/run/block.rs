@@ -7,9 +7,12 @@ use crate::{
         log::Log,
         metric::hits::CauseTally,
         sample::{Sample, detail_columns},
-        score::Errors,
+        score::{Errors, Reference},
     },
-    render::stats::FrameStats,
+    render::{
+        probe::{Counts, PassCounts},
+        stats::FrameStats,
+    },
     scene::desc::{Method, ToneMap},
 };
 
@@ -88,19 +91,7 @@ impl Block<'_> {
             }
             watch.step(&self.label(&variant.label()), outcome.measured, total);
             let ready = of_method(&mut renderers, variant.method);
-            let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
-            let judged = bench.judge(self.subject, variant, renderer, &reference, self.size)?;
-            for _ in 1..bench.protocol.warm_up {
-                renderer.render(bench.gpu, &self.subject.world, &self.subject.camera)?;
-            }
-            if let Some(failure) = &judged.failure {
-                watch.note(&format!("{}: {failure}", self.label(&variant.label())));
-            }
-            let prototype = self.prototype(bench, variant, &judged, renderer.unit_m());
-            prototypes.push(Sample {
-                update_ms,
-                ..prototype
-            });
+            prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
         }
         for repetition in 0..bench.protocol.frames {
             // A B C, then C B A: a drift of the machine's speed meets all alike.
@@ -120,7 +111,11 @@ impl Block<'_> {
                 renderer.retune(&variant.reflection);
                 let world = &self.subject.world;
                 let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
-                let sample = timed(prototype.clone(), &stats, repetition);
+                let mut sample = timed(prototype.clone(), &stats, repetition);
+                if bench.protocol.split_trace {
+                    let camera = &self.subject.camera;
+                    sample.traverse_ms = renderer.traversal_ms(bench.gpu, world, camera)?;
+                }
                 log.append(sample).map_err(BenchError::File)?;
                 outcome.measured += 1;
             }
@@ -129,6 +124,40 @@ impl Block<'_> {
         bench.put_back(self.subject, rendered, renderers);
         watch.step("", outcome.measured, total);
         Ok(())
+    }
+
+    /// Judges and counts a variant and renders what is not timed; its sample without times.
+    fn warm_up(
+        &self,
+        bench: &Bench,
+        variant: &Variant,
+        ready: &mut Ready,
+        reference: &Reference,
+        watch: &mut dyn Watch,
+    ) -> Result<Sample, BenchError> {
+        let Subject { world, camera, .. } = self.subject;
+        let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
+        let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
+        let counts = if bench.protocol.count {
+            Some(renderer.counts(bench.gpu, world, camera)?)
+        } else {
+            None
+        };
+        if bench.protocol.split_trace {
+            renderer.traversal_ms(bench.gpu, world, camera)?;
+        }
+        for _ in 1..bench.protocol.warm_up {
+            renderer.render(bench.gpu, world, camera)?;
+        }
+        if let Some(failure) = &judged.failure {
+            watch.note(&format!("{}: {failure}", self.label(&variant.label())));
+        }
+        let mut sample = self.prototype(bench, variant, &judged, renderer.unit_m());
+        sample.update_ms = update_ms;
+        if let Some(counts) = &counts {
+            fill_counts(&mut sample, counts);
+        }
+        Ok(sample)
     }
 
     /// One renderer per method; that of the reference serves where it has the right size.
@@ -162,6 +191,7 @@ impl Block<'_> {
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
             .with(bench.protocol.warm_up.to_le_bytes())
+            .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
             .with(format!("{:?}", bench.host));
         format!("{:016x}", hash.value())
     }
@@ -260,6 +290,20 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
             );
         }
     }
+}
+
+fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
+    for pass in passes {
+        for (what, count) in pass.counts.named() {
+            set(sample, &format!("{}_{what}", pass.pass), count as f64);
+        }
+    }
+    let all = passes.iter().map(|pass| pass.counts);
+    let sum = all.fold(Counts::default(), Counts::plus);
+    sample.march_steps = Some(sum.march_steps);
+    sample.traversals = Some(sum.traversals);
+    sample.visited_nodes = Some(sum.visited_nodes);
+    sample.tested_triangles = Some(sum.tested_triangles);
 }
 
 /// The sample with the times and shares of one frame.

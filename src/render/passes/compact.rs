@@ -2,7 +2,10 @@
 
 use crate::{
     gpu::{Gpu, GpuError},
-    render::{pass::Pass, targets::Target},
+    render::{
+        pass::{Named, Pass},
+        targets::Target,
+    },
 };
 
 /// See `shaders/compact.wgsl`.
@@ -65,11 +68,11 @@ impl RayList {
     }
 
     /// Its buffers by their names in the shaders.
-    pub fn named(&self) -> [(&'static str, &wgpu::Buffer); 3] {
+    pub fn named(&self) -> [Named<'_>; 3] {
         [
-            ("rays", &self.rays),
-            ("counters", &self.counters),
-            ("arguments", &self.arguments),
+            ("rays", self.rays.as_entire_binding()),
+            ("counters", self.counters.as_entire_binding()),
+            ("arguments", self.arguments.as_entire_binding()),
         ]
     }
 }

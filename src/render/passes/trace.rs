@@ -14,3 +14,9 @@ pub const PASS: Pass = Pass {
     writes: &[Target::Reflection, Target::Hit],
     params: None,
 };
+
+/// The same rays without shading, timed apart from the frame.
+pub const TRAVERSE: Pass = Pass {
+    name: "traverse",
+    ..PASS
+};

@@ -1,0 +1,198 @@
+//! What stands on a chart beside its curves: dots with hover text, labels, the legend.
+
+use std::fmt::Write as _;
+
+use plotters::style::RGBColor;
+
+use super::{Dot, SIZE, color, escape};
+use crate::bench::summary::{Group, Metric, digits};
+
+/// One end of a bar of percentiles.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Pixels from the left.
+    pub x: i32,
+    /// Whether the bar goes on past the chart.
+    pub is_cut: bool,
+}
+
+/// A dot with its hover text; hollow when dominated, ringed on the front.
+pub fn mark(
+    out: &mut String,
+    dot: &Dot,
+    group: &Group,
+    metric: Metric,
+    (x, y): (i32, i32),
+    ends: Option<[End; 2]>,
+) {
+    let RGBColor(r, g, b) = color(&dot.point.sample.method);
+    let title = format!(
+        "{}: {} ms, {} {}{}{}",
+        dot.point.label(),
+        digits(dot.spot.ms),
+        metric.name(),
+        digits(dot.spot.error),
+        dot.point
+            .error(Metric::Dissimilarity, group.masked)
+            .map_or(String::new(), |e| format!(", SSIM {:.4}", 1.0 - e)),
+        if dot.is_on_front {
+            ", on the front"
+        } else {
+            ", dominated"
+        }
+    );
+    let (fill, ring) = if dot.is_on_front {
+        (format!("rgb({r},{g},{b})"), "#111")
+    } else {
+        ("#fff".to_owned(), "")
+    };
+    let stroke = if ring.is_empty() {
+        format!("rgb({r},{g},{b})")
+    } else {
+        ring.to_owned()
+    };
+    // Writing to a string cannot fail.
+    if let Some(ends) = ends {
+        let [low, high] = ends.map(|end| end.x);
+        // An end that is cut off has no cap.
+        let caps = ends.iter().filter(|end| !end.is_cut);
+        let caps = caps.map(|end| format!("M{} {}v8", end.x, y - 4));
+        let _ = writeln!(
+            out,
+            "<path d=\"M{low} {y}H{high}{}\" stroke=\"rgb({r},{g},{b})\" stroke-opacity=\".55\"/>",
+            caps.collect::<String>()
+        );
+    }
+    let _ = writeln!(
+        out,
+        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill=\"{fill}\" stroke=\"{stroke}\" \
+         stroke-width=\"2\"><title>{}</title></circle>",
+        escape(&title)
+    );
+}
+
+/// Where labels may stand beside the dots of a chart.
+pub struct Labels {
+    /// Left, top, right and bottom of everything that no label may cover.
+    taken: Vec<[i32; 4]>,
+}
+
+impl Labels {
+    /// Room around these dots.
+    pub fn around(dots: &[(i32, i32)]) -> Self {
+        let circle = |&(x, y): &(i32, i32)| [x - 7, y - 7, x + 7, y + 7];
+        Self {
+            taken: dots.iter().map(circle).collect(),
+        }
+    }
+
+    /// Writes a knob's value beside its dot where it covers nothing; where there is no such place
+    /// the hover text says it.
+    pub fn write(&mut self, out: &mut String, value: f64, (x, y): (i32, i32)) {
+        let text = value.to_string();
+        let wide = 7 * text.len() as i32;
+        let (right, left, middle) = (x + 9, x - 9 - wide, x - wide / 2);
+        let places = [
+            (right, y - 7),
+            (right, y + 16),
+            (left, y - 7),
+            (left, y + 16),
+            (middle, y - 11),
+            (middle, y + 20),
+        ];
+        let covers = |at: &(i32, i32)| [at.0, at.1 - 10, at.0 + wide, at.1 + 2];
+        let is_free = |at: &(i32, i32)| {
+            let [left, top, right, bottom] = covers(at);
+            let apart = |t: &[i32; 4]| right < t[0] || t[2] < left || bottom < t[1] || t[3] < top;
+            self.taken.iter().all(apart)
+        };
+        let Some(at) = places.into_iter().find(is_free) else {
+            return;
+        };
+        self.taken.push(covers(&at));
+        let _ = writeln!(
+            out,
+            "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"11\" \
+             fill=\"#444\">{text}</text>",
+            at.0, at.1
+        );
+    }
+}
+
+/// Methods with their knob, and what the marks mean, in the upper right corner.
+pub fn legend(out: &mut String, dots: &[Dot]) {
+    let mut lines: Vec<(String, String, &str)> = Vec::new();
+    for method in ["ssr", "hybrid", "rt"] {
+        let of = dots.iter().filter(|d| d.point.sample.method == method);
+        let knobs: Vec<&str> = of
+            .clone()
+            .filter_map(|d| d.point.sample.knob.as_deref())
+            .collect();
+        let turned = of.clone().any(|d| d.point.sample.value.is_some());
+        let RGBColor(r, g, b) = color(method);
+        if of.count() > 0 {
+            let knob = knobs.first().filter(|_| turned);
+            let text = knob.map_or(method.to_owned(), |knob| format!("{method}, by {knob}"));
+            lines.push((text, format!("rgb({r},{g},{b})"), "2"));
+        }
+    }
+    lines.push(("Pareto front".to_owned(), "#969696".to_owned(), "6"));
+    let left = SIZE.0 as i32 - 214;
+    let height = 20 * (lines.len() as i32 + 1) + 8;
+    let _ = writeln!(
+        out,
+        "<rect x=\"{left}\" y=\"22\" width=\"190\" height=\"{height}\" fill=\"#fff\" \
+         fill-opacity=\".88\" stroke=\"#ccc\"/>"
+    );
+    for (row, (text, stroke, width)) in lines.iter().enumerate() {
+        let y = 38 + 20 * row as i32;
+        let _ = writeln!(
+            out,
+            "<path d=\"M{} {y}h22\" stroke=\"{stroke}\" stroke-width=\"{width}\"/>\
+             <text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"12\">{}</text>",
+            left + 8,
+            left + 38,
+            y + 4,
+            escape(text)
+        );
+    }
+    let y = 42 + 20 * lines.len() as i32;
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"11\" \
+         fill=\"#444\">filled: on it; hollow: beaten</text>",
+        left + 8
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_cover_neither_dots_nor_each_other() {
+        let dots = [(100, 100), (104, 98), (100, 103), (300, 100)];
+        let mut labels = Labels::around(&dots);
+        let mut out = String::new();
+        for (dot, value) in dots.iter().zip([0.005, 0.025, 0.065, 128.0]) {
+            labels.write(&mut out, value, *dot);
+        }
+        assert!(out.contains(">128</text>") && out.contains(">0.005</text>"));
+        let boxes = &labels.taken;
+        assert!(boxes.len() > dots.len() + 1, "{out}");
+        for (i, label) in boxes.iter().enumerate().skip(dots.len()) {
+            for other in &boxes[..i] {
+                let [left, top, right, bottom] = *label;
+                assert!(
+                    right < other[0] || other[2] < left || bottom < other[1] || other[3] < top,
+                    "{label:?} covers {other:?}"
+                );
+            }
+        }
+        // Where there is no room nothing is written.
+        let crowd = vec![(50, 50); 20];
+        let mut labels = Labels::around(&crowd);
+        (0..20).for_each(|i| labels.write(&mut out, f64::from(i), (50, 50)));
+        assert!(labels.taken.len() < 20 + 7, "{}", labels.taken.len());
+    }
+}

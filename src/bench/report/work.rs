@@ -1,0 +1,120 @@
+//! Tables of what no clock decides: what the passes did, and what the march got wrong, by cause.
+
+use std::fmt::Write as _;
+
+use super::chart::escape;
+use crate::{
+    bench::{
+        sample::{REFUSALS, Sample},
+        summary::{Point, digits},
+    },
+    render::cause::Cause,
+};
+
+/// A table with its heading and a paragraph; nothing without rows.
+fn table(title: &str, text: &str, heads: &[&str], rows: &[Vec<String>]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut out =
+        format!("<h3>{title}</h3>\n<p class=\"sub\">{text}</p>\n<div class=\"scroll\"><table><tr>");
+    out.extend(heads.iter().map(|head| format!("<th>{head}</th>")));
+    out += "</tr>\n";
+    for row in rows {
+        let cells = row.iter().map(|cell| format!("<td>{}</td>", escape(cell)));
+        let _ = writeln!(out, "<tr>{}</tr>", cells.collect::<String>());
+    }
+    out + "</table></div>\n"
+}
+
+/// What each setting's passes did, in all and in the trace pass; nothing where nothing was counted.
+pub fn work(points: &[Point]) -> String {
+    let row = |point: &Point| -> Option<Vec<String>> {
+        let s = &point.sample;
+        let all = [
+            s.march_steps?,
+            s.traversals?,
+            s.visited_nodes?,
+            s.tested_triangles?,
+        ];
+        let trace = |what: &str| s.detail(&format!("trace_{what}"));
+        let per = |sum: f64, count: f64| {
+            if count > 0.0 {
+                digits(sum / count)
+            } else {
+                "–".to_owned()
+            }
+        };
+        let mut cells = vec![point.label()];
+        cells.extend(all.iter().map(u64::to_string));
+        cells.extend(["traversals", "visited_nodes"].map(|what| format!("{:.0}", trace(what))));
+        cells.push(per(all[0] as f64, s.reflective_px as f64));
+        cells.push(per(trace("visited_nodes"), trace("traversals")));
+        cells.push(per(trace("tested_triangles"), trace("traversals")));
+        Some(cells)
+    };
+    let rows: Vec<_> = points.iter().filter_map(row).collect();
+    table(
+        "Work of one frame, which does not depend on the machine",
+        "March steps are looks at the depth buffer. A traversal is one walk through the trees from \
+         their root: a ray, a bounce, a shadow ray, or what follows behind a cut-out; shadow rays \
+         of direct light count too, where the scene asks for them.",
+        &[
+            "setting",
+            "march steps",
+            "traversals",
+            "nodes visited",
+            "triangles tested",
+            "traversals of trace",
+            "nodes of trace",
+            "steps / reflective px",
+            "nodes / traversal",
+            "triangles / traversal",
+        ],
+        &rows,
+    )
+}
+
+/// False accepts and false rejects by cause; nothing where nothing was marched or judged.
+pub fn verdicts(points: &[Point]) -> String {
+    let accepts = [Cause::Hit, Cause::None];
+    let of = |s: &Sample, kind: &str, cause: Cause| {
+        let wrong = s.detail(&format!("{kind}_{}_px", cause.name()));
+        let all = s.detail(&format!("cause_{}_px", cause.name()));
+        if all > 0.0 {
+            format!("{wrong:.0} of {all:.0}")
+        } else {
+            "–".to_owned()
+        }
+    };
+    let judged = points.iter().filter(|p| {
+        let s = &p.sample;
+        s.method != "rt" && (s.false_accepts.is_some() || p.is_mean)
+    });
+    let row = |point: &Point| {
+        let s = &point.sample;
+        let mut cells = vec![point.label()];
+        cells.extend(accepts.map(|cause| of(s, "false_accept", cause)));
+        cells.extend(REFUSALS.map(|cause| of(s, "false_reject", cause)));
+        cells
+    };
+    let rows: Vec<_> = judged.map(row).collect();
+    table(
+        "What the march got wrong, in pixels of each cause",
+        "False accept: the march took a crossing, or found nothing, and a ray ends elsewhere. \
+         False reject: the march refused a crossing, or had no steps left to reach it, and the ray \
+         ends just there. A refused reflector is the right point, but what it reflects is not on \
+         screen; a refused back face may show its other side. Pixels whose march left the picture \
+         have no crossing to judge.",
+        &[
+            "setting",
+            "false accepts: hit",
+            "none",
+            "false rejects: hidden (T)",
+            "back face",
+            "reflector",
+            "steps",
+        ],
+        &rows,
+    )
+}

@@ -1,0 +1,54 @@
+//! What the report says in words about samples whose answers are known.
+
+use reflet::bench::report::words;
+
+use crate::made_up::{made_up, only_group};
+
+#[test]
+fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
+    let text = words::sentences(&only_group(&made_up())).join("\n");
+    for part in [
+        "On the Pareto front on made-up adapter: ssr and hybrid and rt.",
+        "in the 10.0 ms that rt's fastest setting takes, ssr, steps = 128 errs 0.300; \
+         hybrid, steps = 128 errs 0.0100",
+        "at FLIP 0.0100 or less, hybrid, steps = 128 takes 9.00 ms and rt, steps = 3 takes \
+         10.0 ms; hybrid takes 10.0 % less. ssr never errs so little.",
+        // (3.0 − 1.0) / (1.0 / 250 · 1000)
+        "marching first pays while it leaves less than 50.0 % of the rays",
+        "traces 25.0 % of rt's rays",
+        "n is too small for percentiles",
+    ] {
+        assert!(text.contains(part), "{part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
+    let mut rows = made_up();
+    for (row, steps, nodes) in [(3, 300, 1_000), (5, 0, 4_000)] {
+        rows[row].march_steps = Some(steps);
+        rows[row].traversals = Some(100);
+        rows[row].visited_nodes = Some(nodes);
+        rows[row].tested_triangles = Some(50);
+    }
+    rows[5].traverse_ms = Some(2.25);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    for part in [
+        "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \
+         visits 4000. Marching spares 75.0 % of the visits, 10.0 nodes for each step.",
+        "traversal takes 2.25 ms (75 %) and shading 0.750 ms",
+    ] {
+        assert!(text.contains(part), "{part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn rt_that_wins_outright_is_said_to() {
+    let mut rows = made_up();
+    (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    assert!(
+        text.starts_with("rt wins outright on this adapter"),
+        "{text}"
+    );
+}

@@ -1,0 +1,224 @@
+//! What passes count: closed forms, and what must hold in any scene.
+
+use reflet::{
+    render::{
+        PlaneData, Renderer,
+        aov::Aov,
+        cause::Cause,
+        probe::{Counts, PassCounts},
+    },
+    world::World,
+};
+
+use crate::kit::{FACING, floats, gpu, integers, renderer, scene};
+
+const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+
+/// A renderer of the scene and what it counts.
+fn counted(text: &str, set: &[&str]) -> Option<(Renderer, World, Vec<PassCounts>)> {
+    let gpu = gpu()?;
+    let (desc, world) = scene(text, set);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let counts = renderer
+        .counts(gpu, &world, &world.cameras[0].value)
+        .unwrap_or_else(|e| panic!("{e}"));
+    Some((renderer, world, counts))
+}
+
+fn of(counts: &[PassCounts], pass: &str) -> Counts {
+    let found = counts.iter().find(|c| c.pass == pass);
+    found
+        .unwrap_or_else(|| panic!("{pass} did not count"))
+        .counts
+}
+
+/// A mirror that faces the camera sends the ray of a pixel outward along its row, ever closer to
+/// the camera, so that it crosses nothing: the march ends where its k-th step, k + k²/16 pixels
+/// long, reaches the border of the picture, or where it may go no further.
+#[test]
+fn a_march_to_the_border_takes_the_steps_that_its_length_says() {
+    for steps in [8u32, 64] {
+        let set = [
+            "image.size=[65, 1]",
+            "camera.main.fov_deg=1",
+            "reflection.method=ssr",
+            &format!("reflection.steps={steps}"),
+        ];
+        let Some((_, _, counts)) = counted(FACING, &set) else {
+            return;
+        };
+        let to_border_px = |x: i32| 32.5 - f64::from((x - 32).abs());
+        let steps_of = |x: i32| -> u64 {
+            if x == 32 {
+                return 1; // straight back: no pixel is left
+            }
+            let reaches = |k: &u32| {
+                let k = f64::from(*k);
+                k + k * k / 16.0 >= to_border_px(x)
+            };
+            (1..=steps).find(reaches).unwrap_or(steps).into()
+        };
+        let expected: u64 = (0..65).map(steps_of).sum();
+        let ssr = of(&counts, "ssr");
+        assert_eq!(ssr.march_steps, expected, "{steps} steps at most");
+        assert_eq!((ssr.traversals, ssr.visited_nodes), (0, 0));
+    }
+}
+
+/// All four triangles of the facing mirrors fit one node, so that every bounce of every ray visits
+/// that one. It tests the two triangles ahead, and at most the two that it leaves: boxes are rounded
+/// outward.
+#[test]
+fn facing_mirrors_visit_one_node_a_bounce() {
+    for bounces in [1u64, 5] {
+        let set = [
+            "reflection.method=rt".to_owned(),
+            format!("reflection.bounces={bounces}"),
+            "image.samples=2".to_owned(),
+        ];
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let Some((_, _, counts)) = counted(FACING, &set) else {
+            return;
+        };
+        let trace = of(&counts, "trace");
+        let rays = 2 * 81 * bounces; // sub-frames × pixels × bounces
+        assert_eq!((trace.traversals, trace.visited_nodes), (rays, rays));
+        let tested = trace.tested_triangles;
+        assert!((2 * rays..=4 * rays).contains(&tested), "{tested}");
+        assert_eq!(of(&counts, "ssr"), Counts::default(), "rt does not march");
+    }
+}
+
+/// With a reflectance of 0.075 the throughput is 1.4 / 255 after two reflections and 0.1 / 255 after
+/// three: two are followed by another, three are not.
+#[test]
+fn bounces_end_where_the_throughput_falls_below_a_level_of_255() {
+    let set = [
+        "reflection.method=rt",
+        "reflection.bounces=16",
+        "material.mirror.reflectivity=0.075",
+    ];
+    let Some((_, _, counts)) = counted(FACING, &set) else {
+        return;
+    };
+    assert_eq!(of(&counts, "trace").traversals, 3 * 81);
+}
+
+#[test]
+fn every_lit_pixel_sends_one_shadow_ray_to_each_light() {
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+fov_deg = 20
+[image]
+size = [16, 9]
+[material.gray]
+reflectivity = 0
+[model.wall]
+shape = { kind = "plane", size = [9, 9] }
+material = "gray"
+[[instance]]
+model = "wall"
+rotation_deg = [90, 0, 0]
+[light.a]
+kind = "point"
+position = [0, 0, 4]
+intensity_cd = 10
+shadow = "ray"
+[light.b]
+kind = "point"
+position = [1, 0, 4]
+intensity_cd = 10
+shadow = "ray"
+"#;
+    let Some((_, _, counts)) = counted(text, &[]) else {
+        return;
+    };
+    let light = of(&counts, "light");
+    assert_eq!((light.traversals, light.visited_nodes), (288, 288));
+    assert_eq!(light.march_steps, 0);
+    assert_eq!(counts.len(), 1, "nothing reflects: {counts:?}");
+}
+
+#[test]
+fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
+    let Some(gpu) = gpu() else { return };
+    let of_method = |method: &str| {
+        let set = [
+            "image.size=[160, 90]",
+            &format!("reflection.method={method}"),
+        ];
+        let (mut renderer, world, first) = counted(ATRIUM, &set).expect("a GPU");
+        let camera = &world.cameras[0].value;
+        let again = renderer.counts(gpu, &world, camera);
+        assert_eq!(again.unwrap_or_else(|e| panic!("{e}")), first);
+        first
+    };
+    let [ssr, hybrid, rt] = ["ssr", "hybrid", "rt"].map(of_method);
+    let names = |counts: &[PassCounts]| counts.iter().map(|c| c.pass).collect::<Vec<_>>();
+    assert_eq!(names(&ssr), ["light", "ssr"]);
+    assert_eq!(names(&rt), ["light", "ssr", "trace"]);
+    assert_eq!(of(&ssr, "ssr"), of(&hybrid, "ssr"), "the same march");
+    assert_eq!(of(&rt, "ssr").march_steps, 0);
+    let [some, all] = [&hybrid, &rt].map(|counts| of(counts, "trace"));
+    for ((what, some), (_, all)) in some.named().into_iter().zip(all.named()).skip(1) {
+        assert!(0 < some && some < all, "{what}: {some} of {all}");
+    }
+}
+
+/// Probes stand beside the frame: a picture is the same before and after them.
+#[test]
+fn probes_leave_pictures_alone() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(ATRIUM, &["image.size=[160, 90]"]);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let camera = &world.cameras[0].value;
+    let hits = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
+    let mut picture = || {
+        let picture = renderer.picture(gpu, &world, camera, &hits);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    };
+    let before = picture();
+    renderer
+        .counts(gpu, &world, camera)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let ms = renderer
+        .traversal_ms(gpu, &world, camera)
+        .unwrap_or_else(|e| panic!("{e}"));
+    assert!(ms.is_none_or(|ms| ms > 0.0));
+    // The rays were followed without shading, and met the same.
+    for (aov, plane) in hits.iter().zip(&before.planes) {
+        let traversed = aov.plane(gpu, &renderer, camera);
+        assert_eq!(traversed.unwrap_or_else(|e| panic!("{e}")), *plane);
+    }
+    let crossings = renderer
+        .crossings(gpu, &world, camera, &hits)
+        .unwrap_or_else(|e| panic!("{e}"));
+    let [PlaneData::U32(cause), PlaneData::F32(distance_m)] = [0, 1].map(|i| &crossings[i].data)
+    else {
+        panic!("other planes were asked for");
+    };
+    let mut refused = 0;
+    for (i, marched) in integers(&before, Aov::Cause).iter().enumerate() {
+        match Cause::from_number(*marched) {
+            Some(Cause::Hit) => {
+                assert_eq!(distance_m[i], floats(&before, Aov::HitDistance)[i]);
+                assert_eq!(cause[i], *marched);
+            }
+            Some(Cause::Hidden | Cause::BackFace | Cause::Reflector) => {
+                assert_eq!(cause[i], Cause::Hit as u32, "pixel {i} crossed something");
+                refused += 1;
+            }
+            _ => assert_eq!(cause[i], *marched),
+        }
+    }
+    assert!(refused > 100, "only {refused} crossings were refused");
+    let after = renderer.picture(gpu, &world, camera, &hits);
+    let after = after.unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(
+        (&after.display, &after.planes),
+        (&before.display, &before.planes)
+    );
+}

@@ -1,0 +1,151 @@
+//! Lamps: cones, ranges, and floors that must not shade themselves.
+
+use std::f32::consts::PI;
+
+use reflet::render::aov::Aov;
+
+use crate::kit::{assert_color, color, floats, gpu, render, renderer, scene};
+
+/// A white floor seen from 4 m above.
+const FLOOR: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 4, 0]
+target = [0, 0, 0]
+up = [0, 0, -1]
+fov_deg = 40
+[image]
+size = [33, 33]
+tone_map = "none"
+[material.white]
+reflectivity = 0
+[model.floor]
+shape = { kind = "plane", size = [8, 8] }
+material = "white"
+[[instance]]
+model = "floor"
+"#;
+
+/// How far a pixel of the middle row is from the middle of the floor, meters.
+fn offset_m(x: u32) -> f32 {
+    ((x as f32 + 0.5) / 33.0 * 2.0 - 1.0) * 4.0 * 20f32.to_radians().tan()
+}
+
+/// KHR_lights_punctual: the square of a ramp in the cosine, from the outer to the inner angle.
+#[test]
+fn the_edge_of_a_cone_is_the_squared_ramp_of_its_cosine() {
+    let Some(gpu) = gpu() else { return };
+    let text = format!(
+        "{FLOOR}\n[light.spot]\nkind = \"spot\"\nposition = [0, 2, 0]\ndirection = [0, -1, 0]\n\
+         inner_deg = 10\nouter_deg = 35\nintensity_cd = 10\nshadow = \"none\"\n"
+    );
+    let picture = render(gpu, &text, &[], &[]);
+    let [inner, outer] = [10f32, 35.0].map(|angle| angle.to_radians().cos());
+    let mut partly = 0;
+    for x in 0..33 {
+        let d2 = offset_m(x).powi(2) + 4.0;
+        let cosine = 2.0 / d2.sqrt();
+        let ramp = ((cosine - outer) / (inner - outer)).clamp(0.0, 1.0);
+        partly += u32::from(ramp > 0.0 && ramp < 1.0);
+        let expected = ramp * ramp * 10.0 / d2 * cosine / PI;
+        assert_color(&picture, x, 16, [expected; 3], 2e-3);
+    }
+    assert!(partly > 8, "{partly}");
+}
+
+/// KHR_lights_punctual: 1 less the fourth power of the distance over the range.
+#[test]
+fn a_range_ends_light_by_the_fourth_power() {
+    let Some(gpu) = gpu() else { return };
+    let text = format!(
+        "{FLOOR}\n[light.lamp]\nkind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 10\n\
+         shadow = \"none\"\n"
+    );
+    let (desc, mut world) = scene(&text, &[]);
+    world.lights[0].range_m = Some(1.5);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let picture = renderer.picture(gpu, &world, &world.cameras[0].value, &[]);
+    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    for x in 0..33 {
+        let d2 = offset_m(x).powi(2) + 1.0;
+        let rest = (1.0 - (d2 / (1.5 * 1.5)).powi(2)).max(0.0);
+        let expected = rest * 10.0 / d2 / d2.sqrt() / PI;
+        assert_color(&picture, x, 16, [expected; 3], 4e-3);
+    }
+    assert_eq!(color(&picture, 0, 16), [0.0; 3], "past the range");
+}
+
+#[test]
+fn an_empty_floor_casts_no_shadow_on_itself() {
+    let Some(gpu) = gpu() else { return };
+    for light in [
+        "kind = \"directional\"\ndirection = [1, -0.25, 0.3]\nintensity_lux = 3",
+        "kind = \"point\"\nposition = [-3, 0.8, 0.4]\nintensity_cd = 20",
+        "kind = \"spot\"\nposition = [-3, 0.8, 0.4]\ndirection = [3, -0.8, -0.4]\nouter_deg = 60\n\
+         intensity_cd = 20",
+    ] {
+        let of = |shadow: &str| {
+            let text = format!("{FLOOR}\n[light.l]\n{light}\nshadow = \"{shadow}\"\n");
+            render(gpu, &text, &["environment.color=[0, 0, 0]"], &[])
+        };
+        let open = of("none");
+        for shadow in ["map", "ray"] {
+            let shaded = of(shadow);
+            for (i, pixel) in open.color.chunks_exact(4).enumerate() {
+                let (x, y) = (i as u32 % 33, i as u32 / 33);
+                let light_left = color(&shaded, x, y)[0] / pixel[0].max(1e-9);
+                assert!(
+                    pixel[0] < 1e-4 || light_left > 0.99,
+                    "{light}, {shadow}: {light_left} of the light at ({x}, {y})"
+                );
+            }
+        }
+    }
+}
+
+/// A ball of few triangles: where its smooth normal has turned away the flat triangle may still face
+/// the lamp, and light there would be negative.
+#[test]
+fn no_light_falls_from_behind_the_smooth_normal() {
+    let Some(gpu) = gpu() else { return };
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [65, 65]
+tone_map = "none"
+[environment]
+color = [0, 0, 0]
+[light.sun]
+kind = "directional"
+direction = [-1, 0, 0]
+intensity_lux = 3
+shadow = "none"
+[material.white]
+reflectivity = 0
+[model.ball]
+shape = { kind = "sphere", radius = 1, segments = 12 }
+material = "white"
+[[instance]]
+model = "ball"
+rotation_deg = [7, 11, 0]
+"#;
+    let picture = render(gpu, text, &[], &[Aov::Normal]);
+    let normals = floats(&picture, Aov::Normal).chunks_exact(3);
+    let (mut lit, mut turned_away) = (0, 0);
+    for (pixel, normal) in picture.color.chunks_exact(4).zip(normals) {
+        // Away from a lamp at +X.
+        if normal[0] <= -1e-3 {
+            assert_eq!(pixel[0], 0.0, "normal {normal:?}");
+            turned_away += 1;
+        } else if pixel[0] > 0.0 {
+            let expected = 3.0 * normal[0] / PI;
+            assert!((pixel[0] - expected).abs() < 2e-3, "normal {normal:?}");
+            lit += 1;
+        }
+    }
+    assert!(lit > 400 && turned_away > 400, "{lit} {turned_away}");
+}

@@ -1,0 +1,194 @@
+//! What vertices carry: smooth normals, colors, and alpha that cuts out.
+
+use glam::{Vec3, Vec4};
+use reflet::{
+    render::{Picture, aov::Aov},
+    scene::desc::SceneDesc,
+    world::World,
+};
+
+use crate::kit::{assert_color, color, floats, gpu, renderer, scene};
+
+fn picture(desc: &SceneDesc, world: &World, aovs: &[Aov]) -> Option<Picture> {
+    let gpu = gpu()?;
+    let mut renderer = renderer(gpu, desc, world, false);
+    let picture = renderer.picture(gpu, world, &world.cameras[0].value, aovs);
+    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// A ball of 1 m seen from 4 m.
+const BALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [33, 33]
+tone_map = "none"
+[material.red]
+base_color = [1, 0, 0]
+[model.ball]
+shape = { kind = "sphere", radius = 1, segments = 96 }
+material = "red"
+[[instance]]
+model = "ball"
+"#;
+
+#[test]
+fn the_normals_of_a_ball_point_away_from_its_center() {
+    for (scale, colored) in [("1", false), ("1", true), ("[-1, 1, 1]", true)] {
+        let set = format!("instance.0.scale={scale}");
+        let (desc, mut world) = scene(BALL, &[&set]);
+        if colored {
+            for mesh in &mut world.meshes {
+                mesh.colors = vec![Vec4::ONE; mesh.positions.len()];
+            }
+        }
+        let Some(picture) = picture(&desc, &world, &[Aov::Normal, Aov::Depth]) else {
+            return;
+        };
+        let [normals, depths] = [Aov::Normal, Aov::Depth].map(|aov| floats(&picture, aov));
+        let mut seen = 0;
+        for i in 0..33 * 33 {
+            if !depths[i].is_finite() {
+                continue;
+            }
+            let half = 15f32.to_radians().tan();
+            let at = |pixel: usize| (pixel as f32 + 0.5) / 33.0 * 2.0 - 1.0;
+            let ray = Vec3::new(at(i % 33) * half, -at(i / 33) * half, -1.0);
+            let away = (Vec3::Z * 4.0 + ray * depths[i]).normalize();
+            // At the outline the flat triangles show.
+            if away.dot(-ray.normalize()) > 0.3 {
+                let normal = Vec3::from_slice(&normals[3 * i..3 * i + 3]);
+                assert!(
+                    normal.distance(away) < 0.02,
+                    "{scale} {colored}: {normal}, not {away}"
+                );
+                seen += 1;
+            }
+        }
+        assert!(seen > 300, "{seen}");
+    }
+}
+
+/// A wall in the plane z = 0, 2 m wide, under white light from everywhere.
+const WALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [41, 41]
+tone_map = "none"
+[environment]
+color = [1, 1, 1]
+[material.wall]
+reflectivity = 0
+[model.wall]
+shape = { kind = "plane", size = [2, 2] }
+material = "wall"
+[[instance]]
+model = "wall"
+rotation_deg = [90, 0, 0]
+"#;
+
+#[test]
+fn vertex_colors_run_straight_from_corner_to_corner() {
+    let (desc, mut world) = scene(WALL, &["material.wall.base_color=[0.5, 1, 1]"]);
+    let place = world.instances[0].world_from_object;
+    let mesh = &mut world.meshes[0];
+    // Red grows with x and green with y, from 0 to 1 over the wall.
+    let of = |p: &Vec3| place.transform_point3(*p) * 0.5 + 0.5;
+    mesh.colors = mesh
+        .positions
+        .iter()
+        .map(|p| of(p).with_z(0.25).extend(1.0))
+        .collect();
+    let Some(picture) = picture(&desc, &world, &[]) else {
+        return;
+    };
+    for (x, y) in [(3, 3), (20, 20), (37, 5), (8, 30), (30, 36)] {
+        let at = |pixel: u32| (pixel as f32 + 0.5) / 41.0 * 2.0 - 1.0;
+        let reach = 3.0 * 15f32.to_radians().tan() * 0.5;
+        let (red, green) = (0.5 + at(x) * reach, 0.5 - at(y) * reach);
+        assert_color(&picture, x, y, [0.5 * red, green, 0.25], 6e-3);
+    }
+}
+
+#[test]
+fn vertex_alpha_cuts_out_what_is_seen_and_its_shadow() {
+    let text = r#"
+version = 1
+[camera.main]
+eye = [0, 4, 0]
+target = [0, 0, 0]
+up = [0, 0, -1]
+fov_deg = 30
+[image]
+size = [33, 33]
+tone_map = "none"
+[light.lamp]
+kind = "point"
+position = [-3, 3, 0]
+intensity_cd = 20
+shadow = "SHADOW"
+[material.floor]
+reflectivity = 0
+[material.leaf]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [0, 0, 1]
+alpha_cutoff = 0.5
+[model.floor]
+shape = { kind = "plane", size = [8, 8] }
+material = "floor"
+[model.leaf]
+shape = { kind = "plane", size = [0.6, 0.6] }
+material = "leaf"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "leaf"
+translation = [-0.6, 1, 0]
+"#;
+    for shadow in ["map", "ray"] {
+        for (alpha, is_solid) in [(0.75, true), (0.25, false)] {
+            let (desc, mut world) = scene(&text.replace("SHADOW", shadow), &[]);
+            let leaf = world.instances[1].mesh;
+            let count = world.meshes[leaf].positions.len();
+            world.meshes[leaf].colors = vec![Vec4::new(1.0, 1.0, 1.0, alpha); count];
+            let Some(picture) = picture(&desc, &world, &[]) else {
+                return;
+            };
+            // The leaf at x = -0.6 stands for pixels left of the middle; its shadow falls on 0.6.
+            let pixel_of = |x: f32, height: f32| {
+                let across = x / ((4.0 - height) * 15f32.to_radians().tan());
+                ((across * 0.5 + 0.5) * 33.0) as u32
+            };
+            let leaf = color(&picture, pixel_of(-0.6, 1.0), 16);
+            assert_eq!(leaf[2] > 0.9, is_solid, "{shadow} {alpha}: {leaf:?}");
+            let shaded = color(&picture, pixel_of(0.6, 0.0), 16)[0];
+            assert_eq!(shaded < 1e-4, is_solid, "{shadow} {alpha}: {shaded}");
+        }
+    }
+}
+
+#[test]
+fn light_too_bright_for_half_floats_stays_finite() {
+    // Red is too bright by itself, green only together with what the wall reflects.
+    let set = [
+        "environment.color=[0, 50000, 0]",
+        "material.wall.emission=[1e6, 60000, 2]",
+    ];
+    let (desc, world) = scene(WALL, &set);
+    let Some(picture) = picture(&desc, &world, &[]) else {
+        return;
+    };
+    let [red, green, blue] = color(&picture, 20, 20);
+    for bright in [red, green] {
+        assert!((60_000.0..65_505.0).contains(&bright), "{bright}");
+    }
+    assert!((blue - 2.0).abs() < 1e-2, "{blue}");
+}
