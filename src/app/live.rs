@@ -9,9 +9,10 @@ use std::{
 };
 
 use super::{
+    around::is_model,
     cli::SceneArgs,
     error::AppError,
-    scene::{is_model, load_options, read_text},
+    scene::{load_options, read_text},
     watch::{Change, Changes, WatchList},
 };
 use crate::{

@@ -1,11 +1,13 @@
 //! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
 
 use std::{
+    borrow::Cow,
     env, fs,
     path::{Path, PathBuf},
 };
 
 use super::{
+    around::{is_model, scene_around},
     cli::SceneArgs,
     error::{AppError, print_diagnostics},
 };
@@ -19,7 +21,6 @@ use crate::{
         World,
         gltf::Trail,
         load::{self, LoadOptions},
-        usd,
     },
 };
 
@@ -55,14 +56,22 @@ pub fn load_scene(
     from: &SceneArgs,
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
-    let read = read_text(path, from, overrides).map_err(AppError::Scene)?;
+    let overrides = [from.set.as_slice(), overrides].concat();
+    let own = own_text(path, from, &overrides).map_err(AppError::Scene)?;
+    let read = parse_text(path, own.as_deref(), &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    // Read a second time, for its fingerprint; what cannot be read was an error before.
-    let text = scene_text(path)?;
-    let overrides = [from.set.as_slice(), overrides].concat();
+    let text = match (own, path) {
+        (Some(own), _) => own.into_owned(),
+        // Read a second time, for its fingerprint; what cannot be read was an error before.
+        (None, path) => {
+            let path = path.unwrap_or(Path::new(""));
+            fs::read_to_string(path)
+                .map_err(|error| AppError::Usage(format!("{}: {error}", path.display())))?
+        }
+    };
     load_desc(name, text, overrides, read, from)
 }
 
@@ -106,10 +115,32 @@ fn load_desc(
 /// All mistakes of the text.
 pub fn read_text(path: Option<&Path>, from: &SceneArgs, overrides: &[String]) -> Parsed {
     let overrides = [from.set.as_slice(), overrides].concat();
+    let own = own_text(path, from, &overrides)?;
+    parse_text(path, own.as_deref(), &overrides)
+}
+
+/// The text of a scene that is no file of its own.
+fn own_text(
+    path: Option<&Path>,
+    from: &SceneArgs,
+    overrides: &[String],
+) -> Result<Option<Cow<'static, str>>, Vec<Diagnostic>> {
     match path {
-        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
-        Some(path) => parse::load(path, &overrides),
-        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
+        None => Ok(Some(Cow::Borrowed(ATRIUM))),
+        Some(path) if is_model(path) => {
+            let text = scene_around(path, &load_options(from, &Trail::default()), overrides);
+            text.map(|text| Some(Cow::Owned(text)))
+                .map_err(|error| vec![*error])
+        }
+        Some(_) => Ok(None),
+    }
+}
+
+fn parse_text(path: Option<&Path>, own: Option<&str>, overrides: &[String]) -> Parsed {
+    let path = path.unwrap_or(Path::new("atrium.toml"));
+    match own {
+        Some(text) => parse::parse(text, path, overrides),
+        None => parse::load(path, overrides),
     }
 }
 
@@ -119,40 +150,6 @@ pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
         assets: asset_folders(&from.assets),
         trail: trail.clone(),
         ..LoadOptions::default()
-    }
-}
-
-/// Whether the argument is a model rather than a scene.
-pub fn is_model(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    usd::is_stage(path)
-        || ["gltf", "glb"]
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-}
-
-/// A scene for looking at one model: as it is, in daylight.
-fn scene_around(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let file = serde_json::Value::from(name.as_ref());
-    format!(
-        "version = 1\n\
-         [model.model]\nfile = {file}\n\
-         [light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
-         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n"
-    )
-}
-
-/// The text of a scene file, or of the built-in atrium.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
-    match path {
-        None => Ok(ATRIUM.to_owned()),
-        Some(path) if is_model(path) => Ok(scene_around(path)),
-        Some(path) => fs::read_to_string(path)
-            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
     }
 }
 

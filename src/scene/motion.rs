@@ -1,5 +1,6 @@
 //! The scene at one frame: a pure function of the description, its script and the frame's number.
 
+mod clock;
 mod parts;
 mod track;
 
@@ -28,6 +29,8 @@ pub struct FrameState {
     pub cameras: Vec<CameraDesc>,
     /// World from model space of each instance, or of the first of its copies.
     pub instances: Vec<Affine3A>,
+    /// Time inside its animations that the script has set for each instance, seconds.
+    pub animation_s: Vec<Option<f64>>,
     /// How each light shines.
     pub lights: Vec<LightDesc>,
     /// What each `[material.NAME]` says.
@@ -68,6 +71,16 @@ impl Names {
             materials: entries(&desc.materials),
             dynamic: moving(desc),
         }
+    }
+}
+
+impl SceneDesc {
+    /// Whether some file's animation is played.
+    pub fn plays(&self) -> bool {
+        let of_models = self.models.iter().map(|m| &m.value.animation);
+        let of_instances = self.instances.iter().map(|i| &i.animation);
+        let mut played = of_models.chain(of_instances).flatten();
+        played.any(|animation| !animation.name.is_empty())
     }
 }
 
@@ -122,6 +135,7 @@ impl<'a> Motion<'a> {
                 .iter()
                 .map(|i| transform(&i.placement))
                 .collect(),
+            animation_s: vec![None; desc.instances.len()],
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
             ..FrameState::default()
@@ -177,7 +191,7 @@ impl<'a> Motion<'a> {
     /// Whether frames can differ at all.
     pub fn is_still(&self) -> bool {
         let has_frame = self.desc.script.as_ref().is_some_and(|s| s.has_frame());
-        self.desc.motion.is_empty() && !has_frame
+        self.desc.motion.is_empty() && !has_frame && !self.desc.plays()
     }
 
     /// First frame of the timeline, 0 without one.

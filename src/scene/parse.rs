@@ -15,7 +15,7 @@ mod table;
 mod value;
 mod words;
 
-use std::{cell::OnceCell, fs::File, io::Read as _, path::Path};
+use std::{cell::OnceCell, fmt::Write as _, fs::File, io::Read as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -134,6 +134,22 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
         (messages, false) => Ok((scene, messages)),
         (messages, true) => Err(messages),
     }
+}
+
+/// Any text as a basic string of TOML, in quotes.
+pub fn toml_text(text: &str) -> String {
+    let mut out = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 /// Every table and key that the readers ask for, the whole file first.

@@ -55,7 +55,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     for entry in &motion.materials {
         check_material(entry, report);
     }
-    if !motion.is_empty() && scene.timeline.is_none() && report.errors() == 0 {
+    if (!motion.is_empty() || scene.plays()) && scene.timeline.is_none() && report.errors() == 0 {
         let first = first_motion(scene).unwrap_or_default();
         let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
         let warning = Diagnostic::at("no-timeline", first, message);
@@ -69,7 +69,11 @@ fn first_motion(scene: &SceneDesc) -> Option<Span> {
     let instances = motion.instances.iter().map(|e| &e.at);
     let lights = motion.lights.iter().map(|e| &e.at);
     let materials = motion.materials.iter().map(|e| &e.at);
-    let all = cameras.chain(instances).chain(lights).chain(materials);
+    let models = scene.models.iter().map(|e| &e.value.animation);
+    let played = models.chain(scene.instances.iter().map(|i| &i.animation));
+    let played = played.flatten().flat_map(|a| &a.name).map(|name| &name.at);
+    let all = cameras.chain(instances).chain(lights);
+    let all = all.chain(materials).chain(played);
     all.min_by_key(|at| at.range.start).cloned()
 }
 

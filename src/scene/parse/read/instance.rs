@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
+use super::animation::animation;
 use crate::scene::{
     desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
     motion::turned,
@@ -37,6 +38,7 @@ impl Section for InstanceDesc {
             dynamic,
             repeat,
             material,
+            animation: animation(t),
             at: t.start(),
         })
     }
