@@ -6,7 +6,7 @@ use super::{
     error::AppError,
     print_out,
     render::choose_camera,
-    scene::{LoadedScene, load_scene, scene_text},
+    scene::{LoadedScene, load_scene},
 };
 use crate::{
     bench::{
@@ -123,7 +123,7 @@ fn subjects(args: &BenchArgs) -> Result<Vec<Subject>, AppError> {
     }
     let load = |path: Option<&Path>| {
         let loaded = load_scene(path, &args.from, &[])?;
-        let text = scene_text(path)?;
+        let text = loaded.text.clone();
         let mut name = loaded.name.clone();
         if !args.from.set.is_empty() {
             // Changed scenes must not share a chart with unchanged ones.

@@ -9,10 +9,10 @@ use std::{
 };
 
 use super::{
+    around::is_model,
     cli::SceneArgs,
     error::AppError,
     params::{Declared, Tuned},
-    scene::is_model,
     watch::{Change, WatchList},
 };
 use crate::{

@@ -14,6 +14,7 @@ use crate::{
 };
 
 pub mod aov;
+pub mod around;
 pub mod bench;
 pub mod cli;
 pub mod encoder;

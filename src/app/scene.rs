@@ -1,11 +1,12 @@
 //! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
 
 use std::{
-    env, fs,
+    env,
     path::{Path, PathBuf},
 };
 
 use super::{
+    around::{is_model, scene_around},
     cli::SceneArgs,
     error::{AppError, print_diagnostics},
 };
@@ -14,7 +15,6 @@ use crate::{
     world::{
         World,
         load::{self, LoadOptions},
-        usd,
     },
 };
 
@@ -50,8 +50,8 @@ pub fn load_scene(
     from: &SceneArgs,
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
-    let (text, file) = source(path).map_err(AppError::Scene)?;
     let overrides = [from.set.as_slice(), overrides].concat();
+    let (text, file) = source(path, from, &overrides).map_err(AppError::Scene)?;
     let read = parse::parse(&text, &file, &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
         || "the built-in atrium".to_owned(),
@@ -98,10 +98,17 @@ fn load_desc(
 /// atrium's.
 ///
 /// # Errors
-/// As [`parse::read`].
-pub fn source(path: Option<&Path>) -> Result<(String, PathBuf), Vec<Diagnostic>> {
+/// As [`parse::read`], and a stage that cannot be converted.
+pub fn source(
+    path: Option<&Path>,
+    from: &SceneArgs,
+    overrides: &[String],
+) -> Result<(String, PathBuf), Vec<Diagnostic>> {
     match path {
-        Some(path) if is_model(path) => Ok((scene_around(path), path.to_owned())),
+        Some(path) if is_model(path) => {
+            let text = scene_around(path, &load_options(from, &Trail::default()), overrides);
+            Ok((text.map_err(|error| vec![*error])?, path.to_owned()))
+        }
         Some(path) => Ok((parse::read(path)?, path.to_owned())),
         None => Ok((ATRIUM.to_owned(), PathBuf::from("atrium.toml"))),
     }
@@ -113,40 +120,6 @@ pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
         assets: asset_folders(&from.assets),
         trail: trail.clone(),
         ..LoadOptions::default()
-    }
-}
-
-/// Whether the argument is a model rather than a scene.
-pub fn is_model(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    usd::is_stage(path)
-        || ["gltf", "glb"]
-            .iter()
-            .any(|known| extension.eq_ignore_ascii_case(known))
-}
-
-/// A scene for looking at one model: as it is, in daylight.
-fn scene_around(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let file = serde_json::Value::from(name.as_ref());
-    format!(
-        "version = 1\n\
-         [model.model]\nfile = {file}\n\
-         [light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
-         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n"
-    )
-}
-
-/// The text of a scene file, or of the built-in atrium.
-///
-/// # Errors
-/// A file that cannot be read.
-pub fn scene_text(path: Option<&Path>) -> Result<String, AppError> {
-    match path {
-        None => Ok(ATRIUM.to_owned()),
-        Some(path) if is_model(path) => Ok(scene_around(path)),
-        Some(path) => fs::read_to_string(path)
-            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
     }
 }
 

@@ -1,5 +1,7 @@
 //! Curves through points, their length, and easing; everything that paths of cameras need.
 
+use std::ops::{Add, Mul};
+
 use glam::DVec3;
 
 /// Uniform Catmull-Rom (Catmull & Rom, "A class of local interpolating splines", 1974): from `p[1]`
@@ -35,7 +37,10 @@ pub fn centripetal(p: [DVec3; 4], u: f64) -> DVec3 {
 }
 
 /// Cubic Hermite curve from `a` with tangent `out` to `b` with tangent `into`.
-pub fn hermite(a: DVec3, out: DVec3, b: DVec3, into: DVec3, u: f64) -> DVec3 {
+pub fn hermite<V>(a: V, out: V, b: V, into: V, u: f64) -> V
+where
+    V: Add<Output = V> + Mul<f64, Output = V>,
+{
     let (u2, u3) = (u * u, u * u * u);
     a * (2.0 * u3 - 3.0 * u2 + 1.0)
         + out * (u3 - 2.0 * u2 + u)

@@ -153,9 +153,7 @@ impl GpuScene {
         for draw in &mut self.draws {
             let instance = &world.instances[draw.instance as usize];
             draw.class.mirrored = mirrors(&instance.world_from_object);
-            draw.bounds = world.meshes[instance.mesh]
-                .bounds
-                .transformed(&instance.world_from_object);
+            draw.bounds = world.bounds_of(instance);
         }
         gpu.queue
             .write_buffer(&self.instances, 0, cast_slice(&self.records));
@@ -276,9 +274,7 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
             instance: i as u32,
             indices: place.index_base..place.index_base + place.index_count,
             vertex_base: place.vertex_base as i32,
-            bounds: world.meshes[instance.mesh]
-                .bounds
-                .transformed(&instance.world_from_object),
+            bounds: world.bounds_of(instance),
             class: class_of(
                 &world.materials[instance.material],
                 &instance.world_from_object,

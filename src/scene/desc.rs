@@ -4,6 +4,7 @@
 //! `reflet schema` are generated from these comments, so this file *is* the manual. A key that has
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
 
+mod animation;
 mod light;
 mod motion;
 
@@ -12,11 +13,13 @@ use std::path::PathBuf;
 use glam::{Mat4, Quat, Vec3};
 
 pub use self::{
+    animation::{AnimationDesc, Playback},
     light::{LightDesc, LightKind, ShadowMode},
     motion::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
-        LightMotionDesc, MaterialMotionDesc, MotionDesc, NumberKeyDesc, NumberOscillateDesc,
-        NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc, TrackDesc,
+        LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
+        NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc,
+        TrackDesc,
     },
 };
 use super::{diagnostic::Span, script::Script};
@@ -175,6 +178,9 @@ pub struct ModelDesc {
     pub overrides: Vec<Entry<MaterialDesc>>,
     /// For files: whether its own lights are used. Default true.
     pub lights: bool,
+    /// For files: which of its animations is played, by name, `"*"` for all of them, or a table
+    /// with more. Default: none.
+    pub animation: Option<AnimationDesc>,
 }
 
 /// Where a model's geometry comes from.
@@ -241,6 +247,8 @@ pub struct InstanceDesc {
     pub repeat: Option<RepeatDesc>,
     /// `material = "name"` or `material = {…}`: replaces or overrides every material of this placement.
     pub material: Option<InstanceMaterialDesc>,
+    /// Which of its file's animations this placement plays; in place of its model's `animation`.
+    pub animation: Option<AnimationDesc>,
     /// Where the table starts.
     pub at: Span,
 }

@@ -15,7 +15,7 @@ mod table;
 mod value;
 mod words;
 
-use std::{cell::OnceCell, fs::File, io::Read as _, path::Path};
+use std::{cell::OnceCell, fmt::Write as _, fs::File, io::Read as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -166,6 +166,22 @@ pub fn params(text: &str, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>
         |table| Some(params::read(table.get_ref().as_table()?, &mut report)),
     );
     params.filter(|_| report.errors() == 0)
+}
+
+/// Any text as a basic string of TOML, in quotes.
+pub fn toml_text(text: &str) -> String {
+    let mut out = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 /// Every table and key that the readers ask for, the whole file first.

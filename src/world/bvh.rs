@@ -167,8 +167,8 @@ impl Trees {
     }
 
     /// Rebuilds the top level after instances of it moved: rewrites their records in
-    /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances whose transform is not
-    /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
+    /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances that are hidden, whose
+    /// transform is not invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
     pub fn update_top_level(&mut self, world: &World) {
         self.rebuild_top_level(world);
     }
@@ -186,7 +186,7 @@ impl Trees {
                 &world.materials[instance.material],
                 record.tree_root,
             );
-            let bounds = world.meshes[instance.mesh].bounds.transformed(transform);
+            let bounds = world.bounds_of(instance);
             let rows_finite = record
                 .object_from_world
                 .as_flattened()

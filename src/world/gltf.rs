@@ -7,17 +7,19 @@
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use glam::{Affine3A, Vec3};
 
-use super::{Light, Material, Mesh};
+use super::{Light, Material, Mesh, rig::Rig};
 use crate::scene::{
     desc::CameraDesc,
     diagnostic::{Diagnostic, Severity},
 };
 
 mod accessor;
+mod animation;
 mod buffer;
 mod camera;
 mod container;
@@ -35,6 +37,7 @@ mod skin;
 mod transform;
 pub(super) mod uri;
 
+pub use animation::{Clip, Playable, StageTime, playable};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
 pub use uri::Sandbox;
@@ -49,15 +52,34 @@ pub struct Model {
     /// Images in the way that materials use them.
     pub images: Vec<ImageUse>,
     /// Where meshes stand.
-    pub placements: Vec<Placement>,
-    /// KHR_lights_punctual, in model space.
-    pub lights: Vec<Light>,
-    /// Perspective cameras, in model space.
-    pub cameras: Vec<(String, CameraDesc)>,
+    pub placements: Vec<Attached<Placement>>,
+    /// KHR_lights_punctual, in the space of their nodes.
+    pub lights: Vec<Attached<Light>>,
+    /// Perspective cameras by name, in the space of their nodes.
+    pub cameras: Vec<Attached<(String, CameraDesc)>>,
+    /// The nodes.
+    pub rig: Arc<Rig>,
+    /// What can move them.
+    pub clips: Vec<Clip>,
     /// Named, counted warnings.
     pub warnings: Vec<Diagnostic>,
     /// The file and the buffers that it names.
     pub files: Vec<PathBuf>,
+}
+
+/// Something that hangs on a node.
+#[derive(Clone, Debug)]
+pub struct Attached<T> {
+    /// Index of the node that moves it; `None` for what stays where it is, such as skinned meshes.
+    pub node: Option<usize>,
+    /// Its own place there.
+    pub node_from_object: Affine3A,
+    /// Where it is at rest. Finite, perhaps singular.
+    pub model_from_object: Affine3A,
+    /// Whether it is hidden unless an animation shows it.
+    pub hidden: bool,
+    /// What hangs there.
+    pub value: T,
 }
 
 /// A mesh placed by a node.
@@ -69,8 +91,6 @@ pub struct Placement {
     pub mesh: usize,
     /// Index into [`Model::materials`].
     pub material: usize,
-    /// Finite, perhaps singular.
-    pub model_from_object: Affine3A,
 }
 
 /// An image as color (sRGB) or as data (linear).
@@ -198,19 +218,20 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
     };
     let mut notes = Notes::default();
     extension::note_ignored(&root, &mut notes);
-    let animations = root.animations.len() as u64;
-    notes.add(
-        "animation-ignored",
-        animations,
-        "animations are not played",
-        "animation 0",
-    );
-
     let buffers = buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     reference::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
-    let visit = node::walk(&root, &data, &mut notes).map_err(one)?;
+    model.clips = animation::read(&root, &data);
+    for fault in model
+        .clips
+        .iter()
+        .filter_map(|c| c.animation.as_ref().err())
+    {
+        let what = "animations are broken and cannot be played";
+        notes.add("animation-broken", 1, what, &fault.message);
+    }
+    let visit = node::walk(&root, &data, &model.clips, &mut notes).map_err(one)?;
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = notes.into_warnings(path);

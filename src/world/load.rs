@@ -23,8 +23,11 @@ mod copies;
 mod extras;
 mod finish;
 mod kept;
+mod look;
 mod material;
+mod names;
 mod place;
+mod stand;
 mod tangent;
 
 pub(super) use copies::invertible;

@@ -12,10 +12,12 @@ use crate::{
     },
 };
 
+pub mod animation;
 pub mod bvh;
 pub mod gltf;
 pub mod load;
 pub mod pose;
+pub mod rig;
 pub mod shape;
 pub mod texture;
 pub mod usd;
@@ -37,6 +39,8 @@ pub struct World {
     pub cameras: Vec<Entry<CameraDesc>>,
     /// What rays that leave the scene see.
     pub environment: EnvironmentDesc,
+    /// The animations of all files.
+    pub animations: Vec<animation::Listed>,
     /// Named warnings collected while loading.
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.
@@ -83,10 +87,22 @@ pub struct Instance {
     pub mesh: usize,
     /// Index into [`World::materials`].
     pub material: usize,
-    /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning.
+    /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning, but
+    /// for [`Instance::HIDDEN`].
     pub world_from_object: Affine3A,
     /// Whether it may move; then it is traced through the top level.
     pub dynamic: bool,
+}
+
+impl Instance {
+    /// The transform of what an animation hides, now or in some other frame: no ray and no draw
+    /// meets it.
+    pub const HIDDEN: Affine3A = Affine3A::ZERO;
+
+    /// Whether it is hidden now.
+    pub fn is_hidden(&self) -> bool {
+        self.world_from_object.matrix3 == Self::HIDDEN.matrix3
+    }
 }
 
 /// A surface description after all overrides; textures are indices into [`World::textures`].
@@ -220,12 +236,21 @@ pub struct Light {
 }
 
 impl World {
+    /// World-space bounds of an instance; empty when it is hidden.
+    pub fn bounds_of(&self, instance: &Instance) -> Bounds {
+        if instance.is_hidden() {
+            return Bounds::EMPTY;
+        }
+        let bounds = self.meshes[instance.mesh].bounds;
+        bounds.transformed(&instance.world_from_object)
+    }
+
     /// Bounds of all static instances in world space, or of everything when nothing is static.
     pub fn static_bounds(&self) -> Bounds {
         let of = |want_static: bool| {
             let mut bounds = Bounds::EMPTY;
             for i in self.instances.iter().filter(|i| !want_static || !i.dynamic) {
-                bounds = bounds.union(self.meshes[i.mesh].bounds.transformed(&i.world_from_object));
+                bounds = bounds.union(self.bounds_of(i));
             }
             bounds
         };

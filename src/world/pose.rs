@@ -2,42 +2,107 @@
 
 use glam::{Affine3A, Vec3};
 
-use super::{Material, World, load::invertible};
-use crate::scene::{
-    desc::{MaterialDesc, ReflectionMode},
-    diagnostic::{Diagnostic, Span},
-    motion::FrameState,
+use super::{
+    Instance, Material, World,
+    load::invertible,
+    rig::{Player, PosedNode},
+};
+use crate::{
+    math::Bounds,
+    scene::{
+        desc::{CameraDesc, LightDesc, LightKind, MaterialDesc, ReflectionMode},
+        diagnostic::{Diagnostic, Span},
+        motion::FrameState,
+    },
 };
 
 /// What of a world can change from frame to frame, and what the scene calls it.
 #[derive(Clone, Debug, Default)]
 pub struct Moving {
+    /// What placed files play.
+    pub players: Vec<Player>,
     /// Instances that may move.
     pub instances: Vec<MovingInstance>,
+    /// Lights of files that may move, as indices into [`World::lights`].
+    pub lights: Vec<Moved<LightDesc>>,
+    /// Cameras of files that may move, as indices into [`World::cameras`].
+    pub cameras: Vec<Moved<CameraDesc>>,
     /// Materials whose numbers may change.
     pub materials: Vec<MovingMaterial>,
 }
 
-/// One mesh of a dynamic `[[instance]]`.
+/// What something that may move hangs on.
 #[derive(Clone, Debug)]
-pub struct MovingInstance {
-    /// Index into `SceneDesc::instances`.
-    pub desc: usize,
-    /// Index into [`World::instances`].
-    pub instance: usize,
+pub struct Anchor {
+    /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
+    pub desc: Option<usize>,
     /// Of its copy in a grid, metres in world space.
     pub offset: Vec3,
-    /// Model from object space, of a file's node.
-    pub model_from_object: Affine3A,
+    /// Index into [`Moving::players`] and slot of the node that moves it, if an animation does.
+    pub node: Option<(usize, usize)>,
+    /// From its own space to that node's, or to the model's where there is none.
+    pub local: Affine3A,
+}
+
+/// The nodes of every player at one time.
+type Poses = [Vec<PosedNode>];
+
+impl Anchor {
+    /// World from its own space, and whether it is seen.
+    fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
+        let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
+        let node = self.node.map(|(player, slot)| &poses[player][slot]);
+        let model = node.map_or(self.local, |node| node.model_from_node * self.local);
+        let world = Affine3A::from_translation(self.offset) * instance * model;
+        (world, node.is_none_or(|node| node.visible))
+    }
+}
+
+/// One mesh of something that may move.
+#[derive(Clone, Debug)]
+pub struct MovingInstance {
+    /// Index into [`World::instances`].
+    pub instance: usize,
+    /// What it hangs on.
+    pub anchor: Anchor,
+    /// Of its copy at rest.
+    pub world_from_model: Affine3A,
     /// Whether it turned front into back at load.
     pub mirrored: bool,
 }
 
-/// A material that comes from a `[material.NAME]`.
+/// A light or a camera of a file.
+#[derive(Clone, Debug)]
+pub struct Moved<T> {
+    /// Which of the world's.
+    pub index: usize,
+    /// What it hangs on.
+    pub anchor: Anchor,
+    /// As the file has it, in its own space.
+    pub rest: T,
+}
+
+/// What tells how a material changes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialSource {
+    /// A `[material.NAME]`, by its index in `SceneDesc::materials`.
+    Named(usize),
+    /// A material of a file.
+    File {
+        /// Indices into `FrameState::file_materials`; the later wins.
+        changes: Vec<usize>,
+        /// What the file says.
+        own: Box<MaterialDesc>,
+        /// What the scene lays over it at rest.
+        overrides: Box<MaterialDesc>,
+    },
+}
+
+/// A material whose numbers may change.
 #[derive(Clone, Debug)]
 pub struct MovingMaterial {
-    /// Index into `SceneDesc::materials`.
-    pub desc: usize,
+    /// What tells how.
+    pub from: MaterialSource,
     /// Index into [`World::materials`].
     pub material: usize,
     /// What the instance lays over it, which wins.
@@ -56,54 +121,184 @@ impl World {
     /// Takes over the poses of a frame. What was applied before leaves no trace.
     ///
     /// # Errors
-    /// `bad-pose` for instances whose transform is singular or not finite, or which turn front into
-    /// back; the world is unchanged then.
+    /// `bad-pose` for instances whose transform is not finite, and for those that no animation
+    /// moves also when it is singular or turns front into back; the world is unchanged then.
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
-        let mut errors = Vec::new();
-        let mut poses = Vec::with_capacity(self.moving.instances.len());
-        for moving in &self.moving.instances {
-            let pose = Affine3A::from_translation(moving.offset)
-                * state.instances[moving.desc]
-                * moving.model_from_object;
-            let mirrored = pose.matrix3.determinant() < 0.0;
-            let wrong = if !invertible(&pose) {
-                "is singular or not finite"
-            } else if mirrored != moving.mirrored {
-                "mirrors it, which it did not at first; a scale must not change its sign"
-            } else {
-                poses.push(pose);
-                continue;
-            };
-            let name = &self.instances[moving.instance].name;
-            let frame = state.frame;
-            let message = format!("in frame {frame}, the transform of instance \"{name}\" {wrong}");
-            errors.push(Diagnostic::at("bad-pose", Span::default(), message));
-        }
-        if !errors.is_empty() {
-            return Err(errors);
-        }
-        for (moving, pose) in self.moving.instances.iter().zip(poses) {
+        let players = self.moving.players.iter();
+        let poses: Vec<_> = players.map(|player| pose(player, state)).collect();
+        let placed = self.placed(state, &poses)?;
+        for (moving, pose) in self.moving.instances.iter().zip(placed) {
             self.instances[moving.instance].world_from_object = pose;
         }
         for moving in &self.moving.materials {
             let material = &mut self.materials[moving.material];
             material.clone_from(&moving.rest);
-            for desc in [&state.materials[moving.desc], &moving.over] {
-                material.set_numbers(desc);
+            match &moving.from {
+                MaterialSource::Named(index) => {
+                    material.set_numbers(&state.materials[*index]);
+                    material.set_numbers(&moving.over);
+                }
+                MaterialSource::File {
+                    changes,
+                    own,
+                    overrides,
+                } => {
+                    let mut desc = (**overrides).clone();
+                    for change in changes {
+                        desc = state.file_materials[*change].over(&desc, own);
+                    }
+                    material.set_numbers(own);
+                    material.set_numbers(&desc.overlaid(&moving.over));
+                }
             }
         }
-        // Those of files come after the scene's own, and stay where they are.
+        // Those of files come after the scene's own.
         for (light, desc) in self.lights.iter_mut().zip(&state.lights) {
             light.desc = *desc;
         }
         for (camera, desc) in self.cameras.iter_mut().zip(&state.cameras) {
             camera.value = desc.clone();
         }
+        for moved in &self.moving.lights {
+            let (world, seen) = moved.anchor.place(state, &poses);
+            let light = &mut self.lights[moved.index].desc;
+            *light = placed_light(&moved.rest, &world);
+            if !seen {
+                light.color = Vec3::ZERO;
+            }
+        }
+        for moved in &self.moving.cameras {
+            let (world, _) = moved.anchor.place(state, &poses);
+            self.cameras[moved.index].value = placed_camera(&moved.rest, &world);
+        }
         Ok(())
+    }
+
+    /// The transform of each moving instance.
+    fn placed(&self, state: &FrameState, poses: &Poses) -> Result<Vec<Affine3A>, Vec<Diagnostic>> {
+        let mut errors = Vec::new();
+        let mut placed = Vec::with_capacity(self.moving.instances.len());
+        for moving in &self.moving.instances {
+            let (pose, seen) = moving.anchor.place(state, poses);
+            let usable = invertible(&pose);
+            let wrong = if moving.anchor.node.is_some() {
+                // Files hide things by a scale of 0, and turn them over through it.
+                placed.push(if usable && seen {
+                    pose
+                } else {
+                    Instance::HIDDEN
+                });
+                (!pose.is_finite()).then_some("is not finite")
+            } else if !usable {
+                Some("is singular or not finite")
+            } else if (pose.matrix3.determinant() < 0.0) != moving.mirrored {
+                Some("mirrors it, which it did not at first; a scale must not change its sign")
+            } else {
+                placed.push(pose);
+                None
+            };
+            if let Some(wrong) = wrong {
+                let (name, frame) = (&self.instances[moving.instance].name, state.frame);
+                let message =
+                    format!("in frame {frame}, the transform of instance \"{name}\" {wrong}");
+                errors.push(Diagnostic::at("bad-pose", Span::default(), message));
+            }
+        }
+        if errors.is_empty() {
+            Ok(placed)
+        } else {
+            Err(errors)
+        }
+    }
+
+    /// Bounds of everything at all times of the animations that are played; at rest what only the
+    /// scene itself moves.
+    pub fn bounds_over_time(&self) -> Bounds {
+        /// Times that are looked at.
+        const TIMES: u32 = 32;
+        let moving = &self.moving;
+        let is_animated = |m: &&MovingInstance| m.anchor.node.is_some();
+        let animated = || moving.instances.iter().filter(is_animated);
+        let mut still = vec![true; self.instances.len()];
+        animated().for_each(|m| still[m.instance] = false);
+        let rest = self.instances.iter().zip(still).filter(|(_, still)| *still);
+        let mut bounds = rest.fold(Bounds::EMPTY, |b, (i, _)| b.union(self.bounds_of(i)));
+        for time in 0..=TIMES {
+            let share = f64::from(time) / f64::from(TIMES);
+            let players = moving.players.iter();
+            let poses: Vec<_> = players.map(|p| p.pose_at(share * p.duration_s())).collect();
+            for m in animated() {
+                let Some((player, slot)) = m.anchor.node else {
+                    continue;
+                };
+                let node = &poses[player][slot];
+                let world = m.world_from_model * node.model_from_node * m.anchor.local;
+                if node.visible && invertible(&world) {
+                    let mesh = self.instances[m.instance].mesh;
+                    bounds = bounds.union(self.meshes[mesh].bounds.transformed(&world));
+                }
+            }
+        }
+        bounds
+    }
+}
+
+/// The nodes of a player in a frame: at the time that its script has set, else at the scene's.
+fn pose(player: &Player, state: &FrameState) -> Vec<PosedNode> {
+    let set = player.desc.and_then(|i| state.animation_s[i]);
+    set.map_or_else(
+        || player.pose(state.time_s),
+        |local_s| player.pose_at(local_s),
+    )
+}
+
+/// A light moved from its own space to the world.
+pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
+    let mut light = *light;
+    let place = |p: &mut Vec3| *p = world.transform_point3(*p);
+    let turn = |d: &mut Vec3| *d = world.transform_vector3(*d).try_normalize().unwrap_or(*d);
+    match &mut light.kind {
+        LightKind::Point { position, .. } => place(position),
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            place(position);
+            turn(direction);
+        }
+        LightKind::Directional { direction, .. } => turn(direction),
+    }
+    light
+}
+
+/// A camera moved from its own space to the world.
+pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
+    let eye = world.transform_point3(camera.eye);
+    let turn = |d: Vec3| world.transform_vector3(d).try_normalize().unwrap_or(d);
+    CameraDesc {
+        eye,
+        target: eye + turn(camera.target - camera.eye),
+        up: turn(camera.up),
+        ..*camera
     }
 }
 
 impl Material {
+    /// The numbers that motion may change.
+    pub fn numbers(&self) -> Box<MaterialDesc> {
+        Box::new(MaterialDesc {
+            base_color: Some(self.base_color.truncate()),
+            metallic: Some(self.metallic),
+            roughness: Some(self.roughness),
+            normal_scale: Some(self.normal_scale),
+            emission: Some(self.emission),
+            emission_strength: Some(1.0),
+            reflectivity: Some(self.reflectivity),
+            ..MaterialDesc::default()
+        })
+    }
+
     /// Sets the numbers that motion may change, where `desc` says them.
     fn set_numbers(&mut self, desc: &MaterialDesc) {
         fn set(slot: &mut f32, value: Option<f32>) {

@@ -68,6 +68,22 @@ struct Record {
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
 /// a cache folder that cannot be written.
 pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
+    let (converted, is_kept) = convert_or_find(stage, roots)?;
+    if is_kept {
+        eprintln!(
+            "usd: {} is unchanged, using its conversion {}",
+            stage.display(),
+            converted.glb.display()
+        );
+    }
+    Ok(converted)
+}
+
+/// As [`convert`], with whether it was kept from before; only a new conversion is announced.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bool), Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = tool();
@@ -77,12 +93,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
     ]);
     let record_path = cache.join(format!("{name}.json"));
     if let Some(record) = valid_record(&record_path) {
-        eprintln!(
-            "usd: {} is unchanged, using its conversion {}",
-            stage.display(),
-            record.glb.display()
-        );
-        return Ok(converted(stage, record));
+        return Ok((converted(stage, record), true));
     }
     eprintln!("usd: converting {}", stage.display());
     let glb = cache.join(format!("{name}.glb"));
@@ -98,7 +109,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
         crate::files::write_whole(&record_path, &text)
             .map_err(|e| cannot_keep(&record_path, &e))?;
     }
-    Ok(converted(stage, record))
+    Ok((converted(stage, record), false))
 }
 
 fn converted(stage: &Path, record: Record) -> Converted {

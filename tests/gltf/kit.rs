@@ -199,6 +199,7 @@ pub fn scene(folder: &Path, file: &str) -> SceneDesc {
         material: None,
         overrides: Vec::new(),
         lights: true,
+        animation: None,
     };
     SceneDesc {
         folder: folder.to_owned(),
@@ -290,6 +291,7 @@ pub fn instance(model: &str) -> InstanceDesc {
         dynamic: false,
         repeat: None,
         material: None,
+        animation: None,
         at: Span::default(),
     }
 }

@@ -23,6 +23,7 @@ fn shape(shape: ShapeDesc, material: Option<&str>) -> ModelDesc {
         material: material.map(at),
         overrides: Vec::new(),
         lights: true,
+        animation: None,
     }
 }
 

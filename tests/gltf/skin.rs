@@ -1,11 +1,11 @@
-//! Skins, morph targets and animations of glTF files stand still, in the right place, with a warning.
+//! Skins and morph targets of glTF files stand still, in the right place, with a warning.
 
 use crate::kit::{Doc, warnings};
 use glam::Vec3;
 use serde_json::json;
 
 #[test]
-fn skins_morphs_and_animations_are_named() {
+fn skins_morphs_and_broken_animations_are_named() {
     let mut doc = Doc::triangle();
     doc.json["skins"] = json!([{"joints": [0]}]);
     doc.json["nodes"][0]["skin"] = 0.into();
@@ -15,7 +15,7 @@ fn skins_morphs_and_animations_are_named() {
     assert_eq!(world.instances.len(), 1);
     assert_eq!(
         warnings(&world),
-        ["animation-ignored", "morph-rest-pose", "skin-rest-pose"]
+        ["animation-broken", "morph-rest-pose", "skin-rest-pose"]
     );
 }
 

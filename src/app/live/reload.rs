@@ -47,7 +47,7 @@ pub(super) fn read(
     scripts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let (text, name) = source(origin.path.as_deref())?;
+    let (text, name) = source(origin.path.as_deref(), &origin.from, &origin.from.set)?;
     let declared = parse::params(&text, &origin.from.set);
     let declared: Option<Declared> =
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());

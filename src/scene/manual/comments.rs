@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 static SOURCE: &str = concat!(
     include_str!("../desc.rs"),
+    include_str!("../desc/animation.rs"),
     include_str!("../desc/light.rs"),
     include_str!("../desc/motion.rs")
 );

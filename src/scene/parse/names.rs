@@ -9,7 +9,7 @@ use toml::de::DeTable;
 
 use super::{report::Report, suggest};
 use crate::scene::{
-    desc::{At, InstanceMaterialDesc, ModelSource, SceneDesc},
+    desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
 };
 
@@ -92,6 +92,13 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
         if let Some(InstanceMaterialDesc::Named(name)) = &instance.material {
             materials.refer(name, report);
         }
+        if let Some(shape) = instance.animation.as_ref().and(shape_of(scene, instance)) {
+            let message = "the model of this instance is a shape, which has no animations";
+            let error = Diagnostic::at("wrong-motion", instance.at.clone(), message)
+                .help("remove `animation`; `[motion.instance.NAME]` moves it")
+                .related(shape.at.clone(), "the model is here");
+            report.push(error);
+        }
         let Some(name) = &instance.name else { continue };
         if let Some(first) = seen.get(name.as_str()) {
             let message = format!("two instances are named {}", suggest::text(name));
@@ -110,6 +117,15 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     if report.errors() == 0 {
         warn(scene, &materials, report);
     }
+}
+
+/// The model of an instance, if it is a shape.
+fn shape_of<'a>(scene: &'a SceneDesc, instance: &InstanceDesc) -> Option<&'a Entry<ModelDesc>> {
+    let model = scene
+        .models
+        .iter()
+        .find(|m| m.name == instance.model.value)?;
+    matches!(model.value.source, ModelSource::Shape(_)).then_some(model)
 }
 
 /// What is allowed but hardly meant.

@@ -1,6 +1,7 @@
 //! The readers: one per table of the scene text, one line per key. What a key takes is written here
 //! and nowhere else; the manual and the JSON Schema come from running the same readers.
 
+mod animation;
 mod instance;
 mod light;
 mod motion;
@@ -175,11 +176,18 @@ impl Section for ModelDesc {
             let message = "`lights` is for files: shapes have none";
             t.refuse("wrong-source", "lights", message, "remove `lights`");
         }
+        let animation = animation::animation(t);
+        if t.has("shape") && t.has("animation") {
+            let message = "`animation` is for files: shapes have none";
+            let help = "move its instance by `[motion.instance.NAME]`";
+            t.refuse("wrong-source", "animation", message, help);
+        }
         Some(Self {
             source: file.or(shape)?,
             material,
             overrides,
             lights,
+            animation,
         })
     }
 }

@@ -211,6 +211,37 @@ impl Value for At<String> {
     }
 }
 
+/// One name, or an array of them.
+pub struct Names(pub Vec<At<String>>);
+
+impl Value for Names {
+    fn expected() -> String {
+        "text in quotes, or an array of them".into()
+    }
+    fn schema(range: &Range) -> Json {
+        let one = String::schema(range);
+        json!({ "anyOf": [one, { "type": "array", "items": one }] })
+    }
+    fn to_json(&self) -> Json {
+        self.0.iter().map(At::to_json).collect()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref() {
+            DeValue::Array(items) => {
+                // Every element is read, so that every wrong one is reported.
+                let names = items.iter().map(|item| At::read(item, named, report));
+                let names: Vec<Option<_>> = names.collect();
+                names.into_iter().collect::<Option<_>>().map(Self)
+            }
+            DeValue::String(_) => At::read(node, named, report).map(|name| Self(vec![name])),
+            _ => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}
+
 impl<T: Value, const N: usize> Value for [T; N] {
     const RANGED: bool = T::RANGED;
 

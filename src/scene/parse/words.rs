@@ -8,7 +8,7 @@ use super::{
     suggest,
     value::{Named, Node, Value, wrong_type},
 };
-use crate::scene::desc::{CurveKind, Ease, Method, ReflectionMode, ShadowMode, ToneMap};
+use crate::scene::desc::{CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap};
 
 /// Implements [`Value`] for an enum that is written as one of some words.
 macro_rules! words {
@@ -49,6 +49,7 @@ words!(CurveKind {
     "bezier" => Self::Bezier,
 });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
+words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
 
 /// `"a", "b" or "c"`.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
-use crate::scene::parse::suggest;
+use crate::scene::parse::{suggest, toml_text};
 
 /// Keys of what `setup` returns, and whether they are lists.
 const TABLES: [(&str, &str, bool); 5] = [
@@ -81,21 +81,6 @@ fn quoted(text: &str) -> String {
     } else {
         toml_text(text)
     }
-}
-
-fn toml_text(text: &str) -> String {
-    let mut out = String::from('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 fn numbers(out: &mut String, list: &[f64]) {

@@ -343,6 +343,16 @@ pub fn float_or_signed(component: Component, normalized: bool) -> bool {
     component == Component::F32 || normalized && matches!(component, Component::I8 | Component::I16)
 }
 
+/// Rotations of animations: floats or normalized integers of 8 or 16 bits (glTF 2.0 §3.11).
+pub fn float_or_normalized(component: Component, normalized: bool) -> bool {
+    component == Component::F32 || normalized && component != Component::U32
+}
+
+/// Switches of KHR_animation_pointer.
+pub fn unsigned_byte(component: Component, normalized: bool) -> bool {
+    component == Component::U8 && !normalized
+}
+
 /// KHR_mesh_quantization for positions and texture coordinates.
 pub fn any_but_u32(component: Component, _normalized: bool) -> bool {
     component != Component::U32

@@ -1,14 +1,13 @@
 //! Perspective cameras of glTF files.
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 use super::{FORWARD, Fault, Notes, schema};
 use crate::scene::desc::CameraDesc;
 
-/// A camera at its node; the far plane is not used.
+/// A camera in the space of its node; the far plane is not used.
 pub fn read(
     lens: &schema::Perspective,
-    model_from_node: Affine3A,
     notes: &mut Notes,
     path: &str,
 ) -> Result<CameraDesc, Fault> {
@@ -24,17 +23,10 @@ pub fn read(
         what,
         path,
     );
-    let eye = Vec3::from(model_from_node.translation);
-    let axis = |v: Vec3| {
-        model_from_node
-            .transform_vector3(v)
-            .try_normalize()
-            .unwrap_or(v)
-    };
     Ok(CameraDesc {
-        eye,
-        target: eye + axis(FORWARD),
-        up: axis(Vec3::Y),
+        eye: Vec3::ZERO,
+        target: FORWARD,
+        up: Vec3::Y,
         fov_deg: clamped,
         near_m,
     })

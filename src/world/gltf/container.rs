@@ -142,7 +142,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
 
 /// Rewrites every number without a fraction as an integer. Recursion is bounded by the JSON
 /// reader's own limit on depth.
-fn integers_from_floats(value: &mut Value) {
+pub(super) fn integers_from_floats(value: &mut Value) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(integers_from_floats),
         Value::Object(map) => map.values_mut().for_each(integers_from_floats),

@@ -1,6 +1,6 @@
 //! KHR_lights_punctual to [`Light`].
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 use super::{FORWARD, Fault, schema, uri::shorten};
 use crate::{
@@ -15,8 +15,8 @@ fn fault(text: &str) -> Fault {
     Fault::new("gltf-light", text)
 }
 
-/// A light at its node; the node's scale changes neither intensity nor range.
-pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Result<Light, Fault> {
+/// A light in the space of its node; the node's scale changes neither intensity nor range.
+pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
     let intensity = light.intensity.unwrap_or(1.0);
     let color = light.color.unwrap_or([1.0; 3]);
     if !(intensity >= 0.0
@@ -25,11 +25,7 @@ pub fn read(light: &schema::Light, name: &str, model_from_node: Affine3A) -> Res
     {
         return Err(fault("intensity and color must be finite and not negative"));
     }
-    let position = Vec3::from(model_from_node.translation);
-    let direction = model_from_node
-        .transform_vector3(FORWARD)
-        .try_normalize()
-        .unwrap_or(FORWARD);
+    let (position, direction) = (Vec3::ZERO, FORWARD);
     let kind = match light.kind.as_str() {
         "point" => LightKind::Point {
             position,

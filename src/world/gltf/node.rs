@@ -1,10 +1,12 @@
 //! The node tree: checked to be a tree, walked with an explicit stack, flattened into placements,
 //! lights and cameras.
 
+use std::{collections::HashSet, sync::Arc};
+
 use glam::Affine3A;
 
 use super::{
-    Fault, Model, Notes, Placement,
+    Attached, Clip, Fault, Model, Notes, Placement,
     accessor::Data,
     camera,
     geometry::{MeshUse, Primitives},
@@ -13,7 +15,14 @@ use super::{
     transform,
     uri::shorten,
 };
-use crate::{scene::desc::CameraDesc, world::Light};
+use crate::{
+    scene::desc::CameraDesc,
+    world::{
+        Light,
+        animation::Property,
+        rig::{Rig, RigNode},
+    },
+};
 
 /// Deepest tree; far beyond what tools write, and names stay short.
 const MAX_DEPTH: usize = 256;
@@ -24,27 +33,22 @@ const MAX_PLACEMENTS: usize = 1 << 20;
 /// What the walk found.
 #[derive(Default)]
 pub struct Visit {
-    meshes: Vec<Placed>,
-    lights: Vec<Light>,
-    cameras: Vec<(String, CameraDesc)>,
-    model_from_node: Vec<Option<Affine3A>>,
-}
-
-struct Placed {
-    mesh: MeshUse,
-    name: String,
-    model_from_object: Affine3A,
+    meshes: Vec<Attached<(MeshUse, String)>>,
+    lights: Vec<Attached<Light>>,
+    cameras: Vec<Attached<(String, CameraDesc)>>,
+    rig: Rig,
 }
 
 impl Visit {
     /// Every placed mesh with its skin, perhaps several times.
     pub fn mesh_uses(&self) -> impl Iterator<Item = MeshUse> {
-        self.meshes.iter().map(|placed| placed.mesh)
+        self.meshes.iter().map(|placed| placed.value.0)
     }
 
     /// Where a node of the scene stands.
     pub fn model_from_node(&self, node: usize) -> Option<Affine3A> {
-        self.model_from_node.get(node).copied().flatten()
+        let node = self.rig.nodes.get(node)?.as_ref()?;
+        Some(node.model_from_node)
     }
 }
 
@@ -53,7 +57,13 @@ fn fault(text: impl Into<String>) -> Fault {
 }
 
 /// Walks the default scene; the first scene if none is the default; all roots if there is no scene.
-pub fn walk(root: &Root, data: &Data<'_>, notes: &mut Notes) -> Result<Visit, Fault> {
+/// What is hidden is left out, unless one of `clips` may show it.
+pub fn walk(
+    root: &Root,
+    data: &Data<'_>,
+    clips: &[Clip],
+    notes: &mut Notes,
+) -> Result<Visit, Fault> {
     let parents = parents(root)?;
     let roots = match (root.scene, root.scenes.first()) {
         (Some(i), _) => {
@@ -68,35 +78,51 @@ pub fn walk(root: &Root, data: &Data<'_>, notes: &mut Notes) -> Result<Visit, Fa
             .collect(),
     };
     check_roots(&roots, &parents)?;
-    let mut visit = Visit {
-        model_from_node: vec![None; root.nodes.len()],
-        ..Visit::default()
+    let mut visit = Visit::default();
+    visit.rig.nodes.resize(root.nodes.len(), None);
+    let switched = switched(clips);
+    let start = |&node: &usize| Step {
+        node,
+        parent: Affine3A::IDENTITY,
+        path: String::new(),
+        depth: 1,
+        hidden: false,
     };
-    let start = |&i: &usize| (i, Affine3A::IDENTITY, String::new(), 1);
     let mut stack: Vec<_> = roots.iter().rev().map(start).collect();
-    while let Some((i, parent, path, depth)) = stack.pop() {
+    while let Some(step) = stack.pop() {
+        let (i, depth) = (step.node, step.depth);
         let node = &root.nodes[i]; // roots and children were checked above
         let place = label("node", i, node.name.as_deref());
         if depth > MAX_DEPTH {
             return Err(fault(format!("{place}: deeper than {MAX_DEPTH} levels")));
         }
-        if (node.extensions.visibility.as_ref()).is_some_and(|v| !v.visible) {
+        let visible = (node.extensions.visibility.as_ref()).is_none_or(|v| v.visible);
+        if !visible && !switched.contains(&i) {
             continue;
         }
-        let own = transform::of_node(node).map_err(|f| f.at(&place))?;
-        let model_from_node = parent * own;
-        visit.model_from_node[i] = Some(model_from_node);
+        let local = transform::of_node(node).map_err(|f| f.at(&place))?;
+        let model_from_node = step.parent * local.transform();
+        visit.rig.order.push(i);
+        visit.rig.nodes[i] = Some(RigNode {
+            parent: parents[i],
+            local,
+            visible,
+            model_from_node,
+        });
         let name = node.name.as_deref().filter(|n| !n.is_empty());
         let name = name.map_or_else(|| format!("node {i}"), shorten);
-        let path = match path.as_str() {
+        let path = match step.path.as_str() {
             "" => name,
             path => format!("{path}/{name}"),
         };
+        let hidden = step.hidden || !visible;
         let mut found = Found {
             root,
             node,
+            index: i,
             path: &path,
             model_from_node,
+            hidden,
             visit: &mut visit,
             notes,
         };
@@ -105,9 +131,34 @@ pub fn walk(root: &Root, data: &Data<'_>, notes: &mut Notes) -> Result<Visit, Fa
             .and_then(|()| found.camera())
             .map_err(|f| f.at(&place))?;
         let children = node.children.iter().rev();
-        stack.extend(children.map(|&c| (c, model_from_node, path.clone(), depth + 1)));
+        stack.extend(children.map(|&node| Step {
+            node,
+            parent: model_from_node,
+            path: path.clone(),
+            depth: depth + 1,
+            hidden,
+        }));
     }
     Ok(visit)
+}
+
+/// A node that is yet to be visited.
+struct Step {
+    node: usize,
+    parent: Affine3A,
+    path: String,
+    depth: usize,
+    hidden: bool,
+}
+
+/// Nodes that an animation shows and hides.
+fn switched(clips: &[Clip]) -> HashSet<usize> {
+    let animations = clips.iter().filter_map(|c| c.animation.as_ref().ok());
+    let channels = animations.flat_map(|a| &a.channels);
+    channels
+        .filter(|c| c.property == Property::Visible)
+        .map(|c| c.node)
+        .collect()
 }
 
 fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> {
@@ -163,8 +214,10 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
 struct Found<'a> {
     root: &'a Root,
     node: &'a Node,
+    index: usize,
     path: &'a str,
     model_from_node: Affine3A,
+    hidden: bool,
     visit: &'a mut Visit,
     notes: &'a mut Notes,
 }
@@ -177,31 +230,41 @@ impl Found<'_> {
         if mesh >= self.root.meshes.len() {
             return Err(fault(format!("mesh {mesh} does not exist")));
         }
-        let mut placed = Placed {
-            mesh: (mesh, self.node.skin),
-            name: self.path.to_owned(),
-            model_from_object: self.model_from_node,
-        };
+        let used = (mesh, self.node.skin);
         if self.node.skin.is_some() {
             let what = "skinned meshes stand still in the pose of the file's nodes";
             self.notes.add("skin-rest-pose", 1, what, self.path);
             // The joints alone place a skinned mesh, as the specification says.
-            placed.model_from_object = Affine3A::IDENTITY;
+            let mut placed = self.attached((used, self.path.to_owned()));
+            (placed.node, placed.model_from_object) = (None, Affine3A::IDENTITY);
+            self.visit.meshes.push(placed);
         } else if let Some(instancing) = &self.node.extensions.instancing {
             let copies = transform::of_copies(data, instancing, MAX_PLACEMENTS)?;
             if self.visit.meshes.len() + copies.len() > MAX_PLACEMENTS {
                 return Err(too_many());
             }
-            let copies = copies.into_iter().enumerate().map(|(k, copy)| Placed {
-                mesh: placed.mesh,
-                name: format!("{}[{k}]", self.path),
-                model_from_object: self.model_from_node * copy,
-            });
-            self.visit.meshes.extend(copies);
-            return Ok(());
+            for (k, copy) in copies.into_iter().enumerate() {
+                let mut placed = self.attached((used, format!("{}[{k}]", self.path)));
+                placed.node_from_object = copy;
+                placed.model_from_object = self.model_from_node * copy;
+                self.visit.meshes.push(placed);
+            }
+        } else {
+            let placed = self.attached((used, self.path.to_owned()));
+            self.visit.meshes.push(placed);
         }
-        self.visit.meshes.push(placed);
         Ok(())
+    }
+
+    /// Something in the space of this node.
+    fn attached<T>(&self, value: T) -> Attached<T> {
+        Attached {
+            node: Some(self.index),
+            node_from_object: Affine3A::IDENTITY,
+            model_from_object: self.model_from_node,
+            hidden: self.hidden,
+            value,
+        }
     }
 
     fn light(&mut self) -> Result<(), Fault> {
@@ -212,8 +275,9 @@ impl Found<'_> {
         let light = lights.and_then(|l| l.lights.get(used.light));
         let light = light.ok_or_else(|| fault(format!("light {} does not exist", used.light)))?;
         let place = label("light", used.light, light.name.as_deref());
-        let light = light::read(light, self.path, self.model_from_node);
-        self.visit.lights.push(light.map_err(|f| f.at(&place))?);
+        let light = light::read(light, self.path).map_err(|f| f.at(&place))?;
+        let light = self.attached(light);
+        self.visit.lights.push(light);
         Ok(())
     }
 
@@ -226,8 +290,9 @@ impl Found<'_> {
         let name = camera.name.as_deref().or(self.node.name.as_deref());
         let name = name.map_or_else(|| format!("camera {i}"), shorten);
         if let Some(lens) = &camera.perspective {
-            let camera = camera::read(lens, self.model_from_node, self.notes, self.path)?;
-            self.visit.cameras.push((name, camera));
+            let camera = camera::read(lens, self.notes, self.path)?;
+            let camera = self.attached((name, camera));
+            self.visit.cameras.push(camera);
         } else {
             let what = "orthographic cameras are left out";
             self.notes.add("camera-orthographic", 1, what, self.path);
@@ -244,19 +309,26 @@ fn too_many() -> Fault {
 /// Turns the walk into the model's placements, one for each shown primitive.
 pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) -> Result<(), Fault> {
     for placed in visit.meshes {
-        let shown = primitives.get(&placed.mesh).map_or(&[][..], Vec::as_slice);
+        let (used, name) = &placed.value;
+        let shown = primitives.get(used).map_or(&[][..], Vec::as_slice);
         if model.placements.len() + shown.len() > MAX_PLACEMENTS {
             return Err(too_many());
         }
-        let one = |&(mesh, material): &(usize, usize)| Placement {
-            name: placed.name.clone(),
-            mesh,
-            material,
+        let one = |&(mesh, material): &(usize, usize)| Attached {
+            node: placed.node,
+            node_from_object: placed.node_from_object,
             model_from_object: placed.model_from_object,
+            hidden: placed.hidden,
+            value: Placement {
+                name: name.clone(),
+                mesh,
+                material,
+            },
         };
         model.placements.extend(shown.iter().map(one));
     }
     model.lights = visit.lights;
     model.cameras = visit.cameras;
+    model.rig = Arc::new(visit.rig);
     Ok(())
 }

@@ -25,7 +25,8 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    pub animations: Vec<IgnoredAny>,
+    /// Each an [`Animation`], read one by one: a broken one matters only where it is played.
+    pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
 }
 
@@ -71,6 +72,8 @@ pub struct Spot {
 #[serde(default)]
 pub struct Scene {
     pub nodes: Vec<usize>,
+    /// Anything; the USD converter leaves its stage's time here.
+    pub extras: serde_json::Value,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -320,6 +323,46 @@ pub struct Sampler {
 pub struct Skin {
     pub inverse_bind_matrices: Option<usize>,
     pub joints: Vec<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Animation {
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct ChannelTarget {
+    pub node: Option<usize>,
+    pub path: String,
+    pub extensions: ChannelTargetExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct ChannelTargetExtensions {
+    #[serde(rename = "KHR_animation_pointer")]
+    pub pointer: Option<AnimationPointer>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct AnimationPointer {
+    pub pointer: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct AnimationSampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: Option<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -8,20 +8,21 @@ use super::{
     finite,
     schema::{Instancing, Node},
 };
+use crate::world::animation::Local;
 
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 
 /// Parent from node.
-pub fn of_node(node: &Node) -> Result<Affine3A, Fault> {
+pub fn of_node(node: &Node) -> Result<Local, Fault> {
     if let Some(matrix) = &node.matrix {
         let m = Mat4::from_cols_array(matrix);
         let last_row = m.row(3) - glam::Vec4::W;
         if !finite(matrix) || last_row.abs().max_element() > 1e-4 {
             return Err(fault("matrix must be finite with the last row 0 0 0 1"));
         }
-        return Ok(Affine3A::from_mat4(m));
+        return Ok(Local::Matrix(Affine3A::from_mat4(m)));
     }
     let translation = node.translation.unwrap_or_default();
     let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -29,18 +30,18 @@ pub fn of_node(node: &Node) -> Result<Affine3A, Fault> {
     compose(translation, rotation, scale)
 }
 
-fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Result<Affine3A, Fault> {
+fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Result<Local, Fault> {
     let rotation = glam::Vec4::from_array(rotation).as_dvec4().try_normalize();
     let Some(rotation) = rotation.filter(|_| finite(&translation) && finite(&scale)) else {
         return Err(fault(
             "translation, rotation and scale must be finite, the rotation not zero",
         ));
     };
-    Ok(Affine3A::from_scale_rotation_translation(
-        Vec3::from_array(scale),
-        Quat::from_vec4(rotation.as_vec4()),
-        Vec3::from_array(translation),
-    ))
+    Ok(Local::Trs {
+        translation: Vec3::from_array(translation),
+        rotation: Quat::from_vec4(rotation.as_vec4()),
+        scale: Vec3::from_array(scale),
+    })
 }
 
 /// EXT_mesh_gpu_instancing: one transform for each element of its attributes,
@@ -97,6 +98,7 @@ pub fn of_copies(
             rotations.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |v| v[k]),
             scales.as_ref().map_or([1.0; 3], |v| v[k]),
         )
+        .map(|local| local.transform())
         .map_err(|f| f.at(&format!("EXT_mesh_gpu_instancing {k}")))
     };
     (0..count).map(copy).collect()

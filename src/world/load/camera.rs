@@ -15,7 +15,11 @@ pub fn add_default(world: &mut World) {
     if !world.cameras.is_empty() {
         return;
     }
-    let bounds = world.static_bounds();
+    let bounds = if world.moving.players.is_empty() {
+        world.static_bounds()
+    } else {
+        world.bounds_over_time()
+    };
     let radius = (bounds.diagonal() * 0.5).max(1e-3);
     let center = bounds.center();
     let defaults = CameraDesc::default();

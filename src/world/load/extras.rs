@@ -2,12 +2,17 @@
 
 use std::collections::HashSet;
 
-use glam::{Affine3A, Vec3};
-
-use super::{Loader, error_at};
+use super::{
+    Loader, error_at,
+    stand::{Place, Stand},
+};
 use crate::{
-    scene::desc::{CameraDesc, Entry, LightKind, ModelDesc, SceneDesc},
-    world::{Light, MAX_LIGHTS, gltf::Model},
+    scene::desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
+    world::{
+        Light, MAX_LIGHTS, World,
+        gltf::Model,
+        pose::{Moved, placed_camera, placed_light},
+    },
 };
 
 /// Lights and cameras found so far.
@@ -17,6 +22,8 @@ pub struct Extras {
     light_count: usize,
     cameras: Vec<Entry<CameraDesc>>,
     camera_names: HashSet<String>,
+    moving_lights: Vec<Moved<LightDesc>>,
+    moving_cameras: Vec<Moved<CameraDesc>>,
 }
 
 impl Extras {
@@ -32,6 +39,8 @@ impl Extras {
             light_count: desc.lights.len(),
             cameras: desc.cameras.clone(),
             camera_names: desc.cameras.iter().map(|c| c.name.clone()).collect(),
+            moving_lights: Vec::new(),
+            moving_cameras: Vec::new(),
         }
     }
 
@@ -41,29 +50,60 @@ impl Extras {
         model: &Entry<ModelDesc>,
         file: &Model,
         name: &str,
-        world_from_model: Affine3A,
+        world: &World,
+        stand: &Stand<'_>,
         with_cameras: bool,
     ) {
         if model.value.lights {
-            self.light_count += file.lights.len();
-            let room = MAX_LIGHTS.saturating_sub(self.lights.len());
-            let lights = file.lights.iter().take(room);
-            self.lights
-                .extend(lights.map(|l| placed_light(l, name, world_from_model)));
+            for part in &file.lights {
+                let place = stand.of(world, part);
+                if part.hidden && !place.is_animated() {
+                    continue;
+                }
+                self.light_count += 1;
+                if self.lights.len() < MAX_LIGHTS {
+                    self.add_light(&part.value, name, place);
+                }
+            }
         }
-        for (own, camera) in file.cameras.iter().filter(|_| with_cameras) {
+        for part in file.cameras.iter().filter(|_| with_cameras) {
+            let (own, camera) = &part.value;
             let mut unique = format!("{name}/{own}");
             let mut number = 1;
             while !self.camera_names.insert(unique.clone()) {
                 number += 1;
                 unique = format!("{name}/{own}#{number}");
             }
+            let place = stand.of(world, part);
+            let value = placed_camera(camera, &place.world);
+            if let Some(anchor) = place.anchor {
+                self.moving_cameras.push(Moved {
+                    index: self.cameras.len(),
+                    anchor,
+                    rest: camera.clone(),
+                });
+            }
             self.cameras.push(Entry {
                 name: unique,
                 at: model.at.clone(),
-                value: placed_camera(camera, &world_from_model),
+                value,
             });
         }
+    }
+
+    fn add_light(&mut self, light: &Light, name: &str, place: Place) {
+        if let Some(anchor) = place.anchor {
+            self.moving_lights.push(Moved {
+                index: self.lights.len(),
+                anchor,
+                rest: light.desc,
+            });
+        }
+        self.lights.push(Light {
+            name: format!("{name}/{}", light.name),
+            desc: placed_light(&light.desc, &place.world),
+            range_m: light.range_m,
+        });
     }
 }
 
@@ -83,47 +123,8 @@ impl Loader<'_> {
             self.errors.push(error);
         }
         self.world.lights = extras.lights;
+        self.world.moving.lights = extras.moving_lights;
+        self.world.moving.cameras = extras.moving_cameras;
         self.world.cameras = extras.cameras;
-    }
-}
-
-fn placed_light(light: &Light, name: &str, world_from_model: Affine3A) -> Light {
-    let mut light = light.clone();
-    light.name = format!("{name}/{}", light.name);
-    let place = |p: &mut Vec3| *p = world_from_model.transform_point3(*p);
-    let turn = |d: &mut Vec3| {
-        *d = world_from_model
-            .transform_vector3(*d)
-            .try_normalize()
-            .unwrap_or(*d)
-    };
-    match &mut light.desc.kind {
-        LightKind::Point { position, .. } => place(position),
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            place(position);
-            turn(direction);
-        }
-        LightKind::Directional { direction, .. } => turn(direction),
-    }
-    light
-}
-
-fn placed_camera(camera: &CameraDesc, world_from_model: &Affine3A) -> CameraDesc {
-    let eye = world_from_model.transform_point3(camera.eye);
-    let turn = |d: Vec3| {
-        world_from_model
-            .transform_vector3(d)
-            .try_normalize()
-            .unwrap_or(d)
-    };
-    CameraDesc {
-        eye,
-        target: eye + turn(camera.target - camera.eye),
-        up: turn(camera.up),
-        ..*camera
     }
 }

@@ -33,6 +33,8 @@ class Context:
     """When everything that is not animated in the file is evaluated."""
     time_origin: float = 0.0
     """The time code that becomes 0 seconds."""
+    stated_codes: tuple[float | None, float | None] = (None, None)
+    """First and last time code that the stage states, or that `--frames` keeps."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
     held: bool = False

@@ -70,6 +70,8 @@ def _scene_extras(context: Context) -> dict[str, Any]:
             "metersPerUnit": context.meters_per_unit,
             "timeCodesPerSecond": context.codes_per_second,
             "timeOrigin": context.time_origin,
+            "startTimeCode": context.stated_codes[0],
+            "endTimeCode": context.stated_codes[1],
             "upAxis": "Z" if context.z_up else "Y",
         }
     }

@@ -182,14 +182,21 @@ def _read_time(context: Context) -> None:
     context.codes_per_second = float(rate)
     context.held = stage.GetInterpolationType() == Usd.InterpolationTypeHeld
     if context.options.frames is not None:
+        context.stated_codes = context.options.frames
         context.time_origin = context.options.frames[0]
         context.time = Usd.TimeCode(context.time_origin)
         return
     keys = [code for code in _first_keys(stage) if abs(code) <= MAX_CODE]
-    start = stage_metadata(stage, "startTimeCode")
-    if start is not None and abs(start) <= MAX_CODE and keys:
-        keys.append(float(start))
+    start, end = (_stated_code(stage, name) for name in ("startTimeCode", "endTimeCode"))
+    context.stated_codes = (start, end)
+    if start is not None and keys:
+        keys.append(start)
     context.time_origin = min(keys, default=0.0)
+
+
+def _stated_code(stage: Usd.Stage, name: str) -> float | None:
+    code = stage_metadata(stage, name)
+    return float(code) if code is not None and abs(code) <= MAX_CODE else None
 
 
 def _first_keys(stage: Usd.Stage) -> list[float]:

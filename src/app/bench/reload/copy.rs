@@ -114,7 +114,7 @@ impl SceneCopy {
                 ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
             }
         };
-        let (text, name) = source(path).map_err(AppError::Scene)?;
+        let (text, name) = source(path, from, &from.set).map_err(AppError::Scene)?;
         let (desc, _) = parse::parse(&text, &name, &from.set).map_err(AppError::Scene)?;
         let folder = Folder::new()?;
         let below = desc.folder.display().to_string();

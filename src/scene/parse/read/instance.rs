@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
+use super::animation::animation;
 use crate::scene::{
     desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
     motion::turned,
@@ -30,6 +31,7 @@ impl Section for InstanceDesc {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
+        let animation = animation(t);
         Some(Self {
             name,
             model: model?,
@@ -37,6 +39,7 @@ impl Section for InstanceDesc {
             dynamic,
             repeat,
             material,
+            animation,
             at: t.start(),
         })
     }

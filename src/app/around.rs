@@ -1,0 +1,193 @@
+//! A scene around a bare model, for looking at it: as it is, in daylight, and playing.
+
+use std::{
+    collections::HashSet,
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    scene::{diagnostic::Diagnostic, parse::toml_text},
+    world::{
+        gltf::{self, Fault, Playable, Sandbox},
+        load::LoadOptions,
+        usd,
+    },
+};
+
+/// Frames a second where neither the file nor the command says it.
+const FPS: f64 = 24.0;
+/// Last frame that a timeline may have.
+const LAST_FRAME: f64 = 1e6;
+
+/// Whether the argument is a model rather than a scene.
+pub fn is_model(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    usd::is_stage(path)
+        || ["gltf", "glb"]
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// A scene for looking at one model. All of its animations play once where none moves what another
+/// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers.
+///
+/// # Errors
+/// A stage that cannot be converted. What is wrong with a glTF file is said when it is loaded.
+pub fn scene_around(
+    path: &Path,
+    options: &LoadOptions,
+    overrides: &[String],
+) -> Result<String, Box<Diagnostic>> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut text = format!("version = 1\n[model.model]\nfile = {}\n", toml_text(&name));
+    let playable = playable(path, &name, options).or_else(|fault| match usd::is_stage(path) {
+        true => Err(Box::new(fault.in_file(path))),
+        false => Ok(Playable::default()),
+    })?;
+    if let Some((name, duration_s)) = chosen(&playable) {
+        let film = film(duration_s, &playable, fps_of(overrides));
+        let (name, start_s) = (toml_text(name), film.frames[0] / film.fps);
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "animation = {{ name = {name}, repeat = \"once\", start_s = {start_s} }}\n\
+             [timeline]\nfps = {}\nstart = {}\nend = {}\n",
+            film.fps, film.frames[0], film.frames[1]
+        );
+    }
+    text.push_str(
+        "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
+         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n",
+    );
+    Ok(text)
+}
+
+/// What the model can play.
+fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, Fault> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let folders: Vec<PathBuf> = [folder.to_owned()]
+        .into_iter()
+        .chain(options.assets.iter().cloned())
+        .collect();
+    let roots = folders.iter().map(PathBuf::as_path);
+    let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.trail);
+    let path = sandbox.resolve(folder, name)?;
+    if !usd::is_stage(&path) {
+        return gltf::playable(&path, &sandbox);
+    }
+    let glb = usd::convert_or_find(&path, &folders)?.0.glb;
+    let folder = glb.parent().unwrap_or(Path::new("."));
+    gltf::playable(&glb, &Sandbox::new([folder], options.max_file_bytes))
+}
+
+/// What is played, and how long that takes; broken animations cannot be.
+fn chosen(playable: &Playable) -> Option<(&str, f64)> {
+    let clips = playable.clips.iter();
+    let whole: Vec<_> = clips
+        .filter_map(|clip| Some((clip.name.as_str(), clip.animation.as_ref().ok()?)))
+        .collect();
+    let (name, first) = whole.first()?;
+    let channels = whole.iter().flat_map(|(_, animation)| &animation.channels);
+    let mut moved = HashSet::new();
+    if whole.len() > 1
+        && channels
+            .map(|c| (c.node, c.property))
+            .all(|c| moved.insert(c))
+    {
+        let ends = whole.iter().map(|(_, animation)| animation.duration_s);
+        return Some(("*", f64::from(ends.fold(0.0, f32::max))));
+    }
+    Some((name, f64::from(first.duration_s)))
+}
+
+/// The frames that show an animation.
+struct Film {
+    fps: f64,
+    frames: [f64; 2],
+}
+
+fn film(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> Film {
+    if let Some(stage) = playable.stage
+        && asked_fps.is_none_or(|fps| fps == stage.rate)
+        && stage.rate > 0.0
+        && stage.rate <= 1000.0
+    {
+        // Frames are numbered as the stage numbers them, if it counts in whole frames from 0 on.
+        let end = stage.origin + duration_s * stage.rate;
+        let end = stage.end_time_code.map_or(end, |code| code.max(end));
+        // Times have 32 bits, so that a whole number of frames may be a little more or less.
+        let last = (end - 1e-3).ceil();
+        let whole = stage.origin.fract() == 0.0 && stage.origin >= 0.0 && last <= LAST_FRAME;
+        if whole {
+            return Film {
+                fps: stage.rate,
+                frames: [stage.origin, last.max(stage.origin)],
+            };
+        }
+    }
+    let fps = asked_fps.unwrap_or(FPS);
+    let last = (duration_s * fps - 1e-3).ceil();
+    Film {
+        fps,
+        frames: [0.0, last.clamp(0.0, LAST_FRAME)],
+    }
+}
+
+/// `--set timeline.fps=…`: the film keeps its length.
+fn fps_of(overrides: &[String]) -> Option<f64> {
+    let of = |text: &String| {
+        let (key, value) = text.split_once('=')?;
+        (key.trim() == "timeline.fps").then(|| value.trim().parse().ok())?
+    };
+    let fps = overrides.iter().rev().find_map(of);
+    fps.filter(|fps| *fps > 0.0 && *fps <= 1000.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::gltf::StageTime;
+
+    #[test]
+    fn films_are_as_long_as_their_animation() {
+        let none = Playable::default();
+        let frames = |duration: f64, playable: &Playable, fps: Option<f64>| {
+            let film = film(duration, playable, fps);
+            (film.fps, film.frames)
+        };
+        assert_eq!(frames(2.0, &none, None), (24.0, [0.0, 48.0]));
+        assert_eq!(frames(2.01, &none, None), (24.0, [0.0, 49.0]));
+        assert_eq!(frames(0.0, &none, None), (24.0, [0.0, 0.0]));
+        assert_eq!(frames(2.0, &none, Some(10.0)), (10.0, [0.0, 20.0]));
+        assert_eq!(frames(1e9, &none, None), (24.0, [0.0, 1e6]));
+        let mut stage = StageTime {
+            rate: 30.0,
+            origin: 101.0,
+            start_time_code: None,
+            end_time_code: None,
+        };
+        let of = |stage| Playable {
+            stage: Some(stage),
+            ..Playable::default()
+        };
+        let f32_end = f64::from(49.0_f32 / 30.0);
+        assert_eq!(frames(f32_end, &of(stage), None), (30.0, [101.0, 150.0]));
+        assert_eq!(frames(1.0, &of(stage), Some(15.0)), (15.0, [0.0, 15.0]));
+        stage.end_time_code = Some(200.0);
+        assert_eq!(frames(1.0, &of(stage), None), (30.0, [101.0, 200.0]));
+        stage.origin = -5.0;
+        assert_eq!(frames(1.0, &of(stage), None), (24.0, [0.0, 24.0]));
+    }
+
+    #[test]
+    fn the_fps_that_is_asked_for_is_found() {
+        let asked =
+            |texts: &[&str]| fps_of(&texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>());
+        assert_eq!(asked(&["image.samples=2", "timeline.fps = 12"]), Some(12.0));
+        assert_eq!(asked(&["timeline.fps=12", "timeline.fps=30"]), Some(30.0));
+        for wrong in ["timeline.fps=x", "timeline.fps=-1", "timeline.fps", "fps=5"] {
+            assert_eq!(asked(&[wrong]), None, "{wrong}");
+        }
+    }
+}

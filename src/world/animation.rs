@@ -1,0 +1,359 @@
+//! Keyframes of a file's nodes and their evaluation: glTF 2.0 §3.11 and its appendix C.
+
+use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
+use serde::Serialize;
+
+use crate::math::spline::hermite;
+
+/// What a channel moves of its node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Property {
+    /// Meters.
+    Translation,
+    /// A quaternion x, y, z, w.
+    Rotation,
+    /// A factor along each axis.
+    Scale,
+    /// Whether the node and what is below it is seen: not 0.
+    Visible,
+}
+
+/// How values run between keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Keeps a key's value until the next.
+    Step,
+    /// Straight; along the shorter arc for rotations.
+    Linear,
+    /// Cubic Hermite spline.
+    Cubic,
+}
+
+/// Values at points of time. Before the first key and after the last one their values hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sampler {
+    /// Seconds, increasing, at least one.
+    pub times_s: Vec<f32>,
+    /// One for each key; for [`Interpolation::Cubic`] three: in-tangent, value, out-tangent.
+    pub values: Vec<DVec4>,
+    /// How values run between keys.
+    pub interpolation: Interpolation,
+}
+
+impl Sampler {
+    /// The value of a key.
+    fn key(&self, index: usize) -> DVec4 {
+        match self.interpolation {
+            Interpolation::Cubic => self.values[3 * index + 1],
+            _ => self.values[index],
+        }
+    }
+
+    /// The value at a time, seconds; that of a rotation is of unit length.
+    pub fn at(&self, time_s: f64, property: Property) -> DVec4 {
+        let last = self.times_s.len() - 1;
+        let next = self.times_s.partition_point(|t| f64::from(*t) <= time_s);
+        let before = next.saturating_sub(1);
+        let value = if next == 0 || next > last {
+            self.key(before)
+        } else {
+            self.between(before, time_s, property)
+        };
+        if property != Property::Rotation {
+            return value;
+        }
+        let unit = value.try_normalize();
+        unit.unwrap_or_else(|| self.key(before).normalize_or(DVec4::W))
+    }
+
+    fn between(&self, before: usize, time_s: f64, property: Property) -> DVec4 {
+        let [start, end] = [before, before + 1].map(|i| f64::from(self.times_s[i]));
+        let (span, u) = (end - start, (time_s - start) / (end - start));
+        let (a, b) = (self.key(before), self.key(before + 1));
+        match self.interpolation {
+            Interpolation::Step => a,
+            Interpolation::Linear if property == Property::Rotation => slerp(a, b, u),
+            Interpolation::Linear => a.lerp(b, u),
+            Interpolation::Cubic => {
+                // Tangents are per second (appendix C.5).
+                let (out, into) = (self.values[3 * before + 2], self.values[3 * before + 3]);
+                hermite(a, out * span, b, into * span, u)
+            }
+        }
+    }
+}
+
+/// From one unit quaternion to another along the shorter arc (appendix C.4).
+fn slerp(a: DVec4, b: DVec4, u: f64) -> DVec4 {
+    let cos = a.dot(b);
+    let b = if cos < 0.0 { -b } else { b };
+    let angle = cos.abs().min(1.0).acos();
+    if angle < 1e-6 {
+        return a.lerp(b, u);
+    }
+    (a * (angle * (1.0 - u)).sin() + b * (angle * u).sin()) / angle.sin()
+}
+
+/// One property of one node over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Index of the node in its file.
+    pub node: usize,
+    /// What is moved.
+    pub property: Property,
+    /// Its values.
+    pub sampler: Sampler,
+}
+
+/// An animation of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Animation {
+    /// What it moves.
+    pub channels: Vec<Channel>,
+    /// Time of its last key, seconds.
+    pub duration_s: f32,
+}
+
+impl Animation {
+    /// Over these channels.
+    pub fn new(channels: Vec<Channel>) -> Self {
+        let ends = channels.iter().filter_map(|c| c.sampler.times_s.last());
+        Self {
+            duration_s: ends.copied().fold(0.0, f32::max),
+            channels,
+        }
+    }
+}
+
+/// An animation that a file has, played or not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Listed {
+    /// Name of the `[model.NAME]`.
+    pub model: String,
+    /// By which scene text selects it.
+    pub name: String,
+    /// Time of its last key, seconds; 0 where it is broken.
+    pub duration_s: f32,
+    /// Properties of nodes that it moves; 0 where it is broken.
+    pub channels: usize,
+    /// Whether some placement plays it.
+    pub played: bool,
+}
+
+/// Parent from node of a node at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Local {
+    /// Scale first, then rotate, then translate.
+    Trs {
+        /// Meters.
+        translation: Vec3,
+        /// Of unit length.
+        rotation: Quat,
+        /// Factor along each axis.
+        scale: Vec3,
+    },
+    /// Any affine transform.
+    Matrix(Affine3A),
+}
+
+impl Local {
+    /// Parent from node.
+    pub fn transform(&self) -> Affine3A {
+        match *self {
+            Self::Trs {
+                translation,
+                rotation,
+                scale,
+            } => Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+            Self::Matrix(matrix) => matrix,
+        }
+    }
+
+    /// Replaces one of its parts; a matrix is split first, and loses its shear.
+    pub fn set(&mut self, property: Property, value: DVec4) {
+        if let Self::Matrix(matrix) = self {
+            let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+            *self = Self::Trs {
+                translation,
+                rotation,
+                scale,
+            };
+        }
+        let Self::Trs {
+            translation,
+            rotation,
+            scale,
+        } = self
+        else {
+            return;
+        };
+        match property {
+            Property::Translation => *translation = value.truncate().as_vec3(),
+            Property::Rotation => *rotation = DQuat::from_vec4(value).as_quat(),
+            Property::Scale => *scale = not_flat(value.truncate().as_vec3()),
+            Property::Visible => {}
+        }
+    }
+}
+
+/// A scale of 0 along some axes makes a flat thing, which has no inverse: it is kept very thin
+/// instead. One of 0 along all axes stays, and hides.
+fn not_flat(scale: Vec3) -> Vec3 {
+    const THINNEST: f32 = 1e-5;
+    let least = scale.abs().max_element() * THINNEST;
+    let thick = |x: f32| {
+        if x.abs() < least {
+            least.copysign(x)
+        } else {
+            x
+        }
+    };
+    Vec3::from_array(scale.to_array().map(thick))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+    use glam::DVec3;
+
+    use super::*;
+
+    fn sampler(interpolation: Interpolation, times_s: &[f32], values: &[DVec4]) -> Sampler {
+        Sampler {
+            times_s: times_s.to_vec(),
+            values: values.to_vec(),
+            interpolation,
+        }
+    }
+
+    fn x(value: f64) -> DVec4 {
+        DVec4::new(value, 0.0, 0.0, 0.0)
+    }
+
+    fn about_z(angle: f64) -> DVec4 {
+        DVec4::from(DQuat::from_rotation_z(angle))
+    }
+
+    #[test]
+    fn ends_hold_and_keys_are_met() {
+        let times = [0.5, 1.0, 3.0];
+        let values = [x(2.0), x(-1.0), x(4.0)];
+        let tripled: Vec<_> = values.iter().flat_map(|v| [x(7.0), *v, x(-9.0)]).collect();
+        for (interpolation, values) in [
+            (Interpolation::Step, &values[..]),
+            (Interpolation::Linear, &values[..]),
+            (Interpolation::Cubic, &tripled[..]),
+        ] {
+            let track = sampler(interpolation, &times, values);
+            for (time, expected) in [
+                (-1.0, 2.0),
+                (0.0, 2.0),
+                (0.5, 2.0),
+                (1.0, -1.0),
+                (3.0, 4.0),
+                (99.0, 4.0),
+            ] {
+                let got = track.at(time, Property::Scale).x;
+                assert!(
+                    (got - expected).abs() < 1e-12,
+                    "{interpolation:?} {time}: {got}"
+                );
+            }
+        }
+        let step = sampler(Interpolation::Step, &times, &values);
+        assert_eq!(step.at(2.999, Property::Translation).x, -1.0);
+        let linear = sampler(Interpolation::Linear, &times, &values);
+        assert_eq!(linear.at(2.0, Property::Translation).x, 1.5);
+    }
+
+    #[test]
+    fn one_key_is_a_constant() {
+        for (interpolation, values) in [
+            (Interpolation::Step, vec![x(3.0)]),
+            (Interpolation::Linear, vec![x(3.0)]),
+            (Interpolation::Cubic, vec![x(9.0), x(3.0), x(9.0)]),
+        ] {
+            let track = sampler(interpolation, &[1.0], &values);
+            for time in [0.0, 1.0, 2.0] {
+                assert_eq!(track.at(time, Property::Scale).x, 3.0);
+            }
+        }
+    }
+
+    /// A cubic through the values and derivatives of one polynomial is that polynomial.
+    #[test]
+    fn cubic_tangents_are_per_second() {
+        let f = |t: f64| 2.0 * t * t * t - 3.0 * t * t + 0.5 * t - 4.0;
+        let slope = |t: f64| 6.0 * t * t - 6.0 * t + 0.5;
+        let times = [0.0, 0.25, 2.0, 5.0];
+        let values = times.map(|t| {
+            let t = f64::from(t);
+            // The in-tangent of the first and the out-tangent of the last key do not count.
+            [x(slope(t)), x(f(t)), x(slope(t))]
+        });
+        let track = sampler(Interpolation::Cubic, &times, values.as_flattened());
+        for i in 0..=500 {
+            let t = f64::from(i) / 100.0;
+            let got = track.at(t, Property::Translation).x;
+            assert!((got - f(t)).abs() < 1e-9, "{t}: {got} {}", f(t));
+        }
+    }
+
+    #[test]
+    fn rotations_turn_evenly_by_the_shorter_way() {
+        // 10° to 350°: the shorter way is back through 0.
+        let [a, b] = [10.0_f64, 350.0].map(f64::to_radians);
+        for b in [about_z(b), -about_z(b)] {
+            let track = sampler(Interpolation::Linear, &[0.0, 2.0], &[about_z(a), b]);
+            for i in 0..=20 {
+                let share = f64::from(i) / 20.0;
+                let got = track.at(2.0 * share, Property::Rotation);
+                let expected = about_z((10.0 - 20.0 * share).to_radians());
+                assert!((got.dot(expected).abs() - 1.0).abs() < 1e-12, "{share}");
+                assert!((got.length() - 1.0).abs() < 1e-12);
+            }
+        }
+        // A quarter turn at constant speed, against the closed form of its angle.
+        let track = sampler(
+            Interpolation::Linear,
+            &[0.0, 1.0],
+            &[about_z(0.0), about_z(FRAC_PI_2)],
+        );
+        for i in 0..=16 {
+            let share = f64::from(i) / 16.0;
+            let q = DQuat::from_vec4(track.at(share, Property::Rotation));
+            let turned = q * DVec3::X;
+            let angle = turned.y.atan2(turned.x);
+            assert!((angle - share * FRAC_PI_2).abs() < 1e-12);
+        }
+        let same = sampler(Interpolation::Linear, &[0.0, 1.0], &[about_z(1.0); 2]);
+        assert_eq!(same.at(0.3, Property::Rotation), about_z(1.0).normalize());
+    }
+
+    #[test]
+    fn cubic_rotations_are_normalized_and_never_zero() {
+        // Opposite keys without tangents: halfway their sum is zero.
+        let zero = DVec4::ZERO;
+        let values = [zero, about_z(0.0), zero, zero, -about_z(0.0), zero];
+        let track = sampler(Interpolation::Cubic, &[0.0, 1.0], &values);
+        for i in 0..=8 {
+            let q = track.at(f64::from(i) / 8.0, Property::Rotation);
+            assert!((q.length() - 1.0).abs() < 1e-12, "{q}");
+        }
+        let values = [zero, about_z(0.0), zero, zero, about_z(PI * 0.5), zero];
+        let track = sampler(Interpolation::Cubic, &[0.0, 1.0], &values);
+        let q = DQuat::from_vec4(track.at(0.5, Property::Rotation));
+        assert!((q.to_axis_angle().1 - TAU / 8.0).abs() < 1e-9, "{q}");
+    }
+
+    #[test]
+    fn flat_things_stay_thin_and_nothing_stays_nothing() {
+        let mut local = Local::Matrix(Affine3A::IDENTITY);
+        local.set(Property::Scale, DVec4::new(2.0, 0.0, -1.0, 0.0));
+        let linear = local.transform().matrix3;
+        assert!(linear.determinant() != 0.0 && linear.determinant().abs() < 1e-4);
+        local.set(Property::Scale, DVec4::ZERO);
+        assert_eq!(local.transform().matrix3, glam::Mat3A::ZERO);
+    }
+}

@@ -1,0 +1,324 @@
+//! Animations of a file: their channels, checked and decoded.
+
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+    rc::Rc,
+    sync::Arc,
+};
+
+use glam::DVec4;
+use serde::Deserialize;
+
+use super::{
+    Fault, Notes, Sandbox,
+    accessor::{self, Component, Data},
+    buffer, container, finite, label, schema,
+    schema::Root,
+    uri::shorten,
+};
+use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampler};
+
+/// An animation by its name; a broken one matters only where it is played.
+#[derive(Clone, Debug)]
+pub struct Clip {
+    /// Its own, made unique; `animation 0` where it has none.
+    pub name: String,
+    /// Its channels, or why it cannot be played.
+    pub animation: Result<Arc<Animation>, Fault>,
+    /// What of it is left out.
+    pub notes: Notes,
+}
+
+fn fault(text: impl Into<String>) -> Fault {
+    Fault::new("gltf-animation", text)
+}
+
+/// What a file can play.
+#[derive(Clone, Debug, Default)]
+pub struct Playable {
+    /// Its animations.
+    pub clips: Vec<Clip>,
+    /// The time of the USD stage that it was converted from.
+    pub stage: Option<StageTime>,
+}
+
+/// How the seconds of a converted file relate to the time codes of its stage.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct StageTime {
+    /// Time codes a second.
+    #[serde(rename = "timeCodesPerSecond")]
+    pub rate: f64,
+    /// The time code at 0 s.
+    #[serde(rename = "timeOrigin")]
+    pub origin: f64,
+    /// First time code that the stage states.
+    pub start_time_code: Option<f64>,
+    /// Last time code that the stage states.
+    pub end_time_code: Option<f64>,
+}
+
+/// What the file at `path` can play, without the rest of it.
+///
+/// # Errors
+/// A file that cannot be read, or whose buffers cannot.
+pub fn playable(path: &Path, sandbox: &Sandbox) -> Result<Playable, Fault> {
+    let (root, binary) = container::open(sandbox.read(path)?)?;
+    if root.animations.is_empty() {
+        return Ok(Playable::default());
+    }
+    let scene = root.scenes.get(root.scene.unwrap_or(0));
+    let stage = scene.and_then(|s| StageTime::deserialize(s.extras.get("usd")?).ok());
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let buffers = buffer::read(&root, binary, folder, sandbox, &mut Vec::new())?;
+    let data = Data::new(&root, buffers, super::GEOMETRY_BUDGET_BYTES)?;
+    Ok(Playable {
+        clips: read(&root, &data),
+        stage,
+    })
+}
+
+/// All animations of a file.
+pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
+    let mut names = HashSet::new();
+    let mut reader = Reader {
+        root,
+        data,
+        times: HashMap::new(),
+    };
+    let clip = |(i, value): (usize, &serde_json::Value)| {
+        let parsed = parse(value);
+        let own = value.get("name").and_then(serde_json::Value::as_str);
+        let own = own.filter(|name| !name.trim().is_empty());
+        let base = own.map_or_else(|| format!("animation {i}"), shorten);
+        let (mut name, mut number) = (base.clone(), 1);
+        while !names.insert(name.clone()) {
+            number += 1;
+            name = format!("{base}#{number}");
+        }
+        let mut notes = Notes::default();
+        let place = label("animation", i, own);
+        let read = parsed.and_then(|animation| reader.animation(&animation, &place, &mut notes));
+        Clip {
+            name,
+            animation: read.map(Arc::new).map_err(|fault| fault.at(&place)),
+            notes,
+        }
+    };
+    root.animations.iter().enumerate().map(clip).collect()
+}
+
+fn parse(value: &serde_json::Value) -> Result<schema::Animation, Fault> {
+    let first = match serde_json::from_value(value.clone()) {
+        Ok(animation) => return Ok(animation),
+        Err(first) => first,
+    };
+    let mut value = value.clone();
+    container::integers_from_floats(&mut value);
+    serde_json::from_value(value).map_err(|_| fault(first.to_string()))
+}
+
+struct Reader<'a> {
+    root: &'a Root,
+    data: &'a Data<'a>,
+    /// Keys are shared by many channels.
+    times: HashMap<usize, Rc<Vec<f32>>>,
+}
+
+impl Reader<'_> {
+    fn animation(
+        &mut self,
+        animation: &schema::Animation,
+        place: &str,
+        notes: &mut Notes,
+    ) -> Result<Animation, Fault> {
+        if animation.channels.is_empty() {
+            return Err(fault("it has no channels"));
+        }
+        let mut channels = Vec::new();
+        let mut targets = HashSet::new();
+        for (c, channel) in animation.channels.iter().enumerate() {
+            let at = |fault: Fault| fault.at(&format!("channel {c}"));
+            let target = self.target(&channel.target, place, notes).map_err(at)?;
+            let Some((node, property)) = target else {
+                continue;
+            };
+            if !targets.insert((node, property)) {
+                let text = format!("a channel before it moves the {property:?} of node {node} too");
+                return Err(at(fault(text.to_lowercase())));
+            }
+            if self.root.nodes[node].matrix.is_some() && property != Property::Visible {
+                let what = "animated nodes have a matrix, which is split into translation, \
+                            rotation and scale; a shear is lost";
+                notes.add(
+                    "animation-matrix",
+                    1,
+                    what,
+                    &format!("{place}, node {node}"),
+                );
+            }
+            let sampler = animation.samplers.get(channel.sampler);
+            let sampler = sampler
+                .ok_or_else(|| fault(format!("sampler {} does not exist", channel.sampler)))
+                .and_then(|sampler| self.sampler(sampler, property))
+                .map_err(at)?;
+            channels.push(Channel {
+                node,
+                property,
+                sampler,
+            });
+        }
+        Ok(Animation::new(channels))
+    }
+
+    /// Which node and what of it; `None` where that cannot be animated here.
+    fn target(
+        &self,
+        target: &schema::ChannelTarget,
+        place: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<(usize, Property)>, Fault> {
+        let mut left_out = |name, what| {
+            notes.add(name, 1, what, place);
+            Ok(None)
+        };
+        let found = if let Some(pointer) = &target.extensions.pointer {
+            let Some(found) = pointed_at(&pointer.pointer) else {
+                let what = "channels of KHR_animation_pointer move something other than a node's \
+                            place and visibility, and are left out";
+                return left_out("animation-pointer", what);
+            };
+            found
+        } else {
+            let property = match target.path.as_str() {
+                "translation" => Property::Translation,
+                "rotation" => Property::Rotation,
+                "scale" => Property::Scale,
+                "weights" => {
+                    let what = "channels move the weights of morph targets, which stay at rest";
+                    return left_out("animation-weights", what);
+                }
+                _ => {
+                    let what = "channels have an unknown path and are left out";
+                    return left_out("animation-path", what);
+                }
+            };
+            let Some(node) = target.node else {
+                let what = "channels name no node and are left out, as the specification says";
+                return left_out("animation-target", what);
+            };
+            (node, property)
+        };
+        if found.0 >= self.root.nodes.len() {
+            return Err(fault(format!("node {} does not exist", found.0)));
+        }
+        Ok(Some(found))
+    }
+
+    fn sampler(
+        &mut self,
+        sampler: &schema::AnimationSampler,
+        property: Property,
+    ) -> Result<Sampler, Fault> {
+        let interpolation = match sampler.interpolation.as_deref() {
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::Cubic,
+            Some(other) => {
+                let text = format!("interpolation \"{}\" is unknown", shorten(other));
+                return Err(fault(text));
+            }
+        };
+        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
+        let mut values = self.values(sampler.output, property)?;
+        let per_key = if interpolation == Interpolation::Cubic {
+            3
+        } else {
+            1
+        };
+        let expected = times_s.len().saturating_mul(per_key);
+        if values.len() != expected {
+            return Err(fault(format!(
+                "{} keys need {expected} output values, there are {}",
+                times_s.len(),
+                values.len()
+            )));
+        }
+        if property == Property::Rotation {
+            for (i, value) in values.iter_mut().enumerate() {
+                let is_key = per_key == 1 || i % 3 == 1;
+                if is_key && value.length_squared() == 0.0 {
+                    return Err(fault(format!("rotation {i} is zero")));
+                }
+                if per_key == 1 {
+                    *value = value.normalize();
+                }
+            }
+        }
+        // A switch has nothing between its values.
+        let interpolation = match property {
+            Property::Visible => Interpolation::Step,
+            _ => interpolation,
+        };
+        Ok(Sampler {
+            times_s: times_s.to_vec(),
+            values,
+            interpolation,
+        })
+    }
+
+    fn times(&mut self, input: usize) -> Result<Rc<Vec<f32>>, Fault> {
+        if let Some(known) = self.times.get(&input) {
+            return Ok(known.clone());
+        }
+        let times = self.data.floats::<1>(input, accessor::float_only)?;
+        let times: Vec<f32> = times.into_iter().map(|[t]| t).collect();
+        if !finite(&times) || times.first().is_some_and(|t| *t < 0.0) {
+            return Err(fault("times must be finite and not negative"));
+        }
+        if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(fault(format!(
+                "times must increase, but {} follows {} at place {}",
+                times[i + 1],
+                times[i],
+                i + 1
+            )));
+        }
+        let times = Rc::new(times);
+        self.times.insert(input, times.clone());
+        Ok(times)
+    }
+
+    fn values(&self, output: usize, property: Property) -> Result<Vec<DVec4>, Fault> {
+        let values: Vec<[f32; 4]> = match property {
+            Property::Rotation => self.data.floats::<4>(output, accessor::float_or_normalized),
+            Property::Visible => (self.data.floats::<1>(output, accessor::unsigned_byte))
+                .map(|values| values.into_iter().map(|[v]| [v, 0.0, 0.0, 0.0]).collect()),
+            Property::Translation | Property::Scale => {
+                let accept: fn(Component, bool) -> bool = accessor::float_only;
+                (self.data.floats::<3>(output, accept))
+                    .map(|values| values.into_iter().map(|[x, y, z]| [x, y, z, 0.0]).collect())
+            }
+        }
+        .map_err(|f| f.at("output"))?;
+        if let Some(i) = values.iter().position(|v| !finite(v)) {
+            return Err(fault(format!("output value {i} is not finite")));
+        }
+        let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
+        Ok(values.into_iter().map(wide).collect())
+    }
+}
+
+/// Node and property of a pointer such as `/nodes/3/translation`.
+fn pointed_at(pointer: &str) -> Option<(usize, Property)> {
+    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+    let property = match rest {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        "extensions/KHR_node_visibility/visible" => Property::Visible,
+        _ => return None,
+    };
+    Some((node.parse().ok()?, property))
+}

@@ -1,0 +1,164 @@
+//! Which material a placement has: the model's or the file's, after all overrides.
+
+use super::{
+    Loader,
+    place::{Job, MaterialKey},
+};
+use crate::{
+    scene::{
+        desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
+        motion::file_materials,
+    },
+    world::{
+        Material,
+        pose::{MaterialSource, MovingMaterial},
+    },
+};
+
+impl Loader<'_> {
+    pub fn shape_material(&mut self, job: &Job<'_>, model: &ModelDesc) -> usize {
+        let changed = job
+            .index
+            .filter(|_| job.instance.is_some_and(|i| i.material.is_some()));
+        let key = (job.model, 0, changed);
+        if let Some(&index) = self.materials.get(&key) {
+            return index;
+        }
+        let base = Material {
+            name: "default".into(),
+            double_sided: true,
+            ..Material::default()
+        };
+        let mut name = model.material.as_ref();
+        let mut over = MaterialDesc::default();
+        match job.instance.and_then(|i| i.material.as_ref()) {
+            Some(InstanceMaterialDesc::Named(own)) => name = Some(own),
+            Some(InstanceMaterialDesc::Override(desc)) => over.clone_from(desc),
+            None => {}
+        }
+        let mut material = match name {
+            Some(name) => self.named_material(name, base),
+            None => base,
+        };
+        self.apply(&over, &mut material);
+        self.add_moving_material(key, name, over, material)
+    }
+
+    pub fn instance_material(&mut self, job: &Job<'_>, loaded: usize, index: usize) -> usize {
+        let changed = job
+            .index
+            .filter(|_| job.instance.is_some_and(|i| i.material.is_some()));
+        let key = (job.model, index, changed);
+        if let Some(&index) = self.materials.get(&key) {
+            return index;
+        }
+        let own = &self.loaded[loaded].materials[index];
+        let over = job.instance.and_then(|i| i.material.as_ref());
+        if let Some(InstanceMaterialDesc::Named(name)) = over {
+            let base = Material {
+                double_sided: own.double_sided,
+                ..Material::default()
+            };
+            let material = self.named_material(name, base);
+            return self.add_moving_material(key, Some(name), MaterialDesc::default(), material);
+        }
+        // "*" first, then by name, then the instance: merged before they are applied, so that
+        // factors such as uv_scale act once.
+        let overrides = &self.desc.models[job.model].value.overrides;
+        let mut desc = MaterialDesc::default();
+        for name in ["*", own.name.as_str()] {
+            for layer in overrides.iter().filter(|e| e.name == name) {
+                desc = desc.overlaid(&layer.value);
+            }
+        }
+        let over = match over {
+            Some(InstanceMaterialDesc::Override(layer)) => (**layer).clone(),
+            _ => MaterialDesc::default(),
+        };
+        let changes = self.changes_of(job.model, &own.name);
+        let from = (!changes.is_empty()).then(|| MaterialSource::File {
+            changes,
+            own: own.numbers(),
+            overrides: Box::new(desc.clone()),
+        });
+        let material = self.file_material(loaded, index, &desc.overlaid(&over));
+        match from {
+            Some(from) => self.add_source(key, from, over, material),
+            None => self.add_material(key, material),
+        }
+    }
+
+    /// What changes of a file's material, as indices into `FrameState::file_materials`: what holds
+    /// for all of them first.
+    fn changes_of(&self, model: usize, material: &str) -> Vec<usize> {
+        let model = self.desc.models[model].name.as_str();
+        let all = file_materials(self.desc);
+        let of = |name: &str| {
+            all.iter()
+                .position(|m| m.model == model && m.material == name)
+        };
+        ["*", material].into_iter().filter_map(of).collect()
+    }
+
+    /// A material that comes from a `[material.NAME]`: if that may change, it is stored apart from
+    /// those that are equal to it now.
+    fn add_moving_material(
+        &mut self,
+        key: MaterialKey,
+        name: Option<&At<String>>,
+        over: MaterialDesc,
+        material: Material,
+    ) -> usize {
+        let desc = self.desc;
+        let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame());
+        let moves = |name: &str| by_script || desc.motion.materials.iter().any(|m| m.name == name);
+        let found = name.filter(|name| moves(&name.value));
+        let found = found.and_then(|n| desc.materials.iter().position(|m| m.name == n.value));
+        let Some(entry) = found else {
+            return self.add_material(key, material);
+        };
+        self.add_source(key, MaterialSource::Named(entry), over, material)
+    }
+
+    fn add_source(
+        &mut self,
+        key: MaterialKey,
+        from: MaterialSource,
+        over: MaterialDesc,
+        material: Material,
+    ) -> usize {
+        let alike = |m: &&MovingMaterial| m.from == from && m.over == over && m.rest == material;
+        let same = self.world.moving.materials.iter().find(alike);
+        let index = same.map_or(self.world.materials.len(), |m| m.material);
+        if index == self.world.materials.len() {
+            self.world.moving.materials.push(MovingMaterial {
+                from,
+                material: index,
+                over,
+                rest: material.clone(),
+            });
+            self.world.materials.push(material);
+        }
+        self.materials.insert(key, index);
+        index
+    }
+
+    /// Equal materials are stored once.
+    fn add_material(&mut self, key: MaterialKey, material: Material) -> usize {
+        let same = self
+            .materials_by_name
+            .entry(material.name.clone())
+            .or_default();
+        let known = same
+            .iter()
+            .copied()
+            .find(|&i| self.world.materials[i] == material);
+        let index = known.unwrap_or_else(|| {
+            same.push(self.world.materials.len());
+            self.world.materials.push(material);
+            self.world.materials.len() - 1
+        });
+        self.materials.insert(key, index);
+        index
+    }
+}

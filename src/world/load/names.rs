@@ -1,0 +1,100 @@
+//! Names that the scene text uses and the files must have.
+
+use super::{Loader, Source, did_you_mean, error_at};
+use crate::{
+    scene::desc::AnimationDesc,
+    world::{Material, gltf::Model},
+};
+
+impl Loader<'_> {
+    /// Reports names that point nowhere.
+    pub fn check_names(&mut self, sources: &[Source]) {
+        let desc = self.desc;
+        for instance in &desc.instances {
+            let name = &instance.model;
+            let model = desc.models.iter().position(|m| m.name == name.value);
+            if let (Some(model), Some(played)) = (model, &instance.animation) {
+                self.check_animation(&sources[model], played);
+            }
+            if model.is_none() {
+                let text = format!("model \"{}\" is not defined", name.value);
+                let mut error = error_at("unknown-name", &name.at, text);
+                error.help = did_you_mean(&name.value, desc.models.iter().map(|m| m.name.as_str()))
+                    .or_else(|| Some(format!("add a table [model.{}]", name.value)));
+                self.errors.push(error);
+            }
+        }
+        for (model, source) in desc.models.iter().zip(sources) {
+            if let Some(played) = &model.value.animation {
+                self.check_animation(source, played);
+            }
+            let Source::File(loaded) = source else {
+                continue;
+            };
+            let known = &self.loaded[*loaded].materials;
+            let overrides = model.value.overrides.iter().map(|e| (&e.name, &e.at));
+            let motion = desc.motion.models.iter().filter(|m| m.name == model.name);
+            let moved = motion.flat_map(|m| &m.value.materials);
+            let named = overrides.chain(moved.map(|e| (&e.name, &e.at)));
+            for (name, at) in named.filter(|(name, _)| *name != "*") {
+                if !known.iter().any(|m| m.name == *name) {
+                    let file = self.loaded[*loaded].files[0].display();
+                    let text = format!("\"{file}\" has no material \"{name}\"");
+                    let mut error = error_at("unknown-material", at, text);
+                    error.help = did_you_mean(name, known.iter().map(|m| m.name.as_str()))
+                        .or_else(|| Some(list_names(known)));
+                    self.errors.push(error);
+                }
+            }
+        }
+    }
+
+    /// Reports animations that the file of a model does not have, or that are broken.
+    fn check_animation(&mut self, source: &Source, played: &AnimationDesc) {
+        let Source::File(loaded) = source else {
+            return;
+        };
+        let model = &self.loaded[*loaded];
+        let file = model.files[0].display();
+        for name in played.name.iter().filter(|name| name.value != "*") {
+            let clip = model.clips.iter().find(|c| c.name == name.value);
+            let error = match clip.map(|clip| &clip.animation) {
+                Some(Ok(_)) => continue,
+                Some(Err(fault)) => error_at(
+                    fault.name,
+                    &name.at,
+                    format!("\"{file}\": {}; it cannot be played", fault.message),
+                ),
+                None => {
+                    let text = format!("\"{file}\" has no animation \"{}\"", name.value);
+                    let mut error = error_at("unknown-animation", &name.at, text);
+                    let names = || model.clips.iter().map(|c| c.name.as_str());
+                    error.help = Some(match (names().next(), did_you_mean(&name.value, names())) {
+                        (None, _) => "it has none at all".to_owned(),
+                        (_, Some(meant)) => format!("{meant} {}", list_animations(model)),
+                        (_, None) => list_animations(model),
+                    });
+                    error
+                }
+            };
+            self.errors.push(error);
+        }
+    }
+}
+
+fn list_animations(model: &Model) -> String {
+    list("animations", model.clips.iter().map(|c| c.name.as_str()))
+}
+
+fn list_names(materials: &[Material]) -> String {
+    let names = materials.iter().rev().skip(1).rev(); // the default one is last and cannot be named
+    list("materials", names.map(|m| m.name.as_str()))
+}
+
+fn list<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 30;
+    let mut names: Vec<_> = names.collect();
+    let more = if names.len() > MOST { ", …" } else { "" };
+    names.truncate(MOST);
+    format!("its {what} are {}{more}", names.join(", "))
+}

@@ -1,0 +1,178 @@
+//! The nodes of a file and how its animations move them.
+
+use std::sync::Arc;
+
+use glam::Affine3A;
+
+use super::animation::{Animation, Local, Property};
+use crate::scene::desc::AnimationDesc;
+
+/// The nodes of a file's scene, at rest.
+#[derive(Clone, Debug, Default)]
+pub struct Rig {
+    /// By their index in the file; `None` for those that are not part of the scene.
+    pub nodes: Vec<Option<RigNode>>,
+    /// Indices of those that are, parents before their children.
+    pub order: Vec<usize>,
+}
+
+/// A node at rest.
+#[derive(Clone, Debug)]
+pub struct RigNode {
+    /// Index of its parent.
+    pub parent: Option<usize>,
+    /// Parent from node.
+    pub local: Local,
+    /// Whether it and what is below it is seen.
+    pub visible: bool,
+    /// The product of all `local` down to here.
+    pub model_from_node: Affine3A,
+}
+
+/// What a placed file plays. All copies of an instance play the same.
+#[derive(Clone, Debug)]
+pub struct Player {
+    /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
+    pub desc: Option<usize>,
+    /// When it is played.
+    pub timing: AnimationDesc,
+    /// What is played; where two move the same, the later wins.
+    animations: Vec<Arc<Animation>>,
+    /// Nodes that it moves, parents first.
+    moved: Vec<MovedNode>,
+    /// Index into `moved` of each node of the file.
+    slots: Vec<Option<usize>>,
+}
+
+/// A node that is animated, or below one that is.
+#[derive(Clone, Debug)]
+struct MovedNode {
+    parent: Parent,
+    local: Local,
+    visible: bool,
+}
+
+/// What a moved node hangs on.
+#[derive(Clone, Copy, Debug)]
+enum Parent {
+    /// Another moved node.
+    Slot(usize),
+    /// A node that stays where it is, and whether it is seen.
+    Still(Affine3A, bool),
+}
+
+/// Where the nodes of a player are at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PosedNode {
+    /// Perhaps singular.
+    pub model_from_node: Affine3A,
+    /// Whether it is seen.
+    pub visible: bool,
+}
+
+impl Player {
+    /// Of some animations over the nodes of a file.
+    pub fn new(
+        rig: &Rig,
+        animations: Vec<Arc<Animation>>,
+        desc: Option<usize>,
+        timing: &AnimationDesc,
+    ) -> Self {
+        let mut animated = vec![false; rig.nodes.len()];
+        for channel in animations.iter().flat_map(|a| &a.channels) {
+            animated[channel.node] = true;
+        }
+        let mut slots = vec![None; rig.nodes.len()];
+        let mut moved = Vec::new();
+        for &i in &rig.order {
+            let Some(node) = &rig.nodes[i] else { continue };
+            let above = node.parent.and_then(|p| slots[p]);
+            if above.is_none() && !animated[i] {
+                continue;
+            }
+            let still = node.parent.and_then(|p| rig.nodes[p].as_ref());
+            let parent = match (above, still) {
+                (Some(slot), _) => Parent::Slot(slot),
+                (None, Some(parent)) => Parent::Still(parent.model_from_node, rig.is_seen(parent)),
+                (None, None) => Parent::Still(Affine3A::IDENTITY, true),
+            };
+            slots[i] = Some(moved.len());
+            moved.push(MovedNode {
+                parent,
+                local: node.local,
+                visible: node.visible,
+            });
+        }
+        Self {
+            desc,
+            timing: timing.clone(),
+            animations,
+            moved,
+            slots,
+        }
+    }
+
+    /// Where a node of the file is found in [`Player::pose`], if it moves.
+    pub fn slot(&self, node: usize) -> Option<usize> {
+        self.slots.get(node).copied().flatten()
+    }
+
+    /// End of the longest animation, seconds.
+    pub fn duration_s(&self) -> f64 {
+        let ends = self.animations.iter().map(|a| f64::from(a.duration_s));
+        ends.fold(0.0, f64::max)
+    }
+
+    /// The moved nodes at a time of the scene, seconds.
+    pub fn pose(&self, time_s: f64) -> Vec<PosedNode> {
+        self.pose_each(|animation| self.timing.local_s(time_s, f64::from(animation.duration_s)))
+    }
+
+    /// The moved nodes at a time inside all of its animations, seconds.
+    pub fn pose_at(&self, local_s: f64) -> Vec<PosedNode> {
+        self.pose_each(|_| local_s)
+    }
+
+    fn pose_each(&self, local_s: impl Fn(&Animation) -> f64) -> Vec<PosedNode> {
+        let mut nodes = self.moved.clone();
+        for animation in &self.animations {
+            let time_s = local_s(animation);
+            for channel in &animation.channels {
+                let Some(slot) = self.slot(channel.node) else {
+                    continue; // not part of the scene
+                };
+                let value = channel.sampler.at(time_s, channel.property);
+                match channel.property {
+                    Property::Visible => nodes[slot].visible = value.x != 0.0,
+                    property => nodes[slot].local.set(property, value),
+                }
+            }
+        }
+        let mut posed: Vec<PosedNode> = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let (model_from_parent, seen) = match node.parent {
+                Parent::Slot(slot) => (posed[slot].model_from_node, posed[slot].visible),
+                Parent::Still(transform, seen) => (transform, seen),
+            };
+            posed.push(PosedNode {
+                model_from_node: model_from_parent * node.local.transform(),
+                visible: seen && node.visible,
+            });
+        }
+        posed
+    }
+}
+
+impl Rig {
+    /// Whether a node and all above it are seen at rest.
+    fn is_seen(&self, node: &RigNode) -> bool {
+        let mut next = Some(node);
+        while let Some(node) = next {
+            if !node.visible {
+                return false;
+            }
+            next = node.parent.and_then(|p| self.nodes[p].as_ref());
+        }
+        true
+    }
+}
