@@ -108,6 +108,35 @@ fn a_stage_is_converted_once_and_again_when_it_changes() {
     );
 }
 
+/// Files that come later and folders that are allowed later make another conversion.
+#[test]
+fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("later");
+    let above = |sub: &str| format!("#usda 1.0\ndef \"A\" (references = @{sub}@</World>) {{}}\n");
+    place.write("main.usda", &above("./part.usda"));
+    let without = said(&place.check(&tool, "main.usda"));
+    assert!(without.contains("asset-unresolved"), "{without}");
+    place.write("part.usda", QUAD);
+    let with = said(&place.check(&tool, "main.usda"));
+    assert!(with.contains("triangles   2 placed"), "{with}");
+    fs::create_dir(place.0.join("sub")).expect("a folder");
+    place.write("sub/main.usda", &above("../part.usda"));
+    let outside = said(&place.check(&tool, "sub/main.usda"));
+    assert!(outside.contains("--assets FOLDER"), "{outside}");
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .args(["info", "--assets"])
+        .arg(&place.0)
+        .arg(place.0.join("sub/main.usda"))
+        .env("REFLET_USD", &tool)
+        .env("REFLET_CACHE", place.0.join("cache"))
+        .output();
+    let allowed = said(&output.expect("reflet runs"));
+    assert!(allowed.contains("triangles   2 placed"), "{allowed}");
+    let again = said(&place.check(&tool, "sub/main.usda"));
+    assert!(again.contains("--assets FOLDER"), "{again}");
+}
+
 #[test]
 fn a_scene_places_a_stage_like_any_model() {
     let Some(tool) = tool() else { return };

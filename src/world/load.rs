@@ -315,7 +315,7 @@ impl<'a> Loader<'a> {
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?;
         self.warn_of_reduced(&requests);
-        camera::add_default(&mut self.world);
+        camera::add_default(&mut self.world, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_script();

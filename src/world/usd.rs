@@ -42,6 +42,9 @@ pub fn is_stage(path: &Path) -> bool {
 struct Sidecar {
     #[serde(default)]
     files: Vec<PathBuf>,
+    /// Files that were looked for and are not there; a conversion is out of date when they come.
+    #[serde(default)]
+    absent: Vec<PathBuf>,
     #[serde(default)]
     warnings: Vec<SidecarWarning>,
 }
@@ -87,10 +90,11 @@ pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bo
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = tool();
-    let name = hash_of([
-        stage.as_os_str().as_encoded_bytes(),
-        tool.as_os_str().as_encoded_bytes(),
-    ]);
+    // Other folders or another converter make another file of the same stage.
+    let paths = [stage, &tool].into_iter().chain(roots.iter().map(|r| &**r));
+    let version = env!("CARGO_PKG_VERSION").as_bytes();
+    let name =
+        hash_of(std::iter::once(version).chain(paths.map(|p| p.as_os_str().as_encoded_bytes())));
     let record_path = cache.join(format!("{name}.json"));
     if let Some(record) = valid_record(&record_path) {
         return Ok((converted(stage, record), true));
@@ -99,7 +103,7 @@ pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bo
     let glb = cache.join(format!("{name}.glb"));
     run(&tool, stage, &glb, roots)?;
     let sidecar = read_sidecar(&glb)?;
-    let content = content_of(&sidecar.files, stage);
+    let content = content_of(&sidecar, stage);
     let record = Record {
         glb,
         content,
@@ -119,7 +123,8 @@ fn converted(stage: &Path, record: Record) -> Converted {
         message: format!("{}: {} [{}]", w.prim, w.message, w.name),
         span: Span::default(),
         file: Some(stage.to_owned()),
-        help: None,
+        help: (w.name == "asset-outside-roots")
+            .then(|| "allow the folder that it is in with --assets FOLDER".to_owned()),
         related: None,
     };
     let mut files = record.sidecar.files;
@@ -137,18 +142,21 @@ fn converted(stage: &Path, record: Record) -> Converted {
 fn valid_record(path: &Path) -> Option<Record> {
     let record: Record = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
     let stage = record.sidecar.files.first()?.clone();
-    let same = record.glb.is_file() && content_of(&record.sidecar.files, &stage) == record.content;
+    let same = record.glb.is_file() && content_of(&record.sidecar, &stage) == record.content;
     same.then_some(record)
 }
 
-/// A hash over the content of all files, or of the stage alone where the converter named none.
-fn content_of(files: &[PathBuf], stage: &Path) -> String {
+/// A hash over the content of all files, or of the stage alone where the converter named none, and
+/// of those that are not there, which are empty.
+fn content_of(sidecar: &Sidecar, stage: &Path) -> String {
     let stage = [stage.to_owned()];
-    let files = if files.is_empty() { &stage } else { files };
-    let contents: Vec<Vec<u8>> = files
-        .iter()
-        .map(|f| fs::read(f).unwrap_or_default())
-        .collect();
+    let files = if sidecar.files.is_empty() {
+        &stage
+    } else {
+        &sidecar.files[..]
+    };
+    let contents = files.iter().chain(&sidecar.absent);
+    let contents: Vec<Vec<u8>> = contents.map(|f| fs::read(f).unwrap_or_default()).collect();
     hash_of(contents.iter().map(Vec::as_slice))
 }
 

@@ -80,7 +80,7 @@ impl Kept {
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
-            camera::add_default(&mut loader.world);
+            camera::add_default(&mut loader.world, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_script();
             loader.world.meshes = Vec::new();

@@ -36,16 +36,17 @@ def open_layer(identifier: str) -> Sdf.Layer | None:
 
 
 def cut_foreign_layers(
-    root_layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger
+    root_layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger, absent: set[str]
 ) -> list[Sdf.Layer]:
     """Remove, in memory, every reference to a layer outside `roots`, before USD opens it.
 
     Returns all layers that were read; the caller keeps them alive while it composes the stage.
+    Files that the layers name and that are not there go to `absent`.
     """
     layers = [root_layer]
     seen = {root_layer.identifier}
     for layer in layers:  # grows while it is walked
-        for identifier in _kept_dependencies(layer, roots, ledger):
+        for identifier in _kept_dependencies(layer, roots, ledger, absent):
             if identifier in seen or len(layers) > MAX_LAYERS:
                 continue
             seen.add(identifier)
@@ -58,18 +59,24 @@ def cut_foreign_layers(
     return layers
 
 
-def _kept_dependencies(layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger) -> list[str]:
+def _kept_dependencies(
+    layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger, absent: set[str]
+) -> list[str]:
     kept = []
 
     def judge(asset_path: str) -> str:
         if "`" in asset_path:  # an expression; `check_used_layers` judges what it becomes
             return asset_path
         identifier = layer.ComputeAbsolutePath(asset_path)
+        resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
+        if not resolved:
+            absent.update(_absent_file(layer, identifier, roots))
         if not _names_a_layer(identifier):
             return asset_path
-        resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
         if resolved and not is_allowed(resolved, roots):
-            message = f"the layer @{asset_path}@ is outside the allowed folders and was left out"
+            message = (
+                f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
+            )
             ledger.warn("asset-outside-roots", "/", message)
             return ""
         if resolved:
@@ -81,6 +88,14 @@ def _kept_dependencies(layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger)
     UsdUtils.ModifyAssetPaths(layer, judge)
     layer.SetPermissionToEdit(was_editable)
     return kept
+
+
+def _absent_file(layer: Sdf.Layer, identifier: str, roots: tuple[str, ...]) -> list[str]:
+    """Where an asset would lie that does not resolve, if that is one plain and allowed file."""
+    if not layer.realPath or any(sign in identifier + layer.realPath for sign in "<[\0"):
+        return []  # one of many tiles, or inside a package, which is a file that is there
+    path = os.path.join(os.path.dirname(layer.realPath), identifier)
+    return [os.path.abspath(path)] if is_allowed(path, roots) else []
 
 
 def _names_a_layer(identifier: str) -> bool:

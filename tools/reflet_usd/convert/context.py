@@ -25,6 +25,8 @@ class Context:
     ledger: Ledger
     allowed_roots: tuple[str, ...]
     """Real paths of the folders that layers and textures may come from."""
+    absent: set[str]
+    """Files that the stage names and that are not there."""
     meters_per_unit: float = 0.01
     z_up: bool = False
     codes_per_second: float = 24.0

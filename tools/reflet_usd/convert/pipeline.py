@@ -38,7 +38,9 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
         ledger.warn("stage-empty", "/", "the stage has nothing to draw")
     counts = ledger.close(_prims(context.stage))
     files = _files_read(context)
-    result = ConvertResult(ledger.warnings(), counts, _info(context, writer), files)
+    result = ConvertResult(
+        ledger.warnings(), counts, _info(context, writer), files, sorted(context.absent)
+    )
     if options.strict and result.warnings:
         first = result.warnings[0]
         message = (

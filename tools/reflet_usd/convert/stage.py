@@ -33,7 +33,8 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     roots = allowed_roots(path, options.extra_roots)
     root_layer = _open_root_layer(path)
     # The layers stay referenced, so the stage composes the edited copies in memory.
-    layers = cut_foreign_layers(root_layer, roots, ledger)
+    absent: set[str] = set()
+    layers = cut_foreign_layers(root_layer, roots, ledger, absent)
     _repair_time_rates(layers, ledger)
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
@@ -45,7 +46,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     del layers
     _select_variants(stage, options, str(path))
     _warn_composition(stage, delegate, ledger)
-    context = Context(stage, options, ledger, roots)
+    context = Context(stage, options, ledger, roots, absent)
     _read_units(context)
     _read_time(context)
     return context

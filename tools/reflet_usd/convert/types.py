@@ -58,6 +58,8 @@ class ConvertResult:
     """Facts needed to compare the file with the stage (units, axis, time origin, counts)."""
     files: list[str] = field(default_factory=list)
     """Absolute paths of every layer, package and texture that was read, sorted."""
+    absent: list[str] = field(default_factory=list)
+    """Absolute paths of files that the stage names and that are not there, sorted."""
 
     def __post_init__(self) -> None:
         self.warnings = [
@@ -71,6 +73,7 @@ class ConvertResult:
             "ledger": self.ledger,
             "info": self.info,
             "files": self.files,
+            "absent": self.absent,
         }
 
 
