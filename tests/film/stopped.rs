@@ -69,7 +69,11 @@ impl Chance {
     }
 }
 
-/// Ends a film at `rounds` random moments, by turns with SIGKILL and SIGTERM.
+/// Most further rounds in which a moment inside the film is waited for on a busy machine.
+const PATIENCE: u32 = 60;
+
+/// Ends a film at `rounds` random moments, by turns with SIGKILL and SIGTERM, and at some more if
+/// none of them left the film in part.
 fn end_at_random_moments(name: &str, rounds: u32) {
     if gpu_or_skip().is_none() {
         return;
@@ -86,7 +90,9 @@ fn end_at_random_moments(name: &str, rounds: u32) {
     let mut chance = Chance(0x5EED);
     let mut before = BTreeMap::new();
     let (mut ended_early, mut part_done) = (0, 0);
-    for round in 0..rounds {
+    let mut round = 0;
+    while round < rounds || part_done == 0 && round < rounds + PATIENCE {
+        round += 1;
         let kill = round % 2 == 0;
         let child = start(&folder, FRAMES);
         std::thread::sleep(Duration::from_secs_f64(chance.next() * run_s));
