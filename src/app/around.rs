@@ -20,6 +20,11 @@ const FPS: f64 = 24.0;
 /// Last frame that a timeline may have.
 const LAST_FRAME: f64 = 1e6;
 
+const SUN: &str = "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\n\
+                   intensity_lux = 2.5\nshadow_px = 2048\n";
+const SKY: &str = "[environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\n\
+                   ground = [0.25, 0.23, 0.2]\n";
+
 /// Whether the argument is a model rather than a scene.
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
@@ -30,7 +35,8 @@ pub fn is_model(path: &Path) -> bool {
 }
 
 /// A scene for looking at one model. All of its animations play once where none moves what another
-/// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers.
+/// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers and the
+/// even light of its domes.
 ///
 /// # Errors
 /// A stage that cannot be converted. What is wrong with a glTF file is said when it is loaded.
@@ -56,10 +62,17 @@ pub fn scene_around(
             film.fps, film.frames[0], film.frames[1]
         );
     }
-    text.push_str(
-        "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\nintensity_lux = 2.5\nshadow_px = 2048\n\
-         [environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.6, 0.6]\nground = [0.25, 0.23, 0.2]\n",
-    );
+    text.push_str(SUN);
+    match playable.dome_radiance {
+        // A stage that says what its sky sends is not given another.
+        Some(sky) => {
+            let _ = write!(
+                text,
+                "[environment]\nzenith = {sky:?}\nhorizon = {sky:?}\nground = {sky:?}\n"
+            );
+        }
+        None => text.push_str(SKY),
+    }
     Ok(text)
 }
 

@@ -239,12 +239,11 @@ fn a_file_tells_what_it_can_play() {
     assert_eq!(playable.stage, None);
     let mut doc = cart();
     doc.json["scenes"][0]["extras"] = json!({"usd": {"timeCodesPerSecond": 30, "timeOrigin": 101,
-        "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y"}});
+        "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y", "domeRadiance": [1, 0.5, 0]}});
     folder.write("m.glb", doc.glb());
-    let stage = gltf::playable(&path, &sandbox)
-        .expect("it can be read")
-        .stage;
-    let stage = stage.expect("it was a stage");
+    let playable = gltf::playable(&path, &sandbox).expect("it can be read");
+    assert_eq!(playable.dome_radiance, Some([1.0, 0.5, 0.0]));
+    let stage = playable.stage.expect("it was a stage");
     assert_eq!((stage.rate, stage.origin), (30.0, 101.0));
     assert_eq!(
         (stage.start_time_code, stage.end_time_code),

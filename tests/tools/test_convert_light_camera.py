@@ -123,6 +123,14 @@ def test_dome_light_is_kept_beside_the_scene(tmp_path: Path) -> None:
     assert dome["radiance_nits"] == pytest.approx(4)
     assert dome["texture"] == "sky.hdr"
     assert "dome-light-external" in done.warnings("/L")
+    assert "domeRadiance" not in done.json["scenes"][0]["extras"]["usd"]
+
+
+def test_the_sky_of_plain_domes_is_told(tmp_path: Path) -> None:
+    body = "float inputs:intensity = 2\ncolor3f inputs:color = (1, 0.5, 0.25)"
+    done = convert_light(tmp_path, "DomeLight", body)
+    sky = done.json["scenes"][0]["extras"]["usd"]["domeRadiance"]
+    assert sky == pytest.approx([2, 1, 0.5])
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-5"])

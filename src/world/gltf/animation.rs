@@ -41,6 +41,8 @@ pub struct Playable {
     pub clips: Vec<Clip>,
     /// The time of the USD stage that it was converted from.
     pub stage: Option<StageTime>,
+    /// What dome lights of that stage send from everywhere, nits.
+    pub dome_radiance: Option<[f32; 3]>,
 }
 
 /// How the seconds of a converted file relate to the time codes of its stage.
@@ -65,17 +67,26 @@ pub struct StageTime {
 /// A file that cannot be read, or whose buffers cannot.
 pub fn playable(path: &Path, sandbox: &Sandbox) -> Result<Playable, Fault> {
     let (root, binary) = container::open(sandbox.read(path)?)?;
-    if root.animations.is_empty() {
-        return Ok(Playable::default());
-    }
     let scene = root.scenes.get(root.scene.unwrap_or(0));
-    let stage = scene.and_then(|s| StageTime::deserialize(s.extras.get("usd")?).ok());
+    let usd = scene.and_then(|scene| scene.extras.get("usd"));
+    let stage = usd.and_then(|usd| StageTime::deserialize(usd).ok());
+    let dome_radiance = usd
+        .and_then(|usd| <[f32; 3]>::deserialize(usd.get("domeRadiance")?).ok())
+        .filter(|radiance| radiance.iter().all(|v| v.is_finite() && *v >= 0.0));
+    if root.animations.is_empty() {
+        return Ok(Playable {
+            clips: Vec::new(),
+            stage,
+            dome_radiance,
+        });
+    }
     let folder = path.parent().unwrap_or(Path::new("."));
     let buffers = buffer::read(&root, binary, folder, sandbox, &mut Vec::new())?;
     let data = Data::new(&root, buffers, super::GEOMETRY_BUDGET_BYTES)?;
     Ok(Playable {
         clips: read(&root, &data),
         stage,
+        dome_radiance,
     })
 }
 

@@ -37,6 +37,8 @@ class Context:
     """The time code that becomes 0 seconds."""
     stated_codes: tuple[float | None, float | None] = (None, None)
     """First and last time code that the stage states, or that `--frames` keeps."""
+    dome_radiance: list[float] | None = None
+    """What all dome lights without a texture send from everywhere, RGB in nits."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
     held: bool = False

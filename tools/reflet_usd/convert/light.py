@@ -177,6 +177,12 @@ def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: _Source) ->
     }
     if isinstance(texture, Sdf.AssetPath) and texture.path:
         dome["texture"] = texture.path
+    else:
+        sky = context.dome_radiance or [0.0, 0.0, 0.0]
+        context.dome_radiance = [
+            before + float(part) * source.radiance
+            for before, part in zip(sky, source.color, strict=True)
+        ]
     node.extras["dome_light"] = dome
     message = "glTF has no environment; color, radiance and texture are in the node's extras"
     context.ledger.warn("dome-light-external", prim, message)

@@ -67,8 +67,10 @@ def _prims(stage: Usd.Stage) -> list[tuple[str, str]]:
 
 def _scene_extras(context: Context) -> dict[str, Any]:
     """What a reader needs to relate the file to the stage."""
+    dome = {} if context.dome_radiance is None else {"domeRadiance": context.dome_radiance}
     return {
         "usd": {
+            **dome,
             "metersPerUnit": context.meters_per_unit,
             "timeCodesPerSecond": context.codes_per_second,
             "timeOrigin": context.time_origin,
