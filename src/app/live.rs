@@ -5,28 +5,35 @@ use std::{
     collections::BTreeSet,
     path::PathBuf,
     sync::Arc,
-    time::{Duration, Instant, SystemTime},
+    time::{Duration, SystemTime},
 };
 
 use super::{
     cli::SceneArgs,
     error::AppError,
-    scene::{is_model, load_options, read_text},
-    watch::{Change, Changes, WatchList},
+    params::{Declared, Tuned},
+    scene::is_model,
+    watch::{Change, WatchList},
 };
 use crate::{
     gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
-    render::{Redone, RenderError, RenderOptions, Renderer, stats::FrameStats},
+    render::{Redone, RenderError, Renderer, stats::FrameStats},
     scene::{
         desc::{CameraDesc, Method, SceneDesc},
         diagnostic::Diagnostic,
+        trail::Trail,
     },
     world::{
-        Material, World,
-        gltf::Trail,
+        World,
         load::{self, Kept},
     },
 };
+
+mod pose;
+mod reload;
+
+pub use pose::Edit;
+use reload::{options_of, read_library};
 
 /// Where a live scene comes from.
 #[derive(Clone, Debug)]
@@ -53,8 +60,10 @@ pub struct Wishes {
 /// What keeps changes from being shown; the last good scene stays meanwhile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Problems {
-    /// In the scene's text or files.
+    /// In the scene's text, script or files as they are on disk.
     pub scene: Vec<Diagnostic>,
+    /// In the frame that is wanted, of the scene that is shown.
+    pub pose: Vec<Diagnostic>,
     /// In a shader.
     pub shader: Option<ShaderError>,
     /// Why the device refused the last thing asked of it, such as a picture too large for it.
@@ -64,7 +73,10 @@ pub struct Problems {
 impl Problems {
     /// Whether everything on disk is what is shown.
     pub fn is_empty(&self) -> bool {
-        self.scene.is_empty() && self.shader.is_none() && self.refused.is_none()
+        self.scene.is_empty()
+            && self.pose.is_empty()
+            && self.shader.is_none()
+            && self.refused.is_none()
     }
 }
 
@@ -83,6 +95,8 @@ pub struct Reload {
     pub redone: Redone,
     /// From the changes to being ready for the next frame.
     pub took: Duration,
+    /// The part of it that texts were read, scripts run and the frame posed.
+    pub parse: Duration,
     /// The part of it that the driver compiled pipelines.
     pub driver: Duration,
 }
@@ -98,8 +112,18 @@ pub struct Live {
     kept: Kept,
     renderer: Renderer,
     wishes: Wishes,
+    /// Models, images and other files that were looked for.
     trail: Trail,
+    /// Scripts that were looked for.
+    scripts: Trail,
     read_since: SystemTime,
+    declared: Declared,
+    tuned: Tuned,
+    edits: Vec<Edit>,
+    /// The frame that is wanted, and the one that is shown.
+    frame: u32,
+    posed: u32,
+    log: Vec<String>,
     /// Warnings about what is shown.
     pub warnings: Vec<Diagnostic>,
     /// What keeps the newest content from being shown.
@@ -107,20 +131,22 @@ pub struct Live {
 }
 
 impl Live {
-    /// Reads and builds everything for the first time.
+    /// Reads and builds everything for the first time, at the first frame.
     ///
     /// # Errors
     /// As the command `render`: there is nothing good to keep yet.
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
-        let (desc, mut warnings) =
-            read_text(origin.path.as_deref(), &origin.from, &[]).map_err(AppError::Scene)?;
-        let trail = Trail::default();
-        let options = load_options(&origin.from, &trail);
-        let (world, kept) = load::load_kept(&desc, &options).map_err(AppError::Scene)?;
+        let (trail, scripts) = (Trail::default(), Trail::default());
+        let mut tuned = Tuned::default();
+        let read = reload::read(&origin, &mut tuned, &scripts, 0).map_err(AppError::Scene)?;
+        let options = super::scene::load_options(&origin.from, &trail);
+        let (mut world, kept) = load::load_kept(&read.desc, &options).map_err(AppError::Scene)?;
+        read.pose(&mut world).map_err(AppError::Scene)?;
+        let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
-        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&desc, wishes));
+        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, wishes));
         let renderer = renderer.map_err(|error| match error {
             RenderError::Gpu(GpuError::Shader(e)) => AppError::from_user_shader(&e),
             RenderError::Gpu(error) => AppError::Gpu(error),
@@ -130,13 +156,20 @@ impl Live {
             gpu,
             origin,
             library,
-            desc,
+            log: read.state.as_ref().map_or_else(Vec::new, |s| s.log.clone()),
+            desc: read.desc,
             world,
             kept,
             renderer,
             wishes,
             trail,
+            scripts,
             read_since,
+            declared: read.declared,
+            tuned,
+            edits: Vec::new(),
+            frame: read.frame,
+            posed: read.frame,
             warnings,
             problems: Problems::default(),
         })
@@ -151,150 +184,22 @@ impl Live {
                 Change::Scene
             }
         };
-        let scene = self
-            .origin
-            .path
-            .iter()
-            .map(|path| (path.clone(), kind(path)));
+        let scene = self.origin.path.iter();
+        let scene = scene.map(|path| (path.clone(), kind(path)));
+        let of_script = self.scripts.paths().into_iter();
+        let of_script = of_script.map(|path| (path, Change::Script));
+        // Among the world's files the script has its names without links.
+        let resolved: Vec<PathBuf> = self.desc.script.iter().flat_map(|s| s.files()).collect();
         let read = self.world.files.iter().cloned().chain(self.trail.paths());
-        let files: BTreeSet<(PathBuf, Change)> = scene
-            .chain(read.map(|path| (path, Change::Asset)))
-            .collect();
+        let assets = read
+            .filter(|path| !resolved.contains(path))
+            .map(|path| (path, Change::Asset));
+        let files: BTreeSet<(PathBuf, Change)> = scene.chain(of_script).chain(assets).collect();
         let list = WatchList {
             files: files.into_iter().collect(),
             shader_folders: self.origin.shaders.iter().cloned().collect(),
         };
         (list, self.read_since)
-    }
-
-    /// Takes over what changed on disk. Afterwards [`Live::watch_list`] may be another.
-    pub fn reload(&mut self, changes: &Changes) -> Reload {
-        let started = Instant::now();
-        self.read_since = SystemTime::now();
-        let made = (self.gpu.made.shaders(), self.gpu.made.pipelines());
-        let driver = self.gpu.made.driver_time();
-        let mut reload = Reload {
-            ok: true,
-            ..Reload::default()
-        };
-        if changes.contains(&Change::Shader) {
-            self.reload_shaders(&mut reload);
-        }
-        if changes.contains(&Change::Scene) || changes.contains(&Change::Asset) {
-            let done = self.reload_scene(changes.contains(&Change::Asset), &mut reload);
-            reload.ok &= done.is_ok();
-            self.problems.scene = done.err().unwrap_or_default();
-        }
-        reload.shaders = self.gpu.made.shaders() - made.0;
-        reload.pipelines = self.gpu.made.pipelines() - made.1;
-        reload.driver = self.gpu.made.driver_time() - driver;
-        reload.took = started.elapsed();
-        reload
-    }
-
-    fn reload_shaders(&mut self, reload: &mut Reload) {
-        let options = *self.renderer.options();
-        let world = &self.world;
-        let built = read_library(&self.origin).map_err(GpuError::Shader);
-        let built = built.map_err(RenderError::Gpu).and_then(|library| {
-            let redone = (self.renderer).change(&self.gpu, &library, world, world, &options)?;
-            Ok((library, redone))
-        });
-        self.problems.shader = None;
-        match built {
-            Ok((library, redone)) => {
-                self.library = library;
-                reload.redone = redone;
-            }
-            Err(error) => {
-                reload.ok = false;
-                self.keep_problem(error);
-            }
-        }
-    }
-
-    fn reload_scene(
-        &mut self,
-        from_files: bool,
-        reload: &mut Reload,
-    ) -> Result<(), Vec<Diagnostic>> {
-        let (desc, mut warnings) = read_text(self.origin.path.as_deref(), &self.origin.from, &[])?;
-        let mut options = load_options(&self.origin.from, &self.trail);
-        let relaid = if from_files {
-            None
-        } else {
-            self.kept.relay(&self.world, &desc, &options)?
-        };
-        let wanted = options_of(&desc, self.wishes);
-        if let Some(world) = relaid {
-            let done = self.take_over(world, &wanted);
-            reload.redone = (reload.redone).and(done.map_err(|error| self.keep_problem(error))?);
-        } else {
-            reload.files = true;
-            // Everything is looked for anew; what only the old scene named is forgotten.
-            self.trail = Trail::default();
-            options.trail = self.trail.clone();
-            let (world, kept) = load::load_kept(&desc, &options)?;
-            let built = (self.renderer).anew(&self.gpu, &self.library, &world, &wanted);
-            self.renderer = built.map_err(|error| self.keep_problem(error))?;
-            (self.world, self.kept) = (world, kept);
-            reload.redone = Redone {
-                upload: true,
-                trees: true,
-                poses: false,
-                materials: true,
-                passes: true,
-            };
-        }
-        self.desc = desc;
-        self.problems.refused = None;
-        warnings.extend(self.world.warnings.iter().cloned());
-        self.warnings = warnings;
-        Ok(())
-    }
-
-    /// Shows a world that was relaid over the same meshes and textures.
-    fn take_over(
-        &mut self,
-        mut world: World,
-        options: &RenderOptions,
-    ) -> Result<Redone, RenderError> {
-        world.meshes = std::mem::take(&mut self.world.meshes);
-        world.textures = std::mem::take(&mut self.world.textures);
-        let done = (self.renderer).change(&self.gpu, &self.library, &self.world, &world, options);
-        if done.is_ok() {
-            self.world = world;
-        } else {
-            self.world.meshes = world.meshes;
-            self.world.textures = world.textures;
-        }
-        done
-    }
-
-    /// Files an error under what it is about; scene errors are given back.
-    fn keep_problem(&mut self, error: RenderError) -> Vec<Diagnostic> {
-        match error {
-            RenderError::Scene(diagnostic) => vec![*diagnostic],
-            RenderError::Gpu(GpuError::Shader(error)) => {
-                self.problems.shader = Some(error);
-                Vec::new()
-            }
-            RenderError::Gpu(GpuError::Binding(text)) => {
-                let folder = self.origin.shaders.as_ref();
-                let file = folder.map_or("shaders".into(), |path| path.display().to_string());
-                self.problems.shader = Some(ShaderError {
-                    file: file.into(),
-                    message: text,
-                    location: None,
-                    notes: Vec::new(),
-                });
-                Vec::new()
-            }
-            RenderError::Gpu(error) => {
-                self.problems.refused = Some(error.to_string());
-                Vec::new()
-            }
-        }
     }
 
     /// Renders with other wishes from now on.
@@ -313,31 +218,6 @@ impl Live {
         Ok(())
     }
 
-    /// Changes materials until the scene is next read: `edit` gets each with its index.
-    ///
-    /// # Errors
-    /// As [`Renderer::change`]; then nothing has changed.
-    pub fn edit_materials(
-        &mut self,
-        mut edit: impl FnMut(usize, &mut Material),
-    ) -> Result<Redone, RenderError> {
-        let old = World {
-            materials: self.world.materials.clone(),
-            instances: self.world.instances.clone(),
-            ..World::default()
-        };
-        for (index, material) in self.world.materials.iter_mut().enumerate() {
-            edit(index, material);
-        }
-        let options = *self.renderer.options();
-        let (library, world) = (&self.library, &self.world);
-        let done = (self.renderer).change(&self.gpu, library, &old, world, &options);
-        if done.is_err() {
-            self.world.materials = old.materials;
-        }
-        done
-    }
-
     /// Renders into the targets.
     ///
     /// # Errors
@@ -351,7 +231,7 @@ impl Live {
         &self.desc
     }
 
-    /// The scene as loaded.
+    /// The scene as loaded, at the frame that is shown.
     pub fn world(&self) -> &World {
         &self.world
     }
@@ -365,23 +245,25 @@ impl Live {
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
-}
 
-fn read_library(origin: &Origin) -> Result<ShaderLibrary, ShaderError> {
-    match &origin.shaders {
-        None => Ok(ShaderLibrary::embedded()),
-        Some(folder) => ShaderLibrary::from_dir(folder),
+    /// The script's parameters as the scene declares them, with its `--set`.
+    pub fn declared(&self) -> &Declared {
+        &self.declared
     }
-}
 
-fn options_of(desc: &SceneDesc, wishes: Wishes) -> RenderOptions {
-    let mut options = RenderOptions {
-        reflection: desc.reflection,
-        image: desc.image,
-        general: false,
-    };
-    options.reflection.method = wishes.method.unwrap_or(options.reflection.method);
-    options.image.size = wishes.size.unwrap_or(options.image.size);
-    options.image.samples = wishes.samples.unwrap_or(options.image.samples);
-    options
+    /// What is laid over them.
+    pub fn tuned(&self) -> &Tuned {
+        &self.tuned
+    }
+
+    /// The frame that is shown.
+    pub fn posed_frame(&self) -> u32 {
+        self.posed
+    }
+
+    /// What the script printed in `setup`, then in the frame that is shown.
+    pub fn log(&self) -> impl Iterator<Item = &String> {
+        let of_setup = self.desc.script.iter().flat_map(|s| s.setup_log());
+        of_setup.chain(&self.log)
+    }
 }

@@ -24,6 +24,7 @@ pub mod frames;
 pub mod info;
 pub mod live;
 pub mod output;
+pub mod params;
 pub mod preview;
 pub mod progress;
 pub mod render;

@@ -10,14 +10,9 @@ use super::{
     error::{AppError, print_diagnostics},
 };
 use crate::{
-    scene::{
-        desc::SceneDesc,
-        diagnostic::Diagnostic,
-        parse::{self, Parsed},
-    },
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse, trail::Trail},
     world::{
         World,
-        gltf::Trail,
         load::{self, LoadOptions},
         usd,
     },
@@ -55,14 +50,13 @@ pub fn load_scene(
     from: &SceneArgs,
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
-    let read = read_text(path, from, overrides).map_err(AppError::Scene)?;
+    let (text, file) = source(path).map_err(AppError::Scene)?;
+    let overrides = [from.set.as_slice(), overrides].concat();
+    let read = parse::parse(&text, &file, &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    // Read a second time, for its fingerprint; what cannot be read was an error before.
-    let text = scene_text(path)?;
-    let overrides = [from.set.as_slice(), overrides].concat();
     load_desc(name, text, overrides, read, from)
 }
 
@@ -100,16 +94,16 @@ fn load_desc(
     })
 }
 
-/// Reads scene text: the file, a scene around a model, or the built-in atrium; with overrides.
+/// The scene's text, and what messages call it: the file's, one around a model, or the built-in
+/// atrium's.
 ///
 /// # Errors
-/// All mistakes of the text.
-pub fn read_text(path: Option<&Path>, from: &SceneArgs, overrides: &[String]) -> Parsed {
-    let overrides = [from.set.as_slice(), overrides].concat();
+/// As [`parse::read`].
+pub fn source(path: Option<&Path>) -> Result<(String, PathBuf), Vec<Diagnostic>> {
     match path {
-        Some(path) if is_model(path) => parse::parse(&scene_around(path), path, &overrides),
-        Some(path) => parse::load(path, &overrides),
-        None => parse::parse(ATRIUM, Path::new("atrium.toml"), &overrides),
+        Some(path) if is_model(path) => Ok((scene_around(path), path.to_owned())),
+        Some(path) => Ok((parse::read(path)?, path.to_owned())),
+        None => Ok((ATRIUM.to_owned(), PathBuf::from("atrium.toml"))),
     }
 }
 

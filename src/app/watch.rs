@@ -27,6 +27,8 @@ pub enum Change {
     Asset,
     /// The scene text.
     Scene,
+    /// The scene's script, or what that imports.
+    Script,
 }
 
 /// The kinds of files that changed together.

@@ -7,3 +7,4 @@ pub mod motion;
 pub mod parse;
 pub mod schema;
 pub mod script;
+pub mod trail;

@@ -26,8 +26,9 @@ use self::{
     value::Node,
 };
 use super::{
-    desc::SceneDesc,
+    desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Source, Span},
+    trail::Trail,
 };
 
 /// Largest scene file, bytes. Geometry belongs in glTF files.
@@ -39,9 +40,16 @@ pub type Parsed = Result<(SceneDesc, Vec<Diagnostic>), Vec<Diagnostic>>;
 /// Reads a scene file; `overrides` are `path=value` texts that are laid over it, as `--set` takes.
 ///
 /// # Errors
-/// A file that cannot be read, is larger than [`MOST_BYTES`] or is not UTF-8 gives one message;
-/// otherwise as [`parse`].
+/// As [`read`], then as [`parse`].
 pub fn load(path: &Path, overrides: &[String]) -> Parsed {
+    parse(&read(path)?, path, overrides)
+}
+
+/// The text of a scene file.
+///
+/// # Errors
+/// One message about a file that cannot be read, is larger than [`MOST_BYTES`] or is not UTF-8.
+pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     let refuse = |name, message: String| vec![Diagnostic::in_file(name, path, message)];
     let unreadable = |e: std::io::Error| {
         let mut error =
@@ -70,10 +78,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Parsed {
         error[0].help = Some("geometry belongs in glTF files, named by `file`".into());
         return Err(error);
     }
-    match String::from_utf8(bytes) {
-        Ok(text) => parse(&text, path, overrides),
-        Err(e) => Err(vec![not_utf8(path, e)]),
-    }
+    String::from_utf8(bytes).map_err(|e| vec![not_utf8(path, e)])
 }
 
 fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
@@ -98,6 +103,14 @@ fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
 /// # Errors
 /// All mistakes of the text, in its order, at most 100.
 pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
+    parse_traced(text, path, overrides, &Trail::default())
+}
+
+/// As [`parse`]; the script files that are looked for are added to `trail`, also when it fails.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail) -> Parsed {
     let mut report = Report::default();
     report.add_source(path, text);
     let bases: Vec<_> = overrides
@@ -113,7 +126,7 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     let folder = path.parent().unwrap_or(Path::new(""));
     let nothing = DeTable::new();
     let scripted = scripted.get_or_init(|| match root.get_ref().as_table() {
-        Some(table) if shadows.is_empty() => script::run(table, folder, &mut report),
+        Some(table) if shadows.is_empty() => script::run(table, folder, trail, &mut report),
         _ => Default::default(),
     });
     script::merge(&mut root, scripted, &mut report);
@@ -134,6 +147,25 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
         (messages, false) => Ok((scene, messages)),
         (messages, true) => Err(messages),
     }
+}
+
+/// The parameters that a text declares, with overrides as [`parse`] takes them; `None` where that
+/// cannot be told. No script is run.
+pub fn params(text: &str, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
+    let mut report = Report::default();
+    report.add_source(Path::new(""), text);
+    let (root, _) = syntax::parse(text, &mut report);
+    let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    for text in overrides {
+        let base = report.add_source(Path::new("--set"), text);
+        set::apply(&mut root, text, base, &mut report);
+    }
+    let table = root.get_ref().as_table()?.get("params");
+    let params = table.map_or_else(
+        || Some(Vec::new()),
+        |table| Some(params::read(table.get_ref().as_table()?, &mut report)),
+    );
+    params.filter(|_| report.errors() == 0)
 }
 
 /// Every table and key that the readers ask for, the whole file first.

@@ -27,6 +27,7 @@ use super::{
     desc::{At, Entry, ParamValue, SceneDesc, TimelineDesc},
     diagnostic::Diagnostic,
     motion::{FrameState, Kind, Names},
+    trail::Trail,
 };
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
@@ -62,12 +63,12 @@ impl PartialEq for Script {
 
 impl Script {
     /// Reads and compiles a script that a scene names, and everything that it imports; nothing
-    /// outside `folder` is read.
+    /// outside `folder` is read. What is looked for is added to `trail`, also when it fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.
-    pub fn load(folder: &Path, file: &At<String>) -> Result<Self, Box<Diagnostic>> {
-        let sources = Arc::new(Sources::new(folder));
+    pub fn load(folder: &Path, file: &At<String>, trail: &Trail) -> Result<Self, Box<Diagnostic>> {
+        let sources = Arc::new(Sources::new(folder, trail));
         let (name, text) = sources
             .read(&file.value)
             .map_err(|problem| problem.at(&file.at))?;

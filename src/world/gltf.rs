@@ -37,7 +37,7 @@ pub(super) mod uri;
 
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
-pub use uri::{Sandbox, Trail};
+pub use uri::Sandbox;
 
 /// What one file holds; transforms are relative to the model.
 #[derive(Debug, Default)]

@@ -8,13 +8,14 @@ use std::{
 
 use super::{
     World,
-    gltf::{self, Fault, Model, Sandbox, Trail},
+    gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
     usd,
 };
 use crate::scene::{
     desc::{At, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Severity, Span},
+    trail::Trail,
 };
 
 mod camera;
@@ -274,6 +275,13 @@ impl<'a> Loader<'a> {
         Ok(model)
     }
 
+    /// The script's files come after those that are kept: another text may have another script.
+    fn add_script(&mut self) {
+        if let Some(script) = &self.desc.script {
+            self.add_files(&script.files());
+        }
+    }
+
     fn add_files(&mut self, files: &[PathBuf]) {
         for file in files {
             if !self.world.files.contains(file) {
@@ -288,9 +296,6 @@ impl<'a> Loader<'a> {
             budget_bytes: self.options.image_budget_bytes,
             max_file_bytes: self.options.max_file_bytes,
         };
-        if let Some(script) = &self.desc.script {
-            self.add_files(&script.files());
-        }
         let needs = finish::needs(&self.world);
         let num_warnings = self.world.warnings.len();
         finish::run(&mut self.world, &needs)?;
@@ -308,6 +313,9 @@ impl<'a> Loader<'a> {
         self.world.textures = texture::decode_all(&requests, &limits)?;
         self.warn_of_reduced(&requests);
         camera::add_default(&mut self.world);
+        self.world.rest_unit_m = Some(self.world.unit_m());
+        let files = self.world.files.clone();
+        self.add_script();
         let kept = Kept {
             sources: kept::sources(self.desc),
             models,
@@ -316,7 +324,7 @@ impl<'a> Loader<'a> {
             needs,
             images,
             mesh_warnings,
-            files: self.world.files.clone(),
+            files,
         };
         Ok((self.world, kept))
     }

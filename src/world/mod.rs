@@ -43,6 +43,9 @@ pub struct World {
     pub files: Vec<PathBuf>,
     /// What may change from frame to frame.
     pub moving: pose::Moving,
+    /// U before anything moved, meters: where nothing stands still, poses would change it. `None`
+    /// measures what is there.
+    pub rest_unit_m: Option<f32>,
 }
 
 /// Most lights in a scene; their uniform block stays far below 64 KiB.
@@ -232,6 +235,9 @@ impl World {
 
     /// The unit U in metres: the diagonal of the static bounds / 16, 1 for an empty scene.
     pub fn unit_m(&self) -> f32 {
+        if let Some(unit_m) = self.rest_unit_m {
+            return unit_m;
+        }
         let diagonal = self.static_bounds().diagonal();
         if diagonal > 0.0 { diagonal / 16.0 } else { 1.0 }
     }

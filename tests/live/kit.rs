@@ -102,10 +102,15 @@ pub fn copy_shaders(to: &Folder) -> PathBuf {
 }
 
 pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
+    open_with(gpu, scene, shaders, &[])
+}
+
+/// With `--set`.
+pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&str]) -> Live {
     let origin = Origin {
         path: Some(scene.to_owned()),
         from: SceneArgs {
-            set: Vec::new(),
+            set: set.iter().map(|text| (*text).to_owned()).collect(),
             assets: Vec::new(),
         },
         shaders: shaders.map(Path::to_owned),

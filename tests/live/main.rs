@@ -8,3 +8,4 @@ mod latency;
 mod models;
 mod redone;
 mod saves;
+mod scripts;

@@ -15,7 +15,7 @@ use reflet::app::watch::{Change, WatchList};
 use crate::kit::{Folder, Watch};
 
 /// How often each way of saving is tried.
-const ROUNDS: usize = 50;
+pub const ROUNDS: usize = 50;
 
 fn watch(path: &Path) -> Watch {
     Watch::settled(WatchList {
@@ -24,90 +24,80 @@ fn watch(path: &Path) -> Watch {
     })
 }
 
-/// Saves round after round; each must be seen before the next.
-fn every_save_is_seen(name: &str, save: impl Fn(&Folder, &Path, &str)) {
-    let folder = Folder::new();
-    let path = folder.write(name, "first");
-    let watch = watch(&path);
-    for round in 0..ROUNDS {
-        let text = format!("{round} ").repeat(1 + 977 * (round % 3));
-        save(&folder, &path, &text);
-        let seen = RefCell::new(String::new());
-        watch.until(
-            |changes| {
-                assert_eq!(changes.iter().collect::<Vec<_>>(), [&Change::Scene]);
-                *seen.borrow_mut() = fs::read_to_string(&path).unwrap_or_default();
-            },
-            || *seen.borrow() == text,
-        );
-    }
-}
+/// A way of saving a text over a file.
+pub type Save = fn(&Folder, &Path, &str);
 
-#[test]
-fn written_in_place() {
-    every_save_is_seen("a.toml", |_, path, text| {
+/// Ways in which editors and tools save.
+pub const SAVES: [(&str, Save); 6] = [
+    ("in place", |_, path, text| {
         fs::write(path, text).expect("written");
-    });
-}
-
-#[test]
-fn truncated_then_written_in_two_halves() {
-    every_save_is_seen("a.toml", |_, path, text| {
+    }),
+    ("truncated, then in two halves", |_, path, text| {
         let mut file = fs::File::create(path).expect("truncated");
         let (first, second) = text.split_at(text.len() / 2);
         thread::sleep(Duration::from_millis(3));
         file.write_all(first.as_bytes()).expect("written");
         thread::sleep(Duration::from_millis(15));
         file.write_all(second.as_bytes()).expect("written");
-    });
-}
-
-#[test]
-fn renamed_over() {
-    every_save_is_seen("a.toml", |folder, path, text| {
-        let beside = folder.write(".a.toml.swp", text);
+    }),
+    ("renamed over", |folder, path, text| {
+        let beside = folder.write(".save.swp", text);
         fs::rename(beside, path).expect("renamed");
-    });
-}
-
-#[test]
-fn deleted_then_created() {
-    every_save_is_seen("a.toml", |_, path, text| {
+    }),
+    ("deleted, then created", |_, path, text| {
         fs::remove_file(path).expect("deleted");
         thread::sleep(Duration::from_millis(2));
         fs::write(path, text).expect("created");
-    });
-}
+    }),
+    ("the folder is replaced", |_, path, text| {
+        let sub = path.parent().expect("a folder");
+        let old = sub.with_file_name("old");
+        fs::rename(sub, &old).expect("renamed");
+        fs::create_dir(sub).expect("created");
+        fs::write(path, text).expect("written");
+        fs::remove_dir_all(old).expect("deleted");
+    }),
+    ("a link to it is swapped", |folder, path, text| {
+        let target = format!("target-{}", text.len() % 3);
+        let sub = path.parent().expect("a folder");
+        fs::write(sub.join(&target), text).expect("written");
+        #[cfg(unix)]
+        link(folder, &target, path);
+        #[cfg(not(unix))]
+        fs::rename(sub.join(target), folder.0.join(path)).expect("renamed");
+    }),
+];
 
 #[test]
-fn the_folder_is_replaced() {
-    every_save_is_seen("sub/a.toml", |folder, path, text| {
-        fs::rename(folder.path("sub"), folder.path("old")).expect("renamed");
-        fs::create_dir(folder.path("sub")).expect("created");
-        fs::write(path, text).expect("written");
-        fs::remove_dir_all(folder.path("old")).expect("deleted");
-    });
+fn every_way_of_saving_is_seen() {
+    for (way, save) in SAVES {
+        let folder = Folder::new();
+        let path = folder.write("sub/a.toml", "first");
+        let watch = watch(&path);
+        for round in 0..ROUNDS {
+            let text = format!("{round} ").repeat(1 + 977 * (round % 3));
+            save(&folder, &path, &text);
+            let seen = RefCell::new(String::new());
+            watch.until(
+                |changes| {
+                    assert_eq!(
+                        changes.iter().collect::<Vec<_>>(),
+                        [&Change::Scene],
+                        "{way}"
+                    );
+                    *seen.borrow_mut() = fs::read_to_string(&path).unwrap_or_default();
+                },
+                || *seen.borrow() == text,
+            );
+        }
+    }
 }
 
 #[cfg(unix)]
-fn link(folder: &Folder, target: &str, name: &str) {
+fn link(folder: &Folder, target: &str, path: &Path) {
     let beside = folder.path("next-link");
     std::os::unix::fs::symlink(target, &beside).expect("linked");
-    fs::rename(beside, folder.path(name)).expect("renamed");
-}
-
-#[cfg(unix)]
-#[test]
-fn a_link_to_the_file_is_swapped() {
-    let folder = Folder::new();
-    folder.write("first.toml", "first");
-    link(&folder, "first.toml", "a.toml");
-    let path = folder.path("a.toml");
-    swaps_are_seen(&folder, &path, |round, text| {
-        let target = format!("target-{}.toml", round % 3);
-        folder.write(&target, text);
-        link(&folder, &target, "a.toml");
-    });
+    fs::rename(beside, path).expect("renamed");
 }
 
 #[cfg(unix)]
@@ -115,24 +105,20 @@ fn a_link_to_the_file_is_swapped() {
 fn a_link_to_the_folder_is_swapped() {
     let folder = Folder::new();
     folder.write("version-first/a.toml", "first");
-    link(&folder, "version-first", "current");
+    link(&folder, "version-first", &folder.path("current"));
     let path = folder.path("current/a.toml");
-    swaps_are_seen(&folder, &path, |round, text| {
-        folder.write(&format!("version-{round}/a.toml"), text);
-        link(&folder, &format!("version-{round}"), "current");
-    });
-}
-
-#[cfg(unix)]
-fn swaps_are_seen(folder: &Folder, path: &Path, save: impl Fn(usize, &str)) {
-    let _ = folder;
-    let watch = watch(path);
+    let watch = watch(&path);
     for round in 0..ROUNDS {
         let text = format!("round {round}");
-        save(round, &text);
+        folder.write(&format!("version-{round}/a.toml"), &text);
+        link(
+            &folder,
+            &format!("version-{round}"),
+            &folder.path("current"),
+        );
         let seen = RefCell::new(String::new());
         watch.until(
-            |_| *seen.borrow_mut() = fs::read_to_string(path).unwrap_or_default(),
+            |_| *seen.borrow_mut() = fs::read_to_string(&path).unwrap_or_default(),
             || *seen.borrow() == text,
         );
     }

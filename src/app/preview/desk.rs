@@ -31,12 +31,15 @@ impl Desk {
         self.change(|inbox| inbox.view = Some(view));
     }
 
-    /// Asks for a task; the same kind of edit of the same material is done once.
+    /// Asks for a task; of edits of one material, and of parameters, only the last is done.
     pub fn ask(&self, task: Task) {
         self.change(|inbox| {
             if let Task::Edit(new) = &task {
                 let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
                 inbox.tasks.retain(|old| !same(old));
+            }
+            if matches!(task, Task::Tune(_)) {
+                inbox.tasks.retain(|old| !matches!(old, Task::Tune(_)));
             }
             inbox.tasks.push_back(task);
         });
@@ -81,7 +84,10 @@ mod tests {
     use std::time::Instant;
 
     use super::*;
-    use crate::app::{preview::facts::Edit, watch::Change};
+    use crate::{
+        app::{live::Edit, params::Tuned, watch::Change},
+        scene::desc::ParamValue,
+    };
 
     #[test]
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
@@ -100,12 +106,18 @@ mod tests {
             desk.ask(edit(5, 1.0 - roughness));
         }
         desk.ask(Task::Judge);
+        for count in [5, 6, 7] {
+            let mut tuned = Tuned::default();
+            tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
+            desk.ask(Task::Tune(tuned));
+        }
         let (view, tasks) = desk.take().expect("something to do");
         assert!(view.is_none() && desk.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
-        assert_eq!(left.len(), 4, "{left:?}");
+        assert_eq!(left.len(), 5, "{left:?}");
         assert!(left[0].starts_with("Reload") && left[3] == "Judge");
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
+        assert!(left[4].contains("Integer(7)"), "{left:?}");
         desk.end();
         assert!(desk.take().is_none());
     }

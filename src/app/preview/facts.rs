@@ -4,14 +4,15 @@ use std::{path::PathBuf, time::Instant};
 
 use crate::{
     app::{
-        live::{Live, Problems, Reload},
+        live::{Edit, Live, Problems, Reload},
+        params::{Declared, Tuned},
         watch::Changes,
     },
     bench::metric::Scores,
     math::Bounds,
     render::{aov::Aov, stats::FrameStats},
     scene::{
-        desc::{CameraDesc, Method},
+        desc::{CameraDesc, Method, TimelineDesc},
         diagnostic::Diagnostic,
     },
 };
@@ -51,32 +52,38 @@ pub struct Side {
     pub look: Look,
 }
 
+/// From where a picture is taken.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Eye {
+    /// The scene's camera of this name, where it is in the view's frame.
+    Through(String),
+    /// One that a person moves.
+    Free(CameraDesc),
+}
+
 /// What the window wants to see.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// From where.
-    pub camera: CameraDesc,
+    pub eye: Eye,
+    /// When: a frame of the timeline.
+    pub frame: u32,
     /// Pixels of the viewport.
     pub size: [u32; 2],
     /// The left side, or all of it.
     pub a: Side,
     /// The right side of a wipe.
     pub b: Option<Side>,
-    /// Fewer pixels and one sub-frame while the camera moves.
-    pub draft: bool,
+    /// While something moves: one sub-frame, and so few pixels that it takes about this long,
+    /// milliseconds.
+    pub draft_ms: Option<f64>,
 }
 
-/// A change of a material until the scene is read again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edit {
-    /// Index of the material.
-    pub material: usize,
-    /// Specular reflectance at normal incidence, 0 to 1.
-    pub reflectivity: f32,
-    /// Perceptual roughness, 0 to 1.
-    pub roughness: f32,
-    /// 0 to 1.
-    pub metallic: f32,
+impl View {
+    /// Whether it shows the same of the scene as another, in whatever size.
+    pub fn shows_what(&self, other: &Self) -> bool {
+        (&self.eye, self.frame, self.a) == (&other.eye, other.frame, other.a)
+    }
 }
 
 /// Something to do once.
@@ -86,6 +93,8 @@ pub enum Task {
     Reload(Changes, Instant),
     /// Change a material.
     Edit(Edit),
+    /// Change the script's parameters.
+    Tune(Tuned),
     /// Compare the left side's method with `rt`.
     Judge,
     /// Write the left side's picture.
@@ -110,7 +119,13 @@ pub struct Row {
 /// What is known of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
-    /// Name and value of each camera.
+    /// The frames, where the scene has some.
+    pub timeline: Option<TimelineDesc>,
+    /// The script's parameters.
+    pub declared: Declared,
+    /// What the script printed.
+    pub log: Vec<String>,
+    /// Name and value of each camera, in the frame that is shown.
     pub cameras: Vec<(String, CameraDesc)>,
     /// Parallel to the world's.
     pub materials: Vec<Row>,
@@ -155,6 +170,9 @@ impl Facts {
         }
         let dropped = live.renderer().plan().dropped.iter();
         Self {
+            timeline: live.desc().timeline.clone(),
+            declared: live.declared().clone(),
+            log: live.log().cloned().collect(),
             cameras: (world.cameras.iter())
                 .map(|entry| (entry.name.clone(), entry.value.clone()))
                 .collect(),
@@ -172,8 +190,12 @@ impl Facts {
 /// A finished frame.
 #[derive(Clone, Debug)]
 pub struct Shown {
-    /// Counts frames that were drawn.
+    /// Counts pictures that were drawn.
     pub number: u64,
+    /// Frame of the timeline.
+    pub frame: u32,
+    /// From where it was taken.
+    pub camera: CameraDesc,
     /// The left side, and the right one of a wipe.
     pub sides: Vec<(Canvas, FrameStats)>,
 }
@@ -194,6 +216,8 @@ pub struct Judged {
 pub enum Report {
     /// The scene is another.
     Facts(Box<Facts>),
+    /// What other parameters did.
+    Tuned(Reload),
     /// A reload, and from the first word of it to the new picture, milliseconds.
     Reloaded(Reload, f64),
     /// A frame.

@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 15] = [
+pub const KEYS: [(&str, &str); 19] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -19,6 +19,10 @@ pub const KEYS: [(&str, &str); 15] = [
         "closer, farther; with the right button: flying speed",
     ),
     ("click", "select the material under the pointer"),
+    ("Space", "play, pause"),
+    ("left, right arrow", "one frame back, on"),
+    ("Home, End", "first, last frame"),
+    ("L", "loop: the first frame follows the last"),
     ("F", "frame the selection, or the scene"),
     ("1 2 3", "hybrid, ssr, rt"),
     ("B", "wipe between two methods or textures; drag its line"),
@@ -50,10 +54,7 @@ pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
 /// What keeps the newest content from being shown, with its places; click copies one.
 pub fn problems(ui: &mut Ui, problems: &Problems) {
     let red = Color32::from_rgb(255, 110, 100);
-    ui.colored_label(
-        red,
-        RichText::new("The last good picture stays. On disk:").strong(),
-    );
+    ui.colored_label(red, RichText::new("The last good picture stays:").strong());
     egui::ScrollArea::vertical()
         .id_salt("problems")
         .max_height(160.0)
@@ -73,7 +74,7 @@ pub fn problems(ui: &mut Ui, problems: &Problems) {
                     }
                 });
             };
-            for diagnostic in &problems.scene {
+            for diagnostic in problems.scene.iter().chain(&problems.pose) {
                 if diagnostic.severity == Severity::Error {
                     entry(
                         place_of(diagnostic),
@@ -118,6 +119,25 @@ pub fn scene(ui: &mut Ui, facts: &Facts) {
                 let place = place_of(warning).map_or(String::new(), |place| format!("{place}: "));
                 ui.label(format!("{place}{}", warning.message));
             }
+        });
+}
+
+/// What the script printed.
+pub fn log(ui: &mut Ui, log: &[String]) {
+    if log.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("Script output")
+        .id_salt("log")
+        .show(ui, |ui| {
+            egui::ScrollArea::vertical()
+                .id_salt("log lines")
+                .max_height(140.0)
+                .show(ui, |ui| {
+                    for line in log {
+                        ui.monospace(line);
+                    }
+                });
         });
 }
 

@@ -20,11 +20,15 @@ use crate::{
 mod canvas;
 mod desk;
 mod facts;
+mod inspect;
 mod messages;
 pub mod navigate;
 mod panels;
 mod picture;
 mod plot;
+mod receive;
+mod timeline;
+mod tuning;
 mod window;
 mod worker;
 

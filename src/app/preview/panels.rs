@@ -3,13 +3,17 @@
 
 use std::collections::VecDeque;
 
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, Color32, Ui};
 
 use super::{
-    facts::{Edit, Facts, Judged, Look, Side},
+    facts::{Facts, Judged, Look, Side},
     plot,
 };
-use crate::{render::stats::FrameStats, scene::desc::Method};
+use crate::{
+    app::{live::Edit, params::Tuned},
+    render::stats::{FrameStats, Share},
+    scene::desc::Method,
+};
 
 /// Methods with their names.
 pub const METHODS: [(Method, &str); 3] = [
@@ -33,6 +37,8 @@ pub enum Wish {
     Shot,
     /// Change a material.
     Edit(Edit),
+    /// Change the script's parameters.
+    Tune(Tuned),
 }
 
 /// What a person has chosen.
@@ -50,6 +56,8 @@ pub struct Choice {
     pub material: Option<usize>,
     /// Index of the scene's camera that is looked through; `None` once it was moved.
     pub through: Option<usize>,
+    /// Index of the one that was looked through last.
+    pub home: usize,
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
@@ -74,6 +82,7 @@ impl Choice {
             wipe_at: 0.5,
             material: None,
             through: None,
+            home: 0,
             help: false,
             heat: false,
         }
@@ -151,8 +160,8 @@ pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wis
     });
 }
 
-/// Times of the passes: now as bars, lately as a line.
-pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<f32>) {
+/// Times of the passes: now as bars, lately as stacks below the time of the frame.
+pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Passes")
         .default_open(true)
         .show(ui, |ui| {
@@ -168,7 +177,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<f32>) {
                     for (name, ms) in &stats.passes_ms {
                         ui.label(name);
                         ui.monospace(format!("{ms:9.3} ms"));
-                        plot::bar(ui, (*ms / most) as f32, plot::ACCENT);
+                        plot::bar(ui, (*ms / most) as f32, plot::pass_color(name));
                         ui.end_row();
                     }
                     ui.strong("frame");
@@ -178,7 +187,20 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<f32>) {
             if stats.passes_ms.is_empty() {
                 ui.weak("this adapter has no timestamps");
             }
-            plot::line(ui, history, "frame, ms");
+            let column = |stats: &FrameStats| {
+                let passes = stats.passes_ms.iter();
+                let rest_ms = (stats.frame_ms - stats.passes_total_ms()).max(0.0);
+                let mut column: Vec<_> = passes
+                    .map(|(name, ms)| (plot::pass_color(name), *ms as f32))
+                    .collect();
+                column.push((Color32::from_gray(70), rest_ms as f32));
+                column
+            };
+            let columns: Vec<_> = history.iter().map(column).collect();
+            let height = |c: &Vec<(Color32, f32)>| c.iter().map(|(_, ms)| ms).sum();
+            // Room above the stacks for the label.
+            let top = 1.3 * columns.iter().map(height).fold(1e-3, f32::max);
+            plot::stack(ui, &columns, top, &format!("lately, up to {top:.1} ms"));
             let pixels = format!("{} × {}", stats.size[0], stats.size[1]);
             ui.weak(format!(
                 "{pixels}, samples {}, {} rays",
@@ -188,7 +210,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<f32>) {
 }
 
 /// Where reflections came from, and why.
-pub fn shares(ui: &mut Ui, stats: &FrameStats) {
+pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Reflections")
         .default_open(true)
         .show(ui, |ui| {
@@ -200,6 +222,9 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats) {
             let part = 100.0 * shares.reflective as f64 / shares.pixels.max(1) as f64;
             ui.weak(format!("{part:.1} % of the picture reflects"));
             plot::shares(ui, &shares.sources);
+            over_time(ui, history, "sources lately", plot::source_color, |s| {
+                &s.shares.sources
+            });
             egui::Grid::new("causes")
                 .num_columns(3)
                 .striped(true)
@@ -215,7 +240,26 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats) {
                         ui.end_row();
                     }
                 });
+            over_time(ui, history, "causes lately", plot::cause_color, |s| {
+                &s.shares.causes
+            });
         });
+}
+
+/// Shares of the reflective pixels, picture by picture.
+fn over_time(
+    ui: &mut Ui,
+    history: &VecDeque<FrameStats>,
+    label: &str,
+    color: fn(&str) -> Color32,
+    of: fn(&FrameStats) -> &[Share],
+) {
+    let part = |share: &Share| (color(share.name), share.percent as f32);
+    let columns: Vec<Vec<_>> = history
+        .iter()
+        .map(|stats| of(stats).iter().map(part).collect())
+        .collect();
+    plot::stack(ui, &columns, 100.0, label);
 }
 
 /// The last comparison with `rt`.
@@ -296,7 +340,7 @@ pub fn materials(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut V
                     edit.reflectivity, edit.roughness, edit.metallic
                 ));
             }
-            ui.weak("until the scene is saved again");
+            ui.weak("until the scene is saved again; it wins over motion");
         });
 }
 

@@ -32,6 +32,9 @@ fn facts() -> Facts {
         bounds: Bounds::EMPTY,
     };
     Facts {
+        timeline: None,
+        declared: Vec::new(),
+        log: Vec::new(),
         cameras: vec![
             ("main".to_owned(), CameraDesc::default()),
             ("side".to_owned(), CameraDesc::default()),
@@ -132,9 +135,9 @@ fn times_shares_and_keys_are_listed() {
         rays: 0,
         bytes: Vec::new(),
     };
-    let history = VecDeque::from([1.0, 2.0]);
+    let history = VecDeque::from([stats.clone(), stats.clone()]);
     let harness = harness(move |ui, _| {
-        shares(ui, &stats);
+        shares(ui, &stats, &history);
         times(ui, &stats, &history);
         help(ui);
     });

@@ -1,13 +1,30 @@
-//! Small charts for the panels: a bar, a line over time, stacked shares.
+//! Small charts for the panels: a bar, stacks over time, stacked shares.
 
-use std::collections::VecDeque;
-
-use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
 
 use crate::render::{
     cause::{Cause, Source},
+    passes,
     stats::Share,
 };
+
+/// Columns of a chart over time.
+pub const HISTORY: usize = 120;
+
+/// Of the passes in the order of the frame: neighbors differ in hue and brightness.
+const PASSES: [Color32; passes::ALL.len()] = [
+    Color32::from_rgb(120, 120, 140),
+    Color32::from_rgb(66, 133, 180),
+    Color32::from_rgb(150, 205, 225),
+    Color32::from_rgb(235, 200, 90),
+    Color32::from_rgb(70, 160, 90),
+    Color32::from_rgb(150, 215, 130),
+    Color32::from_rgb(200, 230, 170),
+    Color32::from_rgb(215, 95, 80),
+    Color32::from_rgb(245, 165, 140),
+    Color32::from_rgb(150, 110, 190),
+    Color32::from_rgb(205, 180, 230),
+];
 
 /// What is not colored by its meaning.
 pub const ACCENT: Color32 = Color32::from_rgb(90, 150, 220);
@@ -18,10 +35,18 @@ pub fn cause_color(name: &str) -> Color32 {
     cause.map_or(ACCENT, |cause| rgb(cause.color()))
 }
 
-fn source_color(name: &str) -> Color32 {
+/// A pass's color in charts.
+pub fn pass_color(name: &str) -> Color32 {
+    let place = passes::ALL.iter().position(|pass| pass.name == name);
+    place.map_or(ACCENT, |place| PASSES[place])
+}
+
+/// A source's color, as in its AOV.
+pub fn source_color(name: &str) -> Color32 {
     rgb(match name {
         "screen" => Source::Screen,
         "traced" => Source::Traced,
+        "failed" => Source::Failed,
         "none" => Source::None,
         _ => Source::Rough,
     }
@@ -41,32 +66,29 @@ pub fn bar(ui: &mut Ui, part: f32, color: Color32) {
     ui.painter().rect_filled(filled, 2.0, color);
 }
 
-/// Values over time, newest at the right, from zero.
-pub fn line(ui: &mut Ui, values: &VecDeque<f32>, label: &str) {
+/// Stacked values over time, the newest column at the right; `top` is what fills the height.
+pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 56.0), Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
-    // Room above the line for the label.
-    let most = values.iter().copied().fold(1e-3, f32::max) * 1.5;
-    let step = rect.width() / (values.len().max(2) - 1) as f32;
-    let place = |(i, value): (usize, &f32)| -> Pos2 {
-        pos2(
-            rect.left() + i as f32 * step,
-            rect.bottom() - value / most * rect.height(),
-        )
-    };
-    let points: Vec<Pos2> = values.iter().enumerate().map(place).collect();
-    painter.line(points, Stroke::new(1.5, ACCENT));
-    let font = FontId::monospace(10.0);
-    let color = ui.visuals().weak_text_color();
-    let text = format!("{label} (top {most:.1})");
-    painter.text(
-        rect.min + vec2(4.0, 2.0),
-        Align2::LEFT_TOP,
-        text,
-        font,
-        color,
-    );
+    let width = rect.width() / HISTORY as f32;
+    let scale = rect.height() / top.max(1e-9);
+    let left = rect.right() - width * columns.len() as f32;
+    for (i, column) in columns.iter().enumerate() {
+        let x = left + i as f32 * width;
+        let mut bottom = rect.bottom();
+        for (color, value) in column {
+            let height = value * scale;
+            let part = Rect::from_x_y_ranges(x..=x + width, bottom - height..=bottom);
+            painter.rect_filled(part, 0.0, *color);
+            bottom -= height;
+        }
+    }
+    let font = FontId::proportional(11.0);
+    let text = painter.layout_no_wrap(label.to_owned(), font, Color32::from_gray(230));
+    let back = Rect::from_min_size(rect.min + vec2(3.0, 2.0), text.size()).expand(1.5);
+    painter.rect_filled(back, 2.0, Color32::from_black_alpha(150));
+    painter.galley(rect.min + vec2(3.0, 2.0), text, Color32::WHITE);
 }
 
 /// Parts of a whole in their colors, and what they are.

@@ -4,26 +4,29 @@
 use std::{
     collections::{HashMap, VecDeque},
     path::PathBuf,
-    sync::mpsc::TryRecvError,
 };
 
 use eframe::egui::{self, Key, Ui};
 
-use crate::scene::desc::Method;
+use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
 
 use super::{
     desk::free_name,
-    facts::{Facts, Judged, Report, Shown, Task, View},
+    facts::{Eye, Facts, Judged, Shown, Task, View},
     messages,
     navigate::{Navigator, as_text},
     panels::{self, Choice, METHODS, Wish},
+    timeline::{self, Timeline},
+    tuning,
     worker::Worker,
 };
 
 /// How long the camera must rest before the full picture is drawn, seconds.
 const SETTLE_S: f64 = 0.15;
-/// Frames in the plot.
-const HISTORY: usize = 120;
+/// Longest that a picture should take while the camera moves, milliseconds.
+const MOVING_MS: f64 = 50.0;
+/// Part of a frame's time that its picture may take while time runs.
+const PLAYING_SHARE: f64 = 0.8;
 
 /// The application.
 pub struct Window {
@@ -31,9 +34,13 @@ pub struct Window {
     pub(super) facts: Facts,
     pub(super) choice: Choice,
     pub(super) navigator: Navigator,
+    /// Where time is, if the scene has frames.
+    pub(super) timeline: Option<Timeline>,
+    pub(super) tuned: Tuned,
     pub(super) shown: Option<Shown>,
     pub(super) judged: Option<Judged>,
-    history: VecDeque<f32>,
+    /// Of the last pictures, newest last.
+    pub(super) history: VecDeque<FrameStats>,
     /// Registered textures by the number of their canvas.
     pub(super) textures: HashMap<u64, egui::TextureId>,
     /// The view that was last asked for.
@@ -41,7 +48,7 @@ pub struct Window {
     /// When the camera moved last, seconds.
     moved_at: f64,
     pub(super) note: String,
-    is_busy: bool,
+    pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
     shots: PathBuf,
     stem: String,
@@ -58,11 +65,13 @@ impl Window {
         (shots, stem): (PathBuf, String),
     ) -> Self {
         let mut choice = Choice::new(method);
-        choice.through = Some(camera);
+        (choice.through, choice.home) = (Some(camera), camera);
         let start = facts.cameras.get(camera);
         let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
         Self {
             navigator: Navigator::new(start, &facts.bounds),
+            timeline: facts.timeline.as_ref().map(Timeline::new),
+            tuned: Tuned::default(),
             worker,
             facts,
             choice,
@@ -80,67 +89,6 @@ impl Window {
         }
     }
 
-    fn receive(&mut self) {
-        loop {
-            match self.worker.reports.try_recv() {
-                Ok(Report::Facts(facts)) => self.take_facts(*facts),
-                Ok(Report::Shown(shown)) => {
-                    self.history
-                        .extend(shown.sides.first().map(|(_, s)| s.frame_ms as f32));
-                    if self.history.len() > HISTORY {
-                        self.history.pop_front();
-                    }
-                    self.shown = Some(*shown);
-                }
-                Ok(Report::Reloaded(reload, ms)) => {
-                    let cpu = reload.took.as_secs_f64() * 1e3;
-                    self.note = if reload.ok {
-                        format!(
-                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
-                        )
-                    } else {
-                        "saved with a mistake".to_owned()
-                    };
-                }
-                Ok(Report::Judged(judged)) => {
-                    self.judged = Some(*judged);
-                    self.choice.heat = true;
-                }
-                Ok(Report::Picked(material)) => self.choice.material = material,
-                Ok(Report::Note(note)) => self.note = note,
-                Ok(Report::Idle) => self.is_busy = false,
-                Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => {
-                    self.note = "the renderer stopped; start the preview again".to_owned();
-                    return;
-                }
-            }
-        }
-    }
-
-    /// Takes over a scene that was read again: camera and selection stay, by name.
-    fn take_facts(&mut self, facts: Facts) {
-        let material = self
-            .choice
-            .material
-            .and_then(|i| self.facts.materials.get(i));
-        self.choice.material =
-            material.and_then(|old| facts.materials.iter().position(|new| new.name == old.name));
-        let camera = self.choice.through.and_then(|i| self.facts.cameras.get(i));
-        let camera =
-            camera.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
-        self.choice.through = camera;
-        if let Some(index) = camera {
-            // One that was not moved by hand follows the scene.
-            self.navigator.camera = facts.cameras[index].1.clone();
-        }
-        self.navigator.rescale(&facts.bounds);
-        if facts.method != self.facts.method {
-            self.choice.a.method = facts.method;
-        }
-        self.facts = facts;
-    }
-
     pub(super) fn ask(&mut self, task: Task) {
         self.is_busy = true;
         self.worker.desk.ask(task);
@@ -155,6 +103,9 @@ impl Window {
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
         }
         let pressed = |key| ui.input(|i| i.key_pressed(key) && i.modifiers.is_none());
+        if let Some(timeline) = &mut self.timeline {
+            timeline::keys(timeline, pressed, ui.input(|i| i.time));
+        }
         for (key, (method, _)) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
             if pressed(key) {
                 self.choice.a.method = method;
@@ -165,7 +116,7 @@ impl Window {
             (Key::C, Wish::Copy),
             (Key::X, Wish::Judge),
             (Key::F12, Wish::Shot),
-            (Key::R, Wish::Through(self.choice.through.unwrap_or(0))),
+            (Key::R, Wish::Through(self.choice.home)),
         ] {
             if pressed(key) {
                 wishes.push(wish);
@@ -189,7 +140,7 @@ impl Window {
                 Wish::Through(index) => {
                     if let Some((_, camera)) = self.facts.cameras.get(index) {
                         self.navigator.camera = camera.clone();
-                        self.choice.through = Some(index);
+                        (self.choice.through, self.choice.home) = (Some(index), index);
                     }
                 }
                 Wish::Frame => {
@@ -215,6 +166,10 @@ impl Window {
                     }
                     self.ask(Task::Edit(edit));
                 }
+                Wish::Tune(tuned) => {
+                    self.tuned = tuned.clone();
+                    self.ask(Task::Tune(tuned));
+                }
             }
         }
     }
@@ -232,13 +187,26 @@ impl Window {
             let wait = SETTLE_S - (now - self.moved_at) + 0.01;
             ui.ctx().request_repaint_after_secs(wait as f32);
         }
+        let frame = self.tick(ui, now);
+        let through = self.choice.through.and_then(|i| self.facts.cameras.get(i));
         let view = View {
-            camera: self.navigator.camera.clone(),
+            eye: match through {
+                Some((name, _)) => Eye::Through(name.clone()),
+                None => Eye::Free(self.navigator.camera.clone()),
+            },
+            frame,
             size: self.viewport,
             a: self.choice.a,
             b: self.choice.wipe.then_some(self.choice.b),
-            draft: !rests,
+            draft_ms: self.draft_ms(rests),
         };
+        if self
+            .asked
+            .as_ref()
+            .is_some_and(|asked| asked.frame != frame)
+        {
+            self.choice.heat = false;
+        }
         // A minimized window has no pixels: nothing is asked for.
         if view.size.iter().all(|side| *side > 0) && self.asked.as_ref() != Some(&view) {
             self.is_busy = true;
@@ -247,13 +215,34 @@ impl Window {
         }
     }
 
+    /// The frame that the clock wants now; the next one is waited for.
+    fn tick(&mut self, ui: &Ui, now_s: f64) -> u32 {
+        let Some(timeline) = &mut self.timeline else {
+            return 0;
+        };
+        if let Some(wait_s) = timeline.tick(now_s) {
+            ui.ctx().request_repaint_after_secs(wait_s as f32);
+        }
+        timeline.frame()
+    }
+
+    /// How long a picture may take while something moves.
+    fn draft_ms(&self, rests: bool) -> Option<f64> {
+        let moving = (!rests).then_some(MOVING_MS);
+        let playing = self.timeline.as_ref().filter(|time| time.is_playing());
+        let playing = playing.map(|time| time.frame_s() * 1e3 * PLAYING_SHARE);
+        moving.into_iter().chain(playing).reduce(f64::min)
+    }
+
     fn status(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             let number = self.shown.as_ref().map_or(0, |shown| shown.number);
-            if self.is_busy {
-                ui.label(format!("drawing after frame {number} …"));
+            if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
+                ui.label(format!("playing: picture {number}"));
+            } else if self.is_busy {
+                ui.label(format!("drawing after picture {number} …"));
             } else {
-                ui.label(format!("still: nothing changed since frame {number}"));
+                ui.label(format!("still: nothing changed since picture {number}"));
             }
             ui.separator();
             ui.weak(&self.note);
@@ -263,17 +252,20 @@ impl Window {
     fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         egui::ScrollArea::vertical().show(ui, |ui| {
             if let Some((_, stats)) = self.shown.as_ref().and_then(|shown| shown.sides.first()) {
-                panels::shares(ui, stats);
+                panels::shares(ui, stats, &self.history);
                 panels::times(ui, stats, &self.history);
             }
             let is_old = match (&self.judged, &self.asked) {
-                (Some(Judged { view: then, .. }), Some(now)) => {
-                    then.camera != now.camera || then.a != now.a
-                }
+                (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
                 _ => false,
             };
             panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
+            let mut tuned = self.tuned.clone();
+            if tuning::params(ui, &self.facts.declared, &mut tuned) {
+                wishes.push(Wish::Tune(tuned));
+            }
             panels::materials(ui, &mut self.choice, &self.facts, wishes);
+            messages::log(ui, &self.facts.log);
             messages::scene(ui, &self.facts);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
                 ui.monospace(as_text("copied", &self.navigator.camera));
@@ -284,7 +276,8 @@ impl Window {
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
-        self.receive();
+        let now_s = ui.input(|i| i.time);
+        self.receive(now_s);
         let mut wishes = Vec::new();
         self.keys(ui, &mut wishes);
         egui::Panel::top("bar").show(ui, |ui| {
@@ -293,6 +286,13 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if let Some(timeline) = &mut self.timeline {
+            egui::Panel::bottom("timeline").show(ui, |ui| {
+                ui.add_space(2.0);
+                timeline::panel(ui, timeline, now_s);
+                ui.add_space(1.0);
+            });
+        }
         egui::Panel::right("side")
             .resizable(false)
             .exact_size(300.0)

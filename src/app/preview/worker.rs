@@ -13,26 +13,20 @@ use std::{
 use super::{
     canvas::Canvas,
     desk::Desk,
-    facts::{Edit, Facts, Judged, Look, Report, Shown, Side, Task, View},
+    facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
 };
 use crate::{
     app::{
         aov,
-        live::{Live, Reload, Wishes},
-        output,
+        live::{Edit, Live, Reload, Wishes},
+        params::Tuned,
         watch::Watcher,
-    },
-    bench::{
-        metric::{Maps, flip},
-        picture::{Pair, Picture},
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats, targets::Target},
-    scene::desc::Method,
+    scene::desc::{CameraDesc, Method},
 };
 
-/// A draft should take no longer than this, milliseconds.
-const DRAFT_MS: f64 = 50.0;
 /// A still picture may take this long before sub-frames are left out, milliseconds.
 const STILL_MS: f64 = 1000.0;
 
@@ -61,6 +55,7 @@ impl Worker {
                 view: None,
                 canvases: Vec::new(),
                 heat: None,
+                told_frame: 0,
                 number: 0,
                 pixel_ms: 1e-4,
                 sender,
@@ -89,12 +84,15 @@ impl Drop for Worker {
     }
 }
 
-struct State {
-    gpu: Arc<Gpu>,
-    live: Live,
-    view: Option<View>,
+/// What the thread works with.
+pub(super) struct State {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) live: Live,
+    pub(super) view: Option<View>,
     canvases: Vec<Canvas>,
-    heat: Option<Canvas>,
+    pub(super) heat: Option<Canvas>,
+    /// The frame of the facts that were told last.
+    told_frame: u32,
     number: u64,
     /// What a pixel of a sub-frame took last, milliseconds.
     pixel_ms: f64,
@@ -103,13 +101,14 @@ struct State {
 }
 
 impl State {
-    fn tell(&self, report: Report) {
+    pub(super) fn tell(&self, report: Report) {
         // The window may be closed already.
         let _ = self.sender.send(report);
         (self.woken)();
     }
 
-    fn tell_facts(&self) {
+    fn tell_facts(&mut self) {
+        self.told_frame = self.live.posed_frame();
         self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
     }
 
@@ -141,10 +140,12 @@ impl State {
                         redraw = true;
                         self.edit(edit);
                     }
+                    Task::Tune(tuned) => redraw |= self.tune(tuned, watcher),
                     task => after.push(task),
                 }
             }
             if redraw {
+                self.pose();
                 self.draw();
             }
             self.tell_reloads(reloads);
@@ -164,45 +165,36 @@ impl State {
         }
     }
 
-    fn edit(&mut self, edit: Edit) {
-        let edited = self.live.edit_materials(|index, material| {
-            if index == edit.material {
-                material.reflectivity = edit.reflectivity;
-                material.roughness = edit.roughness;
-                material.metallic = edit.metallic;
+    /// Goes to the view's frame; what is wrong there is told, and told again when it is over.
+    fn pose(&mut self) {
+        if let Some(view) = &self.view {
+            let before = self.live.problems.pose.clone();
+            self.live.pose(view.frame);
+            if self.live.problems.pose != before {
+                self.tell_facts();
             }
-        });
-        match edited {
+        }
+    }
+
+    fn tune(&mut self, tuned: Tuned, watcher: Option<&Watcher>) -> bool {
+        let reload = self.live.tune(tuned);
+        if let Some(watcher) = watcher {
+            self.watch(watcher);
+        }
+        self.tell(Report::Tuned(reload));
+        self.tell_facts();
+        reload.ok
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        match self.live.edit(edit) {
             Ok(_) => self.tell_facts(),
             Err(error) => self.refuse(&error),
         }
     }
 
-    /// Tasks that need a frame.
-    fn look(&mut self, task: Task) {
-        let done = match task {
-            Task::Judge => self.judge(),
-            Task::Pick(at) => self.pick(at),
-            Task::Shot(path) => {
-                let said = match self.shot() {
-                    Ok(png) => match crate::files::write_whole(&path, &png) {
-                        Ok(()) => format!("wrote {}", path.display()),
-                        Err(error) => format!("cannot write {}: {error}", path.display()),
-                    },
-                    Err(error) => format!("no screenshot: {error}"),
-                };
-                self.tell(Report::Note(said));
-                Ok(())
-            }
-            Task::Reload(..) | Task::Edit(_) => Ok(()),
-        };
-        if let Err(error) = done {
-            self.refuse(&error);
-        }
-    }
-
     /// Shows an error; the last picture stays.
-    fn refuse(&mut self, error: &RenderError) {
+    pub(super) fn refuse(&mut self, error: &RenderError) {
         self.live.problems.refused = Some(error.to_string());
         self.tell_facts();
     }
@@ -216,8 +208,15 @@ impl State {
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
-                self.tell(Report::Shown(Box::new(Shown { number, sides })));
-                if had_problem {
+                self.tell(Report::Shown(Box::new(Shown {
+                    number,
+                    frame: self.live.posed_frame(),
+                    camera: self.camera(&view.eye),
+                    sides,
+                })));
+                // Numbers that move are told when they rest.
+                let is_new = self.told_frame != self.live.posed_frame();
+                if had_problem || (is_new && view.draft_ms.is_none()) {
                     self.tell_facts();
                 }
             }
@@ -241,16 +240,33 @@ impl State {
         Ok(sides)
     }
 
+    /// Where a view is taken from in the posed scene.
+    fn camera(&self, eye: &Eye) -> CameraDesc {
+        let cameras = &self.live.world().cameras;
+        match eye {
+            Eye::Free(camera) => camera.clone(),
+            Eye::Through(name) => {
+                let found = cameras.iter().find(|camera| camera.name == *name);
+                let found = found.or(cameras.first());
+                found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
+            }
+        }
+    }
+
     /// Renders into the targets with as many pixels and sub-frames as there is time for.
-    fn render(&mut self, view: &View, method: Method) -> Result<FrameStats, RenderError> {
+    pub(super) fn render(
+        &mut self,
+        view: &View,
+        method: Method,
+    ) -> Result<FrameStats, RenderError> {
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let mut size = view.size.map(|side| side.clamp(1, most));
         let mut samples = self.live.desc().image.samples;
-        if view.draft {
+        if let Some(draft_ms) = view.draft_ms {
             samples = 1;
             for _ in 0..3 {
-                if self.pixel_ms * pixels(size) > DRAFT_MS {
+                if self.pixel_ms * pixels(size) > draft_ms {
                     size = size.map(|side| side.div_ceil(2));
                 }
             }
@@ -263,7 +279,7 @@ impl State {
             method: Some(method),
             samples: Some(samples),
         })?;
-        let stats = self.live.render(&view.camera)?;
+        let stats = self.live.render(&self.camera(&view.eye))?;
         self.pixel_ms = stats.frame_ms / (pixels(size) * f64::from(samples));
         Ok(stats)
     }
@@ -285,77 +301,10 @@ impl State {
                 }
             }
             Look::Aov(aov) => {
-                let plane = aov.plane(&self.gpu, renderer, &view.camera)?;
+                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
                 canvas.write(&self.gpu, &aov::view(&plane));
             }
         }
-        Ok(())
-    }
-
-    /// Renders one method at full size and reads it back.
-    fn read(&mut self, method: Method) -> Result<([u32; 2], Vec<u8>), RenderError> {
-        let Some(mut view) = self.view.clone() else {
-            return Ok(([1, 1], vec![0; 4]));
-        };
-        view.draft = false;
-        let stats = self.render(&view, method)?;
-        let rgba = self.live.renderer().read(&self.gpu, Target::Display)?;
-        Ok((stats.size, rgba))
-    }
-
-    fn judge(&mut self) -> Result<(), RenderError> {
-        let Some(view) = self.view.clone() else {
-            return Ok(());
-        };
-        let method = view.a.method;
-        let (size, reference) = self.read(Method::Rt)?;
-        let (test_size, test) = self.read(method)?;
-        let picture = |rgba: &[u8]| {
-            let rgb: Vec<u8> = rgba
-                .chunks_exact(4)
-                .flat_map(|p| [p[0], p[1], p[2]])
-                .collect();
-            Picture::from_rgb8(size[0] as usize, size[1] as usize, &rgb)
-        };
-        let (Ok(test), Ok(reference)) = (picture(&test), picture(&reference)) else {
-            return Ok(());
-        };
-        let Ok(pair) = Pair::new(&test, &reference) else {
-            self.tell(Report::Note(format!("{test_size:?} is not {size:?}")));
-            return Ok(());
-        };
-        let maps = Maps::of(&pair);
-        let heat = Canvas::of_size(&self.gpu, self.heat.take(), size)?;
-        let rgb = flip::heat(&maps.flip);
-        let rgba: Vec<u8> = rgb
-            .chunks_exact(3)
-            .flat_map(|p| [p[0], p[1], p[2], 255])
-            .collect();
-        heat.write(&self.gpu, &rgba);
-        self.heat = Some(heat.clone());
-        self.tell(Report::Judged(Box::new(Judged {
-            view,
-            scores: maps.scores(None),
-            heat,
-        })));
-        Ok(())
-    }
-
-    fn shot(&mut self) -> Result<Vec<u8>, String> {
-        let method = self.view.as_ref().map(|view| view.a.method);
-        let method = method.ok_or("nothing is shown yet")?;
-        let (size, rgba) = self.read(method).map_err(|error| error.to_string())?;
-        output::encode_png(size, &rgba, None)
-    }
-
-    fn pick(&mut self, at: [f32; 2]) -> Result<(), RenderError> {
-        let [width, height] = self.live.renderer().targets().size;
-        let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
-        let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
-        let index = pixel(at[1], height) * width + pixel(at[0], width);
-        let instances = &self.live.world().instances;
-        let instance = instances.get(ids[index as usize][0] as usize);
-        self.tell(Report::Picked(instance.map(|found| found.material)));
         Ok(())
     }
 }

@@ -19,6 +19,7 @@ use super::{
 use crate::scene::{
     desc::{At, TimelineDesc},
     script::Script,
+    trail::Trail,
 };
 
 /// The script of a scene and what it adds.
@@ -32,8 +33,9 @@ pub struct Scripted {
     base: usize,
 }
 
-/// Loads the script that the tree names and calls its `setup`.
-pub fn run(root: &DeTable, folder: &Path, report: &mut Report) -> Scripted {
+/// Loads the script that the tree names and calls its `setup`; the files that it looks for are added
+/// to `trail`.
+pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) -> Scripted {
     let named = root.get("script");
     let Some((node, file)) = named.and_then(|n| Some((n, n.get_ref().as_str()?))) else {
         return Scripted::default();
@@ -42,7 +44,7 @@ pub fn run(root: &DeTable, folder: &Path, report: &mut Report) -> Scripted {
         value: file.to_owned(),
         at: report.span(&node.span()),
     };
-    let script = match Script::load(folder, &file) {
+    let script = match Script::load(folder, &file, trail) {
         Ok(script) => script,
         Err(error) => {
             report.push(*error);

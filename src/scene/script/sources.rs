@@ -8,7 +8,10 @@ use std::{
 
 use rhai::{EvalAltResult, ImmutableString, Position, Scope, Shared};
 
-use crate::scene::diagnostic::{Diagnostic, Source, Span};
+use crate::scene::{
+    diagnostic::{Diagnostic, Source, Span},
+    trail::Trail,
+};
 
 /// Largest script, bytes.
 pub const MOST_BYTES: u64 = 1 << 20;
@@ -18,6 +21,8 @@ pub const MOST_BYTES: u64 = 1 << 20;
 pub struct Sources {
     /// Where imports start; `None` forbids them.
     folder: Option<PathBuf>,
+    /// Where it is noted what was looked for.
+    trail: Trail,
     state: Mutex<State>,
 }
 
@@ -47,10 +52,11 @@ impl Problem {
 }
 
 impl Sources {
-    /// Of a script beside a scene.
-    pub fn new(folder: &Path) -> Self {
+    /// Of a script beside a scene; what is looked for is added to `trail`.
+    pub fn new(folder: &Path, trail: &Trail) -> Self {
         Self {
             folder: Some(folder.to_owned()),
+            trail: trail.clone(),
             ..Self::default()
         }
     }
@@ -89,6 +95,7 @@ impl Sources {
             return refuse(format!("{shown} is not below the scene's folder"), inside);
         }
         let path = folder.join(relative);
+        self.trail.add(path.clone());
         let missing = |what: &str| Problem {
             message: format!("\"{}\" {what}", path.display()),
             help: "file names of scripts start from the scene's folder and end in .rhai",

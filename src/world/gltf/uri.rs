@@ -5,30 +5,10 @@ use std::{
     fs::File,
     io::Read,
     path::{Component, Path, PathBuf},
-    sync::{Arc, Mutex, PoisonError},
 };
 
 use super::Fault;
-
-/// Every file that was read or looked for while loading, as it was named: links are not followed,
-/// and it need not exist. Clones share one list.
-#[derive(Clone, Debug, Default)]
-pub struct Trail(Arc<Mutex<Vec<PathBuf>>>);
-
-impl Trail {
-    fn add(&self, path: PathBuf) {
-        let mut paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if !paths.contains(&path) {
-            paths.push(path);
-        }
-    }
-
-    /// What was looked at so far.
-    pub fn paths(&self) -> Vec<PathBuf> {
-        let paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        paths.clone()
-    }
-}
+use crate::scene::trail::Trail;
 
 /// The folders that files may be read from, canonical.
 #[derive(Clone, Debug, Default)]

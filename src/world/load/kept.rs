@@ -33,6 +33,7 @@ pub struct Kept {
     pub(super) images: Vec<(ImageKey, bool)>,
     /// About meshes, which are not finished again.
     pub(super) mesh_warnings: Vec<Diagnostic>,
+    /// Without those of the script.
     pub(super) files: Vec<PathBuf>,
 }
 
@@ -80,6 +81,8 @@ impl Kept {
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
             camera::add_default(&mut loader.world);
+            loader.world.rest_unit_m = Some(loader.world.unit_m());
+            loader.add_script();
             loader.world.meshes = Vec::new();
             Ok(Some(loader.world))
         } else {

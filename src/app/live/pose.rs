@@ -1,0 +1,84 @@
+//! Another frame of the shown scene, and edits of its materials that are not on disk.
+
+use super::{Live, reload::pose_of};
+use crate::{
+    render::{Redone, RenderError},
+    scene::diagnostic::Diagnostic,
+    world::World,
+};
+
+/// A change of a material until the scene is next saved; it wins over motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edit {
+    /// Index of the material.
+    pub material: usize,
+    /// Specular reflectance at normal incidence, 0 to 1.
+    pub reflectivity: f32,
+    /// Perceptual roughness, 0 to 1.
+    pub roughness: f32,
+    /// 0 to 1.
+    pub metallic: f32,
+}
+
+impl Edit {
+    fn put(&self, world: &mut World) {
+        let material = &mut world.materials[self.material];
+        material.reflectivity = self.reflectivity;
+        material.roughness = self.roughness;
+        material.metallic = self.metallic;
+    }
+}
+
+impl Live {
+    /// Shows another frame, moved into the timeline: poses, the top level over them and the numbers
+    /// of materials are uploaded, nothing else is done again. Whether that frame is shown now; if
+    /// not, [`super::Problems::pose`] says why and the last good one stays.
+    pub fn pose(&mut self, frame: u32) -> bool {
+        let timeline = self.desc.timeline.as_ref();
+        let frame = timeline.map_or(0, |t| frame.clamp(t.start, t.end));
+        if frame != self.frame {
+            self.frame = frame;
+            self.problems.pose = self.try_pose(frame).err().unwrap_or_default();
+        }
+        self.problems.pose.is_empty()
+    }
+
+    fn try_pose(&mut self, frame: u32) -> Result<(), Vec<Diagnostic>> {
+        if let Some(state) = pose_of(&self.desc, frame)? {
+            self.world.apply(&state)?;
+            for edit in &self.edits {
+                edit.put(&mut self.world);
+            }
+            self.renderer.update(&self.gpu, &self.world);
+            self.log = state.log;
+        }
+        self.posed = frame;
+        Ok(())
+    }
+
+    /// Changes a material until the scene is next saved.
+    ///
+    /// # Errors
+    /// As [`crate::render::Renderer::change`]; then nothing has changed.
+    pub fn edit(&mut self, edit: Edit) -> Result<Redone, RenderError> {
+        if edit.material >= self.world.materials.len() {
+            return Ok(Redone::default()); // of a scene that is gone
+        }
+        let old = World {
+            materials: self.world.materials.clone(),
+            instances: self.world.instances.clone(),
+            ..World::default()
+        };
+        edit.put(&mut self.world);
+        let options = *self.renderer.options();
+        let (library, world) = (&self.library, &self.world);
+        let done = (self.renderer).change(&self.gpu, library, &old, world, &options);
+        if done.is_err() {
+            self.world.materials = old.materials;
+        } else {
+            self.edits.retain(|known| known.material != edit.material);
+            self.edits.push(edit);
+        }
+        done
+    }
+}

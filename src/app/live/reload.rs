@@ -1,0 +1,280 @@
+//! Taking over what changed on disk, or a script's parameters.
+
+use std::time::{Instant, SystemTime};
+
+use super::{Edit, Live, Origin, Reload, Wishes};
+use crate::{
+    app::{
+        params::{Declared, Tuned},
+        scene::{load_options, source},
+        watch::{Change, Changes},
+    },
+    gpu::{GpuError, ShaderError, ShaderLibrary},
+    render::{Redone, RenderError, RenderOptions},
+    scene::{
+        desc::SceneDesc,
+        diagnostic::Diagnostic,
+        motion::{FrameState, Motion},
+        parse,
+        trail::Trail,
+    },
+    world::{World, load},
+};
+
+/// A scene as it is on disk, and its wanted frame; nothing is loaded yet.
+pub(super) struct Read {
+    pub(super) desc: SceneDesc,
+    pub(super) warnings: Vec<Diagnostic>,
+    pub(super) declared: Declared,
+    /// The wanted frame, moved into the timeline.
+    pub(super) frame: u32,
+    /// `None` where frames do not differ.
+    pub(super) state: Option<FrameState>,
+}
+
+impl Read {
+    /// Poses what was loaded from it.
+    pub(super) fn pose(&self, world: &mut World) -> Result<(), Vec<Diagnostic>> {
+        self.state.as_ref().map_or(Ok(()), |s| world.apply(s))
+    }
+}
+
+/// Reads the scene and runs its script for the wanted frame. What no longer fits is taken out of
+/// `tuned`; scripts that are looked for are added to `scripts`.
+pub(super) fn read(
+    origin: &Origin,
+    tuned: &mut Tuned,
+    scripts: &Trail,
+    frame: u32,
+) -> Result<Read, Vec<Diagnostic>> {
+    let (text, name) = source(origin.path.as_deref())?;
+    let declared = parse::params(&text, &origin.from.set);
+    let declared: Option<Declared> =
+        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
+    if let Some(declared) = &declared {
+        tuned.keep_what_fits(declared);
+    }
+    let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
+    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, scripts)?;
+    let frame = (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end));
+    let state = pose_of(&desc, frame)?;
+    Ok(Read {
+        desc,
+        warnings,
+        declared: declared.unwrap_or_default(),
+        frame,
+        state,
+    })
+}
+
+/// A frame of a scene, where frames differ.
+pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Result<Option<FrameState>, Vec<Diagnostic>> {
+    let motion = Motion::new(desc);
+    if motion.is_still() {
+        return Ok(None);
+    }
+    motion.pose(frame).map(Some)
+}
+
+impl Live {
+    /// Takes over what changed on disk. Afterwards [`Live::watch_list`] may be another.
+    pub fn reload(&mut self, changes: &Changes) -> Reload {
+        self.measured(|live, reload| {
+            if changes.contains(&Change::Shader) {
+                live.reload_shaders(reload);
+            }
+            let of_scene = [Change::Scene, Change::Script, Change::Asset];
+            if of_scene.iter().any(|change| changes.contains(change)) {
+                let from_files = changes.contains(&Change::Asset);
+                if live.reload_scene(from_files, reload) {
+                    live.edits.clear();
+                }
+            }
+        })
+    }
+
+    /// Lays other values over the script's parameters.
+    pub fn tune(&mut self, tuned: Tuned) -> Reload {
+        self.tuned = tuned;
+        self.measured(|live, reload| {
+            let edited: Vec<_> = (live.edits.iter())
+                .map(|edit| (live.world.materials[edit.material].name.clone(), *edit))
+                .collect();
+            if live.reload_scene(false, reload) {
+                live.edits.clear();
+                // Another number of things may give the materials other places.
+                for (name, edit) in edited {
+                    let found = live.world.materials.iter().position(|m| m.name == name);
+                    let again = found.map(|material| live.edit(Edit { material, ..edit }));
+                    if let Some(Err(error)) = again {
+                        live.problems.refused = Some(error.to_string());
+                    }
+                }
+            }
+        })
+    }
+
+    /// What `work` did and how long it took.
+    fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
+        self.read_since = SystemTime::now();
+        let started = Instant::now();
+        let made = (self.gpu.made.shaders(), self.gpu.made.pipelines());
+        let driver = self.gpu.made.driver_time();
+        let mut reload = Reload {
+            ok: true,
+            ..Reload::default()
+        };
+        work(self, &mut reload);
+        reload.shaders = self.gpu.made.shaders() - made.0;
+        reload.pipelines = self.gpu.made.pipelines() - made.1;
+        reload.driver = self.gpu.made.driver_time() - driver;
+        reload.took = started.elapsed();
+        reload
+    }
+
+    fn reload_shaders(&mut self, reload: &mut Reload) {
+        let started = Instant::now();
+        let options = *self.renderer.options();
+        let world = &self.world;
+        let read = read_library(&self.origin).map_err(GpuError::Shader);
+        reload.parse += started.elapsed();
+        let built = read.map_err(RenderError::Gpu).and_then(|library| {
+            let redone = (self.renderer).change(&self.gpu, &library, world, world, &options)?;
+            Ok((library, redone))
+        });
+        self.problems.shader = None;
+        match built {
+            Ok((library, redone)) => {
+                self.library = library;
+                reload.redone = redone;
+            }
+            Err(error) => {
+                reload.ok = false;
+                self.keep_problem(error);
+            }
+        }
+    }
+
+    /// Whether the scene on disk is shown now; else its problems are kept.
+    fn reload_scene(&mut self, from_files: bool, reload: &mut Reload) -> bool {
+        let done = self.try_scene(from_files, reload);
+        let is_shown = done.is_ok();
+        reload.ok &= is_shown;
+        self.problems.scene = done.err().unwrap_or_default();
+        is_shown
+    }
+
+    fn try_scene(&mut self, from_files: bool, reload: &mut Reload) -> Result<(), Vec<Diagnostic>> {
+        let started = Instant::now();
+        self.scripts = Trail::default();
+        let read = read(&self.origin, &mut self.tuned, &self.scripts, self.frame);
+        reload.parse += started.elapsed();
+        let read = read?;
+        let mut options = load_options(&self.origin.from, &self.trail);
+        let relaid = if from_files {
+            None
+        } else {
+            self.kept.relay(&self.world, &read.desc, &options)?
+        };
+        let wanted = options_of(&read.desc, self.wishes);
+        if let Some(mut world) = relaid {
+            read.pose(&mut world)?;
+            let done = self.take_over(world, &wanted);
+            reload.redone = (reload.redone).and(done.map_err(|error| self.keep_problem(error))?);
+        } else {
+            reload.files = true;
+            // Everything is looked for anew; what only the old scene named is forgotten.
+            self.trail = Trail::default();
+            options.trail = self.trail.clone();
+            let (mut world, kept) = load::load_kept(&read.desc, &options)?;
+            read.pose(&mut world)?;
+            let built = (self.renderer).anew(&self.gpu, &self.library, &world, &wanted);
+            self.renderer = built.map_err(|error| self.keep_problem(error))?;
+            (self.world, self.kept) = (world, kept);
+            reload.redone = Redone {
+                upload: true,
+                trees: true,
+                poses: false,
+                materials: true,
+                passes: true,
+            };
+        }
+        self.settle(read);
+        Ok(())
+    }
+
+    /// The last step of taking over a scene.
+    fn settle(&mut self, read: Read) {
+        self.desc = read.desc;
+        self.declared = read.declared;
+        (self.frame, self.posed) = (read.frame, read.frame);
+        self.log = read.state.map_or_else(Vec::new, |state| state.log);
+        self.problems.pose.clear();
+        self.problems.refused = None;
+        self.warnings = read.warnings;
+        self.warnings.extend(self.world.warnings.iter().cloned());
+    }
+
+    /// Shows a world that was relaid over the same meshes and textures.
+    fn take_over(
+        &mut self,
+        mut world: World,
+        options: &RenderOptions,
+    ) -> Result<Redone, RenderError> {
+        world.meshes = std::mem::take(&mut self.world.meshes);
+        world.textures = std::mem::take(&mut self.world.textures);
+        let done = (self.renderer).change(&self.gpu, &self.library, &self.world, &world, options);
+        if done.is_ok() {
+            self.world = world;
+        } else {
+            self.world.meshes = world.meshes;
+            self.world.textures = world.textures;
+        }
+        done
+    }
+
+    /// Files an error under what it is about; scene errors are given back.
+    fn keep_problem(&mut self, error: RenderError) -> Vec<Diagnostic> {
+        match error {
+            RenderError::Scene(diagnostic) => vec![*diagnostic],
+            RenderError::Gpu(GpuError::Shader(error)) => {
+                self.problems.shader = Some(error);
+                Vec::new()
+            }
+            RenderError::Gpu(GpuError::Binding(text)) => {
+                let folder = self.origin.shaders.as_ref();
+                let file = folder.map_or("shaders".into(), |path| path.display().to_string());
+                self.problems.shader = Some(ShaderError {
+                    file: file.into(),
+                    message: text,
+                    location: None,
+                    notes: Vec::new(),
+                });
+                Vec::new()
+            }
+            RenderError::Gpu(error) => {
+                self.problems.refused = Some(error.to_string());
+                Vec::new()
+            }
+        }
+    }
+}
+
+pub(super) fn read_library(origin: &Origin) -> Result<ShaderLibrary, ShaderError> {
+    match &origin.shaders {
+        None => Ok(ShaderLibrary::embedded()),
+        Some(folder) => ShaderLibrary::from_dir(folder),
+    }
+}
+
+pub(super) fn options_of(desc: &SceneDesc, wishes: Wishes) -> RenderOptions {
+    let mut options = RenderOptions {
+        reflection: desc.reflection,
+        image: desc.image,
+        general: false,
+    };
+    options.reflection.method = wishes.method.unwrap_or(options.reflection.method);
+    options.image.size = wishes.size.unwrap_or(options.image.size);
+    options.image.samples = wishes.samples.unwrap_or(options.image.samples);
+    options
+}

@@ -1,0 +1,155 @@
+//! Script parameters that are set beside the scene's text: the same thing as `--set params.x=…`.
+
+use crate::scene::desc::ParamValue;
+
+/// Names and values that a scene declares, in its order.
+pub type Declared = Vec<(String, ParamValue)>;
+
+/// Values laid over those that a scene declares.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tuned(Vec<(String, ParamValue)>);
+
+impl Tuned {
+    /// Whether everything is as declared.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The value laid over that of this name.
+    pub fn get(&self, name: &str) -> Option<&ParamValue> {
+        let found = self.0.iter().find(|(known, _)| known == name);
+        found.map(|(_, value)| value)
+    }
+
+    /// Lays a value over the declared one, or takes it away where they are the same.
+    pub fn set(&mut self, name: &str, value: ParamValue, declared: &ParamValue) {
+        self.0.retain(|(known, _)| known != name);
+        if value != *declared {
+            self.0.push((name.to_owned(), value));
+        }
+    }
+
+    /// Forgets values whose parameter is gone, is of another kind or now has that value itself.
+    pub fn keep_what_fits(&mut self, declared: &Declared) {
+        let fits = |(name, value): &(String, ParamValue)| {
+            let own = declared.iter().find(|(known, _)| known == name);
+            own.is_some_and(|(_, own)| same_kind(own, value) && own != value)
+        };
+        self.0.retain(fits);
+    }
+
+    /// As `--set` takes them.
+    pub fn settings(&self) -> Vec<String> {
+        let text = |(name, value): &(String, ParamValue)| {
+            format!("params.{}={}", key(name), value_text(value))
+        };
+        self.0.iter().map(text).collect()
+    }
+
+    /// All parameters with their values now, as scene text.
+    pub fn as_text(&self, declared: &Declared) -> String {
+        let line = |(name, own): &(String, ParamValue)| {
+            let value = self.get(name).unwrap_or(own);
+            format!("{} = {}\n", key(name), value_text(value))
+        };
+        let lines: String = declared.iter().map(line).collect();
+        format!("[params]\n{lines}")
+    }
+}
+
+/// Lists of numbers must also be of one length: each place may have its meaning.
+fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
+    match (a, b) {
+        (ParamValue::Numbers(a), ParamValue::Numbers(b)) => a.len() == b.len(),
+        (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
+}
+
+/// A name as TOML writes it: bare where that is possible.
+pub fn key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(is_bare) {
+        name.to_owned()
+    } else {
+        quoted(name)
+    }
+}
+
+/// JSON's escapes are TOML's, but for the delete character.
+fn quoted(text: &str) -> String {
+    let json = serde_json::Value::from(text).to_string();
+    json.replace('\u{7f}', "\\u007f")
+}
+
+fn value_text(value: &ParamValue) -> String {
+    match value {
+        ParamValue::Integer(i) => i.to_string(),
+        ParamValue::Number(x) => number(*x),
+        ParamValue::Switch(on) => on.to_string(),
+        ParamValue::Text(text) => quoted(text),
+        ParamValue::Numbers(list) => {
+            let numbers: Vec<String> = list.iter().map(|x| number(*x)).collect();
+            format!("[{}]", numbers.join(", "))
+        }
+    }
+}
+
+/// With a point or an exponent, so that it stays a float.
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    const TEXT: &str = "version = 1\n[params]\ncount = 3\nspeed = 1.5\non = true\nword = 'a'\n\
+                        at = [1.0, 2.0]\n\"a b\" = 1\n";
+
+    fn declared(text: &str, set: &[String]) -> Declared {
+        let params = parse::params(text, set).expect("is right");
+        params.into_iter().map(|p| (p.name, p.value)).collect()
+    }
+
+    #[test]
+    fn settings_and_scene_text_read_back_as_they_were() {
+        let own = declared(TEXT, &[]);
+        let mut tuned = Tuned::default();
+        for (name, value) in [
+            ("count", ParamValue::Integer(-7)),
+            ("speed", ParamValue::Number(1e-9)),
+            ("on", ParamValue::Switch(false)),
+            ("word", ParamValue::Text("x = \"1\"\n\t\u{7f}é'".into())),
+            ("at", ParamValue::Numbers(vec![0.0, 1e11])),
+            ("a b", ParamValue::Integer(2)),
+        ] {
+            let old = own.iter().find(|(known, _)| known == name);
+            tuned.set(name, value.clone(), &old.expect("is declared").1);
+            let read = declared(TEXT, &tuned.settings());
+            assert!(read.contains(&(name.to_owned(), value)), "{read:?}");
+        }
+        let text = format!("version = 1\n{}", tuned.as_text(&own));
+        assert_eq!(declared(&text, &[]), declared(TEXT, &tuned.settings()));
+    }
+
+    #[test]
+    fn what_no_longer_fits_is_forgotten() {
+        let own = declared(TEXT, &[]);
+        let mut tuned = Tuned::default();
+        tuned.set("count", ParamValue::Integer(4), &own[0].1);
+        tuned.set("speed", ParamValue::Number(2.0), &own[1].1);
+        tuned.keep_what_fits(&own);
+        assert_eq!(tuned.settings(), ["params.count=4", "params.speed=2.0"]);
+        let mut other = tuned.clone();
+        other.keep_what_fits(&declared(
+            &TEXT.replace("count = 3", "count = 'three'"),
+            &[],
+        ));
+        assert_eq!(other.settings(), ["params.speed=2.0"]);
+        other.keep_what_fits(&declared("version = 1", &[]));
+        assert!(other.is_empty());
+        tuned.set("count", ParamValue::Integer(3), &own[0].1);
+        assert_eq!(tuned.settings(), ["params.speed=2.0"]);
+    }
+}

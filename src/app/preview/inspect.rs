@@ -1,0 +1,109 @@
+//! What the rendering thread does on demand: compare with `rt`, write a picture, tell the material
+//! under the pointer.
+
+use super::{
+    canvas::Canvas,
+    facts::{Judged, Report, Task},
+    worker::State,
+};
+use crate::{
+    app::output,
+    bench::{
+        metric::{Maps, flip},
+        picture::{Pair, Picture},
+    },
+    render::{RenderError, targets::Target},
+    scene::desc::Method,
+};
+
+impl State {
+    /// Tasks that need a frame.
+    pub(super) fn look(&mut self, task: Task) {
+        let done = match task {
+            Task::Judge => self.judge(),
+            Task::Pick(at) => self.pick(at),
+            Task::Shot(path) => {
+                let said = match self.shot() {
+                    Ok(png) => match crate::files::write_whole(&path, &png) {
+                        Ok(()) => format!("wrote {}", path.display()),
+                        Err(error) => format!("cannot write {}: {error}", path.display()),
+                    },
+                    Err(error) => format!("no screenshot: {error}"),
+                };
+                self.tell(Report::Note(said));
+                Ok(())
+            }
+            Task::Reload(..) | Task::Edit(_) | Task::Tune(_) => Ok(()),
+        };
+        if let Err(error) = done {
+            self.refuse(&error);
+        }
+    }
+
+    /// Renders one method at full size and reads it back.
+    fn read(&mut self, method: Method) -> Result<([u32; 2], Vec<u8>), RenderError> {
+        let Some(mut view) = self.view.clone() else {
+            return Ok(([1, 1], vec![0; 4]));
+        };
+        view.draft_ms = None;
+        let stats = self.render(&view, method)?;
+        let rgba = self.live.renderer().read(&self.gpu, Target::Display)?;
+        Ok((stats.size, rgba))
+    }
+
+    fn judge(&mut self) -> Result<(), RenderError> {
+        let Some(view) = self.view.clone() else {
+            return Ok(());
+        };
+        let method = view.a.method;
+        let (size, reference) = self.read(Method::Rt)?;
+        let (test_size, test) = self.read(method)?;
+        let picture = |rgba: &[u8]| {
+            let rgb: Vec<u8> = rgba
+                .chunks_exact(4)
+                .flat_map(|p| [p[0], p[1], p[2]])
+                .collect();
+            Picture::from_rgb8(size[0] as usize, size[1] as usize, &rgb)
+        };
+        let (Ok(test), Ok(reference)) = (picture(&test), picture(&reference)) else {
+            return Ok(());
+        };
+        let Ok(pair) = Pair::new(&test, &reference) else {
+            self.tell(Report::Note(format!("{test_size:?} is not {size:?}")));
+            return Ok(());
+        };
+        let maps = Maps::of(&pair);
+        let heat = Canvas::of_size(&self.gpu, self.heat.take(), size)?;
+        let rgb = flip::heat(&maps.flip);
+        let rgba: Vec<u8> = rgb
+            .chunks_exact(3)
+            .flat_map(|p| [p[0], p[1], p[2], 255])
+            .collect();
+        heat.write(&self.gpu, &rgba);
+        self.heat = Some(heat.clone());
+        self.tell(Report::Judged(Box::new(Judged {
+            view,
+            scores: maps.scores(None),
+            heat,
+        })));
+        Ok(())
+    }
+
+    fn shot(&mut self) -> Result<Vec<u8>, String> {
+        let method = self.view.as_ref().map(|view| view.a.method);
+        let method = method.ok_or("nothing is shown yet")?;
+        let (size, rgba) = self.read(method).map_err(|error| error.to_string())?;
+        output::encode_png(size, &rgba, None)
+    }
+
+    fn pick(&mut self, at: [f32; 2]) -> Result<(), RenderError> {
+        let [width, height] = self.live.renderer().targets().size;
+        let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
+        let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
+        let index = pixel(at[1], height) * width + pixel(at[0], width);
+        let instances = &self.live.world().instances;
+        let instance = instances.get(ids[index as usize][0] as usize);
+        self.tell(Report::Picked(instance.map(|found| found.material)));
+        Ok(())
+    }
+}

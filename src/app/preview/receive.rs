@@ -1,0 +1,106 @@
+//! What the window does with what the rendering thread says.
+
+use std::sync::mpsc::TryRecvError;
+
+use super::{
+    facts::{Facts, Report, Shown},
+    plot::HISTORY,
+    timeline::Timeline,
+    window::Window,
+};
+
+impl Window {
+    /// Takes over everything that was said since the last time.
+    pub(super) fn receive(&mut self, now_s: f64) {
+        loop {
+            match self.worker.reports.try_recv() {
+                Ok(Report::Facts(facts)) => self.take_facts(*facts, now_s),
+                Ok(Report::Shown(shown)) => self.take_shown(*shown, now_s),
+                Ok(Report::Tuned(reload)) => {
+                    let ms = reload.took.as_secs_f64() * 1e3;
+                    self.note = if reload.ok {
+                        format!("the parameters took {ms:.0} ms")
+                    } else {
+                        "these parameters do not work".to_owned()
+                    };
+                }
+                Ok(Report::Reloaded(reload, ms)) => {
+                    let cpu = reload.took.as_secs_f64() * 1e3;
+                    self.note = if reload.ok {
+                        format!(
+                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
+                        )
+                    } else {
+                        "saved with a mistake".to_owned()
+                    };
+                }
+                Ok(Report::Judged(judged)) => {
+                    self.judged = Some(*judged);
+                    self.choice.heat = true;
+                }
+                Ok(Report::Picked(material)) => self.choice.material = material,
+                Ok(Report::Note(note)) => self.note = note,
+                Ok(Report::Idle) => self.is_busy = false,
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.note = "the renderer stopped; start the preview again".to_owned();
+                    return;
+                }
+            }
+        }
+    }
+
+    fn take_shown(&mut self, shown: Shown, now_s: f64) {
+        if self.choice.through.is_some() {
+            // The scene's camera may move with time; who takes it over starts from there.
+            self.navigator.camera = shown.camera.clone();
+        }
+        let stats = shown.sides.first().map(|(_, stats)| stats.clone());
+        self.history.extend(stats);
+        if self.history.len() > HISTORY {
+            self.history.pop_front();
+        }
+        let is_next = self.shown.as_ref().is_none_or(|s| s.frame != shown.frame);
+        if let (Some(timeline), true) = (&mut self.timeline, is_next) {
+            timeline.count(now_s);
+        }
+        self.shown = Some(shown);
+    }
+
+    /// Takes over a scene that was read again: camera, time and selection stay, by name.
+    fn take_facts(&mut self, facts: Facts, now_s: f64) {
+        self.timeline = facts
+            .timeline
+            .as_ref()
+            .map(|desc| match self.timeline.take() {
+                Some(mut timeline) => {
+                    timeline.replace(desc, now_s);
+                    timeline
+                }
+                None => Timeline::new(desc),
+            });
+        self.tuned.keep_what_fits(&facts.declared);
+        let material = self
+            .choice
+            .material
+            .and_then(|i| self.facts.materials.get(i));
+        self.choice.material =
+            material.and_then(|old| facts.materials.iter().position(|new| new.name == old.name));
+        let camera = self.choice.through.and_then(|i| self.facts.cameras.get(i));
+        let camera =
+            camera.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
+        self.choice.through = camera;
+        let home = self.facts.cameras.get(self.choice.home);
+        let home = home.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
+        self.choice.home = home.unwrap_or(0);
+        if let Some(index) = camera {
+            // One that was not moved by hand follows the scene.
+            self.navigator.camera = facts.cameras[index].1.clone();
+        }
+        self.navigator.rescale(&facts.bounds);
+        if facts.method != self.facts.method {
+            self.choice.a.method = facts.method;
+        }
+        self.facts = facts;
+    }
+}

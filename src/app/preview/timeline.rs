@@ -1,0 +1,302 @@
+//! The timeline: which frame is wanted now. The wall clock decides while it plays, so that slow
+//! frames are left out and time keeps its pace.
+
+use std::collections::VecDeque;
+
+use eframe::egui::{self, Key, Ui};
+
+use crate::scene::desc::TimelineDesc;
+
+/// The rate of shown frames is counted over this long, seconds.
+const COUNTED_S: f64 = 1.5;
+/// Below this part of the scene's rate frames are said to be left out.
+const KEEPS_UP: f64 = 0.9;
+
+/// Where a scene's time is, and whether it runs.
+#[derive(Clone, Debug)]
+pub struct Timeline {
+    desc: TimelineDesc,
+    frame: u32,
+    /// When playing began, seconds, and from which frame; `None` while paused.
+    since: Option<(f64, u32)>,
+    /// Whether the first frame follows the last.
+    pub repeats: bool,
+    /// When frames of this playing were shown, seconds.
+    shown: VecDeque<f64>,
+}
+
+impl Timeline {
+    /// Paused at the first frame.
+    pub fn new(desc: &TimelineDesc) -> Self {
+        Self {
+            desc: desc.clone(),
+            frame: desc.start,
+            since: None,
+            repeats: true,
+            shown: VecDeque::new(),
+        }
+    }
+
+    /// Takes over the frames of a scene that was read again; frame, pause and loop stay.
+    pub fn replace(&mut self, desc: &TimelineDesc, now_s: f64) {
+        if self.desc != *desc {
+            self.desc = desc.clone();
+            self.seek(self.frame, now_s);
+        }
+    }
+
+    /// The frame that is wanted.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
+    /// Whether time runs.
+    pub fn is_playing(&self) -> bool {
+        self.since.is_some()
+    }
+
+    /// How long a frame lasts, seconds.
+    pub fn frame_s(&self) -> f64 {
+        1.0 / f64::from(self.desc.fps)
+    }
+
+    /// Plays or pauses; at the end it plays from the start.
+    pub fn toggle(&mut self, now_s: f64) {
+        self.shown.clear();
+        if self.since.take().is_none() {
+            if self.frame == self.desc.end && !self.repeats {
+                self.frame = self.desc.start;
+            }
+            self.since = Some((now_s, self.frame));
+        }
+    }
+
+    /// Goes to a frame; what plays goes on from there.
+    pub fn seek(&mut self, frame: u32, now_s: f64) {
+        self.frame = frame.clamp(self.desc.start, self.desc.end);
+        self.since = self.since.map(|_| (now_s, self.frame));
+    }
+
+    /// Pauses and goes on by frames; with loop, around the ends.
+    pub fn step(&mut self, by: i64) {
+        self.since = None;
+        self.frame = self.after(self.frame, by).0;
+    }
+
+    /// First frame.
+    pub fn start(&self) -> u32 {
+        self.desc.start
+    }
+
+    /// Last frame.
+    pub fn end(&self) -> u32 {
+        self.desc.end
+    }
+
+    /// The frame so many after another, and whether the end was passed without loop.
+    fn after(&self, frame: u32, by: i64) -> (u32, bool) {
+        let [start, end] = [self.desc.start, self.desc.end].map(i64::from);
+        let frame = i64::from(frame) + by;
+        if self.repeats {
+            let around = (frame - start).rem_euclid(end - start + 1);
+            ((start + around) as u32, false)
+        } else {
+            (frame.clamp(start, end) as u32, frame > end)
+        }
+    }
+
+    /// Moves on to what the clock says; seconds until the next frame, `None` while nothing runs.
+    pub fn tick(&mut self, now_s: f64) -> Option<f64> {
+        let (since_s, from) = self.since?;
+        let frames = (now_s - since_s).max(0.0) * f64::from(self.desc.fps);
+        let (frame, is_over) = self.after(from, frames as i64);
+        self.frame = frame;
+        if is_over {
+            self.since = None;
+            return None;
+        }
+        Some((1.0 - frames.fract()) * self.frame_s())
+    }
+
+    /// Counts a frame that was shown.
+    pub fn count(&mut self, now_s: f64) {
+        if self.is_playing() {
+            self.shown.push_back(now_s);
+            while self.shown.front().is_some_and(|t| now_s - t > COUNTED_S) {
+                self.shown.pop_front();
+            }
+        }
+    }
+
+    /// Frames a second that are shown, once enough were.
+    pub fn rate(&self) -> Option<f64> {
+        let (first, last) = (self.shown.front()?, self.shown.back()?);
+        let enough = self.shown.len() > 2 && self.is_playing();
+        enough.then(|| (self.shown.len() - 1) as f64 / (last - first).max(1e-9))
+    }
+
+    /// What the rate is, in words.
+    fn pace(&self) -> String {
+        let fps = self.desc.fps;
+        match self.rate() {
+            Some(rate) if rate < KEEPS_UP * f64::from(fps) => {
+                format!("{rate:.1} of {fps} fps: frames are left out")
+            }
+            _ => format!("{fps} fps"),
+        }
+    }
+}
+
+/// What keys do to it.
+pub fn keys(timeline: &mut Timeline, pressed: impl Fn(Key) -> bool, now_s: f64) {
+    if pressed(Key::Space) {
+        timeline.toggle(now_s);
+    }
+    for (key, by) in [(Key::ArrowLeft, -1), (Key::ArrowRight, 1)] {
+        if pressed(key) {
+            timeline.step(by);
+        }
+    }
+    for (key, frame) in [(Key::Home, timeline.start()), (Key::End, timeline.end())] {
+        if pressed(key) {
+            timeline.seek(frame, now_s);
+        }
+    }
+    if pressed(Key::L) {
+        timeline.repeats = !timeline.repeats;
+    }
+}
+
+/// The row below the picture.
+pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
+    ui.horizontal(|ui| {
+        let mut button = |text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
+        let to_start = button("⏮", "Home: first frame");
+        let back = button("◀", "left arrow: one frame back");
+        let word = if timeline.is_playing() {
+            "pause"
+        } else {
+            "play"
+        };
+        let toggles = button(word, "Space");
+        let forward = button("▶", "right arrow: one frame on");
+        let to_end = button("⏭", "End: last frame");
+        ui.checkbox(&mut timeline.repeats, "loop")
+            .on_hover_text("L: the first frame follows the last");
+        let mut frame = timeline.frame();
+        ui.label("frame");
+        let range = timeline.start()..=timeline.end();
+        let number = ui.add(egui::DragValue::new(&mut frame).range(range.clone()));
+        let time_s = f64::from(timeline.frame()) * timeline.frame_s();
+        ui.label(format!("of {}", timeline.end()));
+        ui.monospace(format!("{time_s:7.3} s"));
+        let pace = timeline.pace();
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        let slid = ui.with_layout(right, |ui| {
+            ui.weak(pace);
+            ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
+            let slider = egui::Slider::new(&mut frame, range).show_value(false);
+            ui.add(slider).on_hover_text("scrub")
+        });
+        if number.changed() || slid.inner.changed() {
+            timeline.seek(frame, now_s);
+        }
+        if toggles {
+            timeline.toggle(now_s);
+        }
+        for (pressed, frame) in [(to_start, timeline.start()), (to_end, timeline.end())] {
+            if pressed {
+                timeline.seek(frame, now_s);
+            }
+        }
+        for (pressed, by) in [(back, -1), (forward, 1)] {
+            if pressed {
+                timeline.step(by);
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timeline(fps: f32, start: u32, end: u32) -> Timeline {
+        Timeline::new(&TimelineDesc { fps, start, end })
+    }
+
+    #[test]
+    fn the_clock_decides_and_late_frames_are_left_out() {
+        let mut time = timeline(24.0, 10, 19);
+        assert_eq!(time.tick(5.0), None, "paused");
+        time.toggle(100.0);
+        let wait = time.tick(100.0).expect("plays");
+        assert!(time.frame() == 10 && (wait - 1.0 / 24.0).abs() < 1e-9);
+        time.tick(100.0 + 4.5 / 24.0);
+        assert_eq!(time.frame(), 14);
+        // Around the end, and many rounds later.
+        time.tick(100.0 + 10.5 / 24.0);
+        assert_eq!(time.frame(), 10);
+        time.tick(100.0 + 1e6 / 24.0 + 1e-6);
+        assert_eq!(time.frame(), 10);
+        time.repeats = false;
+        time.seek(18, 200.0);
+        assert!(time.is_playing());
+        assert_eq!(time.tick(201.0), None);
+        assert!(time.frame() == 19 && !time.is_playing());
+        time.toggle(300.0);
+        assert_eq!(time.frame(), 10, "plays from the start");
+    }
+
+    #[test]
+    fn steps_pause_and_keep_to_the_timeline() {
+        let mut time = timeline(10.0, 0, 3);
+        time.toggle(0.0);
+        time.step(1);
+        assert!(time.frame() == 1 && !time.is_playing());
+        time.step(-2);
+        assert_eq!(time.frame(), 3, "around");
+        time.repeats = false;
+        time.step(1);
+        assert_eq!(time.frame(), 3);
+        time.seek(99, 0.0);
+        assert_eq!(time.frame(), 3);
+        let one = timeline(10.0, 7, 7);
+        assert_eq!(one.after(7, 5), (7, false));
+    }
+
+    #[test]
+    fn another_timeline_keeps_frame_pause_and_loop() {
+        let mut time = timeline(24.0, 0, 100);
+        time.repeats = false;
+        time.seek(80, 0.0);
+        let desc = |fps, end| TimelineDesc { fps, start: 0, end };
+        time.replace(&desc(12.0, 90), 1.0);
+        assert!(time.frame() == 80 && !time.is_playing() && !time.repeats);
+        time.toggle(10.0);
+        time.tick(10.25);
+        assert_eq!(time.frame(), 83);
+        // The new rate counts from now on; what was played stays played.
+        time.replace(&desc(24.0, 90), 10.25);
+        time.tick(10.5);
+        assert_eq!(time.frame(), 89);
+        time.replace(&desc(24.0, 50), 10.5);
+        assert!(time.frame() == 50 && time.is_playing());
+    }
+
+    #[test]
+    fn it_says_when_it_cannot_keep_up() {
+        let mut time = timeline(20.0, 0, 100);
+        time.toggle(0.0);
+        for i in 0..40 {
+            time.count(f64::from(i) / 20.0);
+        }
+        assert_eq!(time.pace(), "20 fps");
+        for i in 0..20 {
+            time.count(2.0 + f64::from(i) / 5.0);
+        }
+        assert_eq!(time.pace(), "5.0 of 20 fps: frames are left out");
+        time.toggle(9.0);
+        assert_eq!(time.pace(), "20 fps");
+    }
+}

@@ -1,0 +1,380 @@
+//! Scripts and time in a live scene: what an edit of a script redoes, frames, parameters, and that
+//! a mistake keeps the last good picture.
+
+use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
+
+use reflet::{
+    app::{
+        live::{Edit, Live, Reload},
+        params::Tuned,
+        watch::Change,
+    },
+    gpu::Gpu,
+    render::Redone,
+    scene::desc::ParamValue,
+};
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, Watch, open, open_with, picture},
+    saves::{ROUNDS, SAVES, Save},
+};
+
+const SCRIPT: &str = r#"import "parts/path" as path;
+fn setup(ctx) {
+    let all = [];
+    for i in 0..ctx.params.count {
+        all.push(#{ name: `box${i}`, model: "box", dynamic: true });
+    }
+    #{ instances: all }
+}
+fn frame(ctx) {
+    for i in 0..ctx.params.count {
+        ctx.place(`box${i}`, path::place(i, ctx.t));
+    }
+    ctx.light("lamp", #{ intensity_cd: 30 + 10 * ctx.t });
+    ctx.material("red", #{ roughness: 0.5 + 0.1 * ctx.t });
+}
+"#;
+
+const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
+
+/// A scripted scene on disk, opened.
+struct Session {
+    gpu: Arc<Gpu>,
+    folder: Folder,
+    scene: PathBuf,
+    live: Live,
+}
+
+impl Session {
+    fn new() -> Option<Self> {
+        let gpu = Arc::new(gpu_or_skip()?);
+        let folder = Folder::new();
+        let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(
+            "[[instance]]\nmodel = \"box\"\ntranslation = [0, 0.5, 0]\n",
+            "",
+        ) + "[timeline]\nfps = 10\nend = 40\n[params]\ncount = 2\nspeed = 1.5\n";
+        folder.write("sub/move.rhai", SCRIPT);
+        folder.write("parts/path.rhai", PATH);
+        let scene = folder.write("scene.toml", text);
+        let live = open(&gpu, &scene, None);
+        Some(Self {
+            gpu,
+            folder,
+            scene,
+            live,
+        })
+    }
+
+    fn picture(&mut self) -> Vec<u8> {
+        picture(&self.gpu, &mut self.live)
+    }
+
+    /// The picture of a frame after a fresh start.
+    fn afresh(&self, frame: u32, set: &[&str]) -> Vec<u8> {
+        let mut live = open_with(&self.gpu, &self.scene, None, set);
+        assert!(live.pose(frame));
+        picture(&self.gpu, &mut live)
+    }
+
+    fn save_script(&mut self, text: &str) -> Reload {
+        self.folder.write("sub/move.rhai", text);
+        self.live.reload(&[Change::Script].into())
+    }
+
+    /// What is wrong, as `file:line`.
+    fn place(&self) -> String {
+        let problems = &self.live.problems;
+        let problem = problems.scene.iter().chain(&problems.pose).next();
+        let span = &problem.expect("a problem").span;
+        let source = span.source.as_ref().expect("a place");
+        let file = source.path.file_name().expect("a name").to_string_lossy();
+        format!("{file}:{}", source.place(span.range.start).line)
+    }
+}
+
+/// Posed anew, and nothing else.
+const POSES: Redone = Redone {
+    upload: false,
+    trees: false,
+    poses: true,
+    materials: false,
+    passes: false,
+};
+
+#[test]
+fn the_script_and_its_imports_are_watched_also_while_they_are_broken() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let is_watched = |session: &Session, name: &str| {
+        let wanted = session.folder.path(name);
+        let list = session.live.watch_list().0;
+        let found: Vec<Change> = (list.files.iter())
+            .filter(|(path, _)| *path == wanted)
+            .map(|(_, change)| *change)
+            .collect();
+        found == [Change::Script]
+    };
+    for name in ["sub/move.rhai", "parts/path.rhai"] {
+        assert!(is_watched(&session, name), "{name}");
+    }
+    let reload = session.save_script("import \"parts/later\" as later;\nfn frame(ctx) {}\n");
+    assert!(!reload.ok);
+    assert!(is_watched(&session, "parts/later.rhai"), "before it exists");
+    session.folder.write("parts/later.rhai", "fn x() {");
+    assert!(!session.live.reload(&[Change::Script].into()).ok);
+    assert!(
+        session.place().starts_with("later.rhai:1"),
+        "{}",
+        session.place()
+    );
+    session.folder.write("parts/later.rhai", "fn x() { 1 }");
+    assert!(session.live.reload(&[Change::Script].into()).ok);
+    assert!(
+        !is_watched(&session, "parts/path.rhai"),
+        "no longer imported"
+    );
+}
+
+#[test]
+fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    assert!(session.live.pose(20));
+    let before = session.picture();
+    assert!(before == session.afresh(20, &[]));
+    let reload = session.save_script(&SCRIPT.replace("path::place(i, ctx.t)", "vec3(i, 1, 0)"));
+    assert!(reload.ok && !reload.files, "{:?}", session.live.problems);
+    assert_eq!((reload.shaders, reload.pipelines), (0, 0));
+    assert_eq!(reload.redone, POSES);
+    let after = session.picture();
+    assert!(after != before && after == session.afresh(20, &[]));
+    // An import counts like the script itself.
+    session.save_script(SCRIPT);
+    let path = PATH.replace("0.4 * t", "0.1 * t");
+    session.folder.write("parts/path.rhai", path);
+    let reload = session.live.reload(&[Change::Script].into());
+    assert!(reload.ok && reload.redone == POSES);
+    let after = session.picture();
+    assert!(after != before && after == session.afresh(20, &[]));
+    // So does a text edit at a frame: the lamp shines as the script says.
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    let text = text.replace("[2, 4, 3]", "[-2, 4, 3]");
+    fs::write(&session.scene, text).expect("written");
+    let reload = session.live.reload(&[Change::Scene].into());
+    assert!(reload.ok && reload.redone == Redone::default());
+    assert!(session.picture() == session.afresh(20, &[]));
+}
+
+#[test]
+fn frames_are_what_a_fresh_start_shows_in_any_order() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    for frame in [30, 3, 40, 0, 99, 30] {
+        let made = (session.gpu.made.shaders(), session.gpu.made.pipelines());
+        assert!(session.live.pose(frame));
+        assert_eq!(session.live.posed_frame(), frame.min(40));
+        let now = session.picture();
+        let made_now = (session.gpu.made.shaders(), session.gpu.made.pipelines());
+        assert_eq!(made_now, made, "posing makes nothing");
+        assert!(now == session.afresh(frame, &[]), "frame {frame}");
+    }
+}
+
+#[test]
+fn an_error_in_a_frame_keeps_the_last_good_one() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let failing = SCRIPT.replace(
+        "fn frame(ctx) {\n",
+        "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n",
+    );
+    assert!(session.save_script(&failing).ok);
+    session.live.pose(5);
+    let good = session.picture();
+    assert!(!session.live.pose(12));
+    assert_eq!(session.place(), "move.rhai:10");
+    let message = &session.live.problems.pose[0].message;
+    assert!(message.contains("too late") && message.contains("in frame 12"));
+    assert!(session.live.posed_frame() == 5 && session.picture() == good);
+    assert!(session.live.pose(5) && session.live.problems.is_empty());
+    // A save that fails in the wanted frame is not taken over at all.
+    session.save_script(SCRIPT);
+    session.live.pose(12);
+    let good = session.picture();
+    assert!(!session.save_script(&failing).ok);
+    assert_eq!(session.place(), "move.rhai:10");
+    assert!(session.live.pose(20) && session.live.pose(12) && session.picture() == good);
+    assert!(
+        !session.live.problems.scene.is_empty(),
+        "the file is still wrong"
+    );
+    assert!(session.save_script(SCRIPT).ok && session.live.problems.is_empty());
+}
+
+#[test]
+fn broken_then_good_keeps_the_last_picture() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    session.live.pose(8);
+    for round in 0..ROUNDS {
+        let before = session.picture();
+        let (broken, line) = match round % 4 {
+            0 => (SCRIPT.replace("fn setup(ctx) {", "fn setup(ctx {"), 2),
+            1 => (SCRIPT.replace("`box${i}`, path", "`bax${i}`, path"), 11),
+            2 => (SCRIPT.replace("model: \"box\"", "modle: \"box\""), 3),
+            _ => (SCRIPT.replace("parts/path", "parts/gone"), 1),
+        };
+        assert!(!session.save_script(&broken).ok, "round {round}");
+        let place = session.place();
+        assert!(place.ends_with(&format!(":{line}")), "{place} in {round}");
+        assert!(session.picture() == before, "round {round}");
+        let good = SCRIPT.replace("intensity_cd: 30", &format!("intensity_cd: {}", 31 + round));
+        assert!(session.save_script(&good).ok && session.live.problems.is_empty());
+        assert!(session.picture() != before);
+    }
+    assert!(session.picture() == session.afresh(8, &[]));
+}
+
+#[test]
+fn every_way_of_saving_a_script_ends_with_its_last_text() {
+    let Some(session) = Session::new() else {
+        return;
+    };
+    let watch = Watch::settled(session.live.watch_list().0);
+    let path = session.folder.path("sub/move.rhai");
+    let session = RefCell::new(session);
+    let burst: Save = |folder, path, text| {
+        for i in 0..1000 {
+            fs::write(path, format!("{} // {i}", &text[..i.min(text.len())])).expect("written");
+        }
+        folder.write("sub/neighbor.rhai", "fn x() {}");
+        fs::write(path, text).expect("written");
+    };
+    let bursts = ("a burst", burst, 3);
+    let ways = SAVES.into_iter().map(|(way, save)| (way, save, ROUNDS));
+    for (way, save, rounds) in ways.chain([bursts]) {
+        for round in 0..rounds {
+            let text = format!("{SCRIPT}// {way} {round}\n");
+            save(&session.borrow().folder, &path, &text);
+            watch.until(
+                |changes| {
+                    assert_eq!(
+                        changes.iter().collect::<Vec<_>>(),
+                        [&Change::Script],
+                        "{way}"
+                    );
+                    let live = &mut session.borrow_mut().live;
+                    live.reload(changes);
+                    let (list, since) = live.watch_list();
+                    watch.watcher.watch(list, since);
+                },
+                || {
+                    let live = &session.borrow().live;
+                    let script = live.desc().script.as_ref().expect("a script");
+                    live.problems.is_empty() && script.texts()[0].1 == text
+                },
+            );
+        }
+    }
+    let mut session = session.into_inner();
+    assert!(session.picture() == session.afresh(0, &[]));
+}
+
+#[test]
+fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    session.live.pose(10);
+    let first = session.picture();
+    let own = session.live.declared().clone();
+    assert_eq!(own[0], ("count".to_owned(), ParamValue::Integer(2)));
+    let mut tuned = Tuned::default();
+    tuned.set("count", ParamValue::Integer(3), &own[0].1);
+    assert!(session.live.tune(tuned.clone()).ok);
+    let three = session.picture();
+    assert!(three != first && three == session.afresh(10, &["params.count=3"]));
+    // A save keeps it, a mistake of the value keeps the picture.
+    let reload = session.save_script(&format!("{SCRIPT}// saved\n"));
+    assert!(reload.ok && reload.redone == Redone::default());
+    assert!(session.picture() == three);
+    tuned.set("count", ParamValue::Integer(60_000), &own[0].1);
+    assert!(!session.live.tune(tuned.clone()).ok);
+    assert!(session.picture() == three && !session.live.problems.is_empty());
+    tuned.set("count", ParamValue::Integer(3), &own[0].1);
+    assert!(session.live.tune(tuned).ok && session.live.problems.is_empty());
+    // The parameter goes, and with it what was laid over it.
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    fs::write(&session.scene, text.replace("count = 2", "number = 2")).expect("written");
+    session.folder.write(
+        "sub/move.rhai",
+        SCRIPT.replace("ctx.params.count", "ctx.params.number"),
+    );
+    let reload = session.live.reload(&[Change::Scene, Change::Script].into());
+    assert!(reload.ok, "{:?}", session.live.problems);
+    assert!(session.live.tuned().is_empty() && session.picture() == first);
+}
+
+#[test]
+fn an_edited_material_wins_over_motion_until_the_next_save() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let red = |session: &Session| {
+        let materials = &session.live.world().materials;
+        materials.iter().position(|m| m.name == "red").expect("red")
+    };
+    session.live.pose(10);
+    let material = red(&session);
+    let edit = Edit {
+        material,
+        reflectivity: 0.9,
+        roughness: 0.0,
+        metallic: 1.0,
+    };
+    session.live.edit(edit).expect("is taken");
+    let shiny = |session: &Session| {
+        let now = &session.live.world().materials[red(session)];
+        (now.reflectivity, now.roughness, now.metallic) == (0.9, 0.0, 1.0)
+    };
+    assert!(shiny(&session));
+    session.live.pose(30);
+    assert!(shiny(&session), "also in another frame");
+    let count = session.live.declared()[0].1.clone();
+    let mut tuned = Tuned::default();
+    tuned.set("count", ParamValue::Integer(4), &count);
+    assert!(
+        session.live.tune(tuned).ok && shiny(&session),
+        "with other parameters"
+    );
+    assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);
+    assert!(!shiny(&session));
+    assert!(session.picture() == session.afresh(30, &["params.count=4"]));
+}
+
+#[test]
+fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    let text = text.replace(
+        "[[instance]]\nmodel = \"floor\"",
+        "[[instance]]\nname = \"floor\"\nmodel = \"floor\"\ndynamic = true",
+    );
+    fs::write(&session.scene, &text).expect("written");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
+    let unit_m = session.live.renderer().unit_m();
+    session.live.pose(40);
+    fs::write(&session.scene, format!("{text}# edited\n")).expect("written");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
+    assert_eq!(session.live.renderer().unit_m(), unit_m);
+    assert!(session.picture() == session.afresh(40, &[]));
+}
