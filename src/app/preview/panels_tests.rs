@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, path::Path};
 
-use eframe::egui;
+use eframe::egui::{self, accesskit::Role};
 use egui_kittest::{Harness, kittest::Queryable as _};
 
 use super::*;
@@ -11,12 +11,17 @@ use crate::{
         live::Problems,
         preview::{
             facts::Row,
-            messages::{help, place_of, problems},
+            messages::{help, log, place_of, problems},
+            timeline::{self, Timeline},
+            tuning,
         },
     },
     math::Bounds,
     render::stats::Shares,
-    scene::{desc::CameraDesc, parse},
+    scene::{
+        desc::{CameraDesc, ParamValue, TimelineDesc},
+        parse,
+    },
 };
 
 fn facts() -> Facts {
@@ -53,6 +58,9 @@ struct State {
     choice: Choice,
     facts: Facts,
     wishes: Vec<Wish>,
+    timeline: Timeline,
+    tuned: Tuned,
+    now_s: f64,
 }
 
 fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, State> {
@@ -60,6 +68,13 @@ fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, Sta
         choice: Choice::new(Method::Hybrid),
         facts: facts(),
         wishes: Vec::new(),
+        timeline: Timeline::new(&TimelineDesc {
+            fps: 24.0,
+            start: 2,
+            end: 11,
+        }),
+        tuned: Tuned::default(),
+        now_s: 0.0,
     };
     Harness::builder()
         .with_size(egui::vec2(1000.0, 700.0))
@@ -144,4 +159,116 @@ fn times_shares_and_keys_are_listed() {
     for label in ["30.0 % of the picture reflects", "ssr", "hit", "F12"] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
     }
+}
+
+fn timeline_harness<'a>() -> Harness<'a, State> {
+    harness(|ui, state| {
+        let pressed = |key| ui.input(|i| i.key_pressed(key));
+        timeline::keys(&mut state.timeline, pressed, state.now_s);
+        state.timeline.tick(state.now_s);
+        timeline::panel(ui, &mut state.timeline, state.now_s);
+    })
+}
+
+#[test]
+fn the_timeline_plays_steps_and_scrubs() {
+    let mut harness = timeline_harness();
+    for label in ["play", "of 11", "24 fps", "loop"] {
+        assert!(harness.query_by_label(label).is_some(), "{label}");
+    }
+    click(&mut harness, "play");
+    assert!(harness.state().timeline.is_playing());
+    harness.state_mut().now_s = 0.25;
+    harness.run();
+    assert_eq!(harness.state().timeline.frame(), 8);
+    assert!(harness.query_by_label("  0.333 s").is_some());
+    click(&mut harness, "pause");
+    harness.state_mut().now_s = 9.0;
+    harness.run();
+    assert_eq!(harness.state().timeline.frame(), 8, "paused");
+    for (label, frame) in [(">", 9), ("<", 8), (">|", 11), ("|<", 2)] {
+        click(&mut harness, label);
+        assert_eq!(harness.state().timeline.frame(), frame, "{label}");
+    }
+    harness.get_by_role(Role::Slider).set_value_accesskit(5.0);
+    harness.run();
+    assert_eq!(harness.state().timeline.frame(), 5, "scrubbed");
+    click(&mut harness, "loop");
+    assert!(!harness.state().timeline.repeats);
+}
+
+#[test]
+fn keys_move_time() {
+    use egui::Key;
+    let mut harness = timeline_harness();
+    for (key, frame) in [
+        (Key::End, 11),
+        (Key::ArrowRight, 2),
+        (Key::ArrowLeft, 11),
+        (Key::Home, 2),
+    ] {
+        harness.key_press(key);
+        harness.run();
+        assert_eq!(harness.state().timeline.frame(), frame, "{key:?}");
+    }
+    harness.key_press(Key::L);
+    harness.key_press(Key::Space);
+    harness.run();
+    let timeline = &harness.state().timeline;
+    assert!(timeline.is_playing() && !timeline.repeats);
+}
+
+#[test]
+fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
+    let mut harness = harness(|ui, state| {
+        let mut tuned = state.tuned.clone();
+        if tuning::params(ui, &state.facts.declared, &mut tuned) {
+            state.wishes.push(Wish::Tune(tuned.clone()));
+            state.tuned = tuned;
+        }
+    });
+    assert!(harness.query_by_label("Script parameters").is_none());
+    let declared = [
+        ("count", ParamValue::Integer(31)),
+        ("speed", ParamValue::Number(0.5)),
+        ("night", ParamValue::Switch(false)),
+        ("word", ParamValue::Text("walk".into())),
+        ("at", ParamValue::Numbers(vec![1.0, -2.0])),
+    ];
+    let declared = declared.map(|(name, value)| (name.to_owned(), value));
+    harness.state_mut().facts.declared = declared.into();
+    harness.run();
+    assert!(harness.state().wishes.is_empty(), "looking changes nothing");
+    click(&mut harness, "night");
+    let field = harness.get_by_role(Role::TextInput);
+    field.focus();
+    field.type_text("er");
+    harness.run();
+    let count = harness.get_all_by_role(Role::Slider).next();
+    count.expect("a slider").set_value_accesskit(62.0);
+    harness.run();
+    let settings = harness.state().tuned.settings();
+    assert_eq!(settings.len(), 3, "{settings:?}");
+    assert!(
+        settings.contains(&"params.night=true".to_owned()),
+        "{settings:?}"
+    );
+    assert!(
+        settings.contains(&"params.count=62".to_owned()),
+        "{settings:?}"
+    );
+    let last = harness.state().wishes.last().cloned();
+    assert_eq!(last, Some(Wish::Tune(harness.state().tuned.clone())));
+    click(&mut harness, "reset");
+    assert!(harness.state().tuned.is_empty());
+}
+
+#[test]
+fn what_a_script_prints_is_listed() {
+    let mut harness = harness(|ui, state| log(ui, &state.facts.log));
+    assert!(harness.query_by_label("Script output").is_none());
+    harness.state_mut().facts.log = vec!["three figures".to_owned()];
+    harness.run();
+    click(&mut harness, "Script output");
+    assert!(harness.query_by_label("three figures").is_some());
 }

@@ -171,22 +171,23 @@ pub fn keys(timeline: &mut Timeline, pressed: impl Fn(Key) -> bool, now_s: f64) 
 pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
     ui.horizontal(|ui| {
         let mut button = |text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
-        let to_start = button("⏮", "Home: first frame");
-        let back = button("◀", "left arrow: one frame back");
+        let to_start = button("|<", "Home: first frame");
+        let back = button("<", "left arrow: one frame back");
         let word = if timeline.is_playing() {
             "pause"
         } else {
             "play"
         };
         let toggles = button(word, "Space");
-        let forward = button("▶", "right arrow: one frame on");
-        let to_end = button("⏭", "End: last frame");
+        let forward = button(">", "right arrow: one frame on");
+        let to_end = button(">|", "End: last frame");
         ui.checkbox(&mut timeline.repeats, "loop")
             .on_hover_text("L: the first frame follows the last");
         let mut frame = timeline.frame();
-        ui.label("frame");
+        let label = ui.label("frame");
         let range = timeline.start()..=timeline.end();
         let number = ui.add(egui::DragValue::new(&mut frame).range(range.clone()));
+        let number = number.labelled_by(label.id);
         let time_s = f64::from(timeline.frame()) * timeline.frame_s();
         ui.label(format!("of {}", timeline.end()));
         ui.monospace(format!("{time_s:7.3} s"));
@@ -196,7 +197,7 @@ pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
             ui.weak(pace);
             ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
             let slider = egui::Slider::new(&mut frame, range).show_value(false);
-            ui.add(slider).on_hover_text("scrub")
+            ui.add(slider).labelled_by(label.id).on_hover_text("scrub")
         });
         if number.changed() || slid.inner.changed() {
             timeline.seek(frame, now_s);

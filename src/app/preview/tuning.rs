@@ -71,10 +71,11 @@ fn row(ui: &mut Ui, name: &str, own: &ParamValue, value: &mut ParamValue) {
         }
         (ParamValue::Numbers(now), ParamValue::Numbers(own)) => {
             ui.horizontal_wrapped(|ui| {
-                ui.label(label);
+                let label = ui.label(label);
                 for (now, own) in now.iter_mut().zip(own) {
                     let speed = own.abs().max(0.5) * 0.01;
-                    ui.add(DragValue::new(now).speed(speed).max_decimals(4));
+                    let number = DragValue::new(now).speed(speed).max_decimals(4);
+                    ui.add(number).labelled_by(label.id);
                 }
             });
         }
