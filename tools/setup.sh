@@ -29,6 +29,16 @@ as_root() {
     fi
 }
 
+# What the test of the preview's window needs, and nothing else does.
+readonly window_packages=(xvfb xdotool libxkbcommon-x11-0 libxcursor1 libxi6 libxrandr2)
+
+has_package() {
+    dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
+}
+
+# Whether packages can be installed without asking for a password.
+can_be_root() { [ "$(id -u)" -eq 0 ] || { has sudo && sudo -n true 2>/dev/null; }; }
+
 apt_refreshed=no
 apt_install() {
     if [ "$apt_refreshed" = no ]; then
@@ -89,6 +99,20 @@ setup_debian() {
     else
         missing+=(mesa-vulkan-drivers)
         echo "missing: an adapter; mesa-vulkan-drivers renders without a GPU"
+    fi
+
+    heading "Window test"
+    local window=() package
+    for package in "${window_packages[@]}"; do
+        has_package "$package" || window+=("$package")
+    done
+    if [ "${#window[@]}" -eq 0 ]; then
+        echo "present: a virtual display"
+    elif can_be_root; then
+        missing+=("${window[@]}")
+        echo "missing: ${window[*]}"
+    else
+        echo "missing: ${window[*]}; without root they are left out, and tests/window.rs is skipped"
     fi
 
     if ! has cargo && [ ! -x "$HOME/.cargo/bin/cargo" ] && ! has curl; then

@@ -35,6 +35,7 @@ use crate::{
 pub mod args;
 pub mod paper;
 pub mod progress;
+pub mod reload;
 pub mod shots;
 pub mod walk;
 
@@ -49,6 +50,7 @@ use walk::Walk;
 pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
         Some(Experiment::Paper(args)) => paper::paper(args),
+        Some(Experiment::Reload(args)) => reload::reload(args),
         None => {
             let samples = match &args.samples {
                 Some(path) => {

@@ -184,6 +184,12 @@ impl ShaderLibrary {
         }
     }
 
+    /// Path below the folder and text of every file, sorted.
+    pub fn texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        let files = self.files.iter();
+        files.map(|(path, text)| (path.as_str(), text.as_ref()))
+    }
+
     /// Names of all shaders that are not libraries, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.files

@@ -79,6 +79,33 @@ pub struct RunArgs {
 pub enum Experiment {
     /// Repeat an experiment of the paper; without its assets, on the built-in atrium
     Paper(PaperArgs),
+    /// How long a save takes until the preview has its picture
+    Reload(ReloadArgs),
+}
+
+/// `bench reload`
+#[derive(Clone, Debug, Args)]
+pub struct ReloadArgs {
+    /// Scene file or model, which is copied and edited there; without one, the built-in atrium
+    pub scene: Option<PathBuf>,
+    /// What is changed in it
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Saves of each kind, 1 to 10000; from 20 on, percentiles are reported
+    #[arg(long = "n", value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub saves: u32,
+    /// Folder of shaders to copy in place of the built-in ones
+    #[arg(long, value_name = "DIR")]
+    pub shaders: Option<PathBuf>,
+    /// Width and height of the picture that is waited for
+    #[arg(long, value_name = "WxH", default_value = "320x180", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Folder for reload.json; made if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 /// `bench paper`

@@ -220,7 +220,9 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
                 return;
             }
             let part = 100.0 * shares.reflective as f64 / shares.pixels.max(1) as f64;
-            ui.weak(format!("{part:.1} % of the picture reflects"));
+            ui.weak(format!(
+                "{part:.1} % of the picture reflects; of that, in %:"
+            ));
             plot::shares(ui, &shares.sources);
             over_time(ui, history, "sources lately", plot::source_color, |s| {
                 &s.shares.sources
@@ -302,7 +304,7 @@ pub fn materials(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut V
         .show(ui, |ui| {
             egui::ScrollArea::vertical()
                 .id_salt("materials")
-                .max_height(180.0)
+                .max_height(110.0)
                 .show(ui, |ui| {
                     for row in &facts.materials {
                         let index = row.edit.material;

@@ -156,7 +156,12 @@ fn times_shares_and_keys_are_listed() {
         times(ui, &stats, &history);
         help(ui);
     });
-    for label in ["30.0 % of the picture reflects", "ssr", "hit", "F12"] {
+    for label in [
+        "30.0 % of the picture reflects; of that, in %:",
+        "ssr",
+        "hit",
+        "F12",
+    ] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
     }
 }

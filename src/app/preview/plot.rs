@@ -68,7 +68,7 @@ pub fn bar(ui: &mut Ui, part: f32, color: Color32) {
 
 /// Stacked values over time, the newest column at the right; `top` is what fills the height.
 pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str) {
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 56.0), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 40.0), Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
     let width = rect.width() / HISTORY as f32;
@@ -107,9 +107,7 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
             ui.spacing_mut().item_spacing.x = 4.0;
             let (dot, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
             ui.painter().rect_filled(dot, 2.0, source_color(share.name));
-            ui.label(
-                egui::RichText::new(format!("{} {:.1} %  ", share.name, share.percent)).small(),
-            );
+            ui.label(egui::RichText::new(format!("{} {:.1}  ", share.name, share.percent)).small());
         }
     });
 }

@@ -8,7 +8,7 @@ use eframe::egui::{self, Key, Ui};
 use crate::scene::desc::TimelineDesc;
 
 /// The rate of shown frames is counted over this long, seconds.
-const COUNTED_S: f64 = 1.5;
+const COUNTED_S: f64 = 2.0;
 /// Below this part of the scene's rate frames are said to be left out.
 const KEEPS_UP: f64 = 0.9;
 
@@ -74,6 +74,7 @@ impl Timeline {
     /// Goes to a frame; what plays goes on from there.
     pub fn seek(&mut self, frame: u32, now_s: f64) {
         self.frame = frame.clamp(self.desc.start, self.desc.end);
+        self.shown.clear();
         self.since = self.since.map(|_| (now_s, self.frame));
     }
 
@@ -128,17 +129,17 @@ impl Timeline {
         }
     }
 
-    /// Frames a second that are shown, once enough were.
-    pub fn rate(&self) -> Option<f64> {
-        let (first, last) = (self.shown.front()?, self.shown.back()?);
-        let enough = self.shown.len() > 2 && self.is_playing();
-        enough.then(|| (self.shown.len() - 1) as f64 / (last - first).max(1e-9))
+    /// Frames a second that were shown lately, once it has played long enough to tell.
+    fn rate(&self, now_s: f64) -> Option<f64> {
+        let played_s = now_s - self.since?.0;
+        let lately = self.shown.iter().filter(|t| now_s - **t < COUNTED_S);
+        (played_s >= COUNTED_S).then(|| lately.count() as f64 / COUNTED_S)
     }
 
     /// What the rate is, in words.
-    fn pace(&self) -> String {
+    fn pace(&self, now_s: f64) -> String {
         let fps = self.desc.fps;
-        match self.rate() {
+        match self.rate(now_s) {
             Some(rate) if rate < KEEPS_UP * f64::from(fps) => {
                 format!("{rate:.1} of {fps} fps: frames are left out")
             }
@@ -191,7 +192,7 @@ pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
         let time_s = f64::from(timeline.frame()) * timeline.frame_s();
         ui.label(format!("of {}", timeline.end()));
         ui.monospace(format!("{time_s:7.3} s"));
-        let pace = timeline.pace();
+        let pace = timeline.pace(now_s);
         let right = egui::Layout::right_to_left(egui::Align::Center);
         let slid = ui.with_layout(right, |ui| {
             ui.weak(pace);
@@ -289,15 +290,17 @@ mod tests {
     fn it_says_when_it_cannot_keep_up() {
         let mut time = timeline(20.0, 0, 100);
         time.toggle(0.0);
-        for i in 0..40 {
+        for i in 1..=60 {
             time.count(f64::from(i) / 20.0);
         }
-        assert_eq!(time.pace(), "20 fps");
-        for i in 0..20 {
-            time.count(2.0 + f64::from(i) / 5.0);
+        assert_eq!(time.pace(3.0), "20 fps");
+        for i in 1..=10 {
+            time.count(3.0 + f64::from(i) / 5.0);
         }
-        assert_eq!(time.pace(), "5.0 of 20 fps: frames are left out");
+        assert_eq!(time.pace(5.0), "5.0 of 20 fps: frames are left out");
+        // Also while the first frame is still being drawn.
+        assert_eq!(time.pace(9.0), "0.0 of 20 fps: frames are left out");
         time.toggle(9.0);
-        assert_eq!(time.pace(), "20 fps");
+        assert_eq!(time.pace(9.0), "20 fps");
     }
 }

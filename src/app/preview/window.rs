@@ -244,27 +244,32 @@ impl Window {
             } else {
                 ui.label(format!("still: nothing changed since picture {number}"));
             }
-            ui.separator();
-            ui.weak(&self.note);
+            if !self.note.is_empty() {
+                ui.separator();
+                ui.weak(&self.note);
+            }
         });
     }
 
     fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
         egui::ScrollArea::vertical().show(ui, |ui| {
-            if let Some((_, stats)) = self.shown.as_ref().and_then(|shown| shown.sides.first()) {
-                panels::shares(ui, stats, &self.history);
-                panels::times(ui, stats, &self.history);
+            let mut tuned = self.tuned.clone();
+            if tuning::params(ui, &self.facts.declared, &mut tuned) {
+                wishes.push(Wish::Tune(tuned));
             }
             let is_old = match (&self.judged, &self.asked) {
                 (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
                 _ => false,
             };
             panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
-            let mut tuned = self.tuned.clone();
-            if tuning::params(ui, &self.facts.declared, &mut tuned) {
-                wishes.push(Wish::Tune(tuned));
+            let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
+            if let Some((_, stats)) = shown {
+                panels::shares(ui, stats, &self.history);
             }
             panels::materials(ui, &mut self.choice, &self.facts, wishes);
+            if let Some((_, stats)) = shown {
+                panels::times(ui, stats, &self.history);
+            }
             messages::log(ui, &self.facts.log);
             messages::scene(ui, &self.facts);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {

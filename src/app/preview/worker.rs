@@ -280,7 +280,10 @@ impl State {
             samples: Some(samples),
         })?;
         let stats = self.live.render(&self.camera(&view.eye))?;
-        self.pixel_ms = stats.frame_ms / (pixels(size) * f64::from(samples));
+        // Shadow maps take the same time whatever the size.
+        let shadow = stats.passes_ms.iter().find(|(name, _)| name == "shadow");
+        let sized_ms = stats.frame_ms - shadow.map_or(0.0, |(_, ms)| *ms);
+        self.pixel_ms = sized_ms.max(0.0) / (pixels(size) * f64::from(samples));
         Ok(stats)
     }
 

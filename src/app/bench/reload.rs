@@ -1,0 +1,224 @@
+//! `bench reload`: how long it takes from a save to the new picture, and where the time goes.
+
+use std::{fmt::Write as _, sync::Arc};
+
+use serde::Serialize;
+
+use super::{args::ReloadArgs, create_folder, progress::Progress, write};
+use crate::{
+    app::{
+        error::AppError,
+        live::{Live, Wishes},
+        print_out,
+    },
+    bench::{
+        host::Host,
+        run::Watch as _,
+        summary::{Spread, digits},
+    },
+    gpu::{Gpu, GpuOptions},
+};
+
+pub mod copy;
+pub mod measure;
+
+use copy::{Edit, SceneCopy};
+use measure::{PARTS, Sample};
+
+/// All saves of one kind of edit.
+#[derive(Debug, Serialize)]
+pub struct Series {
+    /// What was edited.
+    pub edit: &'static str,
+    /// In which file, below the copy's folder.
+    pub file: String,
+    /// What `ready` should be at most in 95 of 100 saves, milliseconds.
+    pub target_ms: f64,
+    /// Name, median and 95th percentile of each part, milliseconds; no percentile below 20 saves.
+    pub parts: Vec<Part>,
+    /// Every save.
+    pub samples: Vec<Sample>,
+}
+
+/// One part of all saves.
+#[derive(Debug, Serialize)]
+pub struct Part {
+    /// Such as `notice_ms`.
+    pub name: &'static str,
+    /// Median.
+    pub p50: f64,
+    /// 95th percentile.
+    pub p95: Option<f64>,
+}
+
+/// `reload.json`
+#[derive(Serialize)]
+struct Report<'a> {
+    host: &'a Host,
+    scene: &'a str,
+    size: [u32; 2],
+    series: &'a [Series],
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A scene or shaders that do not open, no usable GPU, a folder that cannot be written to.
+pub fn reload(args: &ReloadArgs) -> Result<(), AppError> {
+    create_folder(&args.output)?;
+    let gpu = Arc::new(Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?);
+    let mut progress = Progress::new();
+    let series = measure_all(&gpu, args, &mut progress)?;
+    let scene = (args.scene.as_ref()).map_or_else(
+        || "the built-in atrium".to_owned(),
+        |path| path.display().to_string(),
+    );
+    let host = Host::of(&gpu);
+    let report = Report {
+        host: &host,
+        scene: &scene,
+        size: args.size,
+        series: &series,
+    };
+    let json = serde_json::to_vec_pretty(&report)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    let path = args.output.join("reload.json");
+    write(&path, &json)?;
+    eprintln!("wrote {}", path.display());
+    let [width, height] = args.size;
+    print_out(&format!(
+        "{scene}, {} saves each, {width}x{height} on {}\n\n{}",
+        args.saves,
+        host.adapter,
+        table(&series)
+    ))
+}
+
+/// Saves every kind of edit in a copy of the scene again and again.
+///
+/// # Errors
+/// As [`reload`].
+pub fn measure_all(
+    gpu: &Arc<Gpu>,
+    args: &ReloadArgs,
+    progress: &mut Progress,
+) -> Result<Vec<Series>, AppError> {
+    let wishes = Wishes {
+        size: Some(args.size),
+        ..Wishes::default()
+    };
+    let copy = SceneCopy::new(args.scene.as_deref(), &args.from, args.shaders.as_deref())?;
+    let mut all = Vec::new();
+    let edits = [
+        Edit::Text,
+        Edit::Shader("tone.wgsl"),
+        Edit::Shader("ssr.wgsl"),
+        Edit::Shader("trace.wgsl"),
+        // Last, for it may have to add a script to the scene.
+        Edit::Script,
+    ];
+    for edit in edits {
+        let Some(edited) = copy.edited(edit)? else {
+            continue;
+        };
+        let mut live = Live::open(gpu.clone(), copy.origin(), wishes)?;
+        progress.note(&format!(
+            "{} {} edits of {}",
+            args.saves,
+            edit.name(),
+            edited.name()
+        ));
+        let samples = measure::saves(&mut live, args.saves, progress, edit, |i| edited.save(i))?;
+        let part = |(name, of): &(&'static str, fn(&Sample) -> f64)| {
+            let spread = Spread::of(samples.iter().map(of).collect())?;
+            Some(Part {
+                name,
+                p50: spread.median,
+                p95: spread.p5_p95.map(|[_, p95]| p95),
+            })
+        };
+        all.push(Series {
+            edit: edit.name(),
+            file: edited.name(),
+            target_ms: edit.target_ms(),
+            parts: PARTS.iter().filter_map(part).collect(),
+            samples,
+        });
+    }
+    Ok(all)
+}
+
+/// For people: a row for each percentile of each kind of edit.
+fn table(series: &[Series]) -> String {
+    let mut text = format!("{:<22}{:>5}", "milliseconds", "");
+    // Writing to a string cannot fail.
+    for (name, _) in PARTS {
+        let _ = write!(text, "{:>9}", name.trim_end_matches("_ms"));
+    }
+    text.push('\n');
+    for one in series {
+        let percentiles: [(&str, fn(&Part) -> Option<f64>); 2] =
+            [("p50", |part| Some(part.p50)), ("p95", |part| part.p95)];
+        for (row, (percentile, of)) in percentiles.into_iter().enumerate() {
+            let what = match row {
+                0 => format!("{} edit", one.edit),
+                _ => one.file.clone(),
+            };
+            let _ = write!(text, "{what:<22}{percentile:>5}");
+            for part in &one.parts {
+                let value = of(part).map_or("–".to_owned(), digits);
+                let _ = write!(text, "{value:>9}");
+            }
+            text.push('\n');
+        }
+        let ready = one.parts.iter().find(|part| part.name == "ready_ms");
+        if let Some(p95) = ready.and_then(|part| part.p95) {
+            let word = if p95 < one.target_ms { "met" } else { "missed" };
+            let _ = writeln!(text, "{:>27} ready below {} ms: {word}", "", one.target_ms);
+        }
+    }
+    text.push_str(
+        "\nnotice: from the save to the word of it, with the wait for further saves; parse: reading \
+         texts,\nrunning the script, posing; build: everything else on the CPU; ready: these three; \
+         driver: compiling\npipelines; frame: rendering; total: from the save to the picture.\n",
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_names_the_target_where_there_is_a_percentile() {
+        let sample = Sample {
+            notice_ms: 11.0,
+            parse_ms: 2.0,
+            build_ms: 3.0,
+            driver_ms: 40.0,
+            frame_ms: 500.0,
+            pipelines: 1,
+        };
+        assert!((sample.ready_ms() - 16.0).abs() < 1e-9);
+        assert!((sample.total_ms() - 556.0).abs() < 1e-9);
+        let part = |p95| Part {
+            name: "ready_ms",
+            p50: 16.0,
+            p95,
+        };
+        let mut series = vec![Series {
+            edit: "text",
+            file: "scene.toml".to_owned(),
+            target_ms: 100.0,
+            parts: vec![part(Some(99.0))],
+            samples: vec![sample],
+        }];
+        assert!(table(&series).contains("ready below 100 ms: met"));
+        series[0].parts[0] = part(Some(101.0));
+        assert!(table(&series).contains("ready below 100 ms: missed"));
+        series[0].parts[0] = part(None);
+        assert!(!table(&series).contains("ready below") && table(&series).contains("–"));
+    }
+}

@@ -1,0 +1,248 @@
+//! A scene, its script and the shaders in a folder of their own, where they can be edited.
+
+use std::{
+    env, fs, io,
+    path::{Path, PathBuf},
+    process,
+    sync::atomic::{AtomicU32, Ordering},
+};
+
+use crate::{
+    app::{
+        cli::SceneArgs,
+        error::AppError,
+        live::Origin,
+        scene::{asset_folders, source},
+    },
+    gpu::ShaderLibrary,
+    scene::{desc::SceneDesc, parse},
+};
+
+/// What is edited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edit {
+    /// A number of the scene text.
+    Text,
+    /// The script.
+    Script,
+    /// A shader of this name.
+    Shader(&'static str),
+}
+
+impl Edit {
+    /// In tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Text => "text",
+            Self::Script => "script",
+            Self::Shader(_) => "shader",
+        }
+    }
+
+    /// What getting ready should take at most in 95 of 100 saves, milliseconds.
+    pub const fn target_ms(self) -> f64 {
+        match self {
+            Self::Text | Self::Script => 100.0,
+            Self::Shader(_) => 300.0,
+        }
+    }
+}
+
+/// The folder; it goes with this.
+#[derive(Debug)]
+struct Folder(PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What cannot be removed is left to the system's own tidying of temporary files.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+impl Folder {
+    fn new() -> Result<Self, AppError> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let name = format!("reflet-reload-{}-{number}", process::id());
+        let path = env::temp_dir().join(name);
+        let made = fs::create_dir_all(&path).and_then(|()| path.canonicalize());
+        made.map(Self).map_err(|e| failed(&path, &e))
+    }
+
+    fn write(&self, name: &str, text: &str) -> Result<(), AppError> {
+        let path = self.0.join(name);
+        let folder = path.parent().unwrap_or(&self.0);
+        let written = fs::create_dir_all(folder).and_then(|()| fs::write(&path, text));
+        written.map_err(|e| failed(&path, &e))
+    }
+}
+
+fn failed(path: &Path, error: &io::Error) -> AppError {
+    AppError::Internal(format!("cannot write {}: {error}", path.display()))
+}
+
+/// The copy.
+#[derive(Debug)]
+pub struct SceneCopy {
+    folder: Folder,
+    from: SceneArgs,
+    text: String,
+    desc: SceneDesc,
+    /// The scene's script below the folder, if it has one.
+    script: Option<String>,
+    library: ShaderLibrary,
+}
+
+const SCENE: &str = "scene.toml";
+const SHADERS: &str = "shaders";
+/// The script of scenes that have none.
+const OWN_SCRIPT: &str = "reload.rhai";
+
+impl SceneCopy {
+    /// Copies a scene, or the built-in one, and its script; models and images stay where they are.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or the shaders; a temporary folder that cannot be written to.
+    pub fn new(
+        path: Option<&Path>,
+        from: &SceneArgs,
+        shaders: Option<&Path>,
+    ) -> Result<Self, AppError> {
+        let library = match shaders {
+            None => ShaderLibrary::embedded(),
+            Some(folder) => {
+                ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
+            }
+        };
+        let (text, name) = source(path).map_err(AppError::Scene)?;
+        let (desc, _) = parse::parse(&text, &name, &from.set).map_err(AppError::Scene)?;
+        let folder = Folder::new()?;
+        let below = desc.folder.display().to_string();
+        let local = |name: &str| {
+            let relative = Path::new(name)
+                .strip_prefix(&below)
+                .unwrap_or(Path::new(name));
+            relative.display().to_string()
+        };
+        let scripts = desc.script.iter().flat_map(|s| s.texts());
+        for (name, script) in scripts {
+            folder.write(&local(&name), &script)?;
+        }
+        folder.write(SCENE, &text)?;
+        for (name, shader) in library.texts() {
+            folder.write(&format!("{SHADERS}/{name}"), shader)?;
+        }
+        let mut from = from.clone();
+        // Relative names in the scene start from its own folder.
+        let own = std::path::absolute(&desc.folder).unwrap_or_else(|_| desc.folder.clone());
+        from.assets = [vec![own], asset_folders(&from.assets)].concat();
+        Ok(Self {
+            script: desc.script.as_ref().map(|script| local(script.name())),
+            folder,
+            from,
+            text,
+            desc,
+            library,
+        })
+    }
+
+    /// What to open.
+    pub fn origin(&self) -> Origin {
+        Origin {
+            path: Some(self.folder.0.join(SCENE)),
+            from: self.from.clone(),
+            shaders: Some(self.folder.0.join(SHADERS)),
+        }
+    }
+
+    /// The file of an edit, made ready to be edited; `None` where there is nothing of the kind. A
+    /// scene without a script gets one that sets a camera.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn edited(&self, edit: Edit) -> Result<Option<Edited<'_>>, AppError> {
+        let edited = |name: String, text: String, number: Option<(usize, usize)>| {
+            Ok(Some(Edited {
+                folder: &self.folder,
+                name,
+                text,
+                number,
+                comment: if edit == Edit::Text { '#' } else { '/' },
+            }))
+        };
+        match edit {
+            Edit::Text => edited(SCENE.to_owned(), self.text.clone(), number(&self.text)),
+            Edit::Shader(name) => {
+                let found = self.library.texts().find(|(known, _)| *known == name);
+                let Some((_, text)) = found else {
+                    return Ok(None);
+                };
+                edited(format!("{SHADERS}/{name}"), text.to_owned(), None)
+            }
+            Edit::Script => {
+                let texts = self.desc.script.as_ref().map(|s| s.texts());
+                if let (Some(name), Some(texts)) = (&self.script, texts) {
+                    return edited(name.clone(), texts[0].1.clone(), None);
+                }
+                let camera = self.desc.cameras.first();
+                let set = camera.map_or(String::new(), |camera| {
+                    let name = serde_json::Value::from(camera.name.as_str());
+                    let fov_deg = camera.value.fov_deg;
+                    format!("ctx.camera({name}, #{{ fov_deg: {fov_deg} }});")
+                });
+                let script = format!("fn frame(ctx) {{\n    {set}\n}}\n");
+                self.folder.write(OWN_SCRIPT, &script)?;
+                let scene = format!("script = \"{OWN_SCRIPT}\"\n{}", self.text);
+                self.folder.write(SCENE, &scene)?;
+                edited(OWN_SCRIPT.to_owned(), script, None)
+            }
+        }
+    }
+}
+
+/// A file that is edited again and again.
+#[derive(Debug)]
+pub struct Edited<'a> {
+    folder: &'a Folder,
+    name: String,
+    text: String,
+    /// Where a number stands that can be varied.
+    number: Option<(usize, usize)>,
+    comment: char,
+}
+
+impl Edited<'_> {
+    /// Below the copy's folder.
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Saves it with another number, if it has one, and another comment at its end.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn save(&self, i: u32) -> Result<(), AppError> {
+        let mut text = self.text.clone();
+        if let Some((start, end)) = self.number
+            && let Ok(value) = text[start..end].parse::<f32>()
+        {
+            let part = 1.0 - 0.001 * (1 + i % 9) as f32;
+            text.replace_range(start..end, &format!("{:?}", value * part));
+        }
+        let comment = String::from(self.comment).repeat(2);
+        text.push_str(&format!("\n{comment} edit {i}\n"));
+        self.folder.write(&self.name, &text)
+    }
+}
+
+/// Where the first roughness, else the first intensity of a light stands in scene text.
+fn number(text: &str) -> Option<(usize, usize)> {
+    let found = ["\nroughness = ", "\nintensity_cd = ", "\nintensity_lux = "]
+        .into_iter()
+        .find_map(|key| Some(text.find(key)? + key.len()))?;
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let length = text[found..]
+        .find(|c| !is_part(c))
+        .unwrap_or(text.len() - found);
+    (length > 0).then_some((found, found + length))
+}

@@ -1,0 +1,134 @@
+//! One save after another, timed until its picture is there.
+
+use std::{
+    sync::mpsc,
+    time::{Duration, Instant},
+};
+
+use serde::Serialize;
+
+use super::copy::Edit;
+use crate::{
+    app::{
+        bench::progress::Progress, error::AppError, live::Live, render::explain, watch::Watcher,
+    },
+    bench::run::Watch as _,
+};
+
+/// A save that was not noticed for this long never will be.
+const MOST_WAIT: Duration = Duration::from_secs(10);
+/// Longer than the watcher waits for further saves: what it says later is about the next one.
+const REST: Duration = Duration::from_millis(60);
+
+/// Where the time of one save went, milliseconds.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Sample {
+    /// From the end of the save to the watcher's word, which waits for further saves.
+    pub notice_ms: f64,
+    /// Reading texts, running the script, posing.
+    pub parse_ms: f64,
+    /// Everything else on the CPU.
+    pub build_ms: f64,
+    /// The driver compiling pipelines.
+    pub driver_ms: f64,
+    /// Rendering.
+    pub frame_ms: f64,
+    /// How many pipelines were made.
+    pub pipelines: u32,
+}
+
+impl Sample {
+    /// The CPU's side: all but the driver and the frame.
+    pub fn ready_ms(&self) -> f64 {
+        self.notice_ms + self.parse_ms + self.build_ms
+    }
+
+    /// From the save to the picture.
+    pub fn total_ms(&self) -> f64 {
+        self.ready_ms() + self.driver_ms + self.frame_ms
+    }
+}
+
+/// A part's name and its time in a sample.
+pub type NamedPart = (&'static str, fn(&Sample) -> f64);
+
+/// The columns of the table.
+pub const PARTS: [NamedPart; 7] = [
+    ("notice_ms", |s| s.notice_ms),
+    ("parse_ms", |s| s.parse_ms),
+    ("build_ms", |s| s.build_ms),
+    ("ready_ms", Sample::ready_ms),
+    ("driver_ms", |s| s.driver_ms),
+    ("frame_ms", |s| s.frame_ms),
+    ("total_ms", Sample::total_ms),
+];
+
+/// Calls `save` with 1, 2, … and waits for the picture each time.
+///
+/// # Errors
+/// A save that cannot be written, is not noticed or does not work; a wish to stop.
+pub fn saves(
+    live: &mut Live,
+    count: u32,
+    progress: &mut Progress,
+    edit: Edit,
+    save: impl Fn(u32) -> Result<(), AppError>,
+) -> Result<Vec<Sample>, AppError> {
+    let (sender, changes) = mpsc::channel();
+    let watcher = Watcher::new(move |changes, _| {
+        // Nobody listens any more at the end.
+        let _ = sender.send(changes);
+    });
+    let watcher = watcher.map_err(AppError::Internal)?;
+    let (list, since) = live.watch_list();
+    watcher.watch(list, since);
+    let mut samples = Vec::new();
+    for i in 0..=count {
+        // The first save tells when everything is watched; it is not counted.
+        save(i)?;
+        let saved = Instant::now();
+        let change = changes
+            .recv_timeout(MOST_WAIT)
+            .map_err(|_| AppError::Internal(format!("a save was not noticed in {MOST_WAIT:?}")))?;
+        let notice = saved.elapsed();
+        let reload = live.reload(&change);
+        if !reload.ok {
+            return Err(problem(live, edit));
+        }
+        let started = Instant::now();
+        let camera = live.world().cameras[0].value.clone();
+        let own_shaders = live.origin().shaders.is_some();
+        (live.render(&camera)).map_err(|error| explain(error, own_shaders))?;
+        let frame = started.elapsed();
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        let build = reload.took.saturating_sub(reload.parse + reload.driver);
+        if i > 0 {
+            samples.push(Sample {
+                notice_ms: ms(notice),
+                parse_ms: ms(reload.parse),
+                build_ms: ms(build),
+                driver_ms: ms(reload.driver),
+                frame_ms: ms(frame),
+                pipelines: reload.pipelines,
+            });
+        }
+        while changes.recv_timeout(REST).is_ok() {}
+        if progress.is_stopped() {
+            return Err(AppError::Interrupted(
+                "stopped; nothing was written".to_owned(),
+            ));
+        }
+    }
+    Ok(samples)
+}
+
+/// Why a save did not show.
+fn problem(live: &Live, edit: Edit) -> AppError {
+    let problems = &live.problems;
+    if !problems.scene.is_empty() {
+        return AppError::Scene(problems.scene.clone());
+    }
+    let why = (problems.shader.as_ref()).map(ToString::to_string);
+    let why = why.or_else(|| problems.refused.clone()).unwrap_or_default();
+    AppError::Internal(format!("the {} edit does not work: {why}", edit.name()))
+}
