@@ -57,13 +57,61 @@ fn display() -> Option<(Running, String)> {
     Some((running, format!(":{}", number.trim())))
 }
 
+/// The preview in its window; ends with the test.
 struct Session {
+    program: Running,
+    _server: Running,
     display: String,
     folder: PathBuf,
     window: String,
 }
 
 impl Session {
+    /// Opens `scene.toml` of a new folder that holds these files; `None` where no window can be had.
+    fn open(name: &str, files: &[(&str, &str)]) -> Option<Self> {
+        common::gpu_or_skip()?;
+        let (server, display) = display()?;
+        let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("folder");
+        for (file, text) in files {
+            fs::write(folder.join(file), text).expect("written");
+        }
+        let program = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .arg("preview")
+            .arg(folder.join("scene.toml"))
+            .arg("--screenshots")
+            .arg(&folder)
+            .args(["--size", "640x420"])
+            .env("DISPLAY", &display)
+            .env_remove("WAYLAND_DISPLAY")
+            .spawn();
+        let mut session = Self {
+            program: Running(program.expect("starts")),
+            _server: server,
+            display,
+            folder,
+            window: String::new(),
+        };
+        session.window = until("a window", || {
+            let found = session.xdotool(&["search", "--name", "Reflet"])?;
+            found.lines().next().map(str::to_owned)
+        });
+        Some(session)
+    }
+
+    fn write(&self, file: &str, text: &str) {
+        fs::write(self.folder.join(file), text).expect("written");
+    }
+
+    fn close(mut self) {
+        self.key("ctrl+q");
+        until("the end", || {
+            self.program.0.try_wait().expect("is waited for")
+        });
+        fs::remove_dir_all(&self.folder).expect("clean up");
+    }
+
     fn xdotool(&self, arguments: &[&str]) -> Option<String> {
         let ran = Command::new("xdotool")
             .args(arguments)
@@ -123,48 +171,22 @@ fn brightness(picture: &[u8]) -> f64 {
 
 #[test]
 fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
-    if common::gpu_or_skip().is_none() {
-        return;
-    }
-    let Some((_server, display)) = display() else {
-        return;
-    };
-    let folder = std::env::temp_dir().join(format!("reflet-window-{}", std::process::id()));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("folder");
     let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
     let text = fs::read_to_string(cornell).expect("readable");
-    let scene = folder.join("scene.toml");
-    fs::write(&scene, &text).expect("written");
-
-    let program = Command::new(env!("CARGO_BIN_EXE_reflet"))
-        .arg("preview")
-        .arg(&scene)
-        .arg("--screenshots")
-        .arg(&folder)
-        .args(["--size", "640x420"])
-        .env("DISPLAY", &display)
-        .env_remove("WAYLAND_DISPLAY")
-        .spawn();
-    let mut program = Running(program.expect("starts"));
-    let mut session = Session {
-        display,
-        folder: folder.clone(),
-        window: String::new(),
+    let Some(session) = Session::open("window", &[("scene.toml", &text)]) else {
+        return;
     };
-    session.window = until("a window", || {
-        let found = session.xdotool(&["search", "--name", "Reflet"])?;
-        found.lines().next().map(str::to_owned)
-    });
-
     let first = session.shot();
     assert!(brightness(&first) > 10.0, "something is seen");
-    fs::write(&scene, text.replace("intensity_cd = ", "intensity_cd = 10")).expect("written");
+    session.write(
+        "scene.toml",
+        &text.replace("intensity_cd = ", "intensity_cd = 10"),
+    );
     let second = until("the edit in the picture", || {
         let next = session.shot();
         (brightness(&next) > brightness(&first) + 5.0).then_some(next)
     });
-    fs::write(&scene, "version = 1\n[camera.main]\neye = 5\n").expect("written");
+    session.write("scene.toml", "version = 1\n[camera.main]\neye = 5\n");
     thread::sleep(Duration::from_millis(500));
     assert!(
         session.shot() == second,
@@ -178,7 +200,69 @@ fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
     until("a picture of another size", || {
         (session.shot().len() < second.len()).then_some(())
     });
-    session.key("ctrl+q");
-    until("the end", || program.0.try_wait().expect("is waited for"));
-    fs::remove_dir_all(&folder).expect("clean up");
+    session.close();
+}
+
+/// A ball that moves.
+const SCENE: &str = r#"version = 1
+script = "move.rhai"
+[timeline]
+end = 2000
+[camera.main]
+eye = [0, 0, 5]
+[material.white]
+emission = [1, 1, 1]
+[model.ball]
+shape = { kind = "sphere", segments = 12 }
+material = "white"
+[[instance]]
+name = "ball"
+model = "ball"
+dynamic = true
+"#;
+
+const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]); }"#;
+
+#[test]
+fn it_plays_pauses_and_follows_an_edit_of_the_script() {
+    let files = [("scene.toml", SCENE), ("move.rhai", SCRIPT)];
+    let Some(session) = Session::open("play", &files) else {
+        return;
+    };
+    let first = session.shot();
+    assert!(session.shot() == first, "nothing moves at first");
+    session.key("End");
+    let last = until("the last frame", || {
+        let next = session.shot();
+        (next != first).then_some(next)
+    });
+    assert!(session.shot() == last, "still");
+    session.key("Home");
+    until("the first frame", || {
+        (session.shot() == first).then_some(())
+    });
+    session.key("space");
+    until("motion", || {
+        (session.shot() != session.shot()).then_some(())
+    });
+    session.key("space");
+    let paused = until("a rest", || {
+        let next = session.shot();
+        (next == session.shot()).then_some(next)
+    });
+    session.write(
+        "move.rhai",
+        &SCRIPT.replace("0, 0]", "0, 0], [0, 0, 0], 2.0"),
+    );
+    until("the edit in the picture", || {
+        (brightness(&session.shot()) > 1.5 * brightness(&paused)).then_some(())
+    });
+    session.write("move.rhai", "fn frame(ctx) {");
+    thread::sleep(Duration::from_millis(500));
+    let kept = session.shot();
+    assert!(
+        brightness(&kept) > 1.5 * brightness(&paused),
+        "the last good one"
+    );
+    session.close();
 }
