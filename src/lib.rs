@@ -50,10 +50,13 @@
 //! # A reload
 //!
 //! A save reruns the arrows right of it, and no more. [`app::watch`] says which kind of file has new
-//! content; [`app::live`] reads the text, and [`world::load::Kept`] places and shades it over files
-//! that are in memory already; [`render::Renderer::change`] compares worlds and options and makes
-//! again what differs; shaders are kept by their text and pipelines by their shader. Every step
-//! builds beside what is shown and swaps at its end, so that an error changes nothing.
+//! content; [`app::live`] reads the text, runs the script and poses the frame that is looked at;
+//! [`world::load::Kept`] places and shades it over files that are in memory already;
+//! [`render::Renderer::change`] compares worlds and options and makes again what differs; shaders are
+//! kept by their text and pipelines by their shader. Every step builds beside what is shown and swaps
+//! at its end, so that an error changes nothing. Other parameters of the script are a reload too;
+//! another frame is [`scene::motion::Motion::pose`], [`world::World::apply`] and
+//! [`render::Renderer::update`] alone.
 //!
 //! # Rules
 //!

@@ -159,16 +159,15 @@ fn table(series: &[Series]) -> String {
     }
     text.push('\n');
     for one in series {
-        let percentiles: [(&str, fn(&Part) -> Option<f64>); 2] =
-            [("p50", |part| Some(part.p50)), ("p95", |part| part.p95)];
-        for (row, (percentile, of)) in percentiles.into_iter().enumerate() {
-            let what = match row {
-                0 => format!("{} edit", one.edit),
-                _ => one.file.clone(),
+        for is_p95 in [false, true] {
+            let (what, percentile) = match is_p95 {
+                false => (format!("{} edit", one.edit), "p50"),
+                true => (one.file.clone(), "p95"),
             };
             let _ = write!(text, "{what:<22}{percentile:>5}");
             for part in &one.parts {
-                let value = of(part).map_or("–".to_owned(), digits);
+                let value = if is_p95 { part.p95 } else { Some(part.p50) };
+                let value = value.map_or("–".to_owned(), digits);
                 let _ = write!(text, "{value:>9}");
             }
             text.push('\n');

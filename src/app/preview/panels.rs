@@ -89,7 +89,8 @@ impl Choice {
     }
 }
 
-fn method_name(method: Method) -> &'static str {
+/// In menus.
+pub fn method_name(method: Method) -> &'static str {
     METHODS
         .iter()
         .find(|(m, _)| *m == method)

@@ -168,8 +168,8 @@ fn times_shares_and_keys_are_listed() {
 
 fn timeline_harness<'a>() -> Harness<'a, State> {
     harness(|ui, state| {
-        let pressed = |key| ui.input(|i| i.key_pressed(key));
-        timeline::keys(&mut state.timeline, pressed, state.now_s);
+        let presses = |key| ui.input(|i| i.num_presses(key));
+        timeline::keys(&mut state.timeline, presses, state.now_s);
         state.timeline.tick(state.now_s);
         timeline::panel(ui, &mut state.timeline, state.now_s);
     })
@@ -216,6 +216,17 @@ fn keys_move_time() {
         harness.run();
         assert_eq!(harness.state().timeline.frame(), frame, "{key:?}");
     }
+    // A slow window gets several at once.
+    for key in [
+        Key::ArrowRight,
+        Key::ArrowRight,
+        Key::ArrowLeft,
+        Key::ArrowRight,
+    ] {
+        harness.key_press(key);
+    }
+    harness.run();
+    assert_eq!(harness.state().timeline.frame(), 4);
     harness.key_press(Key::L);
     harness.key_press(Key::Space);
     harness.run();

@@ -7,7 +7,7 @@ use super::{
     canvas::Canvas,
     facts::{Side, Task},
     messages,
-    panels::METHODS,
+    panels::method_name,
     window::Window,
 };
 
@@ -113,27 +113,25 @@ impl Window {
         });
         ui.painter()
             .vline(x, rect.y_range(), egui::Stroke::new(1.5, color));
-        let label = |side: &Side| {
-            let name = METHODS
-                .iter()
-                .find(|(m, _)| *m == side.method)
-                .map_or("", |(_, n)| n);
-            format!("{name}, {}", side.look.name())
+        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.look.name());
+        let shows_error = self.choice.heat && self.judged.is_some();
+        let left = match shows_error {
+            true => "FLIP against rt".to_owned(),
+            false => name(&self.choice.a),
         };
-        for (side, anchor, dx) in [
-            (&self.choice.a, egui::Align2::RIGHT_TOP, -8.0),
-            (&self.choice.b, egui::Align2::LEFT_TOP, 8.0),
+        for (label, anchor, dx) in [
+            (left, egui::Align2::RIGHT_TOP, -8.0),
+            (name(&self.choice.b), egui::Align2::LEFT_TOP, 8.0),
         ] {
             let at = pos2(x + dx, rect.top() + 8.0);
             let font = egui::FontId::proportional(13.0);
             let shadow = ui
                 .painter()
-                .layout_no_wrap(label(side), font.clone(), Color32::WHITE);
+                .layout_no_wrap(label.clone(), font.clone(), Color32::WHITE);
             let back = anchor.anchor_size(at, shadow.size()).expand(3.0);
             ui.painter()
                 .rect_filled(back, 3.0, Color32::from_black_alpha(140));
-            ui.painter()
-                .text(at, anchor, label(side), font, Color32::WHITE);
+            ui.painter().text(at, anchor, label, font, Color32::WHITE);
         }
         line.dragged() || line.hovered()
     }

@@ -148,22 +148,21 @@ impl Timeline {
     }
 }
 
-/// What keys do to it.
-pub fn keys(timeline: &mut Timeline, pressed: impl Fn(Key) -> bool, now_s: f64) {
-    if pressed(Key::Space) {
+/// What keys do to it; `presses` counts those of a key since the last time.
+pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64) {
+    if presses(Key::Space) % 2 == 1 {
         timeline.toggle(now_s);
     }
-    for (key, by) in [(Key::ArrowLeft, -1), (Key::ArrowRight, 1)] {
-        if pressed(key) {
-            timeline.step(by);
-        }
+    let by = presses(Key::ArrowRight) as i64 - presses(Key::ArrowLeft) as i64;
+    if by != 0 {
+        timeline.step(by);
     }
     for (key, frame) in [(Key::Home, timeline.start()), (Key::End, timeline.end())] {
-        if pressed(key) {
+        if presses(key) > 0 {
             timeline.seek(frame, now_s);
         }
     }
-    if pressed(Key::L) {
+    if presses(Key::L) % 2 == 1 {
         timeline.repeats = !timeline.repeats;
     }
 }

@@ -104,7 +104,16 @@ impl Window {
         }
         let pressed = |key| ui.input(|i| i.key_pressed(key) && i.modifiers.is_none());
         if let Some(timeline) = &mut self.timeline {
-            timeline::keys(timeline, pressed, ui.input(|i| i.time));
+            let presses = |key| {
+                ui.input(|i| {
+                    if i.modifiers.is_none() {
+                        i.num_presses(key)
+                    } else {
+                        0
+                    }
+                })
+            };
+            timeline::keys(timeline, presses, ui.input(|i| i.time));
         }
         for (key, (method, _)) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
             if pressed(key) {
@@ -252,7 +261,10 @@ impl Window {
     }
 
     fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        egui::ScrollArea::vertical().show(ui, |ui| {
+        let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
+        area.show(ui, |ui| {
+            // Beside the scroll bar.
+            ui.set_max_width(ui.available_width() - 8.0);
             let mut tuned = self.tuned.clone();
             if tuning::params(ui, &self.facts.declared, &mut tuned) {
                 wishes.push(Wish::Tune(tuned));
@@ -306,6 +318,8 @@ impl eframe::App for Window {
         let mut is_open = self.choice.help;
         egui::Window::new("Keys")
             .open(&mut is_open)
+            .constrain_to(central.response.rect)
+            .default_pos(central.response.rect.min + egui::vec2(16.0, 16.0))
             .resizable(false)
             .collapsible(false)
             .show(ui.ctx(), messages::help);

@@ -49,7 +49,7 @@ pub static CALL: &[Entry] = &[
     Entry {
         signature: "ctx.params",
         gives: "Map",
-        text: "The scene's `[params]`, changed by `--set params.NAME=VALUE`.",
+        text: "The scene's `[params]`, changed by `--set params.NAME=VALUE` and by the preview's sliders.",
         example: "ctx.params.count == 31",
         register: |e| {
             e.register_get("params", |c: &mut Context| c.call.params.clone());
