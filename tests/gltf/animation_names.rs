@@ -44,10 +44,13 @@ fn every_animation_has_a_name_of_its_own() {
     assert_eq!(names, ["go", "go#2", "animation 2"]);
 }
 
+/// Breaks the first animation.
+type Harm = fn(&mut Doc);
+
 #[test]
 #[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn broken_animations_cannot_be_played_and_do_no_other_harm() {
-    let cases: &[(&str, fn(&mut Doc), &str)] = &[
+    let cases: &[(&str, Harm, &str)] = &[
         (
             "no channels",
             |d| d.json["animations"][0]["channels"] = json!([]),

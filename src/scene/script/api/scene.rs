@@ -104,6 +104,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.animate(name, time_s)",
+        gives: "()",
         text: "Shows an instance at a time inside the animations that its `animation` selects, in place of the scene's time. Before 0 and after their end they hold.",
         example: "ctx.animate(\"walker\", 0.5 * ctx.t); true",
         register: |e| {
@@ -147,6 +148,7 @@ pub static POSE: &[Entry] = &[
     },
     Entry {
         signature: "ctx.material(model, name, #{ … })",
+        gives: "()",
         text: "The same for a material inside the file of a `[model.NAME]`; the scene must have its table, `[model.NAME.material.M]`, which may be empty. `\"*\"` is all of them.",
         example: "ctx.material(\"walker\", \"skin\", #{ roughness: 0.3 }); true",
         register: |e| {
