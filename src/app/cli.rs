@@ -60,13 +60,13 @@ pub struct SceneArgs {
 /// `render`
 #[derive(Clone, Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file; without one, the built-in atrium
+    /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
     /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### where the number
     /// of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Frames of the scene's timeline: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
+    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub frames: Option<String>,
     /// Keep the files of frames that were made from the same scene, settings and version

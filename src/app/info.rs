@@ -18,7 +18,7 @@ use crate::{
         types::GpuVertex,
     },
     scene::desc::LightKind,
-    world::{Mesh, World, bvh::Trees},
+    world::{Mesh, World, animation::Listed, bvh::Trees},
 };
 
 /// What `info --json` prints.
@@ -48,6 +48,8 @@ pub struct Info {
     pub textures: usize,
     /// Lights: point, spot, directional.
     pub lights: [usize; 3],
+    /// Animations of the files, played or not.
+    pub animations: Vec<Listed>,
     /// Smallest and largest corner of the static bounds, metres; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
     /// U, metres.
@@ -125,6 +127,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             num_lights(|kind| matches!(kind, LightKind::Spot { .. })),
             num_lights(|kind| matches!(kind, LightKind::Directional { .. })),
         ],
+        animations: world.animations.clone(),
         bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         unit_m,
         ray_length_m: reflection.ray_length_u * unit_m,
@@ -198,6 +201,18 @@ fn table(info: &Info) -> String {
         "lights",
         format!("{point} point, {spot} spot, {directional} directional"),
     );
+    for animation in &info.animations {
+        let state = match (animation.channels, animation.played) {
+            (0, _) => "cannot be played".to_owned(),
+            (n, played) => format!(
+                "{:.3} s, {n} channels, {}",
+                animation.duration_s,
+                if played { "played" } else { "not played" }
+            ),
+        };
+        let (model, name) = (&animation.model, &animation.name);
+        line("animation", format!("\"{name}\" of model {model}: {state}"));
+    }
     let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
     let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {
         format!("{} to {} m", corner(min), corner(max))

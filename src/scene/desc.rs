@@ -17,8 +17,9 @@ pub use self::{
     light::{LightDesc, LightKind, ShadowMode},
     motion::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
-        LightMotionDesc, MaterialMotionDesc, MotionDesc, NumberKeyDesc, NumberOscillateDesc,
-        NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc, TrackDesc,
+        LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
+        NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc,
+        TrackDesc,
     },
 };
 use super::{diagnostic::Span, script::Script};

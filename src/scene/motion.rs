@@ -1,6 +1,7 @@
 //! The scene at one frame: a pure function of the description, its script and the frame's number.
 
 mod clock;
+mod material;
 mod parts;
 mod track;
 
@@ -8,12 +9,14 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
+pub use self::material::{FileMaterial, MaterialChange, file_materials};
 pub use self::parts::{Kind, LightParts, wrong_with_camera};
 use self::track::Track;
 use super::{
     desc::{
-        CameraDesc, CameraMotionDesc, Entry, InstanceMotionDesc, LightDesc, LightMotionDesc,
-        MaterialDesc, MaterialMotionDesc, PlacementDesc, SceneDesc, TrackDesc,
+        AnimationDesc, CameraDesc, CameraMotionDesc, Entry, InstanceDesc, InstanceMotionDesc,
+        LightDesc, LightMotionDesc, MaterialDesc, MaterialMotionDesc, PlacementDesc, SceneDesc,
+        TrackDesc,
     },
     diagnostic::{Diagnostic, Span},
 };
@@ -35,6 +38,8 @@ pub struct FrameState {
     pub lights: Vec<LightDesc>,
     /// What each `[material.NAME]` says.
     pub materials: Vec<MaterialDesc>,
+    /// What changes of each of [`file_materials`].
+    pub file_materials: Vec<MaterialChange>,
     /// What the script printed.
     pub log: Vec<String>,
 }
@@ -50,8 +55,12 @@ pub struct Names {
     pub lights: HashMap<String, usize>,
     /// Of [`SceneDesc::materials`].
     pub materials: HashMap<String, usize>,
+    /// Of [`file_materials`], by model and material.
+    pub file_materials: HashMap<(String, String), usize>,
     /// Which instances may move.
     pub dynamic: Vec<bool>,
+    /// Which instances play animations.
+    pub playing: Vec<bool>,
 }
 
 impl Names {
@@ -69,12 +78,28 @@ impl Names {
                 .collect(),
             lights: entries(&desc.lights),
             materials: entries(&desc.materials),
+            file_materials: (file_materials(desc).into_iter().enumerate())
+                .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
+                .collect(),
             dynamic: moving(desc),
+            playing: desc
+                .instances
+                .iter()
+                .map(|i| desc.played_by(i).is_some())
+                .collect(),
         }
     }
 }
 
 impl SceneDesc {
+    /// What an instance plays: its own choice, else its model's.
+    pub fn played_by<'a>(&'a self, instance: &'a InstanceDesc) -> Option<&'a AnimationDesc> {
+        let model = || self.models.iter().find(|m| m.name == instance.model.value);
+        let played = instance.animation.as_ref();
+        let played = played.or_else(|| model()?.value.animation.as_ref());
+        played.filter(|animation| !animation.name.is_empty())
+    }
+
     /// Whether some file's animation is played.
     pub fn plays(&self) -> bool {
         let of_models = self.models.iter().map(|m| &m.value.animation);
@@ -121,7 +146,8 @@ pub struct Motion<'a> {
     instances: Vec<(usize, [Option<Track<'a>>; 3])>,
     cameras: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
     lights: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
-    materials: Vec<(usize, [Option<Track<'a>>; 7])>,
+    materials: Vec<(usize, material::Tracks<'a>)>,
+    file_materials: Vec<(usize, material::Tracks<'a>)>,
 }
 
 impl<'a> Motion<'a> {
@@ -138,6 +164,7 @@ impl<'a> Motion<'a> {
             animation_s: vec![None; desc.instances.len()],
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
+            file_materials: vec![MaterialChange::default(); names.file_materials.len()],
             ..FrameState::default()
         };
         let find = |name: &str| names.instances.get(name).copied();
@@ -165,23 +192,21 @@ impl<'a> Motion<'a> {
             Some((*names.lights.get(&e.name)?, &e.at, tracks))
         };
         let material = |e: &'a Entry<MaterialMotionDesc>| {
-            let m = &e.value;
-            let tracks = [
-                &m.base_color,
-                &m.metallic,
-                &m.roughness,
-                &m.normal_scale,
-                &m.emission,
-                &m.emission_strength,
-                &m.reflectivity,
-            ];
-            Some((*names.materials.get(&e.name)?, tracks.map(track)))
+            Some((*names.materials.get(&e.name)?, material::tracks(&e.value)))
         };
+        let of_files = motion.models.iter().flat_map(|model| {
+            let materials = model.value.materials.iter();
+            materials.map(|e| ((model.name.clone(), e.name.clone()), &e.value))
+        });
+        let of_files = of_files.filter_map(|(key, motion)| {
+            Some((*names.file_materials.get(&key)?, material::tracks(motion)))
+        });
         Self {
             instances: motion.instances.iter().filter_map(instance).collect(),
             cameras: motion.cameras.iter().filter_map(camera).collect(),
             lights: motion.lights.iter().filter_map(light).collect(),
             materials: motion.materials.iter().filter_map(material).collect(),
+            file_materials: of_files.collect(),
             rest,
             names: std::sync::Arc::new(names),
             desc,
@@ -213,7 +238,10 @@ impl<'a> Motion<'a> {
             state.instances[*index] = self.instance(*index, tracks, state.time_s);
         }
         for (index, tracks) in &self.materials {
-            material(&mut state.materials[*index], tracks, state.time_s);
+            material::pose(&mut state.materials[*index], tracks, state.time_s);
+        }
+        for (index, tracks) in &self.file_materials {
+            state.file_materials[*index] = material::change(tracks, state.time_s);
         }
         self.follow(&mut state, |_, _| true);
         if let Some(script) = &self.desc.script {
@@ -321,35 +349,4 @@ impl<'a> Motion<'a> {
             Err(errors)
         }
     }
-}
-
-fn material(material: &mut MaterialDesc, tracks: &[Option<Track>; 7], time_s: f64) {
-    let [
-        base_color,
-        metallic,
-        roughness,
-        normal_scale,
-        emission,
-        strength,
-        reflectivity,
-    ] = tracks;
-    let color = |slot: &mut Option<Vec3>, track: &Option<Track>, rest: Vec3, most: f32| {
-        if let Some(track) = track {
-            let value = track.at(time_s, slot.unwrap_or(rest), &[]);
-            *slot = Some(value.clamp(Vec3::ZERO, Vec3::splat(most)));
-        }
-    };
-    let number = |slot: &mut Option<f32>, track: &Option<Track>, rest: f32, most: f32| {
-        if let Some(track) = track {
-            let value = track.number_at(time_s, slot.unwrap_or(rest));
-            *slot = Some(value.clamp(0.0, most));
-        }
-    };
-    color(&mut material.base_color, base_color, Vec3::ONE, 1.0);
-    number(&mut material.metallic, metallic, 0.0, 1.0);
-    number(&mut material.roughness, roughness, 1.0, 1.0);
-    number(&mut material.normal_scale, normal_scale, 1.0, 4.0);
-    color(&mut material.emission, emission, Vec3::ZERO, 1e12);
-    number(&mut material.emission_strength, strength, 1.0, 1e12);
-    number(&mut material.reflectivity, reflectivity, 0.04, 1.0);
 }

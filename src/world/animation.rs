@@ -1,6 +1,7 @@
 //! Keyframes of a file's nodes and their evaluation: glTF 2.0 §3.11 and its appendix C.
 
 use glam::{Affine3A, DQuat, DVec4, Quat, Vec3};
+use serde::Serialize;
 
 use crate::math::spline::hermite;
 
@@ -122,6 +123,21 @@ impl Animation {
             channels,
         }
     }
+}
+
+/// An animation that a file has, played or not.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Listed {
+    /// Name of the `[model.NAME]`.
+    pub model: String,
+    /// By which scene text selects it.
+    pub name: String,
+    /// Time of its last key, seconds; 0 where it is broken.
+    pub duration_s: f32,
+    /// Properties of nodes that it moves; 0 where it is broken.
+    pub channels: usize,
+    /// Whether some placement plays it.
+    pub played: bool,
 }
 
 /// Parent from node of a node at rest.

@@ -39,6 +39,8 @@ pub struct World {
     pub cameras: Vec<Entry<CameraDesc>>,
     /// What rays that leave the scene see.
     pub environment: EnvironmentDesc,
+    /// The animations of all files.
+    pub animations: Vec<animation::Listed>,
     /// Named warnings collected while loading.
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.

@@ -82,11 +82,27 @@ pub struct Moved<T> {
     pub rest: T,
 }
 
-/// A material that comes from a `[material.NAME]`.
+/// What tells how a material changes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialSource {
+    /// A `[material.NAME]`, by its index in `SceneDesc::materials`.
+    Named(usize),
+    /// A material of a file.
+    File {
+        /// Indices into `FrameState::file_materials`; the later wins.
+        changes: Vec<usize>,
+        /// What the file says.
+        own: Box<MaterialDesc>,
+        /// What the scene lays over it at rest.
+        overrides: Box<MaterialDesc>,
+    },
+}
+
+/// A material whose numbers may change.
 #[derive(Clone, Debug)]
 pub struct MovingMaterial {
-    /// Index into `SceneDesc::materials`.
-    pub desc: usize,
+    /// What tells how.
+    pub from: MaterialSource,
     /// Index into [`World::materials`].
     pub material: usize,
     /// What the instance lays over it, which wins.
@@ -117,8 +133,23 @@ impl World {
         for moving in &self.moving.materials {
             let material = &mut self.materials[moving.material];
             material.clone_from(&moving.rest);
-            for desc in [&state.materials[moving.desc], &moving.over] {
-                material.set_numbers(desc);
+            match &moving.from {
+                MaterialSource::Named(index) => {
+                    material.set_numbers(&state.materials[*index]);
+                    material.set_numbers(&moving.over);
+                }
+                MaterialSource::File {
+                    changes,
+                    own,
+                    overrides,
+                } => {
+                    let mut desc = (**overrides).clone();
+                    for change in changes {
+                        desc = state.file_materials[*change].over(&desc, own);
+                    }
+                    material.set_numbers(own);
+                    material.set_numbers(&desc.overlaid(&moving.over));
+                }
             }
         }
         // Those of files come after the scene's own.
@@ -254,6 +285,20 @@ pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
 }
 
 impl Material {
+    /// The numbers that motion may change.
+    pub fn numbers(&self) -> Box<MaterialDesc> {
+        Box::new(MaterialDesc {
+            base_color: Some(self.base_color.truncate()),
+            metallic: Some(self.metallic),
+            roughness: Some(self.roughness),
+            normal_scale: Some(self.normal_scale),
+            emission: Some(self.emission),
+            emission_strength: Some(1.0),
+            reflectivity: Some(self.reflectivity),
+            ..MaterialDesc::default()
+        })
+    }
+
     /// Sets the numbers that motion may change, where `desc` says them.
     fn set_numbers(&mut self, desc: &MaterialDesc) {
         fn set(slot: &mut f32, value: Option<f32>) {

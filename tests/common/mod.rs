@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test uses every helper")]
 
+pub mod animated;
+
 use std::path::{Path, PathBuf};
 
 use reflet::gpu::{Gpu, GpuError, GpuOptions};

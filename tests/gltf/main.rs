@@ -3,6 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod animation;
+mod animation_corpus;
+mod animation_hidden;
+mod animation_names;
 mod assets;
 mod corpus;
 mod geometry;

@@ -3,6 +3,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+
+mod animation;
 mod kit;
 mod latency;
 mod models;

@@ -4,6 +4,7 @@
 mod common;
 
 mod agreement;
+mod animation;
 mod closed_form;
 mod edge_cases;
 mod kit;

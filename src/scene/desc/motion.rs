@@ -28,6 +28,8 @@ pub struct MotionDesc {
     pub lights: Vec<Entry<LightMotionDesc>>,
     /// `material.NAME`: changing numbers of a `[material.NAME]`.
     pub materials: Vec<Entry<MaterialMotionDesc>>,
+    /// `model.NAME`: changing numbers of the materials inside a model's file.
+    pub models: Vec<Entry<ModelMotionDesc>>,
 }
 
 impl MotionDesc {
@@ -37,6 +39,7 @@ impl MotionDesc {
             && self.instances.is_empty()
             && self.lights.is_empty()
             && self.materials.is_empty()
+            && self.models.is_empty()
     }
 }
 
@@ -99,6 +102,14 @@ pub struct MaterialMotionDesc {
     pub emission_strength: Option<TrackDesc>,
     /// Track of the specular reflectance at normal incidence, 0 to 1.
     pub reflectivity: Option<TrackDesc>,
+}
+
+/// `[motion.model.NAME]`: of a model with a `file`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelMotionDesc {
+    /// `material.NAME`: changing numbers of the file's material of that name, or of all of them as
+    /// `"*"`, over what `[model.M.material.NAME]` says; an instance's own `material` wins.
+    pub materials: Vec<Entry<MaterialMotionDesc>>,
 }
 
 /// How a path runs between its keys.

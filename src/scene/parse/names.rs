@@ -94,7 +94,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
         }
         if let Some(shape) = instance.animation.as_ref().and(shape_of(scene, instance)) {
             let message = "the model of this instance is a shape, which has no animations";
-            let error = Diagnostic::at("wrong-source", instance.at.clone(), message)
+            let error = Diagnostic::at("wrong-motion", instance.at.clone(), message)
                 .help("remove `animation`; `[motion.instance.NAME]` moves it")
                 .related(shape.at.clone(), "the model is here");
             report.push(error);

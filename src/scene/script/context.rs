@@ -10,7 +10,7 @@ use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::api::value::{color, fail, number, rotation, scale, vector};
 use crate::scene::{
-    desc::{Entry, LightKind, ParamValue, TimelineDesc},
+    desc::{Entry, LightKind, MaterialDesc, ParamValue, TimelineDesc},
     motion::{FrameState, Kind, LightParts, Names, wrong_with_camera},
     parse::suggest,
 };
@@ -212,6 +212,20 @@ impl Context {
         Ok(glam::Mat4::from(self.scene().state.instances[index]).as_dmat4())
     }
 
+    /// Sets the time inside the animations that an instance plays.
+    pub fn animate(&self, name: &str, time_s: &Dynamic) -> Result<()> {
+        let index = self.find("instance", name, |n| &n.instances)?;
+        if !self.names()?.playing[index] {
+            let shown = suggest::text(name);
+            return fail(format!(
+                "instance {shown} plays nothing; write `animation = \"…\"` in its [[instance]]"
+            ));
+        }
+        let time_s = number(time_s, "time_s")?;
+        self.scene().state.animation_s[index] = Some(time_s);
+        Ok(())
+    }
+
     /// Sets keys of a camera.
     pub fn camera(&self, name: &str, keys: &Map) -> Result<()> {
         let index = self.find("camera", name, |n| &n.cameras)?;
@@ -278,36 +292,68 @@ impl Context {
         Ok(())
     }
 
-    /// Sets numbers of a material.
+    /// Sets numbers of a `[material.NAME]`.
     pub fn material(&self, name: &str, keys: &Map) -> Result<()> {
-        const KEYS: &[&str] = &[
-            "base_color",
-            "metallic",
-            "roughness",
-            "normal_scale",
-            "emission",
-            "emission_strength",
-            "reflectivity",
-        ];
         let index = self.find("material", name, |n| &n.materials)?;
+        let values = material_values(keys)?;
         let mut scene = self.scene();
         let material = &mut scene.state.materials[index];
-        for (key, value) in keys {
-            match key.as_str() {
-                "base_color" => material.base_color = Some(color(value, key, 1.0)?),
-                "metallic" => material.metallic = Some(ranged(value, key, 0.0, 1.0)?),
-                "roughness" => material.roughness = Some(ranged(value, key, 0.0, 1.0)?),
-                "normal_scale" => material.normal_scale = Some(ranged(value, key, 0.0, 4.0)?),
-                "emission" => material.emission = Some(color(value, key, 1e12)?),
-                "emission_strength" => {
-                    material.emission_strength = Some(ranged(value, key, 0.0, 1e12)?);
-                }
-                "reflectivity" => material.reflectivity = Some(ranged(value, key, 0.0, 1.0)?),
-                _ => return unknown(key, "a material", KEYS),
-            }
-        }
+        *material = material.overlaid(&values);
         Ok(())
     }
+
+    /// Sets numbers of a material inside a model's file.
+    pub fn file_material(&self, model: &str, name: &str, keys: &Map) -> Result<()> {
+        let table = &self.names()?.file_materials;
+        let Some(&index) = table.get(&(model.to_owned(), name.to_owned())) else {
+            let of_model = table.keys().filter(|(m, _)| m == model);
+            let mut known: Vec<_> = of_model.map(|(_, material)| material.as_str()).collect();
+            known.sort_unstable();
+            let hint = if known.is_empty() {
+                "only those with such a table can be set".to_owned()
+            } else {
+                suggest::hint(
+                    name,
+                    &known,
+                    suggest::text,
+                    "its materials with a table are",
+                )
+            };
+            let path = [model, name].map(suggest::clip).join(".material.");
+            return fail(format!("the scene has no table `[model.{path}]`; {hint}"));
+        };
+        let values = material_values(keys)?;
+        self.scene().state.file_materials[index].put(&values);
+        Ok(())
+    }
+}
+
+fn material_values(keys: &Map) -> Result<MaterialDesc> {
+    const KEYS: &[&str] = &[
+        "base_color",
+        "metallic",
+        "roughness",
+        "normal_scale",
+        "emission",
+        "emission_strength",
+        "reflectivity",
+    ];
+    let mut material = MaterialDesc::default();
+    for (key, value) in keys {
+        match key.as_str() {
+            "base_color" => material.base_color = Some(color(value, key, 1.0)?),
+            "metallic" => material.metallic = Some(ranged(value, key, 0.0, 1.0)?),
+            "roughness" => material.roughness = Some(ranged(value, key, 0.0, 1.0)?),
+            "normal_scale" => material.normal_scale = Some(ranged(value, key, 0.0, 4.0)?),
+            "emission" => material.emission = Some(color(value, key, 1e12)?),
+            "emission_strength" => {
+                material.emission_strength = Some(ranged(value, key, 0.0, 1e12)?);
+            }
+            "reflectivity" => material.reflectivity = Some(ranged(value, key, 0.0, 1.0)?),
+            _ => return unknown(key, "a material", KEYS),
+        }
+    }
+    Ok(material)
 }
 
 fn unknown<T>(key: &str, of: &str, known: &[&str]) -> Result<T> {

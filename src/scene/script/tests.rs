@@ -16,12 +16,16 @@ params = { count = 31 }
 camera.main = {}
 material.brass = { metallic = 1 }
 model.ball = { shape = { kind = \"sphere\" }, material = \"brass\" }
+model.walker = { file = \"walker.glb\", animation = \"walk\", material.skin = {} }
 light.lamp = { kind = \"point\", position = [0, 3, 0], intensity_cd = 10 }
 [[instance]]
 name = \"ball\"
 model = \"ball\"
 translation = [0, 1, 0]
 dynamic = true
+[[instance]]
+name = \"walker\"
+model = \"walker\"
 ";
 
 fn scene() -> SceneDesc {
@@ -96,6 +100,19 @@ fn mistakes_say_where_and_what_was_meant() {
         ("ctx.plase(\"ball\", [0, 0, 0])", "did you mean `place`?"),
         ("ctx.place(\"ball\")", "it is `ctx.place(name, position)`"),
         ("ctx.place(\"ball\", [0, 0])", "not an array of 2 values"),
+        (
+            "ctx.animate(\"ball\", 1)",
+            "plays nothing; write `animation",
+        ),
+        ("ctx.animate(\"walker\", 0.0 / 0.0)", "finite"),
+        (
+            "ctx.material(\"walker\", \"skim\", #{})",
+            "did you mean \"skin\"?",
+        ),
+        (
+            "ctx.material(\"ball\", \"skin\", #{})",
+            "only those with such a table",
+        ),
         ("ctx.place(\"ball\", vec3(0, 0.0 / 0.0, 0))", "finite"),
         ("ctx.place(\"ball\", [0, 0, 0], [0, 0, 0], 0)", "flatten"),
         (

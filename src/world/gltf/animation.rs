@@ -89,7 +89,7 @@ pub fn read(root: &Root, data: &Data<'_>) -> Vec<Clip> {
     };
     let clip = |(i, value): (usize, &serde_json::Value)| {
         let parsed = parse(value);
-        let own = parsed.as_ref().ok().and_then(|a| a.name.as_deref());
+        let own = value.get("name").and_then(serde_json::Value::as_str);
         let own = own.filter(|name| !name.trim().is_empty());
         let base = own.map_or_else(|| format!("animation {i}"), shorten);
         let (mut name, mut number) = (base.clone(), 1);

@@ -328,7 +328,6 @@ pub struct Skin {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Animation {
-    pub name: Option<String>,
     pub channels: Vec<Channel>,
     pub samplers: Vec<AnimationSampler>,
 }

@@ -2,12 +2,17 @@
 
 use super::{
     Loader,
-    material::merged,
     place::{Job, MaterialKey},
 };
 use crate::{
-    scene::desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
-    world::{Material, pose::MovingMaterial},
+    scene::{
+        desc::{At, InstanceMaterialDesc, MaterialDesc, ModelDesc},
+        motion::file_materials,
+    },
+    world::{
+        Material,
+        pose::{MaterialSource, MovingMaterial},
+    },
 };
 
 impl Loader<'_> {
@@ -63,14 +68,36 @@ impl Loader<'_> {
         let mut desc = MaterialDesc::default();
         for name in ["*", own.name.as_str()] {
             for layer in overrides.iter().filter(|e| e.name == name) {
-                desc = merged(&desc, &layer.value);
+                desc = desc.overlaid(&layer.value);
             }
         }
-        if let Some(InstanceMaterialDesc::Override(layer)) = over {
-            desc = merged(&desc, layer);
+        let over = match over {
+            Some(InstanceMaterialDesc::Override(layer)) => (**layer).clone(),
+            _ => MaterialDesc::default(),
+        };
+        let changes = self.changes_of(job.model, &own.name);
+        let from = (!changes.is_empty()).then(|| MaterialSource::File {
+            changes,
+            own: own.numbers(),
+            overrides: Box::new(desc.clone()),
+        });
+        let material = self.file_material(loaded, index, &desc.overlaid(&over));
+        match from {
+            Some(from) => self.add_source(key, from, over, material),
+            None => self.add_material(key, material),
         }
-        let material = self.file_material(loaded, index, &desc);
-        self.add_material(key, material)
+    }
+
+    /// What changes of a file's material, as indices into `FrameState::file_materials`: what holds
+    /// for all of them first.
+    fn changes_of(&self, model: usize, material: &str) -> Vec<usize> {
+        let model = self.desc.models[model].name.as_str();
+        let all = file_materials(self.desc);
+        let of = |name: &str| {
+            all.iter()
+                .position(|m| m.model == model && m.material == name)
+        };
+        ["*", material].into_iter().filter_map(of).collect()
     }
 
     /// A material that comes from a `[material.NAME]`: if that may change, it is stored apart from
@@ -90,13 +117,22 @@ impl Loader<'_> {
         let Some(entry) = found else {
             return self.add_material(key, material);
         };
-        let of_entry = |m: &&MovingMaterial| m.desc == entry && m.over == over;
-        let mut known = self.world.moving.materials.iter().filter(of_entry);
-        let same = known.find(|m| m.rest == material);
+        self.add_source(key, MaterialSource::Named(entry), over, material)
+    }
+
+    fn add_source(
+        &mut self,
+        key: MaterialKey,
+        from: MaterialSource,
+        over: MaterialDesc,
+        material: Material,
+    ) -> usize {
+        let alike = |m: &&MovingMaterial| m.from == from && m.over == over && m.rest == material;
+        let same = self.world.moving.materials.iter().find(alike);
         let index = same.map_or(self.world.materials.len(), |m| m.material);
         if index == self.world.materials.len() {
             self.world.moving.materials.push(MovingMaterial {
-                desc: entry,
+                from,
                 material: index,
                 over,
                 rest: material.clone(),

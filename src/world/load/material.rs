@@ -65,39 +65,6 @@ pub fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
     ]
 }
 
-/// `over` where it says something, else `base`.
-pub fn merged(base: &MaterialDesc, over: &MaterialDesc) -> MaterialDesc {
-    let (b, o) = (base, over);
-    MaterialDesc {
-        base_color: o.base_color.or(b.base_color),
-        base_color_texture: o
-            .base_color_texture
-            .clone()
-            .or_else(|| b.base_color_texture.clone()),
-        checker: o.checker.or(b.checker),
-        metallic: o.metallic.or(b.metallic),
-        roughness: o.roughness.or(b.roughness),
-        metallic_roughness_texture: (o.metallic_roughness_texture.clone())
-            .or_else(|| b.metallic_roughness_texture.clone()),
-        normal_texture: o
-            .normal_texture
-            .clone()
-            .or_else(|| b.normal_texture.clone()),
-        normal_scale: o.normal_scale.or(b.normal_scale),
-        emission: o.emission.or(b.emission),
-        emission_strength: o.emission_strength.or(b.emission_strength),
-        emission_texture: o
-            .emission_texture
-            .clone()
-            .or_else(|| b.emission_texture.clone()),
-        uv_scale: o.uv_scale.or(b.uv_scale),
-        alpha_cutoff: o.alpha_cutoff.or(b.alpha_cutoff),
-        double_sided: o.double_sided.or(b.double_sided),
-        reflection: o.reflection.or(b.reflection),
-        reflectivity: o.reflectivity.or(b.reflectivity),
-    }
-}
-
 impl Loader<'_> {
     /// A file's material with `desc` laid over it; only images that remain in use are asked for.
     pub fn file_material(&mut self, loaded: usize, index: usize, desc: &MaterialDesc) -> Material {

@@ -32,12 +32,16 @@ impl Loader<'_> {
                 continue;
             };
             let known = &self.loaded[*loaded].materials;
-            for entry in model.value.overrides.iter().filter(|e| e.name != "*") {
-                if !known.iter().any(|m| m.name == entry.name) {
+            let overrides = model.value.overrides.iter().map(|e| (&e.name, &e.at));
+            let motion = desc.motion.models.iter().filter(|m| m.name == model.name);
+            let moved = motion.flat_map(|m| &m.value.materials);
+            let named = overrides.chain(moved.map(|e| (&e.name, &e.at)));
+            for (name, at) in named.filter(|(name, _)| *name != "*") {
+                if !known.iter().any(|m| m.name == *name) {
                     let file = self.loaded[*loaded].files[0].display();
-                    let text = format!("\"{file}\" has no material \"{}\"", entry.name);
-                    let mut error = error_at("unknown-material", &entry.at, text);
-                    error.help = did_you_mean(&entry.name, known.iter().map(|m| m.name.as_str()))
+                    let text = format!("\"{file}\" has no material \"{name}\"");
+                    let mut error = error_at("unknown-material", at, text);
+                    error.help = did_you_mean(name, known.iter().map(|m| m.name.as_str()))
                         .or_else(|| Some(list_names(known)));
                     self.errors.push(error);
                 }

@@ -15,7 +15,7 @@ use crate::{
         diagnostic::{Diagnostic, Severity, Span},
         motion::moving,
     },
-    world::{Instance, pose::MovingInstance, rig::Player},
+    world::{Instance, animation::Listed, pose::MovingInstance, rig::Player},
 };
 
 /// A mesh of a loaded file.
@@ -90,6 +90,35 @@ impl Loader<'_> {
             self.warn_of_dropped(job, &dropped, placed - before);
         }
         self.finish_extras(extras);
+        self.list_animations(sources);
+    }
+
+    /// Lists what the files can play.
+    fn list_animations(&mut self, sources: &[Source]) {
+        let desc = self.desc;
+        for (entry, source) in desc.models.iter().zip(sources) {
+            let Source::File(loaded) = source else {
+                continue;
+            };
+            let placements = desc
+                .instances
+                .iter()
+                .filter(|i| i.model.value == entry.name);
+            let mut played: Vec<_> = placements.map(|i| desc.played_by(i)).collect();
+            if played.is_empty() {
+                played.push(entry.value.animation.as_ref());
+            }
+            for clip in &self.loaded[*loaded].clips {
+                let whole = clip.animation.as_ref().ok();
+                self.world.animations.push(Listed {
+                    model: entry.name.clone(),
+                    name: clip.name.clone(),
+                    duration_s: whole.map_or(0.0, |a| a.duration_s),
+                    channels: whole.map_or(0, |a| a.channels.len()),
+                    played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
+                });
+            }
+        }
     }
 
     fn warn_of_dropped(&mut self, job: &Job<'_>, dropped: &[String], kept: usize) {
@@ -150,8 +179,10 @@ impl Loader<'_> {
         let Source::File(loaded) = source else {
             return None;
         };
-        let own = job.instance.and_then(|i| i.animation.as_ref());
-        let played = own.or(self.desc.models[job.model].value.animation.as_ref())?;
+        let played = match job.instance {
+            Some(instance) => self.desc.played_by(instance),
+            None => self.desc.models[job.model].value.animation.as_ref(),
+        }?;
         let model = &self.loaded[*loaded];
         let mut animations = Vec::new();
         for clip in model.clips.iter().filter(|clip| played.plays(&clip.name)) {

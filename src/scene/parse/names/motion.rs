@@ -4,7 +4,9 @@ use toml::de::DeTable;
 
 use super::Names;
 use crate::scene::{
-    desc::{At, Entry, LightKind, MaterialMotionDesc, PlacementDesc, SceneDesc, TrackDesc},
+    desc::{
+        At, Entry, LightKind, MaterialMotionDesc, ModelSource, PlacementDesc, SceneDesc, TrackDesc,
+    },
     diagnostic::{Diagnostic, Span},
     parse::{report::Report, suggest},
 };
@@ -18,6 +20,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     refer_all(&mut cameras, &motion.cameras, report);
     refer_all(&mut lights, &motion.lights, report);
     refer_all(&mut materials, &motion.materials, report);
+    refer_all(&mut Names::of("model", root), &motion.models, report);
     for entry in &motion.instances {
         refer_instance(scene, &entry.name, &entry.at, report);
         let fixed = scene.instances.iter().find(|i| {
@@ -55,6 +58,19 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     for entry in &motion.materials {
         check_material(entry, report);
     }
+    for entry in &motion.models {
+        let model = scene.models.iter().find(|m| m.name == entry.name);
+        if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
+            let message = "this model is a shape, which has no materials of its own";
+            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+                .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
+                .related(model.at.clone(), "the model is here");
+            report.push(error);
+        }
+        for material in &entry.value.materials {
+            check_material(material, report);
+        }
+    }
     if (!motion.is_empty() || scene.plays()) && scene.timeline.is_none() && report.errors() == 0 {
         let first = first_motion(scene).unwrap_or_default();
         let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
@@ -73,7 +89,8 @@ fn first_motion(scene: &SceneDesc) -> Option<Span> {
     let played = models.chain(scene.instances.iter().map(|i| &i.animation));
     let played = played.flatten().flat_map(|a| &a.name).map(|name| &name.at);
     let all = cameras.chain(instances).chain(lights);
-    let all = all.chain(materials).chain(played);
+    let of_files = motion.models.iter().map(|e| &e.at);
+    let all = all.chain(materials).chain(of_files).chain(played);
     all.min_by_key(|at| at.range.start).cloned()
 }
 

@@ -31,6 +31,7 @@ impl Section for InstanceDesc {
             Either::Name(name) => InstanceMaterialDesc::Named(name),
             Either::Nested(desc) => InstanceMaterialDesc::Override(Box::new(desc)),
         });
+        let animation = animation(t);
         Some(Self {
             name,
             model: model?,
@@ -38,7 +39,7 @@ impl Section for InstanceDesc {
             dynamic,
             repeat,
             material,
-            animation: animation(t),
+            animation,
             at: t.start(),
         })
     }

@@ -45,6 +45,18 @@ impl Section for MotionDesc {
             instances: t.entries("instance"),
             lights: t.entries("light"),
             materials: t.entries("material"),
+            models: t.entries("model"),
+        })
+    }
+}
+
+impl Section for ModelMotionDesc {
+    const TYPE: &'static str = "ModelMotionDesc";
+    const HEADING: &'static str = "[motion.model.NAME]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        Some(Self {
+            materials: t.entries("material"),
         })
     }
 }

@@ -69,7 +69,7 @@ fn definition(form: &str, gives: &str) -> Option<String> {
 fn type_of(parameter: &str) -> &'static str {
     match parameter {
         "ctx" => "ctx",
-        "name" => "String",
+        "name" | "model" => "String",
         "seed" | "id" | "frame" => "int",
         "v" | "vector" => "vec3",
         "q" => "quat",

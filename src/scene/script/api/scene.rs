@@ -103,6 +103,17 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.animate(name, time_s)",
+        gives: "()",
+        text: "Shows an instance at a time inside the animations that its `animation` selects, in place of the scene's time. Before 0 and after their end they hold.",
+        example: "ctx.animate(\"walker\", 0.5 * ctx.t); true",
+        register: |e| {
+            e.register_fn("animate", |c: &mut Context, name: &str, time_s: Dynamic| {
+                c.animate(name, &time_s)
+            });
+        },
+    },
+    Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
         text: "Sets any of `eye`, `target`, `up` and `fov_deg` of a camera.",
@@ -133,6 +144,20 @@ pub static POSE: &[Entry] = &[
             e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {
                 c.material(name, &keys)
             });
+        },
+    },
+    Entry {
+        signature: "ctx.material(model, name, #{ … })",
+        gives: "()",
+        text: "The same for a material inside the file of a `[model.NAME]`; the scene must have its table, `[model.NAME.material.M]`, which may be empty. `\"*\"` is all of them.",
+        example: "ctx.material(\"walker\", \"skin\", #{ roughness: 0.3 }); true",
+        register: |e| {
+            e.register_fn(
+                "material",
+                |c: &mut Context, model: &str, name: &str, keys: Map| {
+                    c.file_material(model, name, &keys)
+                },
+            );
         },
     },
     Entry {

@@ -1,0 +1,256 @@
+//! Animations of glTF files: their names, what is wrong with broken ones, and what is left out.
+
+use glam::{Affine3A, Quat, Vec3};
+use reflet::{scene::desc::InstanceDesc, world::gltf};
+use serde_json::{Value, json};
+
+use crate::{
+    animation::{assert_near, cart, cart_scene, find, playing, posed},
+    kit::{Doc, Folder, instance, load_scene, one_error, scene, warnings},
+};
+
+#[test]
+fn wrong_names_are_told_with_their_places() {
+    let (_folder, mut desc) = cart_scene(&["spinn"]);
+    let errors = load_scene(&desc).expect_err("there is no such animation");
+    assert_eq!(errors[0].name, "unknown-animation");
+    assert!(errors[0].message.contains("no animation \"spinn\""));
+    let help = errors[0].help.as_deref().unwrap_or_default();
+    assert!(
+        help.contains("\"spin\"") && help.contains("drive, spin, turn"),
+        "{help}"
+    );
+    desc.models[0].value.animation = None;
+    desc.instances = vec![InstanceDesc {
+        animation: Some(playing(&["*", "fly"])),
+        ..instance("m")
+    }];
+    let (name, message) = one_error(load_scene(&desc));
+    assert_eq!(name, "unknown-animation", "{message}");
+}
+
+/// Names are made up where there are none, and made unique.
+#[test]
+fn every_animation_has_a_name_of_its_own() {
+    let mut doc = cart();
+    for (i, name) in [json!("go"), json!("go"), Value::Null]
+        .into_iter()
+        .enumerate()
+    {
+        doc.json["animations"][i]["name"] = name;
+    }
+    let world = doc.world();
+    let names: Vec<_> = world.animations.iter().map(|a| a.name.as_str()).collect();
+    assert_eq!(names, ["go", "go#2", "animation 2"]);
+}
+
+/// Breaks the first animation.
+type Harm = fn(&mut Doc);
+
+#[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
+fn broken_animations_cannot_be_played_and_do_no_other_harm() {
+    let cases: &[(&str, Harm, &str)] = &[
+        (
+            "no channels",
+            |d| d.json["animations"][0]["channels"] = json!([]),
+            "no channels",
+        ),
+        (
+            "no sampler",
+            |d| d.json["animations"][0]["channels"][0]["sampler"] = 7.into(),
+            "sampler 7",
+        ),
+        (
+            "no node",
+            |d| d.json["animations"][0]["channels"][0]["target"]["node"] = 99.into(),
+            "node 99",
+        ),
+        (
+            "no input",
+            |d| d.json["animations"][0]["samplers"][0]["input"] = 99.into(),
+            "accessor 99",
+        ),
+        (
+            "no output",
+            |d| d.json["animations"][0]["samplers"][0]["output"] = 99.into(),
+            "accessor 99",
+        ),
+        (
+            "lost key",
+            |d| d.json["animations"][0]["samplers"][0] = json!({"input": 1}),
+            "output",
+        ),
+        (
+            "word",
+            |d| d.json["animations"][0]["samplers"][0]["interpolation"] = "WAVY".into(),
+            "WAVY",
+        ),
+        (
+            "cubic count",
+            |d| d.json["animations"][0]["samplers"][0]["interpolation"] = "CUBICSPLINE".into(),
+            "need 6 output values, there are 2",
+        ),
+        (
+            "unsorted",
+            |d| input(d, &[1.0, 0.5]),
+            "times must increase, but 0.5 follows 1",
+        ),
+        ("twice", |d| input(d, &[1.0, 1.0]), "times must increase"),
+        ("negative", |d| input(d, &[-1.0, 1.0]), "not negative"),
+        ("endless", |d| input(d, &[0.0, f32::INFINITY]), "finite"),
+        ("no number", |d| input(d, &[f32::NAN, 1.0]), "finite"),
+        (
+            "count",
+            |d| input(d, &[0.0, 1.0, 2.0]),
+            "3 keys need 3 output values, there are 2",
+        ),
+        (
+            "output not a number",
+            |d| output(d, "VEC3", &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]),
+            "output value 1",
+        ),
+        (
+            "output of four",
+            |d| output(d, "VEC4", &[0.0; 8]),
+            "not allowed here",
+        ),
+        (
+            "input of three",
+            |d| {
+                let a = d.floats("VEC3", &[0.0; 6]);
+                d.json["animations"][0]["samplers"][0]["input"] = a.into();
+            },
+            "not allowed here",
+        ),
+        (
+            "zero rotation",
+            |d| {
+                d.json["animations"][0]["channels"][0]["target"]["path"] = "rotation".into();
+                output(d, "VEC4", &[0.0; 8]);
+            },
+            "rotation 0 is zero",
+        ),
+        (
+            "same target",
+            |d| {
+                let c = d.json["animations"][0]["channels"][0].clone();
+                d.json["animations"][0]["channels"] = json!([c, c]);
+            },
+            "channel 1: a channel before it moves the translation",
+        ),
+        (
+            "integers",
+            |d| {
+                let a = d.accessor("SCALAR", 5123, 2, &[0, 0, 1, 0]);
+                d.json["animations"][0]["samplers"][0]["input"] = a.into();
+            },
+            "not allowed here",
+        ),
+    ];
+    for (what, harm, says) in cases {
+        let mut doc = cart();
+        harm(&mut doc);
+        let folder = Folder::new();
+        folder.write("m.glb", doc.glb());
+        let mut desc = scene(&folder.0, "m.glb");
+        let world = load_scene(&desc).unwrap_or_else(|e| panic!("{what}: {e:?}"));
+        assert_eq!(warnings(&world), ["animation-broken"], "{what}");
+        assert!(world.warnings[0].file.is_some(), "{what}");
+        assert_eq!(world.animations[0].channels, 0, "{what}");
+        desc.models[0].value.animation = Some(playing(&["spin"]));
+        assert_near(
+            find(&posed(&desc, 12), "m/cart/wheel").0,
+            Affine3A::from_translation(Vec3::Y)
+                * Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_4),
+        );
+        desc.models[0].value.animation = Some(playing(&["drive"]));
+        let (name, message) = one_error(load_scene(&desc));
+        assert!(
+            ["gltf-animation", "gltf-accessor"].contains(&name),
+            "{what}: {name}"
+        );
+        assert!(message.contains(says), "{what}: {message}");
+        assert!(
+            message.contains("animation 0 \"drive\"") && message.contains("m.glb"),
+            "{message}"
+        );
+    }
+}
+
+fn input(doc: &mut Doc, times: &[f32]) {
+    let accessor = doc.floats("SCALAR", times);
+    doc.json["animations"][0]["samplers"][0]["input"] = accessor.into();
+}
+
+fn output(doc: &mut Doc, kind: &str, values: &[f32]) {
+    let accessor = doc.floats(kind, values);
+    doc.json["animations"][0]["samplers"][0]["output"] = accessor.into();
+}
+
+#[test]
+fn what_is_not_played_is_named_when_it_is_asked_for() {
+    let mut doc = cart();
+    let target = |path: &str| json!({"sampler": 0, "target": {"node": 3, "path": path}});
+    let spin = doc.json["animations"][0]["channels"][0].clone();
+    doc.json["animations"][0]["channels"] = json!([spin, target("weights"), target("color"), {"sampler": 0, "target": {"path": "scale"}}]);
+    doc.json["nodes"][4]["matrix"] = json!([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 9, 0, 0, 1]);
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    let mut desc = scene(&folder.0, "m.glb");
+    assert!(warnings(&load_scene(&desc).expect("it loads")).is_empty());
+    desc.models[0].value.animation = Some(playing(&["drive"]));
+    let world = posed(&desc, 24);
+    assert_eq!(
+        warnings(&world),
+        [
+            "animation-matrix",
+            "animation-path",
+            "animation-target",
+            "animation-weights"
+        ]
+    );
+    let (pose, _) = find(&world, "m/cart/box");
+    // The matrix keeps its scale; its place is the animation's.
+    assert_near(
+        pose,
+        Affine3A::from_scale_rotation_translation(
+            Vec3::splat(2.0),
+            Quat::IDENTITY,
+            Vec3::new(2.0, 0.0, 0.0),
+        ),
+    );
+}
+
+/// A bare model's own list, as it stands before it is loaded.
+#[test]
+fn a_file_tells_what_it_can_play() {
+    let folder = Folder::new();
+    let path = folder.write("m.glb", cart().glb());
+    let sandbox = gltf::Sandbox::new([folder.0.as_path()], 1 << 20);
+    let path = path.canonicalize().expect("it is there");
+    let playable = gltf::playable(&path, &sandbox).expect("it can be read");
+    let found: Vec<_> = (playable.clips.iter())
+        .map(|c| {
+            (
+                c.name.as_str(),
+                c.animation.as_ref().map_or(0.0, |a| a.duration_s),
+            )
+        })
+        .collect();
+    assert_eq!(found, [("drive", 2.0), ("spin", 1.0), ("turn", 1.0)]);
+    assert_eq!(playable.stage, None);
+    let mut doc = cart();
+    doc.json["scenes"][0]["extras"] = json!({"usd": {"timeCodesPerSecond": 30, "timeOrigin": 101,
+        "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y"}});
+    folder.write("m.glb", doc.glb());
+    let stage = gltf::playable(&path, &sandbox)
+        .expect("it can be read")
+        .stage;
+    let stage = stage.expect("it was a stage");
+    assert_eq!((stage.rate, stage.origin), (30.0, 101.0));
+    assert_eq!(
+        (stage.start_time_code, stage.end_time_code),
+        (None, Some(150.0))
+    );
+}

@@ -1,0 +1,60 @@
+//! A scene whose file is animated: edits of what is played read no file, and build trees only where
+//! other things move.
+
+use std::{fs, sync::Arc};
+
+use reflet::app::watch::Change;
+
+use crate::{
+    common::{animated::write_arm, gpu_or_skip},
+    kit::{Folder, open, picture},
+};
+
+const SCENE: &str = "version = 1
+[image]
+size = [48, 32]
+[camera.main]
+eye = [0, 2, 5]
+[environment]
+color = [0.4, 0.4, 0.4]
+[timeline]
+end = 47
+[model.arm]
+file = \"arm.gltf\"
+";
+
+#[test]
+fn what_is_played_changes_without_reading_a_file() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    write_arm(folder.path("arm.gltf").parent().expect("a folder"));
+    let scene = folder.write("scene.toml", SCENE);
+    let mut live = open(&gpu, &scene, None);
+    let playing = |what: &str| format!("{SCENE}animation = {what}\n");
+    for (text, builds) in [
+        (playing("\"swing\""), true), // what stood still may move
+        (playing("\"*\""), false),    // the same things move
+        (
+            playing("{ name = \"swing\", start_s = 1, repeat = \"once\" }"),
+            false,
+        ),
+        (playing("\"*\""), false),
+        (SCENE.to_owned(), true),
+    ] {
+        fs::write(&scene, &text).expect("written");
+        let reload = live.reload(&[Change::Scene].into());
+        assert!(reload.ok && !reload.files, "{text}: {:?}", live.problems);
+        assert_eq!(reload.redone.trees, builds, "{text}");
+        assert!(!reload.redone.upload, "{text}");
+        assert!(picture(&gpu, &mut live) == picture(&gpu, &mut open(&gpu, &scene, None)));
+    }
+    fs::write(&scene, playing("\"swimg\"")).expect("written");
+    let reload = live.reload(&[Change::Scene].into());
+    assert!(!reload.ok && !reload.files);
+    let error = &live.problems.scene[0];
+    assert_eq!(error.name, "unknown-animation");
+    assert!(error.to_string().contains("scene.toml:12:13"), "{error}");
+    fs::write(&scene, playing("\"swing\"")).expect("written");
+    assert!(live.reload(&[Change::Scene].into()).ok);
+}

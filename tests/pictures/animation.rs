@@ -1,0 +1,247 @@
+//! Pictures of animated files: where a moving thing and its reflection are, that a frame does not
+//! depend on those before it, and what the command makes of a bare model.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use glam::{Quat, Vec3, camera::rh};
+use reflet::{
+    render::Picture,
+    scene::{
+        desc::{CameraDesc, SceneDesc},
+        motion::Motion,
+        parse,
+    },
+    world::{World, load},
+};
+
+use crate::{
+    common::animated::write_arm,
+    kit::{assert_color, color, gpu, renderer},
+};
+
+const SCENE: &str = "
+version = 1
+timeline = { fps = 8, end = 16 }
+[model.arm]
+file = \"arm.gltf\"
+animation = { name = [\"swing\", \"lift\"], repeat = \"once\" }
+[model.arm.material.glow]
+[camera.main]
+eye = [0, 2, 5]
+target = [0, 0.3, 0]
+[environment]
+color = [0.1, 0.2, 0.3]
+[image]
+size = [96, 64]
+";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("animation-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    write_arm(&folder);
+    folder
+}
+
+fn read(folder: &Path, text: &str) -> (SceneDesc, World) {
+    let (desc, warnings) = parse::parse(text, &folder.join("scene.toml"), &[])
+        .unwrap_or_else(|errors| panic!("{errors:?}"));
+    assert_eq!(warnings, []);
+    let world = load::load(&desc, &load::LoadOptions::default())
+        .unwrap_or_else(|errors| panic!("{errors:?}"));
+    (desc, world)
+}
+
+/// Each of these frames, all with one renderer.
+fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
+    let gpu = gpu()?;
+    let (desc, mut world) = read(folder, text);
+    let motion = Motion::new(&desc);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let pictures = frames.iter().map(|frame| {
+        let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
+        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+        renderer.update(gpu, &world);
+        let camera = &world.cameras[0].value;
+        let picture = renderer.picture(gpu, &world, camera, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    });
+    Some(pictures.collect())
+}
+
+/// The pixel that shows a point.
+fn pixel(camera: &CameraDesc, size: [u32; 2], world: Vec3) -> [u32; 2] {
+    let view = rh::view::look_at_mat4(camera.eye, camera.target, camera.up);
+    let aspect = size[0] as f32 / size[1] as f32;
+    let fov = camera.fov_deg.to_radians();
+    let clip = rh::proj::directx::perspective_infinite_reverse(fov, aspect, camera.near_m) * view;
+    let point = clip.project_point3(world);
+    let at = |x: f32, side: u32| ((x * 0.5 + 0.5) * side as f32) as u32;
+    [at(point.x, size[0]), at(-point.y, size[1])]
+}
+
+#[test]
+fn a_moving_node_and_its_reflection_are_where_they_should_be() {
+    let folder = folder("reflection");
+    let frames = [0, 4, 8];
+    for method in ["hybrid", "rt"] {
+        let text = format!("{SCENE}[reflection]\nmethod = \"{method}\"\n");
+        let Some(pictures) = film(&folder, &text, &frames) else {
+            return;
+        };
+        let camera = read(&folder, &text).0.cameras[0].value.clone();
+        for (picture, frame) in pictures.iter().zip(frames) {
+            let share = frame as f32 / 8.0;
+            let turn = Quat::from_rotation_y(share * std::f32::consts::FRAC_PI_2);
+            let hand = turn * Vec3::X + Vec3::Y * (0.5 + 0.5 * share);
+            let mirrored = hand * Vec3::new(1.0, -1.0, 1.0);
+            for seen in [hand, mirrored] {
+                let [x, y] = pixel(&camera, picture.size, seen);
+                assert_color(picture, x, y, [1.0, 0.0, 0.0], 0.02);
+            }
+            // Where it is in the other frames it is not now.
+            let [x, y] = pixel(&camera, picture.size, Vec3::new(-1.0, 0.5, 0.0));
+            assert!(color(picture, x, y)[0] < 0.5);
+        }
+    }
+}
+
+#[test]
+fn a_frame_alone_is_the_frame_of_the_film() {
+    let folder = folder("alone");
+    let Some(all) = film(&folder, SCENE, &[0, 3, 16, 5, 9]) else {
+        return;
+    };
+    for (i, frame) in [0, 3, 16, 5, 9].into_iter().enumerate() {
+        let alone = film(&folder, SCENE, &[frame]).expect("there is a device");
+        assert!(all[i].display == alone[0].display, "frame {frame}");
+        assert!(all[i].color == alone[0].color, "frame {frame}");
+    }
+    for (i, a) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|b| a.display != b.display));
+    }
+}
+
+/// What is scaled to nothing is seen by no pass: not by rasters, rays or shadow maps.
+#[test]
+fn what_is_hidden_leaves_no_trace() {
+    let folder = folder("hidden");
+    let sun =
+        "[light.sun]\nkind = \"directional\"\ndirection = [0.2, -1, 0.1]\nintensity_lux = 3\n";
+    let text = format!("{SCENE}{sun}");
+    let Some(pictures) = film(&folder, &text, &[8, 16]) else {
+        return;
+    };
+    let json = fs::read_to_string(folder.join("arm.gltf")).expect("it is there");
+    let without = json.replace("\"name\": \"hand\", \"mesh\": 1,", "\"name\": \"hand\",");
+    assert_ne!(json, without);
+    fs::write(folder.join("arm.gltf"), without).expect("written");
+    let bare = film(&folder, &text, &[16]).expect("there is a device");
+    assert!(pictures[1].display == bare[0].display, "hidden, but seen");
+    assert!(
+        pictures[0].display != bare[0].display,
+        "before that it is there"
+    );
+}
+
+#[test]
+fn materials_of_files_change_over_time() {
+    let folder = folder("material");
+    let motion = "[motion.model.arm.material.glow]\n\
+        emission = { keys = [{ at_s = 0, value = [1, 0, 0] }, { at_s = 2, value = [0, 1, 0] }] }\n";
+    let text = format!("{SCENE}{motion}").replace("[\"swing\", \"lift\"]", "\"swing\"");
+    let Some(pictures) = film(&folder, &text, &[0, 8]) else {
+        return;
+    };
+    let camera = read(&folder, &text).0.cameras[0].value.clone();
+    for (picture, hand, expected) in [
+        (&pictures[0], Vec3::new(1.0, 0.5, 0.0), [1.0, 0.0, 0.0]),
+        (&pictures[1], Vec3::new(0.0, 0.5, -1.0), [0.5, 0.5, 0.0]),
+    ] {
+        for seen in [hand, hand * Vec3::new(1.0, -1.0, 1.0)] {
+            let [x, y] = pixel(&camera, picture.size, seen);
+            assert_color(picture, x, y, expected, 0.02);
+        }
+    }
+}
+
+/// Runs `reflet render`, gives standard error.
+#[track_caller]
+fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .arg("render")
+        .args(arguments)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+    text
+}
+
+#[test]
+fn a_bare_model_is_a_film() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = folder("bare");
+    let frames = [
+        "arm.gltf", "--size", "32x24", "-o", "f.##.png", "--resume", "--frames",
+    ];
+    // Its animations move different things: both are played, the longer takes 2 s.
+    let text = render(&folder, &[&frames[..], &["0,24,48"]].concat(), 0);
+    assert_eq!(text.matches("wrote").count(), 3, "{text}");
+    let picture = |name: &str| fs::read(folder.join(name)).expect("it is there");
+    let film = ["f.00.png", "f.24.png", "f.48.png"].map(picture);
+    assert!(film[0] != film[1] && film[1] != film[2]);
+    let text = render(&folder, &[&frames[..], &["all"]].concat(), 0);
+    assert_eq!(text.matches("kept").count(), 3, "{text}");
+    assert_eq!(text.matches("wrote").count(), 46, "{text}");
+    let text = render(&folder, &[&frames[..], &["49"]].concat(), 2);
+    assert!(text.contains("which has 0 to 48"), "{text}");
+    let slow = ["--set", "timeline.fps=6"];
+    let text = render(&folder, &[&frames[..], &["all"], &slow[..]].concat(), 0);
+    assert_eq!(text.matches("wrote").count(), 13, "{text}");
+    // One animation alone is another film, and a longer one is not the first one's length.
+    let one = ["--set", "model.model.animation.name=swing"];
+    let text = render(&folder, &[&frames[..], &["0,24"], &one[..]].concat(), 0);
+    assert_eq!(text.matches("wrote").count(), 2, "{text}");
+    assert_ne!(picture("f.24.png"), film[1]);
+}
+
+#[test]
+fn resuming_knows_what_is_played() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = folder("resume");
+    fs::write(folder.join("scene.toml"), SCENE).expect("written");
+    let frames = [
+        "scene.toml",
+        "--size",
+        "32x24",
+        "-o",
+        "f.#.png",
+        "--resume",
+        "--frames",
+        "0-2",
+    ];
+    render(&folder, &frames, 0);
+    assert_eq!(render(&folder, &frames, 0).matches("kept").count(), 3);
+    fs::write(
+        folder.join("scene.toml"),
+        SCENE.replace("once", "ping_pong"),
+    )
+    .expect("written");
+    assert_eq!(render(&folder, &frames, 0).matches("wrote").count(), 3);
+    let bytes = fs::read(folder.join("arm.bin")).expect("it is there");
+    let mut moved = bytes.clone();
+    let last = moved.len() - 1;
+    moved[last] ^= 0x01; // the last key of the last animation
+    fs::write(folder.join("arm.bin"), moved).expect("written");
+    assert_eq!(render(&folder, &frames, 0).matches("wrote").count(), 3);
+}
