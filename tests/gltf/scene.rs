@@ -3,7 +3,7 @@
 use crate::kit::{
     Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,
 };
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat4, Vec3};
 use reflet::{
     scene::desc::{
         InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
@@ -113,10 +113,25 @@ fn a_scene_without_camera_gets_one_that_sees_everything() {
         (camera.target - Vec3::new(100.5, 0.5, 0.0)).length() < 1e-4,
         "{camera:?}"
     );
-    let radius = world.static_bounds().diagonal() * 0.5;
-    assert!(
-        (camera.eye - camera.target).length() * (camera.fov_deg.to_radians() * 0.5).sin() > radius
-    );
+    // Every corner is inside a 16:9 picture, and one is near its edge.
+    let bounds = world.static_bounds();
+    let view_from_world = Mat4::look_at_rh(camera.eye, camera.target, camera.up);
+    let high = (camera.fov_deg.to_radians() * 0.5).tan();
+    let edge = |i: u32| {
+        let pick = |bit: u32| {
+            if i >> bit & 1 == 1 {
+                bounds.max
+            } else {
+                bounds.min
+            }
+        };
+        let corner = Vec3::new(pick(0).x, pick(1).y, pick(2).z);
+        let seen = view_from_world.transform_point3(corner);
+        let (x, y) = (seen.x / -seen.z, seen.y / -seen.z);
+        (x / high * 9.0 / 16.0).abs().max((y / high).abs())
+    };
+    let widest = (0..8).map(edge).fold(0.0, f32::max);
+    assert!((0.8..1.0).contains(&widest), "{widest}");
 }
 
 #[test]
