@@ -2,7 +2,9 @@
 
 use std::f32::consts::PI;
 
-use crate::kit::{FACING, assert_color, gpu, render};
+use reflet::render::{aov::Aov, cause::Source};
+
+use crate::kit::{FACING, assert_color, gpu, integers, render};
 
 /// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
@@ -304,5 +306,37 @@ fn tone_curves_are_those_of_their_papers() {
                 );
             }
         }
+    }
+}
+
+/// A mirror floor before a shining wall: where the march finds the wall, it shows its light.
+#[test]
+fn what_the_march_finds_has_the_color_that_it_has_on_screen() {
+    let Some(gpu) = gpu() else { return };
+    let text = MIRROR
+        .replace("eye = [0.3, 0.2, 2]", "eye = [0, 1, 4]")
+        .replace("target = [0, 0, 0]", "target = [0, 0.6, 0]")
+        .replace("size = [33, 17]", "size = [64, 48]")
+        .replace("fov_deg = 30", "fov_deg = 50");
+    let set = [
+        "instance.0.rotation_deg=[0, 0, 0]",
+        "instance.1.translation=[0, 0, -1.5]",
+        "instance.1.rotation_deg=[90, 0, 0]",
+        "environment.color=[0, 0, 0]",
+    ];
+    for method in ["ssr", "hybrid"] {
+        let method = format!("reflection.method={method}");
+        let set = [&set[..], &[method.as_str()]].concat();
+        let picture = render(gpu, &text, &set, &[Aov::Source]);
+        let sources = integers(&picture, Aov::Source);
+        let mut found = 0;
+        for (i, source) in sources.iter().enumerate() {
+            if *source == Source::Screen as u32 {
+                let (x, y) = (i as u32 % 64, i as u32 / 64);
+                assert_color(&picture, x, y, [0.2, 0.5, 0.8], 2e-3);
+                found += 1;
+            }
+        }
+        assert!(found > 200, "{method}: {found} of {}", sources.len());
     }
 }

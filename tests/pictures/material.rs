@@ -204,6 +204,14 @@ fn a_checker_alternates_along_every_axis_of_the_object() {
         assert_color(&picture, x, y, [1.0 - odd as f32; 3], 0.01);
     }
     assert!(sides.iter().all(|n| *n > 100), "{sides:?}");
+    // The filter is as wide as a pixel: 6.2 pixels a cell leave a share of 1 - (1 - 1 / 6.2)² gray.
+    let is_gray = |p: &&[f32]| p[0] > 0.02 && p[0] < 0.98;
+    let gray = picture.color.chunks_exact(4).filter(is_gray).count();
+    let share = gray as f32 / (48.0 * 40.0);
+    assert!(
+        (0.22..0.4).contains(&share),
+        "{share} of the pixels are gray"
+    );
 }
 
 /// GGX with the height-correlated Smith term and Schlick's Fresnel, straight from the papers.

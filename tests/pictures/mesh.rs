@@ -188,7 +188,7 @@ fn light_too_bright_for_half_floats_stays_finite() {
     };
     let [red, green, blue] = color(&picture, 20, 20);
     for bright in [red, green] {
-        assert!((60_000.0..65_505.0).contains(&bright), "{bright}");
+        assert!((bright - 65_000.0).abs() < 40.0, "{bright}");
     }
     assert!((blue - 2.0).abs() < 1e-2, "{blue}");
 }

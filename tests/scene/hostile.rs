@@ -103,6 +103,29 @@ fn files_that_cannot_be_scenes_say_why() {
     std::fs::remove_dir_all(&folder).expect("it was made here");
 }
 
+/// A hundred messages are shown; one more is counted, even if it is the only one.
+#[test]
+fn the_first_message_that_is_left_out_is_counted() {
+    let mistakes = |n: usize| -> String { (0..n).map(|i| format!("wrong{i} = 1\n")).collect() };
+    let errors = |n: usize| {
+        let text = format!("{}version = 1\n", mistakes(n));
+        parse::parse(&text, Path::new("scene.toml"), &[]).expect_err("it is full of mistakes")
+    };
+    assert!(errors(100).iter().all(|e| e.name != "too-many-errors"));
+    let last = errors(101).pop().expect("a message");
+    assert_eq!(last.name, "too-many-errors");
+    assert!(last.message.starts_with("1 more"), "{}", last.message);
+}
+
+/// Most of the letters differ, but a long beginning says what was meant.
+#[test]
+fn a_key_that_says_too_much_is_recognized_by_its_beginning() {
+    let text = "version = 1\n[[instance]]\nmodel = \"a\"\ntranslation_in_meters = [0, 0, 0]\n";
+    let errors = parse::parse(text, Path::new("scene.toml"), &[]).expect_err("a wrong key");
+    let text: String = errors.iter().map(ToString::to_string).collect();
+    assert!(text.contains("did you mean `translation`?"), "{text}");
+}
+
 /// A script must not run on half of what it was written for.
 #[test]
 fn a_script_waits_until_its_parameters_can_be_read() {
