@@ -3,7 +3,7 @@
 use crate::kit::{
     Doc, Folder, at, entry, instance, load_scene, one_error, png, scene, stone, trs, warnings,
 };
-use glam::{Affine3A, Mat4, Vec3};
+use glam::{Affine3A, Vec3};
 use reflet::{
     scene::desc::{
         InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
@@ -115,7 +115,9 @@ fn a_scene_without_camera_gets_one_that_sees_everything() {
     );
     // Every corner is inside a 16:9 picture, and one is near its edge.
     let bounds = world.static_bounds();
-    let view_from_world = Mat4::look_at_rh(camera.eye, camera.target, camera.up);
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
     let high = (camera.fov_deg.to_radians() * 0.5).tan();
     let edge = |i: u32| {
         let pick = |bit: u32| {
@@ -126,8 +128,9 @@ fn a_scene_without_camera_gets_one_that_sees_everything() {
             }
         };
         let corner = Vec3::new(pick(0).x, pick(1).y, pick(2).z);
-        let seen = view_from_world.transform_point3(corner);
-        let (x, y) = (seen.x / -seen.z, seen.y / -seen.z);
+        let from_eye = corner - camera.eye;
+        let depth = from_eye.dot(forward);
+        let (x, y) = (from_eye.dot(right) / depth, from_eye.dot(up) / depth);
         (x / high * 9.0 / 16.0).abs().max((y / high).abs())
     };
     let widest = (0..8).map(edge).fold(0.0, f32::max);
