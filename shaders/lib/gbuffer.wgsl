@@ -4,7 +4,7 @@
 #import pack
 #import shade
 
-@group(2) @binding(0) var view_depth: texture_2d<f32>; // metres along the view direction; FAR: sky
+@group(2) @binding(0) var view_depth: texture_2d<f32>; // meters along the view direction; FAR: sky
 @group(2) @binding(1) var surface: texture_2d<u32>;
 @group(2) @binding(2) var base_color: texture_2d<f32>;
 @group(2) @binding(3) var emission: texture_2d<f32>;

@@ -89,7 +89,7 @@ fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, 
     if !usd::is_stage(&path) {
         return gltf::playable(&path, &sandbox);
     }
-    let glb = usd::convert_or_find(&path, &folders)?.0.glb;
+    let glb = usd::convert(&path, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     gltf::playable(&glb, &Sandbox::new([folder], options.max_file_bytes))
 }

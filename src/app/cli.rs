@@ -27,7 +27,7 @@ pub enum Command {
     Preview(PreviewArgs),
     /// Read a scene and everything it refers to, and report every problem; needs no GPU
     Check(CheckArgs),
-    /// Print what a scene holds: counts, sizes in metres, memory; needs no GPU
+    /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
     /// Judge a picture against a reference
     Compare(CompareArgs),

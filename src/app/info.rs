@@ -1,4 +1,4 @@
-//! `info`: what a scene holds, in counts, metres and bytes.
+//! `info`: what a scene holds, in counts, meters and bytes.
 
 use std::fmt::Write as _;
 
@@ -50,13 +50,13 @@ pub struct Info {
     pub lights: [usize; 3],
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
-    /// Smallest and largest corner of the static bounds, metres; `None` for an empty scene.
+    /// Smallest and largest corner of the static bounds, meters; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
-    /// U, metres.
+    /// U, meters.
     pub unit_m: f32,
-    /// Length of a reflection ray, metres.
+    /// Length of a reflection ray, meters.
     pub ray_length_m: f32,
-    /// The threshold T, metres.
+    /// The threshold T, meters.
     pub threshold_m: f32,
     /// Vertices and indices as loaded, bytes.
     pub geometry_bytes: u64,

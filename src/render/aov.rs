@@ -14,7 +14,7 @@ use super::{
 /// A quantity that can be written beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
-    /// Metres along the view direction; infinite where nothing is.
+    /// Meters along the view direction; infinite where nothing is.
     Depth,
     /// World-space shading normal.
     Normal,
@@ -36,7 +36,7 @@ pub enum Aov {
     Source,
     /// Why.
     Cause,
-    /// Distance along the mirror ray to what it met, metres; infinite where nothing was.
+    /// Distance along the mirror ray to what it met, meters; infinite where nothing was.
     HitDistance,
     /// Instance and triangle that the mirror ray met.
     HitIds,

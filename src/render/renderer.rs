@@ -251,7 +251,7 @@ impl Renderer {
         &self.options
     }
 
-    /// The length U in metres.
+    /// The length U in meters.
     pub fn unit_m(&self) -> f32 {
         self.unit_m
     }

@@ -87,7 +87,7 @@ pub struct FrameStats {
     /// How reflections were found.
     #[serde(serialize_with = "method_name")]
     pub method: Method,
-    /// The length U, metres.
+    /// The length U, meters.
     pub unit_m: f32,
     /// Building all trees on the CPU, milliseconds.
     pub tree_ms: f64,

@@ -11,7 +11,7 @@ pub enum Target {
     RasterDepth,
     /// Instance and triangle.
     Ids,
-    /// Metres along the view direction; 1e30 is sky.
+    /// Meters along the view direction; 1e30 is sky.
     ViewDepth,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,

@@ -43,9 +43,9 @@ gpu_struct! {
     pub struct Frame = "Frame" {
         /// World to clip, reversed and infinite depth, with this sub-frame's jitter.
         clip_from_world: [[f32; 4]; 4],
-        /// Camera position, metres.
+        /// Camera position, meters.
         eye: [f32; 3],
-        /// Near plane, metres.
+        /// Near plane, meters.
         near_m: f32,
         /// Unit view direction.
         forward: [f32; 3],
@@ -53,7 +53,7 @@ gpu_struct! {
         pixel_spread: f32,
         /// Half the picture's width at distance 1.
         right: [f32; 3],
-        /// Longest reflection ray, metres.
+        /// Longest reflection ray, meters.
         ray_length_m: f32,
         /// Half the picture's height at distance 1.
         up: [f32; 3],
@@ -81,7 +81,7 @@ gpu_struct! {
 gpu_struct! {
     /// A light; see `shaders/lib/frame.wgsl`.
     pub struct GpuLight = "Light" {
-        /// Metres.
+        /// Meters.
         position: [f32; 3],
         /// 0 point, 1 spot, 2 directional.
         kind: u32,
@@ -91,7 +91,7 @@ gpu_struct! {
         shadow: u32,
         /// Candela or lux per channel.
         color: [f32; 3],
-        /// Metres; 0 is endless.
+        /// Meters; 0 is endless.
         range_m: f32,
         /// Cone falloff: `saturate(cos * scale + offset)`.
         spot_scale: f32,

@@ -7,7 +7,7 @@ use crate::scene::desc::CameraDesc;
 /// A camera at a picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Metres.
+    /// Meters.
     pub eye: Vec3,
     /// Unit view direction.
     pub forward: Vec3,
@@ -15,7 +15,7 @@ pub struct View {
     pub right: Vec3,
     /// Half the picture's height at distance 1.
     pub up: Vec3,
-    /// Near plane, metres.
+    /// Near plane, meters.
     pub near_m: f32,
     /// Vertical field of view, radians.
     pub fov: f32,

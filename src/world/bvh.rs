@@ -56,7 +56,7 @@ pub const FLIPPED: u32 = 4;
 /// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
-/// Farthest coordinate that trees hold, metres: areas and reciprocals stay finite in f32.
+/// Farthest coordinate that trees hold, meters: areas and reciprocals stay finite in f32.
 pub const MAX_REACH_M: f32 = 1e15;
 /// Words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;

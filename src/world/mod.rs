@@ -60,7 +60,7 @@ pub const MAX_LIGHTS: usize = 64;
 pub struct Mesh {
     /// For messages: model, node and primitive.
     pub name: String,
-    /// Object space, metres, finite.
+    /// Object space, meters, finite.
     pub positions: Vec<Vec3>,
     /// Unit length.
     pub normals: Vec<Vec3>,
@@ -231,7 +231,7 @@ pub struct Light {
     pub name: String,
     /// Everything else, as the scene text says it.
     pub desc: LightDesc,
-    /// Distance at which a file's light ends (KHR_lights_punctual `range`), metres; `None` is endless.
+    /// Distance at which a file's light ends (KHR_lights_punctual `range`), meters; `None` is endless.
     pub range_m: Option<f32>,
 }
 
@@ -258,7 +258,7 @@ impl World {
         if bounds.is_empty() { of(false) } else { bounds }
     }
 
-    /// The unit U in metres: the diagonal of the static bounds / 16, 1 for an empty scene.
+    /// The unit U in meters: the diagonal of the static bounds / 16, 1 for an empty scene.
     pub fn unit_m(&self) -> f32 {
         if let Some(unit_m) = self.rest_unit_m {
             return unit_m;

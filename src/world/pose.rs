@@ -36,7 +36,7 @@ pub struct Moving {
 pub struct Anchor {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
-    /// Of its copy in a grid, metres in world space.
+    /// Of its copy in a grid, meters in world space.
     pub offset: Vec3,
     /// Index into [`Moving::players`] and slot of the node that moves it, if an animation does.
     pub node: Option<(usize, usize)>,

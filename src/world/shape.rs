@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use super::Mesh;
 use crate::{math::Bounds, scene::desc::ShapeDesc};
 
-/// Tessellates `shape` (sizes in metres, as its description says).
+/// Tessellates `shape` (sizes in meters, as its description says).
 ///
 /// Triangles are counter-clockwise seen from outside; curved sides have smooth normals; texture
 /// coordinates run left to right and top to bottom as seen from outside, once around. Tangents

@@ -1,10 +1,12 @@
 //! USD stages: converted to glTF by the Python tools in a process of their own, once per content.
 
 use std::{
+    collections::BTreeSet,
     env, fs,
     io::ErrorKind,
     path::{Path, PathBuf},
     process::{Command, Stdio},
+    sync::{Mutex, PoisonError},
 };
 
 use serde::{Deserialize, Serialize};
@@ -71,22 +73,6 @@ struct Record {
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
 /// a cache folder that cannot be written.
 pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
-    let (converted, is_kept) = convert_or_find(stage, roots)?;
-    if is_kept {
-        eprintln!(
-            "usd: {} is unchanged, using its conversion {}",
-            stage.display(),
-            converted.glb.display()
-        );
-    }
-    Ok(converted)
-}
-
-/// As [`convert`], with whether it was kept from before; only a new conversion is announced.
-///
-/// # Errors
-/// As [`convert`].
-pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bool), Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = tool();
@@ -97,8 +83,16 @@ pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bo
         hash_of(std::iter::once(version).chain(paths.map(|p| p.as_os_str().as_encoded_bytes())));
     let record_path = cache.join(format!("{name}.json"));
     if let Some(record) = valid_record(&record_path) {
-        return Ok((converted(stage, record), true));
+        if is_news(&name) {
+            eprintln!(
+                "usd: {} is unchanged, using its conversion {}",
+                stage.display(),
+                record.glb.display()
+            );
+        }
+        return Ok(converted(stage, record));
     }
+    is_news(&name);
     eprintln!("usd: converting {}", stage.display());
     let glb = cache.join(format!("{name}.glb"));
     run(&tool, stage, &glb, roots)?;
@@ -113,7 +107,14 @@ pub fn convert_or_find(stage: &Path, roots: &[PathBuf]) -> Result<(Converted, bo
         crate::files::write_whole(&record_path, &text)
             .map_err(|e| cannot_keep(&record_path, &e))?;
     }
-    Ok((converted(stage, record), false))
+    Ok(converted(stage, record))
+}
+
+/// Whether this conversion is spoken of for the first time: a command may ask for it twice.
+fn is_news(name: &str) -> bool {
+    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+    told.insert(name.to_owned())
 }
 
 fn converted(stage: &Path, record: Record) -> Converted {

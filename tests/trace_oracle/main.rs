@@ -40,7 +40,7 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// How far, in metres along the ray, f32 geometry may place a hit from where it is: positions
+    /// How far, in meters along the ray, f32 geometry may place a hit from where it is: positions
     /// are stored rounded, and a plane moved by that meets the ray this much off.
     fn rounding_m(&self, ray: &Ray, t: f64, cosine: f64) -> f64 {
         let at = ray.origin + ray.direction * t;

@@ -24,7 +24,7 @@ pub const PASS: Pass = Pass {
 gpu_struct! {
     /// Of the march.
     pub struct Params = "Params" {
-        /// The paper's T, metres.
+        /// The paper's T, meters.
         threshold_m: f32,
         /// Most steps.
         steps: u32,

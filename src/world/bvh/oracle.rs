@@ -15,7 +15,7 @@ use crate::world::World;
 /// A ray; hits are at `origin + t * direction`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// World space, metres.
+    /// World space, meters.
     pub origin: DVec3,
     /// Not zero; any length.
     pub direction: DVec3,
