@@ -12,4 +12,5 @@ mod kit;
 mod lamp;
 mod material;
 mod mesh;
+mod oracle;
 mod ray_list;
