@@ -51,7 +51,7 @@ if [ -f tools/pyproject.toml ]; then
     .venv/bin/ruff check --config tools/pyproject.toml tools
 
     heading "Python tests"
-    pytest=(.venv/bin/python -m pytest -q)
+    pytest=(.venv/bin/python -m pytest -q -rs)
     if [ "$full" = yes ]; then
         pytest+=(--full)
     fi
