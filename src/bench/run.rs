@@ -151,6 +151,17 @@ struct Ready {
     update_ms: Option<f64>,
 }
 
+impl Turn {
+    /// Name in tables, by which curves are told apart.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::One(knob, _) => knob.name(),
+            Self::Own => "own",
+        }
+    }
+}
+
 impl Protocol {
     /// All variants of a scene, methods in order.
     pub fn variants(&self, settings: &ReflectionDesc) -> Vec<Variant> {

@@ -76,6 +76,8 @@ sample! {
     fingerprint: String,
     /// Scene file, or `the built-in atrium`.
     scene: String,
+    /// Hash of the scene's text, its overrides and every file it names, hexadecimal.
+    content: String,
     /// Camera of the scene.
     camera: String,
     /// Frame of an animation, 0 for a still scene.
@@ -86,6 +88,8 @@ sample! {
     height: u32,
     /// `ssr`, `hybrid` or `rt`.
     method: String,
+    /// What the run turned: `nothing`, `own` for each method's own knob, or one knob for all.
+    turn: String,
     /// What is turned; none for the scene's own settings.
     knob: Option<String>,
     /// What it is turned to; none where the knob does nothing for the method.
@@ -215,6 +219,9 @@ sample! {
     commit: String,
 }
 
+/// Columns that older tables lack; they are then empty.
+const NEWER: [&str; 2] = ["content", "turn"];
+
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     T::of(text).ok_or_else(|| format!("column {column} cannot be \"{text}\""))
 }
@@ -309,8 +316,10 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
 
 fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
     let index = table.columns.iter().position(|column| column == name);
+    let absent = || NEWER.contains(&name).then(String::new);
     index
         .map(|i| row[i].clone())
+        .or_else(absent)
         .ok_or_else(|| format!("there is no column {name}"))
 }
 

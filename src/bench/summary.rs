@@ -37,7 +37,8 @@ pub struct Point {
     pub traverse_ms: Option<f64>,
 }
 
-/// Points that may share a chart: one scene, camera, size, reference, adapter and commit.
+/// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
+/// and one choice of what is turned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// In the order of the table.
@@ -246,15 +247,19 @@ pub fn groups(samples: &[Sample]) -> Vec<Group> {
         .collect()
 }
 
-/// What must be equal for points to be compared: above all the machine and the reference.
+/// What must be equal for points to be compared: the content of the scene, the machine, the
+/// reference with all settings that no knob turns, and what was turned.
 fn group_key(s: &Sample) -> String {
     format!(
         "{:?}",
         (
-            (&s.scene, &s.camera, s.width, s.height, s.samples),
+            (&s.scene, &s.content, &s.camera, s.width, s.height),
+            (s.samples, s.exposure_ev, &s.tone_map),
             (&s.adapter, &s.driver, &s.backend, &s.timing),
             (&s.version, &s.commit, &s.os, &s.cpu),
-            (s.reference_bounces, s.reference_ray_length_u.to_bits()),
+            (s.reference_bounces, s.reference_ray_length_u),
+            (s.roughness_cutoff, s.unit_m, s.fade, s.blur_px),
+            &s.turn,
         )
     )
 }

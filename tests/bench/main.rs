@@ -286,6 +286,34 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
 }
 
 #[test]
+fn another_content_reference_or_knob_makes_a_group_of_its_own() {
+    let changes: [fn(&mut Sample); 5] = [
+        |s| s.content = "decaf".to_owned(),
+        |s| s.turn = "threshold_u".to_owned(),
+        |s| s.reference_ray_length_u = 4.0,
+        |s| s.exposure_ev = 1.0,
+        |s| s.roughness_cutoff = 0.5,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut rows = made_up();
+        let mut others = made_up();
+        for row in &mut others {
+            change(row);
+            row.fingerprint += "-other";
+            (row.mask_px, row.mask_flip) = (60, None);
+        }
+        rows.extend(others);
+        let groups = groups(&rows);
+        assert_eq!(groups.len(), 2, "change {index}");
+        assert_eq!(
+            groups.iter().map(|g| g.masked).collect::<Vec<_>>(),
+            [true, false]
+        );
+        assert!(groups.iter().all(|g| g.points.len() == 6));
+    }
+}
+
+#[test]
 fn an_animation_is_averaged_and_drawn_over_its_frames() {
     let mut rows = Vec::new();
     for (frame, flip, px) in [(0, 0.1, 100), (95, 0.3, 300)] {

@@ -190,6 +190,7 @@ impl Block<'_> {
             .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
+            .with(bench.protocol.turn.name())
             .with(bench.protocol.warm_up.to_le_bytes())
             .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
             .with(format!("{:?}", bench.host));
@@ -209,11 +210,13 @@ impl Block<'_> {
         let mut sample = Sample {
             fingerprint: self.fingerprint(bench, variant),
             scene: subject.name.clone(),
+            content: format!("{:016x}", subject.content),
             camera: subject.camera_name.clone(),
             frame: subject.frame,
             width: self.size[0],
             height: self.size[1],
             method: method_name(variant.method).to_owned(),
+            turn: bench.protocol.turn.name().to_owned(),
             knob: variant.knob.map(|knob| knob.name().to_owned()),
             value: variant.value,
             threshold_u: settings.threshold_u,
