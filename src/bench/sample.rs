@@ -1,11 +1,15 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
+use std::collections::HashMap;
+
 use super::csv::{self, CsvError, Table};
 use crate::render::{
     cause::Cause,
     passes,
     probe::{COUNTED_PASSES, Counts},
 };
+
+mod check;
 
 /// A value that a cell holds.
 trait Cell: Sized {
@@ -223,7 +227,10 @@ sample! {
 const NEWER: [&str; 2] = ["content", "turn"];
 
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
-    T::of(text).ok_or_else(|| format!("column {column} cannot be \"{text}\""))
+    let cannot = || format!("column {column} cannot be \"{text}\"");
+    let value = T::of(text).ok_or_else(cannot)?;
+    check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;
+    Ok(value)
 }
 
 /// Causes whose refusals can be judged: those for which there is a crossing.
@@ -294,7 +301,8 @@ impl Sample {
 /// Reads a table of samples; the position of its columns is free, and others are ignored.
 ///
 /// # Errors
-/// A text that is no table, a missing column, a cell that cannot be; the line is named.
+/// A text that is no table, a missing column, a cell that cannot be, a frame that is there twice;
+/// line and column are named.
 pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     let table = csv::parse(text)?;
     let details = detail_columns();
@@ -307,10 +315,21 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
             let text = cell(&table, row, name).unwrap_or_else(|_| "0".to_owned());
             sample.detail.push(read_cell(name, &text).map_err(failed)?);
         }
+        check::whole(&sample).map_err(failed)?;
         Ok(sample)
     };
     let samples = table.rows.iter().enumerate().map(read);
     let samples = samples.collect::<Result<Vec<_>, _>>()?;
+    let mut known = HashMap::new();
+    for (line, s) in samples.iter().enumerate().map(|(index, s)| (index + 2, s)) {
+        if let Some(first) = known.insert((&s.fingerprint, s.repetition), line) {
+            let message = format!(
+                "columns fingerprint and repetition name the same frame as line {first}: {}, {}",
+                s.fingerprint, s.repetition
+            );
+            return Err(CsvError { line, message });
+        }
+    }
     Ok((samples, table.whole_bytes))
 }
 
@@ -330,6 +349,10 @@ mod tests {
     #[test]
     fn samples_survive_the_table() {
         let sample = Sample {
+            method: "rt".to_owned(),
+            width: 1,
+            height: 1,
+            scale: 1.0,
             scene: "a, \"b\"".to_owned(),
             threshold_u: 0.025,
             value: Some(0.1 + 0.2),
@@ -355,7 +378,10 @@ mod tests {
         let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
         assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
         let sample = Sample {
+            method: "rt".to_owned(),
             width: 7,
+            height: 1,
+            scale: 1.0,
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };

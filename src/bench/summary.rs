@@ -1,5 +1,7 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::sample::Sample;
 
 /// Repetitions below which no percentiles are given.
@@ -33,8 +35,39 @@ pub struct Point {
     pub passes_ms: Vec<(String, f64)>,
     /// Whether errors, shares, verdicts and counts are means over the frames of an animation.
     pub is_mean: bool,
-    /// Median milliseconds of the trace pass's rays without shading, where that was timed.
-    pub traverse_ms: Option<f64>,
+    /// The trace pass in its parts, where they were timed apart.
+    pub split: Option<Split>,
+}
+
+/// Traversal and everything else of the trace pass, above all shading, from frames in which both
+/// the pass and its rays without shading were timed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// Median milliseconds of the rays without shading.
+    pub traverse_ms: f64,
+    /// Median over the frames of what the pass took beyond them; none where that is not above 0,
+    /// so that the two cannot be told apart.
+    pub rest_ms: Option<f64>,
+    /// Frames.
+    pub n: usize,
+    /// Frames in which the rays alone took longer than the whole pass.
+    pub reversed: usize,
+}
+
+impl Split {
+    fn of(samples: &[&Sample]) -> Option<Self> {
+        let pair = |s: &&Sample| Some((s.traverse_ms?, s.detail("pass_trace_ms")));
+        let pairs: Vec<(f64, f64)> = samples.iter().filter_map(pair).collect();
+        let rest: Vec<f64> = pairs.iter().map(|(rays, all)| all - rays).collect();
+        let reversed = rest.iter().filter(|ms| **ms < 0.0).count();
+        let rest_ms = Spread::of(rest)?.median;
+        Some(Self {
+            traverse_ms: Spread::of(pairs.iter().map(|(rays, _)| *rays).collect())?.median,
+            rest_ms: (rest_ms > 0.0).then_some(rest_ms),
+            n: pairs.len(),
+            reversed,
+        })
+    }
 }
 
 /// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
@@ -50,6 +83,8 @@ pub struct Group {
     /// Of an animation, every frame on its own: its number and its point. `points` then are means
     /// over the frames that were measured. Empty for a still scene.
     pub over_frames: Vec<(u32, Point)>,
+    /// Frames of an animation that were left out, since some setting lacks them.
+    pub left_out: Vec<u32>,
 }
 
 /// What errs.
@@ -140,7 +175,7 @@ impl Point {
             reflection_ms: spread(|s| s.reflection_ms),
             passes_ms: passes.filter_map(median).collect(),
             is_mean: false,
-            traverse_ms: spread(|s| s.traverse_ms).map(|spread| spread.median),
+            split: Split::of(samples),
             sample: (*first).clone(),
         })
     }
@@ -207,14 +242,6 @@ impl Point {
         }
     }
 
-    /// The trace pass as milliseconds of traversal and of everything else in it, above all
-    /// shading; none where they were not timed apart.
-    pub fn split_trace_ms(&self) -> Option<[f64; 2]> {
-        let traverse_ms = self.traverse_ms?;
-        let rest_ms = self.pass_ms("trace") - traverse_ms;
-        Some([traverse_ms, rest_ms.max(0.0)])
-    }
-
     /// Milliseconds of a pass; 0 where it did not run.
     pub fn pass_ms(&self, name: &str) -> f64 {
         let found = self.passes_ms.iter().find(|(pass, _)| pass == name);
@@ -274,7 +301,12 @@ fn collect<'a>(groups: &mut Vec<(String, Vec<&'a Sample>)>, key: String, sample:
 fn group(samples: &[&Sample]) -> Group {
     let mut variants: Vec<(String, Vec<&Sample>)> = Vec::new();
     let moves = samples.iter().any(|s| s.frame != samples[0].frame);
-    for sample in samples {
+    let left_out = if moves {
+        uncommon_frames(samples)
+    } else {
+        Vec::new()
+    };
+    for sample in samples.iter().filter(|s| !left_out.contains(&s.frame)) {
         let key = if moves {
             label(sample)
         } else {
@@ -303,7 +335,25 @@ fn group(samples: &[&Sample]) -> Group {
         failed,
         masked,
         over_frames,
+        left_out,
     }
+}
+
+/// Frames that some setting lacks, such as that in which a run was stopped: over different frames
+/// settings cannot be compared.
+fn uncommon_frames(samples: &[&Sample]) -> Vec<u32> {
+    let settings: BTreeSet<String> = samples.iter().map(|s| label(s)).collect();
+    let mut of_frame: BTreeMap<u32, BTreeSet<String>> = BTreeMap::new();
+    for sample in samples {
+        of_frame
+            .entry(sample.frame)
+            .or_default()
+            .insert(label(sample));
+    }
+    let lacking = of_frame
+        .iter()
+        .filter(|(_, has)| has.len() < settings.len());
+    lacking.map(|(frame, _)| *frame).collect()
 }
 
 /// The points of each frame of one setting.

@@ -32,6 +32,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
         rows[row].tested_triangles = Some(50);
     }
     rows[5].traverse_ms = Some(2.25);
+    // Pairs of one frame, whatever the medians of each: 3.0 − 2.25.
     let text = words::sentences(&only_group(&rows)).join("\n");
     for part in [
         "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \
@@ -40,6 +41,16 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
     ] {
         assert!(text.contains(part), "{part:?} in\n{text}");
     }
+}
+
+#[test]
+fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
+    let mut rows = made_up();
+    rows[5].traverse_ms = Some(3.5);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    let part = "Traversal and shading of rt, steps = 3 cannot be told apart: its rays without \
+                shading took longer than its whole trace pass in 1 of 1 frames.";
+    assert!(text.contains(part), "{text}");
 }
 
 #[test]

@@ -182,17 +182,22 @@ fn cells(point: &Point) -> Vec<String> {
     ]
 }
 
+/// The trace pass of which traversal alone seemed to take longer than all of it.
+const NOT_APART: &str = "trace: traversal and shading, which cannot be told apart";
+
 /// The passes of a point in the order of the frame, the trace pass in its two parts where they were
 /// timed apart, and before them what the CPU does for moved instances.
 fn parts(point: &Point) -> Vec<(String, f64)> {
     let update = point.sample.update_ms.map(|ms| ("update".to_owned(), ms));
     let mut parts: Vec<(String, f64)> = update.into_iter().collect();
     for (name, ms) in &point.passes_ms {
-        match point.split_trace_ms().filter(|_| name == "trace") {
-            Some([traversal, shading]) => {
+        let split = point.split.filter(|_| name == "trace");
+        match split.and_then(|split| Some((split.traverse_ms, split.rest_ms?))) {
+            Some((traversal, shading)) => {
                 parts.push(("trace: traversal".to_owned(), traversal));
                 parts.push(("trace: shading".to_owned(), shading));
             }
+            None if split.is_some() => parts.push((NOT_APART.to_owned(), *ms)),
             None => parts.push((name.clone(), *ms)),
         }
     }

@@ -23,7 +23,9 @@ pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
 pub fn sentences(group: &Group) -> Vec<String> {
     let (spots, points) = spots(group, Metric::Flip);
     if points.is_empty() {
-        return vec!["No setting could be judged.".to_owned()];
+        let mut sentences = vec!["No setting could be judged.".to_owned()];
+        sentences.extend(left_out(group));
+        return sentences;
     }
     let mut sentences = vec![verdict(&spots, &points)];
     sentences.extend(equal_time(&spots, &points));
@@ -32,6 +34,7 @@ pub fn sentences(group: &Group) -> Vec<String> {
     sentences.extend(work(&points));
     sentences.extend(split_trace(&points));
     sentences.push(region(group));
+    sentences.extend(left_out(group));
     if points.iter().any(|p| p.ms.p5_p95.is_none()) {
         let n = points.iter().map(|p| p.ms.n).min().unwrap_or(0);
         sentences.push(format!(
@@ -204,9 +207,19 @@ fn work(points: &[&Point]) -> Option<String> {
 
 /// Traversal and shading of rt's trace pass.
 fn split_trace(points: &[&Point]) -> Option<String> {
-    let of = |p: &&&Point| p.sample.method == "rt" && p.split_trace_ms().is_some();
+    let of = |p: &&&Point| p.sample.method == "rt" && p.split.is_some();
     let rt = points.iter().find(of)?;
-    let [traversal, shading] = rt.split_trace_ms()?;
+    let split = rt.split?;
+    let traversal = split.traverse_ms;
+    let Some(shading) = split.rest_ms else {
+        return Some(format!(
+            "Traversal and shading of {} cannot be told apart: its rays without shading took \
+             longer than its whole trace pass in {} of {} frames.",
+            rt.label(),
+            split.reversed,
+            split.n
+        ));
+    };
     Some(format!(
         "Of the trace pass of {}, traversal takes {} ms ({:.0} %) and shading {} ms: traversal is \
          the same rays followed without shading in a frame of its own, shading is the rest.",
@@ -242,6 +255,23 @@ fn break_even(points: &[&Point]) -> Option<String> {
             "Break-even: marching first pays while it leaves less than {:.1} % of the rays \
              ({measured}).",
             100.0 * share
+        )
+    })
+}
+
+/// Frames of an animation that not all settings have.
+fn left_out(group: &Group) -> Option<String> {
+    let frames: Vec<String> = group.left_out.iter().take(8).map(u32::to_string).collect();
+    let more = if group.left_out.len() > frames.len() {
+        ", …"
+    } else {
+        ""
+    };
+    (!frames.is_empty()).then(|| {
+        format!(
+            "{} of the measured frames were left out, since not all settings have them: {}{more}.",
+            group.left_out.len(),
+            frames.join(", ")
         )
     })
 }
