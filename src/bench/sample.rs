@@ -1,7 +1,5 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
-use std::collections::HashMap;
-
 use super::csv::{self, CsvError, Table};
 use crate::render::{
     cause::Cause,
@@ -205,6 +203,13 @@ sample! {
     false_accepts: Option<u64>,
     /// Crossings that the march refused, or had no steps left to reach, and a ray confirms.
     false_rejects: Option<u64>,
+    /// The measured frame of the animation before this one; none for the first, and for a still
+    /// scene.
+    since_frame: Option<u32>,
+    /// Mean |Δtest − Δreference| since that frame, in display code values.
+    temporal_difference: Option<f64>,
+    /// Mean |Δreference| since that frame.
+    temporal_change: Option<f64>,
     /// Adapter.
     adapter: String,
     /// Driver and its version.
@@ -224,7 +229,13 @@ sample! {
 }
 
 /// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 2] = ["content", "turn"];
+const NEWER: [&str; 5] = [
+    "content",
+    "turn",
+    "since_frame",
+    "temporal_difference",
+    "temporal_change",
+];
 
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     let cannot = || format!("column {column} cannot be \"{text}\"");
@@ -320,16 +331,7 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     };
     let samples = table.rows.iter().enumerate().map(read);
     let samples = samples.collect::<Result<Vec<_>, _>>()?;
-    let mut known = HashMap::new();
-    for (line, s) in samples.iter().enumerate().map(|(index, s)| (index + 2, s)) {
-        if let Some(first) = known.insert((&s.fingerprint, s.repetition), line) {
-            let message = format!(
-                "columns fingerprint and repetition name the same frame as line {first}: {}, {}",
-                s.fingerprint, s.repetition
-            );
-            return Err(CsvError { line, message });
-        }
-    }
+    check::repeated(&samples)?;
     Ok((samples, table.whole_bytes))
 }
 

@@ -1,8 +1,12 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::sample::Sample;
+
+mod group;
+mod pairs;
+
+pub use group::groups;
+pub use pairs::{FlickerRatio, Split};
 
 /// Repetitions below which no percentiles are given.
 pub const MIN_SPREAD_N: usize = 20;
@@ -35,39 +39,10 @@ pub struct Point {
     pub passes_ms: Vec<(String, f64)>,
     /// Whether errors, shares, verdicts and counts are means over the frames of an animation.
     pub is_mean: bool,
+    /// How its picture changes from frame to frame otherwise than the reference's does.
+    pub flicker: Option<FlickerRatio>,
     /// The trace pass in its parts, where they were timed apart.
     pub split: Option<Split>,
-}
-
-/// Traversal and everything else of the trace pass, above all shading, from frames in which both
-/// the pass and its rays without shading were timed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
-    /// Median milliseconds of the rays without shading.
-    pub traverse_ms: f64,
-    /// Median over the frames of what the pass took beyond them; none where that is not above 0,
-    /// so that the two cannot be told apart.
-    pub rest_ms: Option<f64>,
-    /// Frames.
-    pub n: usize,
-    /// Frames in which the rays alone took longer than the whole pass.
-    pub reversed: usize,
-}
-
-impl Split {
-    fn of(samples: &[&Sample]) -> Option<Self> {
-        let pair = |s: &&Sample| Some((s.traverse_ms?, s.detail("pass_trace_ms")));
-        let pairs: Vec<(f64, f64)> = samples.iter().filter_map(pair).collect();
-        let rest: Vec<f64> = pairs.iter().map(|(rays, all)| all - rays).collect();
-        let reversed = rest.iter().filter(|ms| **ms < 0.0).count();
-        let rest_ms = Spread::of(rest)?.median;
-        Some(Self {
-            traverse_ms: Spread::of(pairs.iter().map(|(rays, _)| *rays).collect())?.median,
-            rest_ms: (rest_ms > 0.0).then_some(rest_ms),
-            n: pairs.len(),
-            reversed,
-        })
-    }
 }
 
 /// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
@@ -175,6 +150,7 @@ impl Point {
             reflection_ms: spread(|s| s.reflection_ms),
             passes_ms: passes.filter_map(median).collect(),
             is_mean: false,
+            flicker: None,
             split: Split::of(samples),
             sample: (*first).clone(),
         })
@@ -259,131 +235,6 @@ pub fn label(sample: &Sample) -> String {
     match (&sample.knob, sample.value) {
         (Some(knob), Some(value)) => format!("{}, {knob} = {value}", sample.method),
         _ => sample.method.clone(),
-    }
-}
-
-/// Sorts samples into groups and points, both in the order of their first sample.
-pub fn groups(samples: &[Sample]) -> Vec<Group> {
-    let mut groups: Vec<(String, Vec<&Sample>)> = Vec::new();
-    for sample in samples {
-        collect(&mut groups, group_key(sample), sample);
-    }
-    groups
-        .into_iter()
-        .map(|(_, samples)| group(&samples))
-        .collect()
-}
-
-/// What must be equal for points to be compared: the content of the scene, the machine, the
-/// reference with all settings that no knob turns, and what was turned.
-fn group_key(s: &Sample) -> String {
-    format!(
-        "{:?}",
-        (
-            (&s.scene, &s.content, &s.camera, s.width, s.height),
-            (s.samples, s.exposure_ev, &s.tone_map),
-            (&s.adapter, &s.driver, &s.backend, &s.timing),
-            (&s.version, &s.commit, &s.os, &s.cpu),
-            (s.reference_bounces, s.reference_ray_length_u),
-            (s.roughness_cutoff, s.unit_m, s.fade, s.blur_px),
-            &s.turn,
-        )
-    )
-}
-
-fn collect<'a>(groups: &mut Vec<(String, Vec<&'a Sample>)>, key: String, sample: &'a Sample) {
-    match groups.iter_mut().find(|(known, _)| *known == key) {
-        Some((_, members)) => members.push(sample),
-        None => groups.push((key, vec![sample])),
-    }
-}
-
-fn group(samples: &[&Sample]) -> Group {
-    let mut variants: Vec<(String, Vec<&Sample>)> = Vec::new();
-    let moves = samples.iter().any(|s| s.frame != samples[0].frame);
-    let left_out = if moves {
-        uncommon_frames(samples)
-    } else {
-        Vec::new()
-    };
-    for sample in samples.iter().filter(|s| !left_out.contains(&s.frame)) {
-        let key = if moves {
-            label(sample)
-        } else {
-            sample.fingerprint.clone()
-        };
-        collect(&mut variants, key, sample);
-    }
-    let mut over_frames = Vec::new();
-    let (mut points, mut failed) = (Vec::new(), Vec::new());
-    for (_, samples) in variants {
-        let broken = samples.iter().find(|sample| !sample.is_ok());
-        match (broken, Point::new(&samples)) {
-            (Some(sample), _) => failed.push(((*sample).clone(), sample.status.clone())),
-            (None, Some(point)) if moves => {
-                over_frames.extend(by_frame(&samples));
-                points.push(point.averaged(&samples));
-            }
-            (None, Some(point)) => points.push(point),
-            (None, None) => failed.push((samples[0].clone(), "was not timed".to_owned())),
-        }
-    }
-    share_common_passes(&mut points, samples);
-    let masked = points.iter().all(|p| p.sample.mask_flip.is_some());
-    Group {
-        points,
-        failed,
-        masked,
-        over_frames,
-        left_out,
-    }
-}
-
-/// Frames that some setting lacks, such as that in which a run was stopped: over different frames
-/// settings cannot be compared.
-fn uncommon_frames(samples: &[&Sample]) -> Vec<u32> {
-    let settings: BTreeSet<String> = samples.iter().map(|s| label(s)).collect();
-    let mut of_frame: BTreeMap<u32, BTreeSet<String>> = BTreeMap::new();
-    for sample in samples {
-        of_frame
-            .entry(sample.frame)
-            .or_default()
-            .insert(label(sample));
-    }
-    let lacking = of_frame
-        .iter()
-        .filter(|(_, has)| has.len() < settings.len());
-    lacking.map(|(frame, _)| *frame).collect()
-}
-
-/// The points of each frame of one setting.
-fn by_frame(samples: &[&Sample]) -> Vec<(u32, Point)> {
-    let mut frames: Vec<(String, Vec<&Sample>)> = Vec::new();
-    for sample in samples {
-        collect(&mut frames, sample.frame.to_string(), sample);
-    }
-    let point = |(_, samples): (String, Vec<&Sample>)| {
-        Some((samples.first()?.frame, Point::new(&samples)?))
-    };
-    frames.into_iter().filter_map(point).collect()
-}
-
-/// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not
-/// decide between methods, so all points of one rendered size are charged the same for them.
-fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
-    for point in points {
-        let scale = point.sample.scale;
-        let common = |s: &&&Sample| Some(s.passes_ms? - s.reflection_ms?);
-        let alike = samples.iter().filter(|s| s.scale == scale && s.is_ok());
-        let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
-        if let (Some(common), Some(own)) = (common, point.reflection_ms) {
-            let total = |ms: f64| ms + common.median;
-            point.ms = Spread {
-                n: own.n,
-                median: total(own.median),
-                p5_p95: own.p5_p95.map(|ends| ends.map(total)),
-            };
-        }
     }
 }
 

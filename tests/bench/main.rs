@@ -1,5 +1,6 @@
 //! `bench` as people meet it: samples, report, resuming, choosing, and what it refuses.
 
+mod animation;
 #[path = "../common/mod.rs"]
 mod common;
 mod made_up;
@@ -16,7 +17,7 @@ use std::{
 };
 
 use common::gpu_or_skip;
-use made_up::{made_up, only_group, sample};
+use made_up::{made_up, only_group};
 use reflet::bench::{
     report::{self, words},
     sample::{Sample, header, read_samples},
@@ -315,64 +316,6 @@ fn another_content_reference_or_knob_makes_a_group_of_its_own() {
 }
 
 #[test]
-fn an_animation_is_averaged_and_drawn_over_its_frames() {
-    let mut rows = Vec::new();
-    for (frame, flip, px) in [(0, 0.1, 100), (95, 0.3, 300)] {
-        for mut row in [sample("ssr", 16.0, 5.0, flip), sample("rt", 3.0, 10.0, 0.0)] {
-            row.fingerprint += &frame.to_string();
-            (row.frame, row.reflective_px) = (frame, px);
-            row.screen_percent = if frame == 0 { 100.0 } else { 20.0 };
-            rows.push(row);
-        }
-    }
-    let group = only_group(&rows);
-    assert_eq!((group.points.len(), group.over_frames.len()), (2, 4));
-    let ssr = &group.points[0].sample;
-    assert!((ssr.mask_flip.expect("a mean") - 0.2).abs() < 1e-12);
-    assert!(
-        (ssr.screen_percent - 40.0).abs() < 1e-12,
-        "{}",
-        ssr.screen_percent
-    );
-    let sections = report::sections(&rows).expect("drawn");
-    let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
-    assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));
-}
-
-#[test]
-fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
-    let mut rows = made_up();
-    rows[1].status = "3 pixels hold NaN".to_owned();
-    (rows[1].flip, rows[1].mask_flip) = (None, None);
-    let sections = report::sections(&rows).expect("drawn");
-    let chart = &sections[0].charts[0];
-    assert!(
-        chart
-            .svg
-            .contains("ssr, steps = 128: failed, 3 pixels hold NaN</title>"),
-        "{}",
-        chart.svg
-    );
-    assert!(
-        chart.caption.contains("A cross on the upper edge"),
-        "{}",
-        chart.caption
-    );
-    assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
-    let repeated = (0..20).flat_map(|repetition| {
-        made_up()
-            .into_iter()
-            .map(move |s| Sample { repetition, ..s })
-    });
-    let sections = report::sections(&repeated.collect::<Vec<_>>()).expect("drawn");
-    let caption = &sections[0].charts[0].caption;
-    assert!(
-        caption.contains("Bars are") && !caption.contains("A cross on"),
-        "{caption}"
-    );
-}
-
-#[test]
 fn a_cut_last_line_is_said_to_be_left_out() {
     let folder = folder("torn");
     let csv = write(&folder, &made_up());
@@ -380,51 +323,6 @@ fn a_cut_last_line_is_said_to_be_left_out() {
     fs::write(folder.join(&csv), &text[..text.len() - 20]).expect("torn");
     let [_, error] = exits(&folder, &["--samples", &csv, "-o", "."], 0);
     assert!(error.contains("was cut off and left out"), "{error}");
-}
-
-#[test]
-fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {
-    let mut rows = Vec::new();
-    for frame in [0, 38, 76, 19, 57] {
-        for mut row in [sample("ssr", 16.0, 5.0, 0.1), sample("rt", 3.0, 10.0, 0.0)] {
-            row.fingerprint += &frame.to_string();
-            row.frame = frame;
-            rows.push(row);
-        }
-    }
-    rows.pop(); // stopped before rt's turn of frame 57
-    rows.last_mut().expect("a row").mask_flip = Some(1.0);
-    let group = only_group(&rows);
-    assert_eq!(group.left_out, [57]);
-    let flip = group.points[0].sample.mask_flip.expect("a mean");
-    assert!((flip - 0.1).abs() < 1e-12, "{flip}");
-    let words = words::sentences(&group).join("\n");
-    assert!(
-        words.contains("1 of the measured frames were left out"),
-        "{words}"
-    );
-    let sections = report::sections(&rows).expect("drawn");
-    let svg = &sections[0]
-        .charts
-        .iter()
-        .find(|c| c.name == "course-1-ssim.svg");
-    let svg = &svg.expect("a chart").svg;
-    let lines = svg.split("<polyline").filter_map(|l| l.split_once("/>"));
-    let lines = lines.map(|(line, _)| line);
-    let lines = lines.filter(|l| l.contains("stroke-width=\"2\""));
-    let lines: Vec<&str> = lines.collect();
-    assert_eq!(lines.len(), 2, "{svg}");
-    for line in lines {
-        let points = line
-            .split("points=\"")
-            .nth(1)
-            .and_then(|p| p.split('"').next());
-        let xs = points.expect("points").split_whitespace();
-        let xs: Vec<f64> = xs
-            .map(|p| p.split(',').next().expect("x").parse().expect("a number"))
-            .collect();
-        assert!(xs.len() == 4 && xs.is_sorted(), "{xs:?}");
-    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! What the report says in words about samples whose answers are known.
 
-use reflet::bench::report::words;
+use reflet::bench::{
+    report::{self, words},
+    sample::Sample,
+};
 
 use crate::made_up::{made_up, only_group};
 
@@ -61,5 +64,38 @@ fn rt_that_wins_outright_is_said_to() {
     assert!(
         text.starts_with("rt wins outright on this adapter"),
         "{text}"
+    );
+}
+
+#[test]
+fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
+    let mut rows = made_up();
+    rows[1].status = "3 pixels hold NaN".to_owned();
+    (rows[1].flip, rows[1].mask_flip) = (None, None);
+    let sections = report::sections(&rows).expect("drawn");
+    let chart = &sections[0].charts[0];
+    assert!(
+        chart
+            .svg
+            .contains("ssr, steps = 128: failed, 3 pixels hold NaN</title>"),
+        "{}",
+        chart.svg
+    );
+    assert!(
+        chart.caption.contains("A cross on the upper edge"),
+        "{}",
+        chart.caption
+    );
+    assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
+    let repeated = (0..20).flat_map(|repetition| {
+        made_up()
+            .into_iter()
+            .map(move |s| Sample { repetition, ..s })
+    });
+    let sections = report::sections(&repeated.collect::<Vec<_>>()).expect("drawn");
+    let caption = &sections[0].charts[0].caption;
+    assert!(
+        caption.contains("Bars are") && !caption.contains("A cross on"),
+        "{caption}"
     );
 }

@@ -85,7 +85,7 @@ pub fn overview(sections: &[Section]) -> String {
     out + "</table></div>\n"
 }
 
-const HEADS: [&str; 18] = [
+const HEADS: [&str; 19] = [
     "setting",
     "ms a frame (p5 to p95)",
     "reflection ms",
@@ -96,6 +96,7 @@ const HEADS: [&str; 18] = [
     "FLIP frame",
     "SSIM frame",
     "PSNR frame",
+    "temporal error",
     "screen %",
     "traced %",
     "failed %",
@@ -135,7 +136,7 @@ pub fn points(section: &Section) -> String {
         let label = label(sample);
         let _ = writeln!(
             out,
-            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"17\">failed: {}</td></tr>",
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"18\">failed: {}</td></tr>",
             escape(&label),
             escape(why)
         );
@@ -171,6 +172,7 @@ fn cells(point: &Point) -> Vec<String> {
         number(s.flip),
         ssim(s.ssim),
         psnr.unwrap_or("–".to_owned()),
+        number(point.flicker.map(|f| f.ratio)),
         percent(s.screen_percent),
         percent(s.traced_percent),
         percent(s.failed_percent),

@@ -33,6 +33,7 @@ pub fn sentences(group: &Group) -> Vec<String> {
     sentences.extend(break_even(&points));
     sentences.extend(work(&points));
     sentences.extend(split_trace(&points));
+    sentences.extend(flicker(&points));
     sentences.push(region(group));
     sentences.extend(left_out(group));
     if points.iter().any(|p| p.ms.p5_p95.is_none()) {
@@ -257,6 +258,30 @@ fn break_even(points: &[&Point]) -> Option<String> {
             100.0 * share
         )
     })
+}
+
+/// Temporal error of each setting of an animation.
+fn flicker(points: &[&Point]) -> Option<String> {
+    let of = |p: &&Point| Some((p.label(), p.flicker?));
+    let all: Vec<_> = points.iter().filter_map(of).collect();
+    let (_, first) = all.first()?;
+    let [least, most] = first.stride;
+    let apart = if least == most {
+        format!("{least}")
+    } else {
+        format!("{least} to {most}")
+    };
+    let ratio = |ratio: f64| format!("{:.1} %", 100.0 * ratio);
+    let each = all
+        .iter()
+        .map(|(label, f)| format!("{label} {}", ratio(f.ratio)));
+    Some(format!(
+        "Temporal error, in which the change from one measured frame to the next differs from the \
+         reference's, as a share of that change: {} (whole frame, {} pairs of frames {apart} \
+         apart).",
+        each.collect::<Vec<_>>().join("; "),
+        first.pairs
+    ))
 }
 
 /// Frames of an animation that not all settings have.

@@ -16,7 +16,7 @@ use crate::{
     scene::desc::{Method, ToneMap},
 };
 
-use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch};
+use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch, flicker::Since};
 
 /// Variants of one rendered size: as many renderers as methods serve them all.
 pub(super) struct Block<'a> {
@@ -28,6 +28,7 @@ pub(super) struct Block<'a> {
 /// What a variant's picture is worth.
 pub(super) struct Judged {
     pub(super) errors: Option<Errors>,
+    pub(super) since: Option<Since>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
     pub(super) failure: Option<String>,
 }
@@ -78,6 +79,7 @@ impl Block<'_> {
         outcome: &mut Outcome,
     ) -> Result<(), BenchError> {
         if self.missing(bench, log) == 0 {
+            bench.stock.flicker.forget(self.subject);
             return Ok(());
         }
         watch.step(&self.label("reference"), outcome.measured, total);
@@ -273,6 +275,11 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
             sample.mask_rel_mse = Some(mask.rel_mse);
             sample.mask_max_difference = Some(mask.max_difference);
         }
+    }
+    if let Some(since) = judged.since {
+        sample.since_frame = Some(since.frame);
+        sample.temporal_difference = Some(since.change.difference);
+        sample.temporal_change = Some(since.change.reference);
     }
     if let Some(verdicts) = &judged.verdicts {
         let sum =

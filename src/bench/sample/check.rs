@@ -1,8 +1,11 @@
 //! What cells of a table of samples can hold: a table that was edited or damaged must not become a
 //! chart.
 
+use std::collections::HashMap;
+
 use super::Sample;
 use crate::bench::{
+    csv::CsvError,
     knob::{Knob, method_name},
     metric::mask::MIN_AREA_PX,
 };
@@ -88,4 +91,22 @@ pub fn whole(s: &Sample) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
+}
+
+/// Checks that no frame is there twice; the first sample stands on line 2.
+///
+/// # Errors
+/// The line of the second.
+pub fn repeated(samples: &[Sample]) -> Result<(), CsvError> {
+    let mut known = HashMap::new();
+    for (line, s) in samples.iter().enumerate().map(|(index, s)| (index + 2, s)) {
+        if let Some(first) = known.insert((&s.fingerprint, s.repetition), line) {
+            let message = format!(
+                "columns fingerprint and repetition name the same frame as line {first}: {}, {}",
+                s.fingerprint, s.repetition
+            );
+            return Err(CsvError { line, message });
+        }
+    }
+    Ok(())
 }
