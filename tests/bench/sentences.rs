@@ -65,6 +65,16 @@ fn rt_that_wins_outright_is_said_to() {
         text.starts_with("rt wins outright on this adapter"),
         "{text}"
     );
+    assert!(!text.contains("Equal time"), "{text}");
+}
+
+#[test]
+fn the_best_pair_is_that_which_errs_least_in_reflections() {
+    let mut rows = made_up();
+    // On the whole frame another setting seems better.
+    rows[2].flip = Some(0.0);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    assert!(text.contains("(hybrid, steps = 128 marches for"), "{text}");
 }
 
 #[test]

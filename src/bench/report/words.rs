@@ -30,8 +30,8 @@ pub fn sentences(group: &Group) -> Vec<String> {
     let mut sentences = vec![verdict(&spots, &points)];
     sentences.extend(equal_time(&spots, &points));
     sentences.extend(equal_error(&spots, &points));
-    sentences.extend(break_even(&points));
-    sentences.extend(work(&points));
+    sentences.extend(break_even(&points, group.masked));
+    sentences.extend(work(&points, group.masked));
     sentences.extend(split_trace(&points));
     sentences.extend(flicker(&points));
     sentences.push(region(group));
@@ -82,25 +82,29 @@ fn verdict(spots: &[Spot], points: &[&Point]) -> String {
     text
 }
 
-/// What the others reach in the time that a method's most accurate setting takes.
+/// What each method reaches in the time that rt's fastest setting takes.
 fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let rt = of_method(points, "rt");
     let anchor = cheapest_within(&pick(spots, &rt), f64::INFINITY).map(|i| rt[i])?;
     let ms = spots[anchor].ms;
-    let reached: Vec<String> = ["ssr", "hybrid", "rt"]
-        .into_iter()
-        .filter_map(|method| {
-            let indices = of_method(points, method);
-            if indices.is_empty() {
-                return None;
-            }
-            let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
-            Some(best.map_or_else(
-                || format!("no setting of {method} is done"),
-                |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
-            ))
-        })
-        .collect();
+    let best = |method| {
+        let indices = of_method(points, method);
+        let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
+        (!indices.is_empty()).then_some((method, best))
+    };
+    let measured = ["ssr", "hybrid", "rt"].into_iter().filter_map(best);
+    let measured: Vec<(&str, Option<usize>)> = measured.collect();
+    let is_other = |(method, best): &(&str, Option<usize>)| *method != "rt" && best.is_some();
+    if !measured.iter().any(is_other) {
+        return None; // nothing to compare: the verdict says that rt is fastest
+    }
+    let reached = measured.iter().map(|(method, best)| {
+        best.map_or_else(
+            || format!("every setting of {method} takes longer"),
+            |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
+        )
+    });
+    let reached: Vec<String> = reached.collect();
     Some(format!(
         "Equal time: in the {} ms that rt's fastest setting takes, {} (FLIP).",
         digits(ms),
@@ -174,20 +178,20 @@ pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point
 }
 
 /// The `hybrid` setting that errs least, with the `rt` setting of the same rays.
-fn best_pair<'a>(points: &[&'a Point]) -> Option<(&'a Point, &'a Point)> {
+fn best_pair<'a>(points: &[&'a Point], masked: bool) -> Option<(&'a Point, &'a Point)> {
     let pairs = points
         .iter()
         .filter_map(|p| Some((*p, counterpart(p, points)?)));
     let least = |a: &(&Point, &Point), b: &(&Point, &Point)| {
-        let error = |p: &Point| p.error(Metric::Flip, false).unwrap_or(f64::INFINITY);
+        let error = |p: &Point| p.error(Metric::Flip, masked).unwrap_or(f64::INFINITY);
         error(a.0).total_cmp(&error(b.0))
     };
     pairs.min_by(least)
 }
 
 /// What `hybrid` does and what it spares `rt`, in numbers that hold on any machine.
-fn work(points: &[&Point]) -> Option<String> {
-    let (hybrid, rt) = best_pair(points)?;
+fn work(points: &[&Point], masked: bool) -> Option<String> {
+    let (hybrid, rt) = best_pair(points, masked)?;
     let [steps, nodes] = [hybrid.sample.march_steps?, hybrid.sample.visited_nodes?];
     let all_nodes = rt.sample.visited_nodes?;
     let spared = all_nodes.saturating_sub(nodes);
@@ -232,8 +236,8 @@ fn split_trace(points: &[&Point]) -> Option<String> {
 }
 
 /// The break-even share at the `hybrid` setting that errs least.
-fn break_even(points: &[&Point]) -> Option<String> {
-    let (hybrid, rt) = best_pair(points)?;
+fn break_even(points: &[&Point], masked: bool) -> Option<String> {
+    let (hybrid, rt) = best_pair(points, masked)?;
     let costs = costs(hybrid, rt);
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;
