@@ -7,8 +7,10 @@ Shader mutants stand in a copy of shaders/ that the tests of pictures and of the
 through REFLET_TEST_SHADERS, so nothing is built. Rust mutants (metrics and scene parser) stand in
 a copy of the tree with a target folder of its own.
 
-What survives needs a test, or an entry with a reason in tools/mutants.toml; one without either
-makes the exit code 1. A mutant that does not compile is not counted, and another is drawn.
+A mutant is killed when a test fails; one at which the tests run out of time or end otherwise is
+named as such. What survives needs a test, or an entry with a reason in tools/mutants.toml; one
+without either makes the exit code 1. A mutant that does not compile is not counted, and another is
+drawn.
 """
 
 import argparse
@@ -197,6 +199,14 @@ def killer(code: int | None, output: str) -> str:
     return failed[1] if failed else f"exit code {code}"
 
 
+def verdict(code: int | None, output: str) -> tuple[str, str]:
+    """What became of a mutant at which a stage did not pass. Only a test that fails kills it."""
+    by = killer(code, output)
+    if code is None:
+        return "timed out", by
+    return ("crashed" if by == f"exit code {code}" else "killed"), by
+
+
 def copy_tree(to: pathlib.Path) -> None:
     """The files that Git knows, or would, as they lie here; unchanged ones keep their time."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
@@ -257,7 +267,7 @@ class Shaders:
             if code and refused:
                 return "does not compile", refused[0]
             if code != 0:
-                return "killed", killer(code, output)
+                return verdict(code, output)
         return "survived", ""
 
 
@@ -300,7 +310,7 @@ class Rust:
                 if code is not None and "error: could not compile" in output:
                     return "does not compile", first_error(output)
                 if code != 0:
-                    return "killed", killer(code, output)
+                    return verdict(code, output)
             return "survived", ""
         finally:
             shutil.copyfile(ROOT / mutant.file, self.tree / mutant.file)
@@ -406,15 +416,20 @@ def attempts(
 def summary(results: list[dict[str, Any]]) -> int:
     of = {
         outcome: [result for result in results if result["outcome"] == outcome]
-        for outcome in ("killed", "survived", "does not compile")
+        for outcome in ("killed", "timed out", "crashed", "survived", "does not compile")
     }
-    tried = len(of["killed"]) + len(of["survived"])
+    tried = len(results) - len(of["does not compile"])
     open_ones = [result for result in of["survived"] if not result["reason"]]
     print(
-        f"\n{tried} mutants: {len(of['killed'])} killed, {len(of['survived'])} survived, of which "
+        f"\n{tried} mutants: {len(of['killed'])} killed by a test, {len(of['timed out'])} out of "
+        f"time, {len(of['crashed'])} ended without a failing test, {len(of['survived'])} survived, "
+        "of which "
         f"{len(of['survived']) - len(open_ones)} have a reason; {len(of['does not compile'])} more "
         "did not compile"
     )
+    for outcome in ("killed", "timed out", "crashed"):
+        for result in of[outcome]:
+            print(f"  {outcome}: {result['name']}, {result['by']}")
     for result in of["survived"]:
         print(f"  {result['name']}\n    {result['mutant']}")
         print(f"    reason: {result['reason'] or 'none; write a test, or say why not'}")

@@ -41,6 +41,9 @@ use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;
 use walk::Walk;
 
+/// What became of a last line without a line break.
+const TORN: &str = "the last line of the table was cut off";
+
 /// Runs the command.
 ///
 /// # Errors
@@ -53,7 +56,11 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
             let samples = match &args.samples {
                 Some(path) => {
                     create_folder(&args.run.output)?;
-                    log::read(path).map_err(|d| of_file(*d))?
+                    let (samples, is_torn) = log::read(path).map_err(|d| of_file(*d))?;
+                    if is_torn {
+                        eprintln!("note: {}: {TORN} and left out", path.display());
+                    }
+                    samples
                 }
                 None => measure(args)?,
             };
@@ -237,6 +244,9 @@ fn run_with(
         stock: Stock::default(),
     };
     let mut progress = Progress::new();
+    if log.was_torn() {
+        progress.note(&format!("{TORN} and is measured again"));
+    }
     let outcome = measure(&bench, &mut log, &mut progress).map_err(|error| match error {
         BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
         BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),

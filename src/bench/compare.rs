@@ -176,6 +176,18 @@ fn crossed(args: &CompareArgs, frame: &Scores, mask: Option<&MaskReport>) -> Vec
 
 fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
     let mut notes = [&test.notes[..], &reference.notes[..]].concat();
+    let encodings = [test, reference].map(|r| r.picture.encoding());
+    if encodings[0] != encodings[1] {
+        let [linear, display] = if encodings[0] == Encoding::Linear {
+            ["A", "B"]
+        } else {
+            ["B", "A"]
+        };
+        notes.push(format!(
+            "{linear} is linear and {display} display-referred: exposure and tone mapping that \
+             only {display} went through count as errors"
+        ));
+    }
     let over = [test, reference].map(|r| r.picture.over_white());
     if over != [0, 0] {
         notes.push(format!(
@@ -200,7 +212,6 @@ fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
 /// Refuses outputs that are no PNG, replace an input, or each other, before any work is done.
 fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
     let outputs = [&args.difference, &args.flip_map];
-    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let inputs = [Some(&args.test), Some(&args.reference), args.mask.as_ref()];
     for path in outputs.into_iter().flatten() {
         let refuse = |message: &str, help: &str| Err(file_error("bad-output", path, message, help));
@@ -228,6 +239,18 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
         }
         _ => Ok(()),
     }
+}
+
+/// The path by which files are told apart: links are followed, `.` and `..` taken away. Of a file
+/// that does not exist yet, its folder's.
+fn real(path: &Path) -> PathBuf {
+    let in_folder = || {
+        let path = std::path::absolute(path).ok()?;
+        let folder = fs::canonicalize(path.parent()?).ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    let found = fs::canonicalize(path).ok().or_else(in_folder);
+    found.unwrap_or_else(|| path.to_owned())
 }
 
 fn write_pictures(

@@ -55,7 +55,11 @@ pub fn parse(text: &str) -> Result<Table, CsvError> {
     let Some((_, header)) = lines.next() else {
         return Err(CsvError {
             line: 1,
-            message: "there is no header; the file is empty".to_owned(),
+            message: if text.is_empty() {
+                "there is no header; the file is empty".to_owned()
+            } else {
+                "the header is cut off: it has no line break".to_owned()
+            },
         });
     };
     let split = |index: usize, text: &str| {
@@ -131,6 +135,10 @@ mod tests {
         assert_eq!((table.rows.len(), table.whole_bytes), (1, 8));
         let says = |text: &str| parse(text).expect_err(text).to_string();
         assert!(says("").contains("empty"));
+        assert_eq!(
+            says("a,b"),
+            "line 1: the header is cut off: it has no line break"
+        );
         assert_eq!(
             says("a,b\n1\n"),
             "line 2: 1 cells where the header has 2 columns"

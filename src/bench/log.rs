@@ -21,6 +21,8 @@ pub struct Log {
     samples: Vec<Sample>,
     /// Repetitions by fingerprint.
     known: HashMap<String, Vec<u32>>,
+    /// Whether the last line was cut off when the table was opened.
+    was_torn: bool,
 }
 
 impl Log {
@@ -43,6 +45,7 @@ impl Log {
             file: file.map_err(|e| unwritable(path, &e))?,
             samples: Vec::new(),
             known: HashMap::new(),
+            was_torn: false,
         };
         log.write(&header())?;
         Ok(log)
@@ -60,7 +63,7 @@ impl Log {
             }
             read => read.map_err(|e| unreadable(path, &e))?,
         };
-        if text.is_empty() {
+        if !text.contains('\n') && header().starts_with(&text) {
             // Stopped before its header was written: nothing is lost.
             fs::remove_file(path).map_err(|e| unwritable(path, &e))?;
             return Self::create(path);
@@ -83,6 +86,7 @@ impl Log {
             file,
             samples: Vec::new(),
             known: HashMap::new(),
+            was_torn: whole_bytes < text.len(),
         };
         samples.into_iter().for_each(|sample| log.keep(sample));
         Ok(log)
@@ -96,6 +100,11 @@ impl Log {
         self.write(&sample.line())?;
         self.keep(sample);
         Ok(())
+    }
+
+    /// Whether a last line that was cut off was removed.
+    pub fn was_torn(&self) -> bool {
+        self.was_torn
     }
 
     /// Whether the table holds this frame.
@@ -124,19 +133,19 @@ impl Log {
     }
 }
 
-/// Reads the samples of a file.
+/// Reads the samples of a file, and tells whether a last line that was cut off is left out.
 ///
 /// # Errors
 /// When it cannot be read, is no table of samples, or holds none.
-pub fn read(path: &Path) -> Result<Vec<Sample>, Box<Diagnostic>> {
+pub fn read(path: &Path) -> Result<(Vec<Sample>, bool), Box<Diagnostic>> {
     let text = fs::read_to_string(path).map_err(|e| unreadable(path, &e))?;
-    let (samples, _) = parse(path, &text)?;
+    let (samples, whole_bytes) = parse(path, &text)?;
     if samples.is_empty() {
         let message = "this table holds no samples";
         let help = "measure some with `reflet bench`";
         return Err(file_error("no-samples", path, message, help));
     }
-    Ok(samples)
+    Ok((samples, whole_bytes < text.len()))
 }
 
 fn parse(path: &Path, text: &str) -> Result<(Vec<Sample>, usize), Box<Diagnostic>> {

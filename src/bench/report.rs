@@ -10,7 +10,7 @@ pub mod work;
 
 use super::sample::Sample;
 use super::summary::{Group, Metric, groups};
-use chart::{Axes, BAR_REACH, Time, draw};
+use chart::{Axes, BAR_REACH, Time, draw, has_bars};
 use course::Course;
 
 /// A chart as a file.
@@ -58,7 +58,7 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                     charts.push(ChartFile {
                         name: format!("chart-{}-{what}.svg", index + 1),
                         svg,
-                        caption: caption(axes),
+                        caption: caption(&group, axes),
                     });
                 }
             }
@@ -85,7 +85,7 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
 }
 
 /// How a chart of error against time is read.
-fn caption(axes: Axes) -> String {
+fn caption(group: &Group, axes: Axes) -> String {
     let what = match axes.time {
         Time::Frame => "time of a frame",
         Time::Reflection => "time of the passes that find reflections",
@@ -95,10 +95,21 @@ fn caption(axes: Axes) -> String {
         Metric::Dissimilarity => "1 − SSIM: 0 is equal",
         Metric::RelMse => "relMSE: 0 is equal",
     };
+    let bars = if has_bars(group, axes.time) {
+        format!(
+            " Bars are the 5th to 95th percentile, cut off at {BAR_REACH} times the slowest median."
+        )
+    } else {
+        String::new()
+    };
+    let crosses = if group.failed.is_empty() {
+        ""
+    } else {
+        " A cross on the upper edge is a setting that could not be judged."
+    };
     format!(
         "Across: {what}; up: {error}. Lower left is better. Every dot is a setting (point at it), \
-         every curve a method turned by its knob; the gray stairs are what nothing beats. Bars are \
-         the 5th to 95th percentile, cut off at {BAR_REACH} times the slowest median. An error of 0 \
-         stands on the bottom edge."
+         every curve a method turned by its knob; the gray stairs are what nothing beats.{bars} An \
+         error of 0 stands on the bottom edge.{crosses}"
     )
 }

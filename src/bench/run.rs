@@ -19,6 +19,9 @@ use crate::{
 };
 
 mod block;
+mod flicker;
+
+use flicker::{Flicker, Since};
 
 /// Bounces of the reference: the most that a scene may ask for.
 pub const REFERENCE_BOUNCES: u32 = 16;
@@ -134,13 +137,16 @@ pub struct Bench<'a> {
     pub host: &'a Host,
     /// What is measured.
     pub protocol: &'a Protocol,
-    /// Renderers that the next frame of an animation takes over.
+    /// What the next frame of an animation takes over.
     pub stock: Stock,
 }
 
-/// Renderers kept between the frames of an animation.
+/// Renderers and pictures kept between the frames of an animation.
 #[derive(Debug, Default)]
-pub struct Stock(RefCell<Vec<(u64, [u32; 2], Ready)>>);
+pub struct Stock {
+    renderers: RefCell<Vec<(u64, [u32; 2], Ready)>>,
+    flicker: Flicker,
+}
 
 /// A renderer that shows its subject.
 #[derive(Debug)]
@@ -149,6 +155,17 @@ struct Ready {
     renderer: Renderer,
     /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
     update_ms: Option<f64>,
+}
+
+impl Turn {
+    /// Name in tables, by which curves are told apart.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::One(knob, _) => knob.name(),
+            Self::Own => "own",
+        }
+    }
 }
 
 impl Protocol {
@@ -224,7 +241,7 @@ impl Bench<'_> {
         method: Method,
         size: [u32; 2],
     ) -> Result<Ready, BenchError> {
-        let mut stock = self.stock.0.borrow_mut();
+        let mut stock = self.stock.renderers.borrow_mut();
         let fits = |(motion, its_size, ready): &(u64, [u32; 2], Ready)| {
             Some(*motion) == subject.motion && *its_size == size && ready.method == method
         };
@@ -248,7 +265,7 @@ impl Bench<'_> {
     /// Keeps renderers for the next frame, if there may be one.
     fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<Ready>) {
         if let Some(motion) = subject.motion {
-            let mut stock = self.stock.0.borrow_mut();
+            let mut stock = self.stock.renderers.borrow_mut();
             stock.extend(ready.into_iter().map(|ready| (motion, size, ready)));
         }
     }
@@ -303,8 +320,12 @@ impl Bench<'_> {
         let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
         renderer.retune(&variant.reflection);
         let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
-        let errors: Result<Errors, String> = View::new(&picture, size)
-            .and_then(|view| reference.errors(&view))
+        let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
+            .and_then(|view| {
+                let flicker = &self.stock.flicker;
+                let since = flicker.push(subject, variant, &view, &reference.view)?;
+                Ok((reference.errors(&view)?, since))
+            })
             .map_err(|e| e.to_string());
         let mut verdicts = None;
         if let (Some(hits), true) = (Hits::of(&picture.planes), variant.method != Method::Rt) {
@@ -320,14 +341,16 @@ impl Bench<'_> {
                 .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
             renderer.retune(&variant.reflection);
         }
-        Ok(match (errors, verdicts.transpose()) {
-            (Ok(errors), Ok(verdicts)) => block::Judged {
+        Ok(match (judged, verdicts.transpose()) {
+            (Ok((errors, since)), Ok(verdicts)) => block::Judged {
                 errors: Some(errors),
+                since,
                 verdicts,
                 failure: None,
             },
             (Err(failure), _) | (_, Err(failure)) => block::Judged {
                 errors: None,
+                since: None,
                 verdicts: None,
                 failure: Some(failure),
             },

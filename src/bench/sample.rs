@@ -7,6 +7,8 @@ use crate::render::{
     probe::{COUNTED_PASSES, Counts},
 };
 
+mod check;
+
 /// A value that a cell holds.
 trait Cell: Sized {
     fn text(&self) -> String;
@@ -76,6 +78,8 @@ sample! {
     fingerprint: String,
     /// Scene file, or `the built-in atrium`.
     scene: String,
+    /// Hash of the scene's text, its overrides and every file it names, hexadecimal.
+    content: String,
     /// Camera of the scene.
     camera: String,
     /// Frame of an animation, 0 for a still scene.
@@ -86,6 +90,8 @@ sample! {
     height: u32,
     /// `ssr`, `hybrid` or `rt`.
     method: String,
+    /// What the run turned: `nothing`, `own` for each method's own knob, or one knob for all.
+    turn: String,
     /// What is turned; none for the scene's own settings.
     knob: Option<String>,
     /// What it is turned to; none where the knob does nothing for the method.
@@ -197,6 +203,13 @@ sample! {
     false_accepts: Option<u64>,
     /// Crossings that the march refused, or had no steps left to reach, and a ray confirms.
     false_rejects: Option<u64>,
+    /// The measured frame of the animation before this one; none for the first, and for a still
+    /// scene.
+    since_frame: Option<u32>,
+    /// Mean |Δtest − Δreference| since that frame, in display code values.
+    temporal_difference: Option<f64>,
+    /// Mean |Δreference| since that frame.
+    temporal_change: Option<f64>,
     /// Adapter.
     adapter: String,
     /// Driver and its version.
@@ -215,8 +228,20 @@ sample! {
     commit: String,
 }
 
+/// Columns that older tables lack; they are then empty.
+const NEWER: [&str; 5] = [
+    "content",
+    "turn",
+    "since_frame",
+    "temporal_difference",
+    "temporal_change",
+];
+
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
-    T::of(text).ok_or_else(|| format!("column {column} cannot be \"{text}\""))
+    let cannot = || format!("column {column} cannot be \"{text}\"");
+    let value = T::of(text).ok_or_else(cannot)?;
+    check::cell(column, text).map_err(|expected| format!("{}; expected {expected}", cannot()))?;
+    Ok(value)
 }
 
 /// Causes whose refusals can be judged: those for which there is a crossing.
@@ -287,7 +312,8 @@ impl Sample {
 /// Reads a table of samples; the position of its columns is free, and others are ignored.
 ///
 /// # Errors
-/// A text that is no table, a missing column, a cell that cannot be; the line is named.
+/// A text that is no table, a missing column, a cell that cannot be, a frame that is there twice;
+/// line and column are named.
 pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
     let table = csv::parse(text)?;
     let details = detail_columns();
@@ -300,17 +326,21 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
             let text = cell(&table, row, name).unwrap_or_else(|_| "0".to_owned());
             sample.detail.push(read_cell(name, &text).map_err(failed)?);
         }
+        check::whole(&sample).map_err(failed)?;
         Ok(sample)
     };
     let samples = table.rows.iter().enumerate().map(read);
     let samples = samples.collect::<Result<Vec<_>, _>>()?;
+    check::repeated(&samples)?;
     Ok((samples, table.whole_bytes))
 }
 
 fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
     let index = table.columns.iter().position(|column| column == name);
+    let absent = || NEWER.contains(&name).then(String::new);
     index
         .map(|i| row[i].clone())
+        .or_else(absent)
         .ok_or_else(|| format!("there is no column {name}"))
 }
 
@@ -321,6 +351,10 @@ mod tests {
     #[test]
     fn samples_survive_the_table() {
         let sample = Sample {
+            method: "rt".to_owned(),
+            width: 1,
+            height: 1,
+            scale: 1.0,
             scene: "a, \"b\"".to_owned(),
             threshold_u: 0.025,
             value: Some(0.1 + 0.2),
@@ -346,7 +380,10 @@ mod tests {
         let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
         assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
         let sample = Sample {
+            method: "rt".to_owned(),
             width: 7,
+            height: 1,
+            scale: 1.0,
             detail: vec![0.0; detail_columns().len()],
             ..Sample::default()
         };

@@ -2,6 +2,12 @@
 
 use super::sample::Sample;
 
+mod group;
+mod pairs;
+
+pub use group::groups;
+pub use pairs::{FlickerRatio, Split};
+
 /// Repetitions below which no percentiles are given.
 pub const MIN_SPREAD_N: usize = 20;
 
@@ -33,11 +39,14 @@ pub struct Point {
     pub passes_ms: Vec<(String, f64)>,
     /// Whether errors, shares, verdicts and counts are means over the frames of an animation.
     pub is_mean: bool,
-    /// Median milliseconds of the trace pass's rays without shading, where that was timed.
-    pub traverse_ms: Option<f64>,
+    /// How its picture changes from frame to frame otherwise than the reference's does.
+    pub flicker: Option<FlickerRatio>,
+    /// The trace pass in its parts, where they were timed apart.
+    pub split: Option<Split>,
 }
 
-/// Points that may share a chart: one scene, camera, size, reference, adapter and commit.
+/// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
+/// and one choice of what is turned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// In the order of the table.
@@ -49,6 +58,8 @@ pub struct Group {
     /// Of an animation, every frame on its own: its number and its point. `points` then are means
     /// over the frames that were measured. Empty for a still scene.
     pub over_frames: Vec<(u32, Point)>,
+    /// Frames of an animation that were left out, since some setting lacks them.
+    pub left_out: Vec<u32>,
 }
 
 /// What errs.
@@ -139,7 +150,8 @@ impl Point {
             reflection_ms: spread(|s| s.reflection_ms),
             passes_ms: passes.filter_map(median).collect(),
             is_mean: false,
-            traverse_ms: spread(|s| s.traverse_ms).map(|spread| spread.median),
+            flicker: None,
+            split: Split::of(samples),
             sample: (*first).clone(),
         })
     }
@@ -206,14 +218,6 @@ impl Point {
         }
     }
 
-    /// The trace pass as milliseconds of traversal and of everything else in it, above all
-    /// shading; none where they were not timed apart.
-    pub fn split_trace_ms(&self) -> Option<[f64; 2]> {
-        let traverse_ms = self.traverse_ms?;
-        let rest_ms = self.pass_ms("trace") - traverse_ms;
-        Some([traverse_ms, rest_ms.max(0.0)])
-    }
-
     /// Milliseconds of a pass; 0 where it did not run.
     pub fn pass_ms(&self, name: &str) -> f64 {
         let found = self.passes_ms.iter().find(|(pass, _)| pass == name);
@@ -231,104 +235,6 @@ pub fn label(sample: &Sample) -> String {
     match (&sample.knob, sample.value) {
         (Some(knob), Some(value)) => format!("{}, {knob} = {value}", sample.method),
         _ => sample.method.clone(),
-    }
-}
-
-/// Sorts samples into groups and points, both in the order of their first sample.
-pub fn groups(samples: &[Sample]) -> Vec<Group> {
-    let mut groups: Vec<(String, Vec<&Sample>)> = Vec::new();
-    for sample in samples {
-        collect(&mut groups, group_key(sample), sample);
-    }
-    groups
-        .into_iter()
-        .map(|(_, samples)| group(&samples))
-        .collect()
-}
-
-/// What must be equal for points to be compared: above all the machine and the reference.
-fn group_key(s: &Sample) -> String {
-    format!(
-        "{:?}",
-        (
-            (&s.scene, &s.camera, s.width, s.height, s.samples),
-            (&s.adapter, &s.driver, &s.backend, &s.timing),
-            (&s.version, &s.commit, &s.os, &s.cpu),
-            (s.reference_bounces, s.reference_ray_length_u.to_bits()),
-        )
-    )
-}
-
-fn collect<'a>(groups: &mut Vec<(String, Vec<&'a Sample>)>, key: String, sample: &'a Sample) {
-    match groups.iter_mut().find(|(known, _)| *known == key) {
-        Some((_, members)) => members.push(sample),
-        None => groups.push((key, vec![sample])),
-    }
-}
-
-fn group(samples: &[&Sample]) -> Group {
-    let mut variants: Vec<(String, Vec<&Sample>)> = Vec::new();
-    let moves = samples.iter().any(|s| s.frame != samples[0].frame);
-    for sample in samples {
-        let key = if moves {
-            label(sample)
-        } else {
-            sample.fingerprint.clone()
-        };
-        collect(&mut variants, key, sample);
-    }
-    let mut over_frames = Vec::new();
-    let (mut points, mut failed) = (Vec::new(), Vec::new());
-    for (_, samples) in variants {
-        let broken = samples.iter().find(|sample| !sample.is_ok());
-        match (broken, Point::new(&samples)) {
-            (Some(sample), _) => failed.push(((*sample).clone(), sample.status.clone())),
-            (None, Some(point)) if moves => {
-                over_frames.extend(by_frame(&samples));
-                points.push(point.averaged(&samples));
-            }
-            (None, Some(point)) => points.push(point),
-            (None, None) => failed.push((samples[0].clone(), "was not timed".to_owned())),
-        }
-    }
-    share_common_passes(&mut points, samples);
-    let masked = points.iter().all(|p| p.sample.mask_flip.is_some());
-    Group {
-        points,
-        failed,
-        masked,
-        over_frames,
-    }
-}
-
-/// The points of each frame of one setting.
-fn by_frame(samples: &[&Sample]) -> Vec<(u32, Point)> {
-    let mut frames: Vec<(String, Vec<&Sample>)> = Vec::new();
-    for sample in samples {
-        collect(&mut frames, sample.frame.to_string(), sample);
-    }
-    let point = |(_, samples): (String, Vec<&Sample>)| {
-        Some((samples.first()?.frame, Point::new(&samples)?))
-    };
-    frames.into_iter().filter_map(point).collect()
-}
-
-/// Shadow, G-buffer, light and tone are the same work whatever the method. Their noise must not
-/// decide between methods, so all points of one rendered size are charged the same for them.
-fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
-    for point in points {
-        let scale = point.sample.scale;
-        let common = |s: &&&Sample| Some(s.passes_ms? - s.reflection_ms?);
-        let alike = samples.iter().filter(|s| s.scale == scale && s.is_ok());
-        let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
-        if let (Some(common), Some(own)) = (common, point.reflection_ms) {
-            let total = |ms: f64| ms + common.median;
-            point.ms = Spread {
-                n: own.n,
-                median: total(own.median),
-                p5_p95: own.p5_p95.map(|ends| ends.map(total)),
-            };
-        }
     }
 }
 

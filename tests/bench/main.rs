@@ -1,9 +1,11 @@
 //! `bench` as people meet it: samples, report, resuming, choosing, and what it refuses.
 
+mod animation;
 #[path = "../common/mod.rs"]
 mod common;
 mod made_up;
 mod sentences;
+mod tables;
 
 use std::{
     collections::HashSet,
@@ -15,7 +17,7 @@ use std::{
 };
 
 use common::gpu_or_skip;
-use made_up::{made_up, only_group, sample};
+use made_up::{made_up, only_group};
 use reflet::bench::{
     report::{self, words},
     sample::{Sample, header, read_samples},
@@ -286,28 +288,41 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
 }
 
 #[test]
-fn an_animation_is_averaged_and_drawn_over_its_frames() {
-    let mut rows = Vec::new();
-    for (frame, flip, px) in [(0, 0.1, 100), (95, 0.3, 300)] {
-        for mut row in [sample("ssr", 16.0, 5.0, flip), sample("rt", 3.0, 10.0, 0.0)] {
-            row.fingerprint += &frame.to_string();
-            (row.frame, row.reflective_px) = (frame, px);
-            row.screen_percent = if frame == 0 { 100.0 } else { 20.0 };
-            rows.push(row);
+fn another_content_reference_or_knob_makes_a_group_of_its_own() {
+    let changes: [fn(&mut Sample); 5] = [
+        |s| s.content = "decaf".to_owned(),
+        |s| s.turn = "threshold_u".to_owned(),
+        |s| s.reference_ray_length_u = 4.0,
+        |s| s.exposure_ev = 1.0,
+        |s| s.roughness_cutoff = 0.5,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut rows = made_up();
+        let mut others = made_up();
+        for row in &mut others {
+            change(row);
+            row.fingerprint += "-other";
+            (row.mask_px, row.mask_flip) = (60, None);
         }
+        rows.extend(others);
+        let groups = groups(&rows);
+        assert_eq!(groups.len(), 2, "change {index}");
+        assert_eq!(
+            groups.iter().map(|g| g.masked).collect::<Vec<_>>(),
+            [true, false]
+        );
+        assert!(groups.iter().all(|g| g.points.len() == 6));
     }
-    let group = only_group(&rows);
-    assert_eq!((group.points.len(), group.over_frames.len()), (2, 4));
-    let ssr = &group.points[0].sample;
-    assert!((ssr.mask_flip.expect("a mean") - 0.2).abs() < 1e-12);
-    assert!(
-        (ssr.screen_percent - 40.0).abs() < 1e-12,
-        "{}",
-        ssr.screen_percent
-    );
-    let sections = report::sections(&rows).expect("drawn");
-    let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
-    assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));
+}
+
+#[test]
+fn a_cut_last_line_is_said_to_be_left_out() {
+    let folder = folder("torn");
+    let csv = write(&folder, &made_up());
+    let text = fs::read_to_string(folder.join(&csv)).expect("a table");
+    fs::write(folder.join(&csv), &text[..text.len() - 20]).expect("torn");
+    let [_, error] = exits(&folder, &["--samples", &csv, "-o", "."], 0);
+    assert!(error.contains("was cut off and left out"), "{error}");
 }
 
 #[test]
@@ -316,6 +331,7 @@ fn bad_input_is_refused_before_anything_is_measured() {
     fs::write(folder.join("empty.csv"), "").expect("a file");
     fs::write(folder.join("rowless.csv"), header()).expect("a file");
     fs::write(folder.join("other.csv"), "a,b\n1,2\n").expect("a file");
+    fs::write(folder.join("torn.csv"), &header()[..90]).expect("a file");
     fs::write(folder.join("file"), "").expect("a file");
     for (arguments, code, says) in [
         (
@@ -336,6 +352,7 @@ fn bad_input_is_refused_before_anything_is_measured() {
         (&["--choose", "speed>=3"], 2, "cannot be bounded"),
         (&["--samples", "none.csv"], 2, "cannot be read"),
         (&["--samples", "empty.csv"], 2, "is empty"),
+        (&["--samples", "torn.csv"], 2, "the header is cut off"),
         (&["--samples", "rowless.csv"], 2, "holds no samples"),
         (
             &["--samples", "other.csv"],

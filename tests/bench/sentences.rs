@@ -1,6 +1,9 @@
 //! What the report says in words about samples whose answers are known.
 
-use reflet::bench::report::words;
+use reflet::bench::{
+    report::{self, words},
+    sample::Sample,
+};
 
 use crate::made_up::{made_up, only_group};
 
@@ -32,6 +35,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
         rows[row].tested_triangles = Some(50);
     }
     rows[5].traverse_ms = Some(2.25);
+    // Pairs of one frame, whatever the medians of each: 3.0 − 2.25.
     let text = words::sentences(&only_group(&rows)).join("\n");
     for part in [
         "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \
@@ -43,6 +47,16 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
 }
 
 #[test]
+fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
+    let mut rows = made_up();
+    rows[5].traverse_ms = Some(3.5);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    let part = "Traversal and shading of rt, steps = 3 cannot be told apart: its rays without \
+                shading took longer than its whole trace pass in 1 of 1 frames.";
+    assert!(text.contains(part), "{text}");
+}
+
+#[test]
 fn rt_that_wins_outright_is_said_to() {
     let mut rows = made_up();
     (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
@@ -50,5 +64,48 @@ fn rt_that_wins_outright_is_said_to() {
     assert!(
         text.starts_with("rt wins outright on this adapter"),
         "{text}"
+    );
+    assert!(!text.contains("Equal time"), "{text}");
+}
+
+#[test]
+fn the_best_pair_is_that_which_errs_least_in_reflections() {
+    let mut rows = made_up();
+    // On the whole frame another setting seems better.
+    rows[2].flip = Some(0.0);
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    assert!(text.contains("(hybrid, steps = 128 marches for"), "{text}");
+}
+
+#[test]
+fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
+    let mut rows = made_up();
+    rows[1].status = "3 pixels hold NaN".to_owned();
+    (rows[1].flip, rows[1].mask_flip) = (None, None);
+    let sections = report::sections(&rows).expect("drawn");
+    let chart = &sections[0].charts[0];
+    assert!(
+        chart
+            .svg
+            .contains("ssr, steps = 128: failed, 3 pixels hold NaN</title>"),
+        "{}",
+        chart.svg
+    );
+    assert!(
+        chart.caption.contains("A cross on the upper edge"),
+        "{}",
+        chart.caption
+    );
+    assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
+    let repeated = (0..20).flat_map(|repetition| {
+        made_up()
+            .into_iter()
+            .map(move |s| Sample { repetition, ..s })
+    });
+    let sections = report::sections(&repeated.collect::<Vec<_>>()).expect("drawn");
+    let caption = &sections[0].charts[0].caption;
+    assert!(
+        caption.contains("Bars are") && !caption.contains("A cross on"),
+        "{caption}"
     );
 }

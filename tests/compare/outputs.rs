@@ -118,6 +118,14 @@ fn outputs_that_cannot_be_leave_nothing() {
             vec!["--difference", "x.png", "--flip-map", "x.png"],
             "both pictures",
         ),
+        (
+            vec!["--difference", "x.png", "--flip-map", "./x.png"],
+            "both pictures",
+        ),
+        (
+            vec!["--difference", "x.png", "--flip-map", "src/../x.png"],
+            "both pictures",
+        ),
     ];
     for (options, expected) in cases {
         let (name, _, message) = fails(&a, &b, &options);

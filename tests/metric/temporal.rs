@@ -47,6 +47,20 @@ fn known_ratios() {
 }
 
 #[test]
+fn a_frame_gives_its_change_since_the_one_before() {
+    let mut temporal = Temporal::new();
+    let mut push = |test: f32, reference: f32| {
+        let [t, r] = [test, reference].map(|v| flat(4, 3, Encoding::Display, [v; 3]));
+        temporal
+            .push(&Pair::new(&t, &r).expect("one size"))
+            .expect("one size")
+    };
+    assert_eq!(push(10.0, 10.0), None);
+    let change = push(15.0, 30.0).expect("a change");
+    assert_eq!((change.difference, change.reference), (15.0, 20.0));
+}
+
+#[test]
 fn another_size_is_refused_and_not_added() {
     let mut temporal = Temporal::new();
     let mut push = |side: usize, gray: f32| {

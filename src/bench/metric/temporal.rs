@@ -14,6 +14,15 @@ pub struct Temporal {
     pairs: usize,
 }
 
+/// How one frame changed since the one before it, in display code values (0 to 255).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// Mean |Δtest − Δref|.
+    pub difference: f64,
+    /// Mean |Δref|.
+    pub reference: f64,
+}
+
 #[derive(Clone, Debug)]
 struct Frame {
     size: [usize; 2],
@@ -27,16 +36,18 @@ impl Temporal {
         Self::default()
     }
 
-    /// Adds the next frame of both sequences.
+    /// Adds the next frame of both sequences; gives its change since the frame before, none for
+    /// the first.
     ///
     /// # Errors
     /// When its size differs from the frames before; the frame is then not added.
-    pub fn push(&mut self, pair: &Pair) -> Result<(), PictureError> {
+    pub fn push(&mut self, pair: &Pair) -> Result<Option<Change>, PictureError> {
         let frame = Frame {
             size: [pair.test().width(), pair.test().height()],
             test: pair.test().display(),
             reference: pair.reference().display(),
         };
+        let mut since = None;
         if let Some(previous) = &self.previous {
             if previous.size != frame.size {
                 return Err(PictureError::Size {
@@ -44,28 +55,34 @@ impl Temporal {
                     second: previous.size,
                 });
             }
-            let (difference, reference) = change(previous, &frame);
-            self.difference += difference;
-            self.reference += reference;
+            let change = change(previous, &frame);
+            self.difference += change.difference;
+            self.reference += change.reference;
             self.pairs += 1;
+            since = Some(change);
         }
         self.previous = Some(frame);
-        Ok(())
+        Ok(since)
     }
 
     /// The ratio so far; none before two frames. 0 when the test changes exactly as the reference
     /// does, so also when both stand still; infinite when only the test changes.
     pub fn ratio(&self) -> Option<f64> {
-        match (self.pairs, self.difference) {
-            (0, _) => None,
-            (_, 0.0) => Some(0.0),
-            _ => Some(self.difference / self.reference),
-        }
+        ratio(self.pairs, self.difference, self.reference)
     }
 }
 
-/// Sums over all channels of |Δtest − Δref| and |Δref|.
-fn change(before: &Frame, after: &Frame) -> (f64, f64) {
+/// Sums of changes over `pairs` pairs of frames as [`Temporal::ratio`] has them.
+pub fn ratio(pairs: usize, difference: f64, reference: f64) -> Option<f64> {
+    match (pairs, difference) {
+        (0, _) => None,
+        (_, 0.0) => Some(0.0),
+        _ => Some(difference / reference),
+    }
+}
+
+/// Means over all channels of |Δtest − Δref| and |Δref|.
+fn change(before: &Frame, after: &Frame) -> Change {
     let test = before
         .test
         .as_flattened()
@@ -76,12 +93,18 @@ fn change(before: &Frame, after: &Frame) -> (f64, f64) {
         .as_flattened()
         .iter()
         .zip(after.reference.as_flattened());
-    test.zip(reference)
-        .fold((0.0, 0.0), |(difference, total), ((t0, t1), (r0, r1))| {
-            let moved = f64::from(r1 - r0);
-            (
-                difference + (f64::from(t1 - t0) - moved).abs(),
-                total + moved.abs(),
-            )
-        })
+    let channels = (3 * before.test.len()).max(1) as f64;
+    let (difference, reference) =
+        test.zip(reference)
+            .fold((0.0, 0.0), |(difference, total), ((t0, t1), (r0, r1))| {
+                let moved = f64::from(r1 - r0);
+                (
+                    difference + (f64::from(t1 - t0) - moved).abs(),
+                    total + moved.abs(),
+                )
+            });
+    Change {
+        difference: difference / channels,
+        reference: reference / channels,
+    }
 }

@@ -11,9 +11,10 @@ use plotters::{
 use super::words::spots;
 use crate::bench::{
     front::{Spot, front},
-    summary::{Group, Metric, Point, digits},
+    sample::Sample,
+    summary::{Group, Metric, Point, digits, label},
 };
-use marks::{End, Labels, legend, mark};
+use marks::{End, Labels, cross, legend, mark};
 
 mod marks;
 
@@ -62,6 +63,13 @@ struct Dot<'a> {
     is_on_front: bool,
 }
 
+/// A setting without an error that can be drawn.
+struct Failure {
+    ms: f64,
+    method: String,
+    text: String,
+}
+
 /// Draws a group; none where fewer than two points have both quantities.
 ///
 /// # Errors
@@ -77,19 +85,68 @@ pub fn draw(group: &Group, axes: Axes) -> Result<Option<String>, String> {
     let limits = [first / BAR_REACH, last * BAR_REACH];
     let bars = dots.iter().filter_map(|dot| dot.spread);
     let bars = bars.map(|ends| ends.map(|ms| ms.clamp(limits[0], limits[1])));
-    let [fastest, slowest] = bars.fold([first, last], widened);
+    let failures = failures(group, axes.time);
+    let crosses = failures
+        .iter()
+        .map(|f| [f.ms.clamp(limits[0], limits[1]); 2]);
+    let [fastest, slowest] = bars.chain(crosses).fold([first, last], widened);
     let [bottom, top] = error_range(&dots);
     let errors = (bottom..top).log_scale();
     // A log axis needs a decade to be readable.
     if slowest > 8.0 * fastest && fastest > 0.0 {
         let times = (fastest / 1.3..slowest * 1.5).log_scale();
-        plot(group, axes, &dots, times, errors, (bottom, limits))
+        plot(
+            group,
+            axes,
+            &dots,
+            &failures,
+            times,
+            errors,
+            (bottom, limits),
+        )
     } else {
         let margin = (0.08 * (slowest - fastest)).max(0.02 * slowest).max(1e-6);
         let times: RangedCoordf64 = ((fastest - margin).max(0.0)..slowest + 2.0 * margin).into();
-        plot(group, axes, &dots, times, errors, (bottom, limits))
+        plot(
+            group,
+            axes,
+            &dots,
+            &failures,
+            times,
+            errors,
+            (bottom, limits),
+        )
     }
     .map(Some)
+}
+
+/// Whether a bar of percentiles is drawn.
+pub fn has_bars(group: &Group, time: Time) -> bool {
+    let spread = |p: &Point| match time {
+        Time::Frame => p.ms.p5_p95,
+        Time::Reflection => p.reflection_ms.and_then(|s| s.p5_p95),
+    };
+    group.points.iter().any(|p| spread(p).is_some())
+}
+
+/// Settings that took time and could not be judged: they have a place across, and none up.
+fn failures(group: &Group, time: Time) -> Vec<Failure> {
+    let shared = |p: &Point| Some((p.sample.scale, p.ms.median - p.reflection_ms?.median));
+    let of = |(sample, why): &(Sample, String)| {
+        let common = group.points.iter().filter_map(shared);
+        let common = common.filter(|(scale, _)| *scale == sample.scale).next();
+        let ms = match (time, sample.reflection_ms, common) {
+            (Time::Reflection, reflection, _) => reflection,
+            (Time::Frame, Some(reflection), Some((_, common))) => Some(reflection + common),
+            (Time::Frame, ..) => sample.frame_ms,
+        };
+        Some(Failure {
+            ms: ms?,
+            method: sample.method.clone(),
+            text: format!("{}: failed, {why}", label(sample)),
+        })
+    };
+    group.failed.iter().filter_map(of).collect()
 }
 
 fn dots(group: &Group, axes: Axes) -> Vec<Dot<'_>> {
@@ -143,6 +200,7 @@ fn plot<X, Y>(
     group: &Group,
     axes: Axes,
     dots: &[Dot],
+    failures: &[Failure],
     times: impl AsRangedCoord<CoordDescType = X, Value = f64>,
     errors: impl AsRangedCoord<CoordDescType = Y, Value = f64>,
     (bottom, limits): (f64, [f64; 2]),
@@ -207,7 +265,12 @@ where
                 labels.write(&mut overlay, value, at);
             }
         }
-        legend(&mut overlay, dots);
+        for failure in failures {
+            let ms = failure.ms.clamp(limits[0], limits[1]);
+            let x = to_pixels.translate(&(ms, bottom)).0;
+            cross(&mut overlay, failure, x);
+        }
+        legend(&mut overlay, dots, !failures.is_empty());
         root.present().map_err(said)?;
     }
     let end = svg.rfind("</svg>").ok_or_else(|| said("it has no end"))?;

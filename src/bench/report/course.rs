@@ -1,6 +1,8 @@
 //! Quantities over a number as SVG, a line per method: time and SSIM over the frames of an
 //! animation, errors over a knob.
 
+use std::fmt::Write as _;
+
 use plotters::prelude::*;
 
 use super::chart::color;
@@ -39,9 +41,10 @@ struct Plot {
     log_x: bool,
     bottom: f64,
     top: f64,
-    /// Where lines of this kind leave room.
-    legend: SeriesLabelPosition,
 }
+
+/// Pixels across a chart.
+const WIDTH: i32 = 860;
 
 const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
 
@@ -66,7 +69,10 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         let of = group.over_frames.iter();
         let of = of.filter(|(_, point)| point.sample.method == method);
         let dot = |(frame, point): &(u32, Point)| Some((f64::from(*frame), value(point)?));
-        (method, of.filter_map(dot).collect::<Vec<_>>())
+        let mut line: Vec<(f64, f64)> = of.filter_map(dot).collect();
+        // Runs that were resumed with another stride have their frames in another order.
+        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (method, line)
     };
     let lines = METHODS.map(line).to_vec();
     let [low, high] = range(&lines)?;
@@ -81,7 +87,6 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         log_x: false,
         bottom,
         top,
-        legend: SeriesLabelPosition::LowerLeft,
     })
 }
 
@@ -120,7 +125,6 @@ fn over_knob(group: &Group) -> Option<Plot> {
         log_x,
         bottom: 0.0,
         top: (high * 1.15).max(1e-6),
-        legend: SeriesLabelPosition::UpperRight,
     })
 }
 
@@ -145,10 +149,11 @@ fn svg(plot: &Plot) -> Result<String, String> {
     let shown = |x: &f64| digits(if plot.log_x { 10f64.powf(*x) } else { *x });
     let mut svg = String::new();
     {
-        let root = SVGBackend::with_string(&mut svg, (860, 360)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (WIDTH as u32, 360)).into_drawing_area();
         root.fill(&WHITE).map_err(|e| said(&e))?;
         let mut chart = ChartBuilder::on(&root)
             .margin(14)
+            .margin_top(36) // the legend stands there, over no line
             .margin_right(34)
             .x_label_area_size(44)
             .y_label_area_size(74)
@@ -169,19 +174,30 @@ fn svg(plot: &Plot) -> Result<String, String> {
         for (method, line) in plot.lines.iter().filter(|(_, line)| !line.is_empty()) {
             let stroke = color(method).stroke_width(2);
             let series = LineSeries::new(line.clone(), stroke).point_size(3);
-            let drawn = chart.draw_series(series).map_err(|e| said(&e))?;
-            let key = move |(x, y)| PathElement::new(vec![(x, y), (x + 20, y)], stroke);
-            drawn.label(*method).legend(key);
+            chart.draw_series(series).map_err(|e| said(&e))?;
         }
-        chart
-            .configure_series_labels()
-            .position(plot.legend.clone())
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(204, 204, 204))
-            .label_font(("sans-serif", 13))
-            .draw()
-            .map_err(|e| said(&e))?;
         root.present().map_err(|e| said(&e))?;
     }
+    let end = svg.rfind("</svg>").ok_or_else(|| said(&"it has no end"))?;
+    svg.insert_str(end, &legend(plot));
     Ok(svg)
+}
+
+/// The methods that are drawn, above the chart.
+fn legend(plot: &Plot) -> String {
+    let drawn = plot.lines.iter().filter(|(_, line)| !line.is_empty());
+    let methods: Vec<&str> = drawn.map(|(method, _)| *method).collect();
+    let mut out = String::new();
+    for (index, method) in methods.iter().enumerate() {
+        let x = WIDTH - 34 - 90 * (methods.len() - index) as i32;
+        let RGBColor(r, g, b) = color(method);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "<path d=\"M{x} 20h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"2\"/>\
+             <text x=\"{}\" y=\"24\" font-family=\"sans-serif\" font-size=\"13\">{method}</text>",
+            x + 26
+        );
+    }
+    out
 }

@@ -108,8 +108,12 @@ fn section(section: &Section) -> String {
     let Some(s) = samples.chain(failed).next() else {
         return String::new();
     };
+    let turned = match s.turn.as_str() {
+        "" | "nothing" | "own" => String::new(),
+        knob => format!(", turned by {knob}"),
+    };
     let heading = format!(
-        "{}, camera {}, {} × {}",
+        "{}, camera {}, {} × {}{turned}",
         s.scene, s.camera, s.width, s.height
     );
     let mut out = format!("<h2>{}</h2>\n<ul class=\"words\">", escape(&heading));
@@ -121,10 +125,15 @@ fn section(section: &Section) -> String {
         "</ul>\n<p class=\"sub\">Milliseconds a frame are the setting's own reflection passes and \
          one median of the passes that all settings share (shadow, G-buffer, light, tone), so \
          that their noise decides nothing; wall time is as measured. Reference: rt with {} bounces and rays of {} U (U = {} m). Its \
-         own errors are therefore 0 but for bounces and ray length.</p>\n<div class=\"charts\">",
+         own errors are therefore 0 but for bounces and ray length.{}</p>\n<div class=\"charts\">",
         s.reference_bounces,
         s.reference_ray_length_u,
-        digits(f64::from(s.unit_m))
+        digits(f64::from(s.unit_m)),
+        if s.content.is_empty() {
+            String::new()
+        } else {
+            format!(" Content of the scene: {}.", escape(&s.content))
+        }
     );
     for chart in &section.charts {
         let _ = writeln!(

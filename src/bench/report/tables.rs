@@ -85,7 +85,7 @@ pub fn overview(sections: &[Section]) -> String {
     out + "</table></div>\n"
 }
 
-const HEADS: [&str; 18] = [
+const HEADS: [&str; 19] = [
     "setting",
     "ms a frame (p5 to p95)",
     "reflection ms",
@@ -96,6 +96,7 @@ const HEADS: [&str; 18] = [
     "FLIP frame",
     "SSIM frame",
     "PSNR frame",
+    "temporal error",
     "screen %",
     "traced %",
     "failed %",
@@ -135,7 +136,7 @@ pub fn points(section: &Section) -> String {
         let label = label(sample);
         let _ = writeln!(
             out,
-            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"17\">failed: {}</td></tr>",
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"18\">failed: {}</td></tr>",
             escape(&label),
             escape(why)
         );
@@ -171,6 +172,7 @@ fn cells(point: &Point) -> Vec<String> {
         number(s.flip),
         ssim(s.ssim),
         psnr.unwrap_or("–".to_owned()),
+        number(point.flicker.map(|f| f.ratio)),
         percent(s.screen_percent),
         percent(s.traced_percent),
         percent(s.failed_percent),
@@ -182,17 +184,22 @@ fn cells(point: &Point) -> Vec<String> {
     ]
 }
 
+/// The trace pass of which traversal alone seemed to take longer than all of it.
+const NOT_APART: &str = "trace: traversal and shading, which cannot be told apart";
+
 /// The passes of a point in the order of the frame, the trace pass in its two parts where they were
 /// timed apart, and before them what the CPU does for moved instances.
 fn parts(point: &Point) -> Vec<(String, f64)> {
     let update = point.sample.update_ms.map(|ms| ("update".to_owned(), ms));
     let mut parts: Vec<(String, f64)> = update.into_iter().collect();
     for (name, ms) in &point.passes_ms {
-        match point.split_trace_ms().filter(|_| name == "trace") {
-            Some([traversal, shading]) => {
+        let split = point.split.filter(|_| name == "trace");
+        match split.and_then(|split| Some((split.traverse_ms, split.rest_ms?))) {
+            Some((traversal, shading)) => {
                 parts.push(("trace: traversal".to_owned(), traversal));
                 parts.push(("trace: shading".to_owned(), shading));
             }
+            None if split.is_some() => parts.push((NOT_APART.to_owned(), *ms)),
             None => parts.push((name.clone(), *ms)),
         }
     }

@@ -23,15 +23,19 @@ pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
 pub fn sentences(group: &Group) -> Vec<String> {
     let (spots, points) = spots(group, Metric::Flip);
     if points.is_empty() {
-        return vec!["No setting could be judged.".to_owned()];
+        let mut sentences = vec!["No setting could be judged.".to_owned()];
+        sentences.extend(left_out(group));
+        return sentences;
     }
     let mut sentences = vec![verdict(&spots, &points)];
     sentences.extend(equal_time(&spots, &points));
     sentences.extend(equal_error(&spots, &points));
-    sentences.extend(break_even(&points));
-    sentences.extend(work(&points));
+    sentences.extend(break_even(&points, group.masked));
+    sentences.extend(work(&points, group.masked));
     sentences.extend(split_trace(&points));
+    sentences.extend(flicker(&points));
     sentences.push(region(group));
+    sentences.extend(left_out(group));
     if points.iter().any(|p| p.ms.p5_p95.is_none()) {
         let n = points.iter().map(|p| p.ms.n).min().unwrap_or(0);
         sentences.push(format!(
@@ -78,25 +82,29 @@ fn verdict(spots: &[Spot], points: &[&Point]) -> String {
     text
 }
 
-/// What the others reach in the time that a method's most accurate setting takes.
+/// What each method reaches in the time that rt's fastest setting takes.
 fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
     let rt = of_method(points, "rt");
     let anchor = cheapest_within(&pick(spots, &rt), f64::INFINITY).map(|i| rt[i])?;
     let ms = spots[anchor].ms;
-    let reached: Vec<String> = ["ssr", "hybrid", "rt"]
-        .into_iter()
-        .filter_map(|method| {
-            let indices = of_method(points, method);
-            if indices.is_empty() {
-                return None;
-            }
-            let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
-            Some(best.map_or_else(
-                || format!("no setting of {method} is done"),
-                |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
-            ))
-        })
-        .collect();
+    let best = |method| {
+        let indices = of_method(points, method);
+        let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
+        (!indices.is_empty()).then_some((method, best))
+    };
+    let measured = ["ssr", "hybrid", "rt"].into_iter().filter_map(best);
+    let measured: Vec<(&str, Option<usize>)> = measured.collect();
+    let is_other = |(method, best): &(&str, Option<usize>)| *method != "rt" && best.is_some();
+    if !measured.iter().any(is_other) {
+        return None; // nothing to compare: the verdict says that rt is fastest
+    }
+    let reached = measured.iter().map(|(method, best)| {
+        best.map_or_else(
+            || format!("every setting of {method} takes longer"),
+            |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
+        )
+    });
+    let reached: Vec<String> = reached.collect();
     Some(format!(
         "Equal time: in the {} ms that rt's fastest setting takes, {} (FLIP).",
         digits(ms),
@@ -170,20 +178,20 @@ pub fn counterpart<'a>(hybrid: &Point, points: &[&'a Point]) -> Option<&'a Point
 }
 
 /// The `hybrid` setting that errs least, with the `rt` setting of the same rays.
-fn best_pair<'a>(points: &[&'a Point]) -> Option<(&'a Point, &'a Point)> {
+fn best_pair<'a>(points: &[&'a Point], masked: bool) -> Option<(&'a Point, &'a Point)> {
     let pairs = points
         .iter()
         .filter_map(|p| Some((*p, counterpart(p, points)?)));
     let least = |a: &(&Point, &Point), b: &(&Point, &Point)| {
-        let error = |p: &Point| p.error(Metric::Flip, false).unwrap_or(f64::INFINITY);
+        let error = |p: &Point| p.error(Metric::Flip, masked).unwrap_or(f64::INFINITY);
         error(a.0).total_cmp(&error(b.0))
     };
     pairs.min_by(least)
 }
 
 /// What `hybrid` does and what it spares `rt`, in numbers that hold on any machine.
-fn work(points: &[&Point]) -> Option<String> {
-    let (hybrid, rt) = best_pair(points)?;
+fn work(points: &[&Point], masked: bool) -> Option<String> {
+    let (hybrid, rt) = best_pair(points, masked)?;
     let [steps, nodes] = [hybrid.sample.march_steps?, hybrid.sample.visited_nodes?];
     let all_nodes = rt.sample.visited_nodes?;
     let spared = all_nodes.saturating_sub(nodes);
@@ -204,9 +212,19 @@ fn work(points: &[&Point]) -> Option<String> {
 
 /// Traversal and shading of rt's trace pass.
 fn split_trace(points: &[&Point]) -> Option<String> {
-    let of = |p: &&&Point| p.sample.method == "rt" && p.split_trace_ms().is_some();
+    let of = |p: &&&Point| p.sample.method == "rt" && p.split.is_some();
     let rt = points.iter().find(of)?;
-    let [traversal, shading] = rt.split_trace_ms()?;
+    let split = rt.split?;
+    let traversal = split.traverse_ms;
+    let Some(shading) = split.rest_ms else {
+        return Some(format!(
+            "Traversal and shading of {} cannot be told apart: its rays without shading took \
+             longer than its whole trace pass in {} of {} frames.",
+            rt.label(),
+            split.reversed,
+            split.n
+        ));
+    };
     Some(format!(
         "Of the trace pass of {}, traversal takes {} ms ({:.0} %) and shading {} ms: traversal is \
          the same rays followed without shading in a frame of its own, shading is the rest.",
@@ -218,8 +236,8 @@ fn split_trace(points: &[&Point]) -> Option<String> {
 }
 
 /// The break-even share at the `hybrid` setting that errs least.
-fn break_even(points: &[&Point]) -> Option<String> {
-    let (hybrid, rt) = best_pair(points)?;
+fn break_even(points: &[&Point], masked: bool) -> Option<String> {
+    let (hybrid, rt) = best_pair(points, masked)?;
     let costs = costs(hybrid, rt);
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;
@@ -242,6 +260,47 @@ fn break_even(points: &[&Point]) -> Option<String> {
             "Break-even: marching first pays while it leaves less than {:.1} % of the rays \
              ({measured}).",
             100.0 * share
+        )
+    })
+}
+
+/// Temporal error of each setting of an animation.
+fn flicker(points: &[&Point]) -> Option<String> {
+    let of = |p: &&Point| Some((p.label(), p.flicker?));
+    let all: Vec<_> = points.iter().filter_map(of).collect();
+    let (_, first) = all.first()?;
+    let [least, most] = first.stride;
+    let apart = if least == most {
+        format!("{least}")
+    } else {
+        format!("{least} to {most}")
+    };
+    let ratio = |ratio: f64| format!("{:.1} %", 100.0 * ratio);
+    let each = all
+        .iter()
+        .map(|(label, f)| format!("{label} {}", ratio(f.ratio)));
+    Some(format!(
+        "Temporal error, in which the change from one measured frame to the next differs from the \
+         reference's, as a share of that change: {} (whole frame, {} pairs of frames {apart} \
+         apart).",
+        each.collect::<Vec<_>>().join("; "),
+        first.pairs
+    ))
+}
+
+/// Frames of an animation that not all settings have.
+fn left_out(group: &Group) -> Option<String> {
+    let frames: Vec<String> = group.left_out.iter().take(8).map(u32::to_string).collect();
+    let more = if group.left_out.len() > frames.len() {
+        ", …"
+    } else {
+        ""
+    };
+    (!frames.is_empty()).then(|| {
+        format!(
+            "{} of the measured frames were left out, since not all settings have them: {}{more}.",
+            group.left_out.len(),
+            frames.join(", ")
         )
     })
 }

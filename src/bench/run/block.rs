@@ -16,7 +16,7 @@ use crate::{
     scene::desc::{Method, ToneMap},
 };
 
-use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch};
+use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch, flicker::Since};
 
 /// Variants of one rendered size: as many renderers as methods serve them all.
 pub(super) struct Block<'a> {
@@ -28,6 +28,7 @@ pub(super) struct Block<'a> {
 /// What a variant's picture is worth.
 pub(super) struct Judged {
     pub(super) errors: Option<Errors>,
+    pub(super) since: Option<Since>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
     pub(super) failure: Option<String>,
 }
@@ -78,6 +79,7 @@ impl Block<'_> {
         outcome: &mut Outcome,
     ) -> Result<(), BenchError> {
         if self.missing(bench, log) == 0 {
+            bench.stock.flicker.forget(self.subject);
             return Ok(());
         }
         watch.step(&self.label("reference"), outcome.measured, total);
@@ -190,6 +192,7 @@ impl Block<'_> {
             .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
             .with(format!("{:?} {:?}", self.size, self.subject.image))
             .with(format!("{variant:?} {reference:?}"))
+            .with(bench.protocol.turn.name())
             .with(bench.protocol.warm_up.to_le_bytes())
             .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
             .with(format!("{:?}", bench.host));
@@ -209,11 +212,13 @@ impl Block<'_> {
         let mut sample = Sample {
             fingerprint: self.fingerprint(bench, variant),
             scene: subject.name.clone(),
+            content: format!("{:016x}", subject.content),
             camera: subject.camera_name.clone(),
             frame: subject.frame,
             width: self.size[0],
             height: self.size[1],
             method: method_name(variant.method).to_owned(),
+            turn: bench.protocol.turn.name().to_owned(),
             knob: variant.knob.map(|knob| knob.name().to_owned()),
             value: variant.value,
             threshold_u: settings.threshold_u,
@@ -270,6 +275,11 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
             sample.mask_rel_mse = Some(mask.rel_mse);
             sample.mask_max_difference = Some(mask.max_difference);
         }
+    }
+    if let Some(since) = judged.since {
+        sample.since_frame = Some(since.frame);
+        sample.temporal_difference = Some(since.change.difference);
+        sample.temporal_change = Some(since.change.reference);
     }
     if let Some(verdicts) = &judged.verdicts {
         let sum =

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
 
-use super::{Dot, SIZE, color, escape};
+use super::{Dot, Failure, SIZE, color, escape};
 use crate::bench::summary::{Group, Metric, digits};
 
 /// One end of a bar of percentiles.
@@ -71,6 +71,19 @@ pub fn mark(
     );
 }
 
+/// A setting that could not be judged: a cross on the upper edge, where nothing errs more.
+pub fn cross(out: &mut String, failure: &Failure, x: i32) {
+    let RGBColor(r, g, b) = color(&failure.method);
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<path d=\"M{} 14l10 10m0 -10l-10 10\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"2.5\" \
+         fill=\"none\"><title>{}</title></path>",
+        x - 5,
+        escape(&failure.text)
+    );
+}
+
 /// Where labels may stand beside the dots of a chart.
 pub struct Labels {
     /// Left, top, right and bottom of everything that no label may cover.
@@ -120,7 +133,7 @@ impl Labels {
 }
 
 /// Methods with their knob, and what the marks mean, in the upper right corner.
-pub fn legend(out: &mut String, dots: &[Dot]) {
+pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
     for method in ["ssr", "hybrid", "rt"] {
         let of = dots.iter().filter(|d| d.point.sample.method == method);
@@ -160,8 +173,9 @@ pub fn legend(out: &mut String, dots: &[Dot]) {
     let _ = writeln!(
         out,
         "<text x=\"{}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"11\" \
-         fill=\"#444\">filled: on it; hollow: beaten</text>",
-        left + 8
+         fill=\"#444\">filled: on it; hollow: beaten{}</text>",
+        left + 8,
+        if has_failures { "; ×: failed" } else { "" }
     );
 }
 

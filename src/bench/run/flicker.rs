@@ -1,0 +1,62 @@
+//! Pictures of the measured frame before, by which the temporal error of an animation is judged.
+
+use std::{cell::RefCell, collections::HashMap};
+
+use crate::bench::{
+    metric::temporal::{Change, Temporal},
+    picture::{Pair, PictureError},
+    score::View,
+};
+
+use super::{Subject, Variant};
+
+/// The picture and the reference's of the last measured frame, of each animation, size and setting.
+#[derive(Debug, Default)]
+pub struct Flicker(RefCell<HashMap<Key, (u32, Temporal)>>);
+
+/// Animation, size and setting.
+type Key = (u64, [u32; 2], String);
+
+/// A change, and the frame since which.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Since {
+    /// The measured frame before.
+    pub frame: u32,
+    /// The change since then.
+    pub change: Change,
+}
+
+impl Flicker {
+    /// Adds a frame; none for the first of an animation, and for a still scene.
+    ///
+    /// # Errors
+    /// When the sizes differ.
+    pub(super) fn push(
+        &self,
+        subject: &Subject,
+        variant: &Variant,
+        view: &View,
+        reference: &View,
+    ) -> Result<Option<Since>, PictureError> {
+        let Some(motion) = subject.motion else {
+            return Ok(None);
+        };
+        let pair = Pair::new(&view.display, &reference.display)?;
+        let size = [pair.test().width(), pair.test().height()].map(|side| side as u32);
+        let mut known = self.0.borrow_mut();
+        let entry = known.entry((motion, size, format!("{variant:?}")));
+        let (frame, temporal) = entry.or_insert_with(|| (subject.frame, Temporal::new()));
+        let before = std::mem::replace(frame, subject.frame);
+        let change = temporal.push(&pair)?;
+        Ok(change.map(|change| Since {
+            frame: before,
+            change,
+        }))
+    }
+
+    /// Forgets an animation: a frame is passed over, and what follows it has no frame before.
+    pub(super) fn forget(&self, subject: &Subject) {
+        let mut known = self.0.borrow_mut();
+        known.retain(|(motion, ..), _| Some(*motion) != subject.motion);
+    }
+}

@@ -1,0 +1,112 @@
+//! What cells of a table of samples can hold: a table that was edited or damaged must not become a
+//! chart.
+
+use std::collections::HashMap;
+
+use super::Sample;
+use crate::bench::{
+    csv::CsvError,
+    knob::{Knob, method_name},
+    metric::mask::MIN_AREA_PX,
+};
+use crate::scene::desc::Method;
+
+/// Shares and SSIM may be rounded past their ends.
+const ROUNDING: f64 = 1e-6;
+
+/// Checks the text of a cell; an empty one was left out.
+///
+/// # Errors
+/// What was expected.
+pub fn cell(column: &str, text: &str) -> Result<(), String> {
+    if text.is_empty() {
+        return Ok(());
+    }
+    match column {
+        "method" => named(
+            text,
+            &[Method::Ssr, Method::Hybrid, Method::Rt].map(method_name),
+        ),
+        "knob" => named(text, &Knob::ALL.map(Knob::name)),
+        _ => match (range(column), text.parse::<f64>()) {
+            (Some((low, high, words)), Ok(value)) if !(low..=high).contains(&value) => {
+                Err(words.to_owned())
+            }
+            _ => Ok(()),
+        },
+    }
+}
+
+fn named(text: &str, names: &[&str]) -> Result<(), String> {
+    if names.contains(&text) {
+        Ok(())
+    } else {
+        Err(names.join(", "))
+    }
+}
+
+/// The least and most that a column can hold, and how that is said. NaN is in no range.
+fn range(column: &str) -> Option<(f64, f64, &'static str)> {
+    const MOST: (f64, f64, &str) = (0.0, f64::MAX, "a finite number, 0 or more");
+    let in_mask = column.strip_prefix("mask_").unwrap_or(column);
+    Some(match in_mask {
+        "width" | "height" => (1.0, f64::MAX, "1 or more"),
+        "ssim" => (-1.0 - ROUNDING, 1.0 + ROUNDING, "-1 to 1"),
+        "flip" | "flip_p95" | "flip_p99" => (0.0, 1.0 + ROUNDING, "0 to 1"),
+        "psnr_db" => (0.0, f64::INFINITY, "0 or more, or inf"),
+        "max_difference" => (0.0, 255.0, "0 to 255"),
+        "scale" => (f64::MIN_POSITIVE, 1.0, "above 0, up to 1"),
+        "exposure_ev" | "value" => (f64::MIN, f64::MAX, "a finite number"),
+        "rel_mse" | "temporal_difference" | "temporal_change" => MOST,
+        _ if column.ends_with("_percent") => (0.0, 100.0 + ROUNDING, "0 to 100"),
+        _ if ["_ms", "_px", "_u", "_m"]
+            .iter()
+            .any(|unit| column.ends_with(unit)) =>
+        {
+            MOST
+        }
+        _ if super::detail_columns().iter().any(|name| name == column) => MOST,
+        "roughness_cutoff" => MOST,
+        _ => return None,
+    })
+}
+
+/// Checks what cells say together.
+///
+/// # Errors
+/// A sentence with the column.
+pub fn whole(s: &Sample) -> Result<(), String> {
+    let scores = [
+        ("mask_ssim", s.mask_ssim),
+        ("mask_flip", s.mask_flip),
+        ("mask_psnr_db", s.mask_psnr_db),
+        ("mask_rel_mse", s.mask_rel_mse),
+    ];
+    let scored = scores.into_iter().find(|(_, score)| score.is_some());
+    match scored {
+        Some((column, _)) if s.mask_px < MIN_AREA_PX as u64 => Err(format!(
+            "column {column} holds a score, but column mask_px is {}: under {MIN_AREA_PX} px are \
+             not scored",
+            s.mask_px
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that no frame is there twice; the first sample stands on line 2.
+///
+/// # Errors
+/// The line of the second.
+pub fn repeated(samples: &[Sample]) -> Result<(), CsvError> {
+    let mut known = HashMap::new();
+    for (line, s) in samples.iter().enumerate().map(|(index, s)| (index + 2, s)) {
+        if let Some(first) = known.insert((&s.fingerprint, s.repetition), line) {
+            let message = format!(
+                "columns fingerprint and repetition name the same frame as line {first}: {}, {}",
+                s.fingerprint, s.repetition
+            );
+            return Err(CsvError { line, message });
+        }
+    }
+    Ok(())
+}
