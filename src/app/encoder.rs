@@ -89,6 +89,11 @@ impl<'a> Encoders<'a> {
         sender
     }
 
+    /// Tells that a frame has no picture.
+    pub fn failed(&self, frame: u32, why: &str) {
+        lock(&self.progress).failed(frame, why);
+    }
+
     /// How many frames were written, and which were not.
     pub fn finish(self) -> (usize, Failures) {
         let progress = self.progress.into_inner();
@@ -112,7 +117,9 @@ impl<'a> Encoders<'a> {
                 true
             }
             Err(error) => {
-                lock(&self.failures).push((frame, error.to_string()));
+                let why = error.to_string();
+                self.failed(frame, &why);
+                lock(&self.failures).push((frame, why));
                 // A film with a hole is none.
                 !matches!(self.target, Target::Film(_))
             }

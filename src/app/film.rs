@@ -172,7 +172,10 @@ fn apng(temporary: &Temporary, size: [u32; 2], fps: f32, frames: usize) -> Resul
 
 /// Seconds of a frame as a fraction of 16-bit numbers.
 fn delay(fps: f32) -> (u16, u16) {
-    if fps.fract() == 0.0 || fps > 65.0 {
+    if fps < 0.5 {
+        // Whole seconds; 65535 is the longest that the format has.
+        ((1.0 / fps).round() as u16, 1)
+    } else if fps.fract() == 0.0 || fps > 65.0 {
         (1, fps.round() as u16)
     } else {
         (1000, (fps * 1000.0).round() as u16)
@@ -234,4 +237,23 @@ fn ffmpeg(
         child,
         pixels: Some(pixels),
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::delay;
+
+    #[test]
+    fn delays_are_never_without_a_denominator() {
+        for (fps, fraction) in [
+            (24.0, (1, 24)),
+            (23.976, (1000, 23976)),
+            (0.5, (1000, 500)),
+            (0.1, (10, 1)),
+            (0.0004, (2500, 1)),
+            (1e-9, (65535, 1)),
+        ] {
+            assert_eq!(delay(fps), fraction, "{fps}");
+        }
+    }
 }

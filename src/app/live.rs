@@ -33,7 +33,7 @@ mod pose;
 mod reload;
 
 pub use pose::Edit;
-use reload::{options_of, read_library};
+use reload::{Waiting, options_of, read_library};
 
 /// Where a live scene comes from.
 #[derive(Clone, Debug)]
@@ -62,7 +62,7 @@ pub struct Wishes {
 pub struct Problems {
     /// In the scene's text, script or files as they are on disk.
     pub scene: Vec<Diagnostic>,
-    /// In the frame that is wanted, of the scene that is shown.
+    /// In the frame that is wanted; other frames may be without.
     pub pose: Vec<Diagnostic>,
     /// In a shader.
     pub shader: Option<ShaderError>,
@@ -124,6 +124,8 @@ pub struct Live {
     frame: u32,
     posed: u32,
     log: Vec<String>,
+    /// What was saved, while the wanted frame of it cannot be posed.
+    waiting: Option<Waiting>,
     /// Warnings about what is shown.
     pub warnings: Vec<Diagnostic>,
     /// What keeps the newest content from being shown.
@@ -139,11 +141,14 @@ impl Live {
         let read_since = SystemTime::now();
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
         let (trail, scripts) = (Trail::default(), Trail::default());
-        let mut tuned = Tuned::default();
-        let read = reload::read(&origin, &mut tuned, &scripts, 0).map_err(AppError::Scene)?;
+        let read = reload::read(&origin, &Tuned::default(), &scripts, 0);
+        let read = read.map_err(AppError::Scene)?;
+        let state = read.pose().map_err(AppError::Scene)?;
         let options = super::scene::load_options(&origin.from, &trail);
         let (mut world, kept) = load::load_kept(&read.desc, &options).map_err(AppError::Scene)?;
-        read.pose(&mut world).map_err(AppError::Scene)?;
+        if let Some(state) = &state {
+            world.apply(state).map_err(AppError::Scene)?;
+        }
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
         let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, wishes));
@@ -156,7 +161,7 @@ impl Live {
             gpu,
             origin,
             library,
-            log: read.state.as_ref().map_or_else(Vec::new, |s| s.log.clone()),
+            log: state.map_or_else(Vec::new, |state| state.log),
             desc: read.desc,
             world,
             kept,
@@ -166,10 +171,11 @@ impl Live {
             scripts,
             read_since,
             declared: read.declared,
-            tuned,
+            tuned: read.tuned,
             edits: Vec::new(),
             frame: read.frame,
             posed: read.frame,
+            waiting: None,
             warnings,
             problems: Problems::default(),
         })

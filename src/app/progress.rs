@@ -76,9 +76,7 @@ impl Progress {
                     "frame": frame, "done": done, "total": self.total, "file": file.to_string(),
                     "kept": verb == "kept", "seconds": seconds,
                 });
-                let mut out = stdout().lock();
-                // A reader that has left is no reason to stop rendering.
-                let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+                print_line(&line);
                 return;
             }
         }
@@ -95,6 +93,13 @@ impl Progress {
         let _ = stderr().flush(); // only the bar is late then
     }
 
+    /// Tells a reader of JSON that a frame has no picture; people read it at the end.
+    pub fn failed(&self, frame: u32, why: &str) {
+        if matches!(self.form, ProgressForm::Json) {
+            print_line(&json!({ "frame": frame, "failed": why }));
+        }
+    }
+
     /// The time that is left, from the frames rendered so far.
     fn left(&self) -> String {
         if self.rendered == 0 {
@@ -109,4 +114,10 @@ impl Progress {
             (h, m, _) => format!(", {h} h {m} min left"),
         }
     }
+}
+
+fn print_line(line: &serde_json::Value) {
+    let mut out = stdout().lock();
+    // A reader that has left is no reason to stop rendering.
+    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
 }

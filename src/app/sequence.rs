@@ -1,7 +1,7 @@
 //! Many frames of one scene: loaded once, posed and submitted in turn; reading back, encoding and
 //! writing run beside the next ones.
 
-use std::{sync::Mutex, thread, time::Instant};
+use std::{path::Path, sync::Mutex, thread, time::Instant};
 
 use super::{
     cli::RenderArgs,
@@ -16,7 +16,7 @@ use super::{
     stop,
 };
 use crate::{
-    files::sweep,
+    files::{folder_of, sweep},
     gpu::GpuError,
     render::{PendingPicture, RenderError},
     scene::{desc::TimelineDesc, motion::Motion},
@@ -72,19 +72,39 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
     Ok(frames)
 }
 
-/// Checks where the frames would go, before anything is rendered.
+/// Checks where the frames would go, before anything is rendered. A folder for frames of their own
+/// is created where only it is missing.
 ///
 /// # Errors
-/// [`AppError::Usage`] for a path that cannot be written.
+/// [`AppError::Usage`] for a path that cannot be written, and for frames of which there are none.
 pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppError> {
     if is_film(&args.output) {
         return check_writable(&args.output);
     }
     let Some(first) = frames.0.first() else {
-        return Ok(());
+        return Err(AppError::Usage(
+            "--shard: there are no frames in this part; choose fewer parts".to_owned(),
+        ));
     };
     let template = Template::new(&args.output)?;
+    if template.is_some() {
+        create_last_folder(&args.output)?;
+    }
     Output::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*first))).map(drop)
+}
+
+/// Creates the folder of a file where its own folder is there already.
+fn create_last_folder(path: &Path) -> Result<(), AppError> {
+    let folder = folder_of(path);
+    if folder.exists() || !folder_of(folder).is_dir() {
+        return Ok(());
+    }
+    std::fs::create_dir(folder).map_err(|error| {
+        let (shown, folder) = (path.display(), folder.display());
+        AppError::Usage(format!("--output {shown}: cannot create {folder}: {error}"))
+    })?;
+    eprintln!("created the folder {}", folder.display());
+    Ok(())
 }
 
 /// Renders the frames.
@@ -144,6 +164,7 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
                     }
                 }
                 Err((why, fatal)) => {
+                    encoders.failed(frame, &why);
                     failures.push((frame, why));
                     if fatal || matches!(target, Target::Film(_)) {
                         break;

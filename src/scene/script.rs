@@ -7,6 +7,7 @@ pub mod api;
 mod context;
 mod engine;
 mod error;
+mod locate;
 mod sources;
 
 use std::{
@@ -21,6 +22,8 @@ use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 use self::{
     context::{Call, Context},
     engine::run_limited,
+    error::Known,
+    locate::Ended,
     sources::Sources,
 };
 use super::{
@@ -104,16 +107,40 @@ impl Script {
             sources,
             setup_log: OnceLock::new(),
         }));
+        script.check_functions()?;
         script.check()?;
         Ok(script)
+    }
+
+    /// Refuses what would never be called: `fn frame()`, `fn Frame(ctx)`.
+    fn check_functions(&self) -> Result<(), Box<Diagnostic>> {
+        let this = &*self.0;
+        for (wanted, is_there) in [("setup", this.has_setup), ("frame", this.has_frame)] {
+            let alike = |name: &str| !is_there && name.eq_ignore_ascii_case(wanted);
+            let Some(found) = this.ast.iter_functions().find(|f| alike(f.name)) else {
+                continue;
+            };
+            let at = this.sources.start_of_function(&this.name, found.name);
+            let error = if found.name == wanted {
+                let message = format!("`{wanted}` has one parameter, `ctx`");
+                let help = format!("write `fn {wanted}(ctx)`");
+                Diagnostic::at("script-function", at, message).help(help)
+            } else {
+                let message = format!("`{}` is never called", found.name);
+                let help = format!("did you mean `{wanted}`?");
+                Diagnostic::at("script-function", at, message).help(help)
+            };
+            return Err(Box::new(error));
+        }
+        Ok(())
     }
 
     /// Runs what stands outside functions once: wrong imports show before the first frame.
     fn check(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
-        let (result, _) =
-            run_limited(|| this.engine.run_ast_with_scope(&mut Scope::new(), &this.ast));
-        result.map_err(|wrong| self.explain(&wrong, None))?;
+        let run = |engine: &Engine| engine.run_ast_with_scope(&mut Scope::new(), &this.ast);
+        let (result, _) = run_limited(|| run(&this.engine));
+        result.map_err(|wrong| self.explain(&self.ended(wrong, run), &[], None))?;
         this.sources.seal();
         if !this.has_frame && !this.has_setup {
             let message = "the script has neither `fn setup(ctx)` nor `fn frame(ctx)`";
@@ -164,10 +191,10 @@ impl Script {
             return Ok(String::new());
         }
         let call = Call::new(params, timeline, timeline.map_or(0, |t| t.start));
-        let context = Context::for_setup(call);
-        let (result, log) = self.call("setup", context);
+        let contexts = [call.clone(), call].map(Context::for_setup);
+        let (result, log) = self.call("setup", contexts);
         self.0.setup_log.get_or_init(|| log);
-        let returned = result.map_err(|wrong| self.explain(&wrong, Some("in setup")))?;
+        let returned = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
         let text = additions::text(&returned).map_err(|message| {
             let start = self.0.sources.start_of_function(&self.0.name, "setup");
             Box::new(Diagnostic::at("script-result", start, message))
@@ -191,39 +218,58 @@ impl Script {
         }
         let frame = state.frame;
         let call = Call::new(&desc.params, desc.timeline.as_ref(), frame);
-        let context = Context::for_frame(call, state, Arc::clone(names));
-        let (result, log) = self.call("frame", context.clone());
-        let _ = result
-            .map_err(|wrong| vec![*self.explain(&wrong, Some(&format!("in frame {frame}")))])?;
-        let (mut state, touched) = context.into_result();
+        let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
+        let (posed, afresh) = (context(state.clone()), context(state));
+        let (result, log) = self.call("frame", [posed.clone(), afresh]);
+        let when = format!("in frame {frame}");
+        let explain = |wrong| vec![*self.explain(&wrong, &desc.params, Some(&when))];
+        let _ = result.map_err(explain)?;
+        let (mut state, touched) = posed.into_result();
         state.log.extend(log);
         Ok((state, touched))
     }
 
+    /// Calls a function. The second context is as the first, for finding the place of an error.
     fn call(
         &self,
         function: &str,
-        context: Context,
-    ) -> (Result<Dynamic, Box<EvalAltResult>>, Vec<String>) {
+        [context, afresh]: [Context; 2],
+    ) -> (Result<Dynamic, Ended>, Vec<String>) {
         let this = &*self.0;
-        run_limited(move || {
+        let run = |engine: &Engine, context: Context| {
             // A new scope each time, and constants and imports evaluated anew.
             let options = CallFnOptions::new().eval_ast(true).rewind_scope(true);
             let mut scope = Scope::new();
-            this.engine
-                .call_fn_with_options(options, &mut scope, &this.ast, function, (context,))
-        })
+            engine.call_fn_with_options(options, &mut scope, &this.ast, function, (context,))
+        };
+        let (result, log) = run_limited(|| run(&this.engine, context));
+        let again = |engine: &Engine| run(engine, afresh);
+        (result.map_err(|wrong| self.ended(wrong, again)), log)
     }
 
-    fn explain(&self, wrong: &EvalAltResult, when: Option<&str>) -> Box<Diagnostic> {
-        let functions: Vec<_> = self.0.ast.iter_functions().map(|f| f.name).collect();
-        Box::new(error::runtime(
-            wrong,
-            &self.0.sources,
-            &self.0.name,
-            &functions,
-            when,
-        ))
+    /// With the place, for which `again` does the same once more where need be.
+    fn ended<T>(
+        &self,
+        wrong: Box<EvalAltResult>,
+        again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
+    ) -> Ended {
+        let find = || run_limited(|| locate::again(&self.0.sources, again)).0;
+        let met = locate::is_limit(&wrong).then(find).flatten();
+        Ended { wrong, met }
+    }
+
+    fn explain(
+        &self,
+        ended: &Ended,
+        params: &[Entry<ParamValue>],
+        when: Option<&str>,
+    ) -> Box<Diagnostic> {
+        let known = Known {
+            functions: self.0.ast.iter_functions().map(|f| f.name).collect(),
+            params: params.iter().map(|p| p.name.as_str()).collect(),
+        };
+        let (sources, name) = (&self.0.sources, &self.0.name);
+        Box::new(error::runtime(ended, sources, name, &known, when))
     }
 }
 

@@ -29,6 +29,9 @@ pub struct Moving {
     pub cameras: Vec<Moved<CameraDesc>>,
     /// Materials whose numbers may change.
     pub materials: Vec<MovingMaterial>,
+    /// What places each of `SceneDesc::instances`: its `[motion.instance.NAME]`, else its own
+    /// table.
+    pub placed_at: Vec<Span>,
 }
 
 /// What something that may move hangs on.
@@ -201,7 +204,12 @@ impl World {
                 let (name, frame) = (&self.instances[moving.instance].name, state.frame);
                 let message =
                     format!("in frame {frame}, the transform of instance \"{name}\" {wrong}");
-                errors.push(Diagnostic::at("bad-pose", Span::default(), message));
+                let at = moving
+                    .anchor
+                    .desc
+                    .and_then(|i| self.moving.placed_at.get(i));
+                let at = at.cloned().unwrap_or_default();
+                errors.push(Diagnostic::at("bad-pose", at, message));
             }
         }
         if errors.is_empty() {

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod places;
 #[cfg(unix)]
 mod stopped;
 

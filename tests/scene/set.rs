@@ -99,3 +99,34 @@ fn mutated_settings_never_panic() {
         }
     }
 }
+
+#[test]
+fn parameters_keep_their_kind() {
+    let text =
+        format!("{SCENE}[params]\ncount = 3\nspeed = 1.5\non = true\nword = 'a'\nat = [1, 2]\n");
+    for set in [
+        "count=4",
+        "speed=2",
+        "on=false",
+        "word=three",
+        "at=[3.5, 4]",
+    ] {
+        read_with(&text, &[&format!("params.{set}")]);
+    }
+    for (set, says) in [
+        (
+            "count=abc",
+            "`count` is a whole number, not a text\n --> --set:1:14",
+        ),
+        ("count=1.5", "not a number"),
+        ("speed=true", "`speed` is a number, not true or false"),
+        ("on=1", "`on` is true or false, not a whole number"),
+        ("word=1", "`word` is a text, not a whole number"),
+        ("at=[1, 2, 3]", "`at` is a list of 2, not a list of 3"),
+    ] {
+        let set = format!("params.{set}");
+        let read = parse(&text, Path::new("scene.toml"), &[set.clone()]);
+        let errors = read.expect_err(&set);
+        assert!(errors[0].to_string().contains(says), "{set}: {}", errors[0]);
+    }
+}

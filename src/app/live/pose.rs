@@ -32,11 +32,18 @@ impl Edit {
 impl Live {
     /// Shows another frame, moved into the timeline: poses, the top level over them and the numbers
     /// of materials are uploaded, nothing else is done again. Whether that frame is shown now; if
-    /// not, [`super::Problems::pose`] says why and the last good one stays.
+    /// not, [`super::Problems::pose`] says why and the last good one stays. A saved scene whose
+    /// wanted frame could not be posed is taken over with the first frame that can; afterwards
+    /// [`Live::watch_list`] may be another.
     pub fn pose(&mut self, frame: u32) -> bool {
+        if let Some(is_shown) = self.show_waiting(frame) {
+            return is_shown;
+        }
         let timeline = self.desc.timeline.as_ref();
         let frame = timeline.map_or(0, |t| frame.clamp(t.start, t.end));
-        if frame != self.frame {
+        // A scene that waited and was never taken over has moved the wanted frame on.
+        let was_left = self.posed != self.frame && self.problems.pose.is_empty();
+        if frame != self.frame || was_left {
             self.frame = frame;
             self.problems.pose = self.try_pose(frame).err().unwrap_or_default();
         }

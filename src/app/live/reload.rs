@@ -21,29 +21,54 @@ use crate::{
     world::{World, load},
 };
 
-/// A scene as it is on disk, and its wanted frame; nothing is loaded yet.
+/// A scene as it is on disk, and which frame is wanted; nothing is posed or loaded yet.
+#[derive(Debug)]
 pub(super) struct Read {
     pub(super) desc: SceneDesc,
     pub(super) warnings: Vec<Diagnostic>,
     pub(super) declared: Declared,
+    /// What of the values laid over the parameters still fits them.
+    pub(super) tuned: Tuned,
     /// The wanted frame, moved into the timeline.
     pub(super) frame: u32,
-    /// `None` where frames do not differ.
-    pub(super) state: Option<FrameState>,
 }
 
 impl Read {
-    /// Poses what was loaded from it.
-    pub(super) fn pose(&self, world: &mut World) -> Result<(), Vec<Diagnostic>> {
-        self.state.as_ref().map_or(Ok(()), |s| world.apply(s))
+    /// The wanted frame, where frames differ.
+    pub(super) fn pose(&self) -> Result<Option<FrameState>, Vec<Diagnostic>> {
+        pose_of(&self.desc, self.frame)
     }
 }
 
-/// Reads the scene and runs its script for the wanted frame. What no longer fits is taken out of
-/// `tuned`; scripts that are looked for are added to `scripts`.
+/// A scene that was read well, but whose wanted frame cannot be posed: it is taken over with the
+/// first frame that can.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    read: Read,
+    from_files: bool,
+    /// Whether edits of materials outlive it.
+    keeps_edits: bool,
+}
+
+/// Why a scene is not taken over.
+enum Refused {
+    /// It is wrong in itself; or the renderer refuses it, and no diagnostic says so.
+    Scene(Vec<Diagnostic>),
+    /// Its wanted frame cannot be posed.
+    Pose(Box<Read>, Vec<Diagnostic>),
+}
+
+impl From<Vec<Diagnostic>> for Refused {
+    fn from(errors: Vec<Diagnostic>) -> Self {
+        Self::Scene(errors)
+    }
+}
+
+/// Reads the scene and runs its script's `setup`; scripts that are looked for are added to
+/// `scripts`.
 pub(super) fn read(
     origin: &Origin,
-    tuned: &mut Tuned,
+    tuned: &Tuned,
     scripts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
@@ -51,19 +76,19 @@ pub(super) fn read(
     let declared = parse::params(&text, &origin.from.set);
     let declared: Option<Declared> =
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
+    let mut tuned = tuned.clone();
     if let Some(declared) = &declared {
         tuned.keep_what_fits(declared);
     }
     let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
     let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, scripts)?;
     let frame = (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end));
-    let state = pose_of(&desc, frame)?;
     Ok(Read {
         desc,
         warnings,
         declared: declared.unwrap_or_default(),
+        tuned,
         frame,
-        state,
     })
 }
 
@@ -86,9 +111,7 @@ impl Live {
             let of_scene = [Change::Scene, Change::Script, Change::Asset];
             if of_scene.iter().any(|change| changes.contains(change)) {
                 let from_files = changes.contains(&Change::Asset);
-                if live.reload_scene(from_files, reload) {
-                    live.edits.clear();
-                }
+                live.reload_scene(from_files, false, reload);
             }
         })
     }
@@ -96,22 +119,7 @@ impl Live {
     /// Lays other values over the script's parameters.
     pub fn tune(&mut self, tuned: Tuned) -> Reload {
         self.tuned = tuned;
-        self.measured(|live, reload| {
-            let edited: Vec<_> = (live.edits.iter())
-                .map(|edit| (live.world.materials[edit.material].name.clone(), *edit))
-                .collect();
-            if live.reload_scene(false, reload) {
-                live.edits.clear();
-                // Another number of things may give the materials other places.
-                for (name, edit) in edited {
-                    let found = live.world.materials.iter().position(|m| m.name == name);
-                    let again = found.map(|material| live.edit(Edit { material, ..edit }));
-                    if let Some(Err(error)) = again {
-                        live.problems.refused = Some(error.to_string());
-                    }
-                }
-            }
-        })
+        self.measured(|live, reload| live.reload_scene(false, true, reload))
     }
 
     /// What `work` did and how long it took.
@@ -155,21 +163,107 @@ impl Live {
         }
     }
 
-    /// Whether the scene on disk is shown now; else its problems are kept.
-    fn reload_scene(&mut self, from_files: bool, reload: &mut Reload) -> bool {
-        let done = self.try_scene(from_files, reload);
-        let is_shown = done.is_ok();
-        reload.ok &= is_shown;
-        self.problems.scene = done.err().unwrap_or_default();
-        is_shown
+    /// Shows the scene on disk; else its problems are kept.
+    fn reload_scene(&mut self, from_files: bool, keeps_edits: bool, reload: &mut Reload) {
+        let started = Instant::now();
+        if self.waiting.take().is_some() {
+            self.problems.pose.clear();
+        }
+        self.scripts = Trail::default();
+        let read = read(&self.origin, &self.tuned, &self.scripts, self.frame);
+        reload.parse += started.elapsed();
+        match read {
+            Ok(read) => {
+                let waiting = Waiting {
+                    read,
+                    from_files,
+                    keeps_edits,
+                };
+                self.show(waiting, reload);
+            }
+            Err(errors) => {
+                self.problems.scene = errors;
+                reload.ok = false;
+            }
+        }
     }
 
-    fn try_scene(&mut self, from_files: bool, reload: &mut Reload) -> Result<(), Vec<Diagnostic>> {
+    /// Another frame for the scene that waits for one; `None` where none waits.
+    pub(super) fn show_waiting(&mut self, frame: u32) -> Option<bool> {
+        let mut waiting = self.waiting.take()?;
+        let timeline = waiting.read.desc.timeline.as_ref();
+        let frame = timeline.map_or(0, |t| frame.clamp(t.start, t.end));
+        if frame == waiting.read.frame {
+            self.waiting = Some(waiting);
+            return Some(false);
+        }
+        (self.frame, waiting.read.frame) = (frame, frame);
+        let mut reload = Reload {
+            ok: true,
+            ..Reload::default()
+        };
+        self.show(waiting, &mut reload);
+        Some(reload.ok)
+    }
+
+    /// Takes over a scene; else its problems are kept, and it waits for a frame that can be posed.
+    fn show(&mut self, waiting: Waiting, reload: &mut Reload) {
+        let Waiting {
+            read,
+            from_files,
+            keeps_edits,
+        } = waiting;
+        let edited: Vec<_> = (self.edits.iter())
+            .map(|edit| (self.world.materials[edit.material].name.clone(), *edit))
+            .collect();
+        let shown = self.try_show(read, from_files, reload);
+        reload.ok &= shown.is_ok();
+        self.problems.scene.clear();
+        self.problems.pose.clear();
+        match shown {
+            Ok(()) => {
+                self.edits.clear();
+                if keeps_edits {
+                    self.edit_again(edited);
+                }
+            }
+            Err(Refused::Scene(errors)) => self.problems.scene = errors,
+            Err(Refused::Pose(read, errors)) => {
+                self.problems.pose = errors;
+                self.waiting = Some(Waiting {
+                    read: *read,
+                    from_files,
+                    keeps_edits,
+                });
+            }
+        }
+    }
+
+    /// Another number of things may give the materials other places.
+    fn edit_again(&mut self, edited: Vec<(String, Edit)>) {
+        for (name, edit) in edited {
+            let found = self.world.materials.iter().position(|m| m.name == name);
+            let again = found.map(|material| self.edit(Edit { material, ..edit }));
+            if let Some(Err(error)) = again {
+                self.problems.refused = Some(error.to_string());
+            }
+        }
+    }
+
+    fn try_show(
+        &mut self,
+        read: Read,
+        from_files: bool,
+        reload: &mut Reload,
+    ) -> Result<(), Refused> {
         let started = Instant::now();
-        self.scripts = Trail::default();
-        let read = read(&self.origin, &mut self.tuned, &self.scripts, self.frame);
+        let posed = read.pose();
         reload.parse += started.elapsed();
-        let read = read?;
+        let state = match posed {
+            Ok(state) => state,
+            Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
+        };
+        let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
         let mut options = load_options(&self.origin.from, &self.trail);
         let relaid = if from_files {
             None
@@ -178,7 +272,9 @@ impl Live {
         };
         let wanted = options_of(&read.desc, self.wishes);
         if let Some(mut world) = relaid {
-            read.pose(&mut world)?;
+            if let Err(errors) = apply(&mut world) {
+                return Err(Refused::Pose(Box::new(read), errors));
+            }
             let done = self.take_over(world, &wanted);
             reload.redone = (reload.redone).and(done.map_err(|error| self.keep_problem(error))?);
         } else {
@@ -187,7 +283,9 @@ impl Live {
             self.trail = Trail::default();
             options.trail = self.trail.clone();
             let (mut world, kept) = load::load_kept(&read.desc, &options)?;
-            read.pose(&mut world)?;
+            if let Err(errors) = apply(&mut world) {
+                return Err(Refused::Pose(Box::new(read), errors));
+            }
             let built = (self.renderer).anew(&self.gpu, &self.library, &world, &wanted);
             self.renderer = built.map_err(|error| self.keep_problem(error))?;
             (self.world, self.kept) = (world, kept);
@@ -199,17 +297,16 @@ impl Live {
                 passes: true,
             };
         }
-        self.settle(read);
+        self.settle(read, state);
         Ok(())
     }
 
     /// The last step of taking over a scene.
-    fn settle(&mut self, read: Read) {
+    fn settle(&mut self, read: Read, state: Option<FrameState>) {
         self.desc = read.desc;
-        self.declared = read.declared;
+        (self.declared, self.tuned) = (read.declared, read.tuned);
         (self.frame, self.posed) = (read.frame, read.frame);
-        self.log = read.state.map_or_else(Vec::new, |state| state.log);
-        self.problems.pose.clear();
+        self.log = state.map_or_else(Vec::new, |state| state.log);
         self.problems.refused = None;
         self.warnings = read.warnings;
         self.warnings.extend(self.world.warnings.iter().cloned());

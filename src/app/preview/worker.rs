@@ -145,7 +145,7 @@ impl State {
                 }
             }
             if redraw {
-                self.pose();
+                self.pose(watcher);
                 self.draw();
             }
             self.tell_reloads(reloads);
@@ -166,11 +166,15 @@ impl State {
     }
 
     /// Goes to the view's frame; what is wrong there is told, and told again when it is over.
-    fn pose(&mut self) {
+    fn pose(&mut self, watcher: Option<&Watcher>) {
         if let Some(view) = &self.view {
             let before = self.live.problems.pose.clone();
             self.live.pose(view.frame);
             if self.live.problems.pose != before {
+                // A saved scene may only now have been taken over.
+                if let Some(watcher) = watcher {
+                    self.watch(watcher);
+                }
                 self.tell_facts();
             }
         }

@@ -148,6 +148,14 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
             false => suggest::hint(&last.name, &names, suggest::text, "the names are"),
         };
         report.error("dangling-name", &last.at, message).help = Some(help);
+    } else if let (DeValue::Table(table), [params]) = (node.get_mut(), above)
+        && params.name == "params"
+        && let Some(declared) = table.get(last.name.as_str())
+        && !fits(declared.get_ref(), value.get_ref())
+    {
+        let [own, other] = [declared, &value].map(|node| kind(node.get_ref()));
+        let message = format!("{} is {own}, not {other}", suggest::key(&last.name));
+        report.error("wrong-type", &value.span(), message);
     } else if let DeValue::Table(table) = node.get_mut() {
         // Removed first, so that the key's position is the option's.
         table.remove(last.name.as_str());
@@ -157,6 +165,28 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
         );
     } else if let Some(element) = step(node, last, New::Table, report) {
         *element = value;
+    }
+}
+
+/// Whether a parameter keeps its kind; a list also its length, as each place may have its meaning.
+fn fits(declared: &DeValue, value: &DeValue) -> bool {
+    match (declared, value) {
+        (DeValue::Float(_), DeValue::Integer(_)) => true,
+        (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
+        (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
+}
+
+/// The kind of a parameter, in words.
+fn kind(value: &DeValue) -> String {
+    match value {
+        DeValue::String(_) => "a text".into(),
+        DeValue::Integer(_) => "a whole number".into(),
+        DeValue::Float(_) => "a number".into(),
+        DeValue::Boolean(_) => "true or false".into(),
+        DeValue::Datetime(_) => "a date".into(),
+        DeValue::Array(items) => format!("a list of {}", items.len()),
+        DeValue::Table(_) => "a table".into(),
     }
 }
 

@@ -30,12 +30,13 @@ const OPERATIONS: u64 = 10_000_000;
 pub const CALLS: usize = 32;
 /// Deepest nesting of expressions outside and inside functions.
 const DEPTH: [usize; 2] = [64, 48];
-/// Longest text, bytes.
-const TEXT: usize = 64 << 10;
+/// Longest text, bytes. Rhai counts the texts inside an array or a map together, and `setup` may
+/// name as many elements as an array has.
+pub const TEXT: usize = 1 << 20;
 /// Most elements of an array, with those inside its elements.
-const ARRAY: usize = 50_000;
-/// Most entries of an object map, with those inside its entries.
-const MAP: usize = 50_000;
+pub const ARRAY: usize = 50_000;
+/// Most entries of an object map, with those inside its entries: several for each element.
+pub const MAP: usize = 500_000;
 /// Most imports.
 pub const MODULES: usize = 32;
 /// Most functions of a script.
@@ -66,7 +67,10 @@ pub fn limits() -> Vec<(&'static str, String)> {
             "nested expressions",
             format!("{}; {} inside functions", DEPTH[0], DEPTH[1]),
         ),
-        ("bytes of a text", count(TEXT)),
+        (
+            "bytes of a text, or of all texts inside an array or a map",
+            count(TEXT),
+        ),
         (
             "elements of an array, with those inside its elements",
             count(ARRAY),
@@ -84,7 +88,7 @@ pub fn limits() -> Vec<(&'static str, String)> {
 }
 
 /// Digits in groups of three.
-fn grouped(n: u64) -> String {
+pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let groups = digits.as_bytes().rchunks(3).rev();
     let texts: Vec<_> = groups.map(String::from_utf8_lossy).collect();
@@ -115,7 +119,7 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.set_fail_on_invalid_map_property(true);
     engine.set_max_expr_depths(DEPTH[0], DEPTH[1]);
     engine.set_max_call_levels(CALLS);
-    // Ending through the progress callback gives a position; this only backs it.
+    // The progress callback ends it with more to say; this only backs it.
     engine.set_max_operations(OPERATIONS * 2);
     engine.set_max_string_size(TEXT);
     engine.set_max_array_size(ARRAY);

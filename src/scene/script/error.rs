@@ -5,7 +5,8 @@ use rhai::{EvalAltResult as Wrong, ParseError, ParseErrorType, Position};
 
 use super::{
     api,
-    engine::{CALLS, MODULES, VARIABLES},
+    engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
+    locate::{Ended, Met, Place},
     sources::Sources,
 };
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
@@ -37,11 +38,16 @@ fn explain_syntax(
                 .find(|(n, _)| n == name)
                 .map_or("", |(_, t)| t.as_str());
             let known = variables(text);
-            let meant = suggest::nearest(variable, known.iter().copied());
-            let help = meant.map_or_else(
-                || "functions see their parameters and what they define with `let`".to_owned(),
-                |meant| format!("did you mean {}?", suggest::key(meant)),
-            );
+            let own = "functions see their parameters and what they define with `let`";
+            let help = if known.contains(&variable.as_str()) {
+                format!("{own}; of what stands outside only `const NAME`, as `global::NAME`")
+            } else {
+                let meant = suggest::nearest(variable, known.iter().copied());
+                meant.map_or_else(
+                    || own.to_owned(),
+                    |meant| format!("did you mean {}?", suggest::key(meant)),
+                )
+            };
             (message, Some(help))
         }
         ParseErrorType::LiteralTooLarge(what, most) => {
@@ -83,6 +89,14 @@ fn lower_first(text: &str) -> String {
     })
 }
 
+/// Names for suggestions.
+pub struct Known<'a> {
+    /// The script's functions.
+    pub functions: Vec<&'a str>,
+    /// The scene's parameters.
+    pub params: Vec<&'a str>,
+}
+
 /// A call on the way to the mistake.
 struct Site {
     what: String,
@@ -90,22 +104,39 @@ struct Site {
     at: Position,
 }
 
-/// A script that failed while running, `when` being such as `in frame 12`.
-pub fn runtime(
-    wrong: &Wrong,
-    sources: &Sources,
-    name: &str,
-    functions: &[&str],
-    when: Option<&str>,
-) -> Diagnostic {
-    let (mut file, mut inner, mut calls) = (name.to_owned(), wrong, Vec::<Site>::new());
+/// A function in words.
+fn called(function: &str) -> String {
+    if function.starts_with("anon$") {
+        "a closure".to_owned()
+    } else {
+        format!("`{function}`")
+    }
+}
+
+/// The innermost error, its file, where in it if that is known, and the calls that led there.
+fn unwrapped<'a>(ended: &'a Ended, name: &str) -> (&'a Wrong, String, Position, Vec<Site>) {
+    if let Some(Met { place, calls }) = &ended.met {
+        let site = |(function, from): &(String, Place)| Site {
+            what: called(function),
+            file: from.file.clone(),
+            at: from.at,
+        };
+        let calls = calls.iter().map(site).collect();
+        return (
+            ended.wrong.unwrap_inner(),
+            place.file.clone(),
+            place.at,
+            calls,
+        );
+    }
+    let (mut file, mut inner, mut calls) = (name.to_owned(), &*ended.wrong, Vec::<Site>::new());
     loop {
         let (what, source, next, at) = match inner {
             Wrong::ErrorInFunctionCall(function, source, next, at) => {
-                (format!("`{function}`"), source, next, *at)
+                (called(function), source, next, *at)
             }
             Wrong::ErrorInModule(source, next, at) => ("an import".to_owned(), source, next, *at),
-            _ => break,
+            _ => return (inner, file, inner.position(), calls),
         };
         calls.push(Site {
             what,
@@ -117,6 +148,17 @@ pub fn runtime(
         }
         inner = next;
     }
+}
+
+/// A script that failed while running, `when` being such as `in frame 12`.
+pub fn runtime(
+    ended: &Ended,
+    sources: &Sources,
+    name: &str,
+    known: &Known,
+    when: Option<&str>,
+) -> Diagnostic {
+    let (inner, file, at, calls) = unwrapped(ended, name);
     if let Wrong::ErrorParsing(kind, at) = inner {
         let (message, help) = explain_syntax(kind, sources, &file);
         let span = sources
@@ -126,14 +168,14 @@ pub fn runtime(
         error.help = help;
         return with_calls(error, &calls, sources);
     }
-    let (kind, message, help) = explain(inner, functions);
+    let (kind, message, help) = explain(inner, known);
     let message = match when {
         Some(when) => format!("{message} ({when})"),
         None => message,
     };
-    let own = sources.span(&file, inner.position());
+    let own = sources.span(&file, at);
     let last_call = || calls.iter().rev().find_map(|c| sources.span(&c.file, c.at));
-    // Rhai does not say where some limits were met; the function is known.
+    // Rhai does not say where everything happened; the function is known.
     let function = if when == Some("in setup") {
         "setup"
     } else {
@@ -180,7 +222,7 @@ fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagn
 }
 
 /// Kind of the message, the message, and what to do.
-fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<String>) {
+fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String>) {
     let limit = |message: String| ("script-limit", message, None);
     match wrong {
         Wrong::ErrorTerminated(why, _) => {
@@ -201,20 +243,19 @@ fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<S
         Wrong::ErrorTooManyModules(_) => limit(format!("more than {MODULES} imports")),
         Wrong::ErrorDataTooLarge(what, _) => {
             let help = "limits are in docs/scripting.md".to_owned();
-            (
-                "script-limit",
-                format!("{} becomes too large", lower_first(what)),
-                Some(help),
-            )
+            ("script-limit", too_large(what), Some(help))
         }
-        Wrong::ErrorFunctionNotFound(signature, _) => missing_function(signature, functions),
+        Wrong::ErrorFunctionNotFound(signature, _) => missing_function(signature, &known.functions),
         Wrong::ErrorVariableNotFound(name, _) => (
             "script-error",
             format!("there is no variable {}", suggest::key(name)),
             None,
         ),
         Wrong::ErrorPropertyNotFound(name, _) => {
-            let help = "write `\"name\" in map` to ask whether it is there".to_owned();
+            let help = suggest::nearest(name, known.params.iter().copied()).map_or_else(
+                || "write `\"name\" in map` to ask whether it is there".to_owned(),
+                |meant| format!("did you mean {}?", suggest::key(meant)),
+            );
             (
                 "script-error",
                 format!("there is no property {}", suggest::key(name)),
@@ -229,6 +270,24 @@ fn explain(wrong: &Wrong, functions: &[&str]) -> (&'static str, String, Option<S
             ("script-error", lower_first(text), None)
         }
     }
+}
+
+/// Rhai counts what is inside too, and says only of which kind it was.
+fn too_large(what: &str) -> String {
+    let (what, most, unit) = match what {
+        "Length of string" => (
+            "a text, or the texts inside an array or a map",
+            TEXT,
+            "bytes",
+        ),
+        "Size of array/BLOB" => ("an array, with those inside it,", ARRAY, "elements"),
+        "Size of object map" => ("an object map, with those inside it,", MAP, "entries"),
+        other => return format!("{} becomes too large", lower_first(other)),
+    };
+    format!(
+        "{what} would be too large: at most {} {unit}",
+        grouped(most as u64)
+    )
 }
 
 fn missing_function(signature: &str, functions: &[&str]) -> (&'static str, String, Option<String>) {
@@ -257,7 +316,8 @@ fn missing_function(signature: &str, functions: &[&str]) -> (&'static str, Strin
 fn plain_types(arguments: &str) -> String {
     let one = |argument: &str| match argument.trim() {
         "&str | ImmutableString | String" => "text".to_owned(),
-        "i64" | "f64" => "number".to_owned(),
+        "i64" => "integer".to_owned(),
+        "f64" => "float".to_owned(),
         other => other.to_owned(),
     };
     arguments.split(',').map(one).collect::<Vec<_>>().join(", ")
@@ -267,6 +327,11 @@ fn missing_property(text: &str) -> (&'static str, String, Option<String>) {
     let name = text.split('\'').nth(1).unwrap_or_default();
     if !text.starts_with("Unknown property") && !text.contains("property") || name.is_empty() {
         return ("script-error", lower_first(text), None);
+    }
+    if text.contains("setter") && api::names().contains(&name) {
+        let help = "only what functions such as `ctx.place` set is shown".to_owned();
+        let message = format!("{} is read-only", suggest::key(name));
+        return ("script-error", message, Some(help));
     }
     let message = format!("there is no property {}", suggest::key(name));
     let help = suggest::nearest(name, api::names())

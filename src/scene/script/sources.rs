@@ -186,8 +186,17 @@ impl Sources {
     pub fn start_of_function(&self, name: &str, function: &str) -> Span {
         let mut span = self.start_of(name);
         let definition = format!("fn {function}");
-        let found = span.source.as_ref().and_then(|s| s.text.find(&definition));
-        if let Some(start) = found {
+        let is_name = |c: char| c.is_alphanumeric() || c == '_';
+        let is_definition = |text: &str, start: usize| {
+            let line = text[..start].rsplit('\n').next().unwrap_or_default();
+            let after = &text[start + definition.len()..];
+            !line.contains("//") && !after.starts_with(is_name)
+        };
+        let found = span.source.as_ref().and_then(|source| {
+            let mut all = source.text.match_indices(&definition);
+            all.find(|(start, _)| is_definition(&source.text, *start))
+        });
+        if let Some((start, _)) = found {
             span.range = start..start + definition.len();
         }
         span

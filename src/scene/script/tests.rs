@@ -132,8 +132,10 @@ fn mistakes_say_where_and_what_was_meant() {
             "same place",
         ),
         ("let height = 1; heigth + 1", "did you mean `height`?"),
-        ("ctx.params.cuont", "`cuont`"),
+        ("ctx.params.cuont", "did you mean `count`?"),
         ("ctx.tt", "`tt`"),
+        ("ctx.t = 1.0", "`t` is read-only"),
+        ("ctx.place(1, 2)", "does not take (ctx, integer, integer)"),
         ("eval(\"1\")", "eval"),
         ("sleep(1)", "there is no function `sleep`"),
         ("timestamp()", "there is no function `timestamp`"),
@@ -142,6 +144,13 @@ fn mistakes_say_where_and_what_was_meant() {
         assert!(error.contains(says), "{body}:\n{error}");
         assert!(error.contains("test.rhai:2:"), "{body}:\n{error}");
     }
+}
+
+#[test]
+fn functions_see_constants_but_no_variables_from_outside() {
+    let error = frame("let n = 1;\nfn frame(ctx) {\n  n + 1\n}").expect_err("it is hidden");
+    assert!(error.contains("`const NAME`, as `global::NAME`"), "{error}");
+    assert!(error.contains("test.rhai:3:3"), "{error}");
 }
 
 #[test]

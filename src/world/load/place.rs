@@ -1,5 +1,7 @@
 //! Instances: which mesh stands where with which material, from scene text and file nodes.
 
+use std::collections::HashMap;
+
 use glam::Affine3A;
 
 use super::{
@@ -72,10 +74,22 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     jobs
 }
 
+/// For each `[[instance]]` the table that says where it is in a frame.
+fn placed_at(desc: &SceneDesc) -> Vec<Span> {
+    let moved = desc.motion.instances.iter();
+    let moved: HashMap<_, _> = moved.map(|e| (e.name.as_str(), &e.at)).collect();
+    let of = |instance: &InstanceDesc| {
+        let motion = instance.name.as_deref().and_then(|name| moved.get(name));
+        motion.map_or(&instance.at, |at| *at).clone()
+    };
+    desc.instances.iter().map(of).collect()
+}
+
 impl Loader<'_> {
     /// Fills the world's instances, lights and cameras.
     pub fn place_all(&mut self, sources: &[Source]) {
         let mut extras = Extras::new(self.desc);
+        self.world.moving.placed_at = placed_at(self.desc);
         for job in &jobs(self.desc) {
             let before = self.world.instances.len();
             let mut dropped = Vec::new();

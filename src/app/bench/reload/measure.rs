@@ -125,8 +125,9 @@ pub fn saves(
 /// Why a save did not show.
 fn problem(live: &Live, edit: Edit) -> AppError {
     let problems = &live.problems;
-    if !problems.scene.is_empty() {
-        return AppError::Scene(problems.scene.clone());
+    let errors = [problems.scene.as_slice(), &problems.pose].concat();
+    if !errors.is_empty() {
+        return AppError::Scene(errors);
     }
     let why = (problems.shader.as_ref()).map(ToString::to_string);
     let why = why.or_else(|| problems.refused.clone()).unwrap_or_default();

@@ -1,6 +1,8 @@
 //! Fifty scripts that mean harm or have gone wrong: each is ended by a limit or refused, with a
 //! message, while the process lives on and its memory stays bounded.
 
+mod limits;
+
 use std::{fs, path::Path, time::Instant};
 
 use reflet::scene::{desc::SceneDesc, motion::Motion, parse, script::Script};
@@ -292,7 +294,13 @@ fn a_script_without_its_functions_says_so() {
     let folder = folder("empty");
     for (script, says) in [
         ("", "neither `fn setup(ctx)` nor"),
-        ("fn frame() { }", "neither `fn setup(ctx)` nor"),
+        ("fn frame() { }", "`frame` has one parameter, `ctx`"),
+        ("fn setup(ctx) { #{} }\nfn frame(ctx, t) { }", "s.rhai:2:1"),
+        (
+            "// fn Frame\nfn setup(ctx) { #{} }\nfn Frame(ctx) { }",
+            "did you mean `frame`?",
+        ),
+        ("fn frame(ctx) { }\nfn setup() { }", "`setup` has one"),
         ("fn frame(ctx) {", "s.rhai:1:"),
         ("let x = y;\nfn frame(ctx) { }", "no variable `y`"),
     ] {

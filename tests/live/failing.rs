@@ -1,0 +1,93 @@
+//! What a script that fails, or a save that is not whole, leaves as it was.
+
+use std::fs;
+
+use reflet::{
+    app::{params::Tuned, watch::Change},
+    scene::desc::ParamValue,
+};
+
+use crate::scripts::{SCRIPT, Session};
+
+#[test]
+fn an_error_in_a_frame_keeps_the_last_good_one() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let failing = SCRIPT.replace(
+        "fn frame(ctx) {\n",
+        "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n",
+    );
+    assert!(session.save_script(&failing).ok);
+    session.live.pose(5);
+    let good = session.picture();
+    assert!(!session.live.pose(12));
+    assert_eq!(session.place(), "move.rhai:10");
+    let message = &session.live.problems.pose[0].message;
+    assert!(message.contains("too late") && message.contains("in frame 12"));
+    assert!(session.live.posed_frame() == 5 && session.picture() == good);
+    assert!(session.live.pose(5) && session.live.problems.is_empty());
+}
+
+#[test]
+fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let failing = SCRIPT.replace("vec3(i - 1", "vec3(i - 2").replace(
+        "fn frame(ctx) {\n",
+        "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n    \
+         ctx.light(\"lamp\", #{ color: [1, 0, 0] });\n",
+    );
+    session.live.pose(12);
+    let good = session.picture();
+    assert!(!session.save_script(&failing).ok);
+    assert_eq!(session.place(), "move.rhai:10");
+    assert!(session.live.problems.scene.is_empty(), "the text is right");
+    assert!(session.live.posed_frame() == 12 && session.picture() == good);
+    // Other frames that fail change the message only.
+    assert!(!session.live.pose(20) && session.picture() == good);
+    assert!(
+        session.live.problems.pose[0]
+            .message
+            .contains("in frame 20")
+    );
+    assert!(session.live.pose(5) && session.live.problems.is_empty());
+    let new = session.picture();
+    assert!(new != good && new == session.afresh(5, &[]));
+    // Now it is the scene that is shown.
+    assert!(!session.live.pose(12) && session.picture() == new);
+    // One that waits is forgotten with the next save, also a wrong one.
+    assert!(session.save_script(SCRIPT).ok && session.live.pose(12));
+    assert!(session.picture() == good);
+    assert!(!session.save_script(&failing).ok && !session.live.pose(20));
+    assert!(!session.save_script("fn frame(ctx) {").ok);
+    assert!(session.live.problems.pose.is_empty() && session.picture() == good);
+    assert!(session.live.pose(20) && session.picture() != good);
+    assert_eq!(session.live.posed_frame(), 20);
+    assert!(session.save_script(SCRIPT).ok && session.live.problems.is_empty());
+    assert!(session.picture() == session.afresh(20, &[]));
+}
+
+#[test]
+fn parameters_outlive_a_save_that_fails() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let count = session.live.declared()[0].1.clone();
+    let mut tuned = Tuned::default();
+    tuned.set("count", ParamValue::Integer(3), &count);
+    assert!(session.live.tune(tuned.clone()).ok);
+    let three = session.picture();
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    let cut = text.find("[params]").expect("it has parameters");
+    for part in ["", &text[..cut]] {
+        fs::write(&session.scene, part).expect("written");
+        assert!(!session.live.reload(&[Change::Scene].into()).ok, "{part}");
+        assert!(*session.live.tuned() == tuned, "{part}");
+        assert!(session.picture() == three);
+    }
+    fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
+    assert!(*session.live.tuned() == tuned && session.picture() == three);
+}

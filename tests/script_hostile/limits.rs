@@ -1,0 +1,119 @@
+//! Where limits are met, and how much fits within them.
+
+use std::fs;
+
+use reflet::scene::motion::Motion;
+
+use crate::{folder, load};
+
+const FAR: &str = "fn spin() {
+    let n = 0;
+    loop {
+        n += 1;
+    }
+}
+fn grow() {
+    let s = \"x\";
+    loop {
+        s += s;
+    }
+}
+fn fill() {
+    let a = [1];
+    loop { a += a; }
+}
+fn down(n) {
+    down(n + 1)
+}
+fn text() {
+    let s = \"\";
+    s.pad(700000, 'x');
+    s
+}
+fn each(list) {
+    list.map(|x| {
+        loop {}
+    })
+}
+";
+
+/// The place of a message, `file:line:column`.
+fn first_place(error: &str) -> &str {
+    let place = error.lines().find(|line| line.contains("-->"));
+    place.unwrap_or_default()
+}
+
+#[test]
+fn limits_are_reported_where_they_are_met() {
+    let folder = folder("limits");
+    fs::write(folder.join("parts/far.rhai"), FAR).expect("temporary file");
+    let cases: &[(&str, &[&str], &str)] = &[
+        ("loop {}", &["s.rhai:7:"], "was ended"),
+        ("far::spin();", &["far.rhai:3:", "far.rhai:4:"], "was ended"),
+        ("helper();", &["far.rhai:3:", "far.rhai:4:"], "s.rhai:4"),
+        ("far::grow();", &["far.rhai:10:"], "too large"),
+        ("far::fill();", &["far.rhai:15:"], "too large"),
+        ("far::down(0);", &["far.rhai:18:"], "more than 32 deep"),
+        (
+            "let s = far::text(); s += far::text();",
+            &["s.rhai:7:"],
+            "too large",
+        ),
+        ("far::each([1]);", &["far.rhai:27:"], "a closure"),
+    ];
+    for (body, places, says) in cases {
+        let script = format!(
+            "import \"parts/far\" as far;\nfn helper() {{\n    // calls\n    far::spin()\n}}\n\
+             fn frame(ctx) {{\n{body}\n}}"
+        );
+        let desc = load(&folder, &script).expect(body);
+        let error = Motion::new(&desc).pose(0).expect_err(body)[0].to_string();
+        let is_there = places
+            .iter()
+            .any(|place| first_place(&error).contains(place));
+        assert!(is_there && error.contains(says), "{body}:\n{error}");
+    }
+    for (script, place) in [
+        (
+            "fn setup(ctx) {\n    let n = 0;\n    loop { n += 1; }\n}",
+            "s.rhai:3:",
+        ),
+        ("fn frame(ctx) { }\nlet x = 1;\nloop {}", "s.rhai:3:"),
+        (
+            "import \"parts/spins\" as s;\nfn frame(ctx) { }",
+            "spins.rhai:2:",
+        ),
+    ] {
+        fs::write(folder.join("parts/spins.rhai"), "let x = 1;\nloop {}").expect("file");
+        let error = load(&folder, script).expect_err(script);
+        assert!(first_place(&error).contains(place), "{script}:\n{error}");
+    }
+}
+
+/// As many elements as an array may have, all with names, from parts; many also one by one.
+#[test]
+fn setup_may_name_fifty_thousand_elements() {
+    let folder = folder("many");
+    let part = "fn part(from, to) {
+        let all = [];
+        for i in from..to {
+            all.push(#{
+                name: `ball ${i}`, model: \"ball\", translation: vec3(i, 0, 0),
+                rotation_deg: vec3(0, i, 0), scale: 0.5, dynamic: true
+            });
+        }
+        all
+    }";
+    for (setup, count) in [
+        ("#{ instances: part(0, 8000) }", 8_000),
+        (
+            "let all = []; for i in 0..50 { all += part(1000 * i, 1000 * i + 1000); } \
+             #{ instances: all }",
+            50_000,
+        ),
+    ] {
+        let script = format!("{part}\nfn setup(ctx) {{ {setup} }}");
+        let desc = load(&folder, &script).expect("it is within the limits");
+        assert_eq!(desc.instances.len(), count + 2);
+    }
+}
