@@ -22,13 +22,13 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = ("*-animation-frozen", "*-animation-dropped", "time-rate-invalid")
-_WHOLE_STAGE = ("time-rate-invalid",)
+_FROZEN = ("*-animation-frozen", "*-animation-dropped")
 _BROKEN = (
     "curves-invalid",
     "index-out-of-range",
     "instancer-invalid",
     "points-non-finite",
+    "prim-damaged",
     "topology-invalid",
     "transform-non-finite",
 )
@@ -50,7 +50,14 @@ _ABSENT = (
     "schema-ignored",
     "subset-dropped",
 )
-_SHAPE = (*_FROZEN, *_BROKEN, "curves-approximated", "face-degenerate")
+_SHAPE = (
+    *_FROZEN,
+    *_BROKEN,
+    "animation-resampled",
+    "curves-approximated",
+    "face-degenerate",
+    "velocities-dropped",
+)
 _PRIMVAR = ("primvar-*", "instance-primvar-dropped")
 _SKIN = ("skinning-*", "skeleton-*", "joint-*", "blend-shape-*", "inbetween-dropped", "weights-*")
 _MATERIAL = (
@@ -73,22 +80,32 @@ _MATERIAL = (
 )
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra", _FROZEN),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN)),
     "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _SHAPE),
-    "bounds": Bar("bounding box", 1e-5, "of the diagonal", ("time-rate-invalid",)),
+    "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference", _SHAPE),
     "area": Bar("surface area", 1e-5, "relative", _SHAPE),
     "winding": Bar("area vector and signed volume", 1e-5, "relative", _SHAPE),
     "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", _SHAPE),
     "normals": Bar("normals", 0.5, "degrees", (*_SHAPE, *_PRIMVAR, "normal-*")),
-    "uvs": Bar("texture coordinates", 1e-5, "absolute", (*_PRIMVAR, "uv-*")),
-    "colors": Bar("display colors", 1e-4, "absolute", (*_PRIMVAR, "color-*")),
+    "uvs": Bar(
+        "texture coordinates",
+        1e-5,
+        "absolute",
+        (*_FROZEN, *_PRIMVAR, "uv-*", "texture-packed-transform"),
+    ),
+    "colors": Bar("display colors", 1e-4, "absolute", (*_FROZEN, *_PRIMVAR, "color-*")),
     "sides": Bar("double-sided flag", 0, "difference"),
     "bindings": Bar(
         "corners of each material", 1e-5, "of the diagonal", ("material-*", "subset-*")
     ),
     "materials": Bar("material values at sample points", 1 / 255, "absolute", _MATERIAL),
-    "matrices": Bar("world matrices", 1e-5, "relative", ("animation-resampled", *_FROZEN)),
+    "matrices": Bar(
+        "world matrices",
+        1e-5,
+        "relative",
+        ("animation-resampled", "transform-non-finite", *_FROZEN),
+    ),
     "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
     "lights": Bar(
         "light intensities and places",
@@ -181,8 +198,7 @@ class Checks:
         for path, found in self._warnings.items():
             above = prim == path or prim.startswith(path + "/")
             if path == "/":
-                # A warning at the root excuses single prims only where it speaks of all of them.
-                found, above = [name for name in found if name in _WHOLE_STAGE], True
+                continue  # a warning at the root speaks of no single prim
             if above or path.startswith(prim + "/"):
                 for name in found:
                     if any(fnmatch.fnmatchcase(name, pattern) for pattern in names):

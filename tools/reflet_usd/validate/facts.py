@@ -115,6 +115,8 @@ class Scene:
     """World matrices of the nodes that stand for a prim, by prim path."""
     other: dict[str, str] = dataclasses.field(default_factory=dict)
     """Prims that draw something else, by path: their type name."""
+    optional: set[str] = dataclasses.field(default_factory=set)
+    """Prims that may draw something or nothing: all of their faces are degenerate."""
 
 
 def transform_points(points: Array, matrix: Array) -> Array:

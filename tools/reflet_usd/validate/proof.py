@@ -126,7 +126,7 @@ def _compare(
 
     from .material_compare import compare_materials
     from .usd_skel import bake, skin_times
-    from .usd_stage import open_truth, sample_codes
+    from .usd_stage import codes_between, open_truth, sample_codes
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
 
@@ -150,19 +150,22 @@ def _compare(
     uses = compare_materials(checks, truth.stage, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
-    codes = _within(sorted({*codes, *skin_codes}), frames)
-    if len(codes) < 2:
+    codes = sorted({*sample_codes(truth.stage), *skin_codes})
+    between = _within(codes_between(truth.stage, codes, _GEOMETRY_TIMES), frames)
+    codes = _within(codes, frames)
+    if len(codes) < 2 and not between:
         return
-    for code in _spread(codes, _GEOMETRY_TIMES):
+    keyed = _spread(codes, _GEOMETRY_TIMES)
+    for code in sorted({*keyed, *between}):
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second
         moved, shown = reader.scene(Usd.TimeCode(code)), output.scene(seconds)
-        comparer.geometry(moved, shown)
+        # UsdSkel bakes at the keys only.
+        comparer.geometry(moved, shown, frozenset() if code in keyed else skinned)
         comparer.cameras(moved, shown, at)
         comparer.lights(moved, shown, at)
-    between = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
-    chosen = _spread(sorted({*codes, *between}), _MATRIX_TIMES)
+    halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
+    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between})
     for code in chosen:
         seconds = (code - truth.time_origin) / truth.codes_per_second
         output_matrices = output.matrices(output.poser.pose(seconds))
