@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -237,3 +238,52 @@ def PointInstancer "pi"
 }
 """
     assert proof_of(tmp_path, text).passed
+
+
+LOST = [
+    ("RectLight", "", "asset inputs:texture:file = @sky.png@", "light-texture-dropped"),
+    ("SphereLight", "", "float inputs:specular = 0", "light-specular-dropped"),
+    ("SphereLight", "", "float inputs:diffuse = 0.5", "light-specular-dropped"),
+    ("DistantLight", "ShadowAPI", "bool inputs:shadow:enable = 0", "light-shadow-dropped"),
+    ("CylinderLight", "", "bool treatAsLine = 1", "light-line-dropped"),
+    ("SphereLight", "ShapingAPI", "float inputs:shaping:focus = 2", "light-shaping-dropped"),
+    ("Mesh", "MeshLightAPI", QUAD + "float inputs:intensity = 5", "mesh-light-dropped"),
+    ("Camera", "", "float4[] clippingPlanes = [(1, 0, 0, 1)]", "lens-dropped"),
+    ("Camera", "", "float exposure:iso = 400", "lens-dropped"),
+    ("Camera", "", "float exposure:responsivity = 2", "lens-dropped"),
+]
+
+
+@pytest.mark.parametrize(("kind", "api", "body", "name"), LOST)
+def test_inputs_that_gltf_lacks_are_named_and_else_silent(
+    tmp_path: Path, kind: str, api: str, body: str, name: str
+) -> None:
+    schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
+    done = convert_text(tmp_path, f'def {kind} "L"{schemas}\n{{\n{body}\n}}\n')
+    assert name in done.warnings("/L")
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "inputs").declared == 1
+    sidecar = Path(f"{done.out}.json")
+    content = json.loads(sidecar.read_text())
+    content["warnings"] = [entry for entry in content["warnings"] if entry["name"] != name]
+    sidecar.write_text(json.dumps(content))
+    silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not check_of(silent, "inputs").passed
+
+
+def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> None:
+    text = """
+def SphereLight "L"
+{
+    float inputs:intensity = 100
+    bool inputs:normalize = 1
+    float inputs:diffuse = 0.5
+    float inputs:specular = 0.5
+}
+"""
+    done = convert_text(tmp_path, text)
+    entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
+    assert entry["intensity"] == pytest.approx(12.5)
+    assert done.warnings("/L") == set()
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed

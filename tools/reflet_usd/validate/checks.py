@@ -111,8 +111,9 @@ BARS: dict[str, Bar] = {
         "light intensities and places",
         1e-5,
         "relative",
-        ("light-*", "cone-clamped", "area-light-approximated"),
+        ("light-animation-frozen", "light-invalid", "cone-clamped", "area-light-approximated"),
     ),
+    "inputs": Bar("inputs of lights and cameras that glTF lacks", 0, "lost"),
     "skinning": Bar("skinned and morphed corners", 1e-4, "of the diagonal", (*_SKIN, *_FROZEN)),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
@@ -176,8 +177,23 @@ class Checks:
         for warning in warnings:
             self._warnings.setdefault(warning["prim"], []).append(warning["name"])
 
-    def add(self, name: str, prim: str, value: float, text: str = "", slack: float = 0.0) -> None:
-        """Record one compared value; above the bar plus `slack` it becomes a finding."""
+    def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
+        """Record an input that cannot be in the output; only one of `warnings` excuses that."""
+        self.add("inputs", prim, 1, text, excuses=warnings)
+
+    def add(
+        self,
+        name: str,
+        prim: str,
+        value: float,
+        text: str = "",
+        slack: float = 0.0,
+        excuses: tuple[str, ...] | None = None,
+    ) -> None:
+        """Record one compared value; above the bar plus `slack` it becomes a finding.
+
+        `excuses` are patterns of warnings in place of those of the bar.
+        """
         check = self.checks[name]
         check.compared += 1
         value = float(value)
@@ -185,7 +201,7 @@ class Checks:
             value = math.inf
         declared = None
         if value > check.bar.limit + slack:
-            declared = self.excuse(prim, check.bar.excuses)
+            declared = self.excuse(prim, check.bar.excuses if excuses is None else excuses)
             check.declared += declared is not None
             check.silent += declared is None
             if len(check.findings) < _MAX_FINDINGS:

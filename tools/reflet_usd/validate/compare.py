@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
-from .facts import Array, Corners, Scene, Surface
+from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
@@ -58,6 +58,8 @@ class SceneComparer:
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
+        for prim in sorted(truth.mesh_lights):
+            self.checks.add_lost(prim, ("mesh-light-dropped", "Volume-dropped"), "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
         """World matrices of all nodes that stand for a transformable prim."""
@@ -80,6 +82,7 @@ class SceneComparer:
             found = output.cameras.get(key)
             if self._is_carried(key, found is not None, "Camera"):
                 assert found is not None
+                self._lost(key, expected.lost)
                 for text, value in camera_values(expected, found, self.diagonal):
                     self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
 
@@ -89,8 +92,13 @@ class SceneComparer:
             found = output.lights.get(key)
             if self._is_carried(key, found is not None, "light"):
                 assert found is not None
+                self._lost(key, expected.lost)
                 for text, value in light_values(expected, found, self.diagonal):
                     self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+
+    def _lost(self, key: str, lost: Lost) -> None:
+        for warning, text in lost:
+            self.checks.add_lost(key, (warning,), text)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
         self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")

@@ -40,13 +40,17 @@ class TruthReader:
             matrix = self.truth.world(place.matrix)
             if prim.IsA(UsdGeom.Camera):
                 scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
+                continue
+            if is_light(prim) and prim.IsA(UsdGeom.Gprim):
+                scene.mesh_lights.add(str(prim.GetPath()))
             elif is_light(prim):
                 light = read_light(prim, time, self.truth, place.matrix)
                 if light:
                     scene.lights[place.key] = light
                 else:
                     scene.other[place.key] = prim.GetTypeName()
-            elif (surface := read_surface(prim, time, matrix)) is not None:
+                continue
+            if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
             elif (points := read_points(prim, time)) is not None:
                 clouds.setdefault(place.key, []).append(transform_points(points, matrix))
