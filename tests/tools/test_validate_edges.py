@@ -287,3 +287,22 @@ def SphereLight "L"
     assert entry["intensity"] == pytest.approx(12.5)
     assert done.warnings("/L") == set()
     assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_angular_velocities_are_named(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "pi"
+{
+    rel prototypes = </pi/A>
+    int[] protoIndices = [0]
+    point3f[] positions = [(0, 0, 0)]
+    quath[] orientations.timeSamples = { 0: [(1, 0, 0, 0)], 5: [(-1, 0, 0, 0)] }
+    vector3f[] angularVelocities.timeSamples = { 0: [(0, 0, 1728)], 5: [(0, 0, 0)] }
+    def Cube "A"
+    {
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert "velocities-dropped" in done.warnings("/pi")
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed

@@ -181,6 +181,9 @@ class Traversal:
         before = len(node.children)
         if prim.IsA(UsdGeom.PointInstancer):
             self.instancers.fill(prim, node)
+            if prim.GetAttribute("angularVelocities").HasAuthoredValue():
+                message = "angularVelocities are not carried, orientations are interpolated"
+                ledger.warn("velocities-dropped", prim, message)
             return False
         if self.skeletons.is_bound(prim):
             self.skeletons.fill(prim, node)

@@ -112,6 +112,33 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
     return np.linspace(low, high, count + 2)[1:-1].tolist() if low < high else []
 
 
+@dataclasses.dataclass
+class KeyedOnly:
+    """What has an exact value at its own keys only: their time codes by prim path."""
+
+    prims: dict[str, set[float]]
+    """Instancers with moving orientations, which USD interpolates in half precision."""
+    normals: dict[str, set[float]]
+    """Meshes whose normals follow their points: glTF blends the normals themselves."""
+
+
+def keyed_only(stage: Usd.Stage) -> KeyedOnly:
+    """What must not be compared between its keys."""
+    result = KeyedOnly({}, {})
+    moving = {
+        "orientations": result.prims,
+        "points": result.normals,
+        "normals": result.normals,
+        "primvars:normals": result.normals,
+    }
+    for attribute in _placed_attributes(stage):
+        found = moving.get(attribute.GetName())
+        if found is not None and attribute.ValueMightBeTimeVarying():
+            path = str(attribute.GetPrimPath())
+            found.setdefault(path, set()).update(attribute.GetTimeSamples())
+    return result
+
+
 def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
     # Prototypes instead of their instances, of which nesting can make any number.
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
