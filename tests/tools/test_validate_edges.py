@@ -162,7 +162,8 @@ def still_file(folder: Path, body: str) -> Path:
     "body",
     [
         "double xformOp:translateX.timeSamples = { 0: 0, 10: 5, 20: 0 }",
-        "double xformOp:translateX.spline = { bezier, 0: 0; post linear, 9: 4; post linear, 20: 0 }",
+        "double xformOp:translateX.spline = "
+        "{ bezier, 0: 0; post linear, 9: 4; post linear, 20: 0 }",
         "double xformOp:translateX.spline = "
         "{ bezier, 0: 0; post curve (5, 2), 20: 0; pre (5, -2); post curve (5, 2) }",
     ],

@@ -68,7 +68,6 @@ _MATERIAL = (
     "occlusion-dropped",
     "opacity-approximated",
     "shader-connection-invalid",
-    "specular-approximated",
     "texture-missing",
     "texture-packed-transform",
     "texture-too-large",
