@@ -48,7 +48,10 @@ fi
 
 if [ -f tools/pyproject.toml ]; then
     heading "Python lints"
-    .venv/bin/ruff check --config tools/pyproject.toml tools
+    .venv/bin/ruff check --config tools/pyproject.toml tools tests/tools
+
+    heading "Python types"
+    .venv/bin/mypy --config-file tools/pyproject.toml tools/reflet_usd
 
     heading "Python tests"
     pytest=(.venv/bin/python -m pytest -q -rs)

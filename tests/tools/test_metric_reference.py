@@ -127,7 +127,7 @@ def scored(request, binary, tmp_path):
     test, reference = cases()[request.param]
     weights = mask_weights(test.shape)
     paths = [tmp_path / name for name in ("test.png", "reference.png", "mask.png")]
-    for path, picture in zip(paths, (test, reference, weights)):
+    for path, picture in zip(paths, (test, reference, weights), strict=True):
         Image.fromarray(picture).save(path)
     done = compare(binary, paths[0], paths[1], "--mask", paths[2], "--json")
     return test, reference, eroded(weights > 1), json.loads(done.stdout)

@@ -8,7 +8,11 @@ from pathlib import Path
 
 import pytest
 from reflet_usd import cli
+from reflet_usd.convert import ConvertOptions, convert_stage
 from reflet_usd.peers import Root, Score, read_peers, read_roots, score_output, summary_rows
+from reflet_usd.report import Row
+from reflet_usd.report_table import format_markdown
+from reflet_usd.validate.proof import prove
 
 INDEX_HEAD = (
     "file\topens\tupAxis\tmetersPerUnit\tbox in metres, Y up, earliest time\tfeatures (count)"
@@ -113,6 +117,68 @@ def test_the_table_is_right_and_repeatable(folder: Path, tmp_path: Path, khronos
     rows = {row["file"]: row for row in json.loads(details.read_text())}
     assert rows["moving.usda"]["passed"]
     assert rows["moving.usda"]["proof"]["khronos"]["errors"] == 0
+
+
+LOSSES = """#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def RectLight "Window"
+{
+    asset inputs:texture:file = @sky.png@
+}
+def SphereLight "Bulb"
+{
+    float inputs:specular = 0
+}
+def Camera "Eye"
+{
+    float exposure:iso = 400
+}
+def Cube "Box" (prepend apiSchemas = ["MaterialBindingAPI"])
+{
+    rel material:binding = </Red>
+}
+def Material "Red"
+{
+    token outputs:surface.connect = </Red/S.outputs:surface>
+    def Shader "S"
+    {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (1, 0, 0)
+        token outputs:surface
+    }
+}
+"""
+
+
+def test_silent_losses_of_lights_cameras_and_materials_count(tmp_path: Path) -> None:
+    """The same files with and without their warnings, and one with another material."""
+    rows = []
+    for name in ("told", "silent", "painted"):
+        stage, out = tmp_path / f"{name}.usda", tmp_path / f"{name}.glb"
+        stage.write_text(LOSSES)
+        convert_stage(stage, out, ConvertOptions())
+        sidecar = tmp_path / f"{name}.glb.json"
+        content = json.loads(sidecar.read_text())
+        warnings = content["warnings"]
+        if name == "silent":
+            sidecar.write_text(json.dumps({**content, "warnings": []}))
+        elif name == "painted":
+            stage.write_text(LOSSES.replace("(1, 0, 0)", "(0, 0, 1)"))
+        proof = prove(out, stage, khronos=False).to_json()
+        root = Root(f"{name}.usda", True, None, {})
+        rows.append(Row(root, True, proof=proof, warnings=warnings))
+    text = format_markdown(rows, {}, "test")
+    assert "| with a silent deviation | 2 |" in text
+    assert "| with declared losses (named warnings) | 3 |" in text
+    cells = {
+        line.split("|")[1].strip(): line.split("|")[5].strip()
+        for line in text.splitlines()
+        if line.startswith(("| told", "| silent.", "| painted"))
+    }
+    assert cells == {"told.usda": "", "silent.usda": "inputs", "painted.usda": "materials"}
 
 
 SAMPLE = "simple-skin-test|pi_nested|UsdTransform2dTest|UnitsMilli|AnimatedCube|no-primname"

@@ -1,14 +1,19 @@
 """The command line `reflet-usd`: one subcommand per module, exit codes, nothing else.
 
-Exit codes: 0 done, 1 the work failed with a named reason, 2 wrong usage.
+Exit codes: 0 done, 1 the work failed with a named reason, 2 wrong usage, 130 and 143 stopped by
+SIGINT and SIGTERM.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from types import FrameType
 
 from reflet_usd import __version__
 
@@ -35,8 +40,35 @@ def build_parser(selected: str | None) -> argparse.ArgumentParser:
     return parser
 
 
+@contextlib.contextmanager
+def _clean_end_by_signals() -> Iterator[None]:
+    """SIGINT and SIGTERM unwind the program, so that it ends its children and removes its files."""
+    signals = (signal.SIGINT, signal.SIGTERM)
+
+    def stop(number: int, _frame: FrameType | None) -> None:
+        for each in signals:
+            signal.signal(each, signal.SIG_IGN)  # a second one must not stop the cleaning up
+        print(f"stopped by {signal.Signals(number).name}", file=sys.stderr)
+        raise SystemExit(128 + number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = [signal.signal(each, stop) for each in signals]
+    try:
+        yield
+    finally:
+        for each, handler in zip(signals, before, strict=True):
+            signal.signal(each, handler)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one subcommand and return its exit code."""
+    """Run one subcommand and return its exit code; a signal raises SystemExit after cleaning up."""
+    with _clean_end_by_signals():
+        return _run(argv)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     names = [name for name, _, _ in COMMANDS]
     selected = next((word for word in arguments if word in names), None)

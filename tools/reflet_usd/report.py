@@ -72,7 +72,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="a folder of USD stages")
     parser.add_argument("-o", "--output", type=Path, metavar="MD", help="write the table here")
     parser.add_argument("--json", type=Path, metavar="JSON", help="write every detail here")
-    parser.add_argument("--only", default="", metavar="REGEX", help="only stages that match")
+    parser.add_argument(
+        "--only", default="", type=_pattern, metavar="REGEX", help="only stages that match"
+    )
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the outputs here")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="stages at a time")
     parser.add_argument(
@@ -80,15 +82,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _pattern(text: str) -> str:
+    try:
+        re.compile(text)
+    except re.error as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is no regular expression: {error}") from None
+    return text
+
+
 def run(args: argparse.Namespace) -> int:
     """Run over the folder and print; 0 when every row passed, 3 when some did not."""
     if not args.folder.is_dir():
         print(f"{args.folder}: no such folder; name one with USD stages", file=sys.stderr)
         return 2
-    roots = [root for root in read_roots(args.folder) if re.search(args.only, root.file)]
+    found = read_roots(args.folder)
+    roots = [root for root in found if re.search(args.only, root.file)]
     if not roots:
-        print(f"{args.folder}: no stage matches {args.only!r}", file=sys.stderr)
+        what = f"no stage matches {args.only!r}" if found else "the folder holds no USD stage"
+        print(f"{args.folder}: {what}", file=sys.stderr)
         return 2
+    for place in filter(None, (args.output, args.json)):
+        reason = _unwritable(place)
+        if reason:
+            print(f"{place}: {reason}", file=sys.stderr)
+            return 2
     try:
         find_package()
     except ValidatorMissingError as error:
@@ -112,6 +129,17 @@ def run(args: argparse.Namespace) -> int:
     return 0 if passed == len(rows) else 3
 
 
+def _unwritable(place: Path) -> str:
+    """Why no file can be written there; empty where it can. Asked before the long work."""
+    if not place.absolute().parent.is_dir():
+        return f"{place.parent} is not a folder; make it first"
+    if place.is_dir():
+        return "is a folder; name a file"
+    if not os.access(place if place.exists() else place.absolute().parent, os.W_OK):
+        return "cannot be written"
+    return ""
+
+
 def convert_all(
     folder: Path, roots: list[Root], place: Path, jobs: int, limits: Limits
 ) -> list[Row]:
@@ -119,10 +147,14 @@ def convert_all(
     with concurrent.futures.ThreadPoolExecutor(max(jobs, 1)) as pool:
         work = [pool.submit(_one, folder, root, place, limits) for root in roots]
         rows = []
-        for number, item in enumerate(work, 1):
-            rows.append(item.result())
-            if sys.stderr.isatty():
-                print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
+        try:
+            for number, item in enumerate(work, 1):
+                rows.append(item.result())
+                if sys.stderr.isatty():
+                    print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
+        except BaseException:  # a signal: only those that have begun are waited for
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
     _run_khronos([row for row in rows if row.proof], place)
     return rows
 

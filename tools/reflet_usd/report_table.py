@@ -33,7 +33,8 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
     columns = {f"{_OURS} {version}": ours, **peers}
     lines = ["| measure | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
     for title, cells in summary_rows([row.root for row in rows], columns):
-        lines.append(f"| {title} | " + " | ".join(cells[name] for name in columns) + " |")
+        if any(not cell.endswith("/0") for cell in cells.values()):  # else nothing to measure
+            lines.append(f"| {title} | " + " | ".join(cells[name] for name in columns) + " |")
     return "\n".join(lines)
 
 

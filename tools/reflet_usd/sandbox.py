@@ -90,7 +90,7 @@ def run_confined(
     """
     limits = limits or Limits()
     stage = _checked_stage(Path(stage))
-    staging = Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=folder))
+    staging = _make_staging(folder)
     try:
         (staging / "out").mkdir()
         job = _job(stage, staging / "out" / name, options, staging, limits, target)
@@ -104,6 +104,14 @@ def run_confined(
         shutil.rmtree(staging, ignore_errors=True)
 
 
+def _make_staging(folder: Path | None) -> Path:
+    try:
+        return Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=folder))
+    except OSError as error:
+        message = f"no file can be made in {folder}: {error.strerror}"
+        raise convert.ConvertError("output-unwritable", message, str(folder)) from error
+
+
 def _checked_output(out: Path) -> Path:
     if not out.parent.is_dir():
         raise convert.ConvertError(
@@ -113,6 +121,9 @@ def _checked_output(out: Path) -> Path:
         raise convert.ConvertError(
             "output-suffix", f"{out.name}: expected a name that ends in .glb or .gltf", str(out)
         )
+    if out.is_dir():
+        message = f"{out} is a folder; name a file, or remove it"
+        raise convert.ConvertError("output-unwritable", message, str(out))
     return out.absolute()
 
 
@@ -287,8 +298,12 @@ def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None
     files.sort(key=lambda path: path == produced / out.name)
     for path in files:
         place = out.parent / path.relative_to(produced)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        os.replace(path, place)
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(path, place)
+        except OSError as error:
+            message = f"{place} cannot be written: {error.strerror}"
+            raise convert.ConvertError("output-unwritable", message, str(stage)) from error
 
 
 def _tree_bytes(folder: Path) -> int:

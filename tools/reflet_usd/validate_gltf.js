@@ -27,14 +27,26 @@ async function check(file) {
   };
 }
 
+function reason(error) {
+  const lines = String((error && error.message) || error || "").split("\n");
+  return lines[0].trim() || "an error without a message";
+}
+
 async function main() {
+  // The validator throws some errors, such as an exhausted call stack, where no one can catch them.
+  let fail = () => {};
+  process.on("uncaughtException", (error) => fail(error));
   for await (const line of readline.createInterface({ input: process.stdin })) {
     const file = line.trim();
     if (!file) continue;
     try {
-      console.log(JSON.stringify(await check(file)));
+      const crash = new Promise((_, reject) => {
+        fail = (error) => reject(Object.assign(new Error(reason(error)), { crashed: true }));
+      });
+      console.log(JSON.stringify(await Promise.race([check(file), crash])));
     } catch (error) {
-      console.log(JSON.stringify({ file, failure: String(error && error.message || error) }));
+      const crashed = Boolean(error && error.crashed);
+      console.log(JSON.stringify({ file, failure: reason(error), crashed }));
     }
   }
 }

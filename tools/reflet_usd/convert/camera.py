@@ -69,6 +69,10 @@ def _keep_lens(context: Context, prim: Usd.Prim, node: Node) -> None:
         "shutter:open": 0.0,
         "shutter:close": 0.0,
         "exposure": 0.0,
+        "exposure:fStop": 1.0,
+        "exposure:iso": 100.0,
+        "exposure:responsivity": 1.0,
+        "exposure:time": 1.0,
         "stereoRole": "mono",
     }
     lens: dict[str, Any] = {}
@@ -76,6 +80,11 @@ def _keep_lens(context: Context, prim: Usd.Prim, node: Node) -> None:
         value = authored(prim, name, context.time, default)
         if value != default:
             lens[name] = value
+    planes = [
+        [float(part) for part in p] for p in authored(prim, "clippingPlanes", context.time, ())
+    ]
+    if planes:
+        lens["clippingPlanes"] = [p for p in planes if all(map(math.isfinite, p))]
     if lens.get("fStop"):
         lens["focusDistance_m"] = (
             authored(prim, "focusDistance", context.time, 0.0) * context.meters_per_unit

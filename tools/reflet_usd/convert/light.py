@@ -32,6 +32,7 @@ _OUTDATED = (
     "enableColorTemperature",
     "colorTemperature",
 )
+_NO_SHAPING = ("RectLight", "DiskLight", "CylinderLight", "DistantLight")
 _SMALLEST_CONE = 1e-3
 # KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which
 # integrates to 2π/3 over the hemisphere.
@@ -82,7 +83,9 @@ def _emission(context: Context, prim: Usd.Prim) -> _Source:
     if light_value(context, prim, "enableColorTemperature", False):
         kelvin = float(light_value(context, prim, "colorTemperature", 6500.0))
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
-    radiance = intensity * 2.0 ** min(exposure, 100.0)
+    # glTF's one factor; equal ones for diffuse and specular reflection scale the whole light.
+    diffuse = float(light_value(context, prim, "diffuse", 1.0))
+    radiance = intensity * 2.0 ** min(exposure, 100.0) * diffuse
     if not math.isfinite(radiance) or not np.isfinite(color).all():
         context.ledger.warn("light-invalid", prim, "its emission is not finite, taken as 0")
         radiance, color = 0.0, np.ones(3)
@@ -161,9 +164,6 @@ def _shaped(context: Context, prim: Usd.Prim, candela: float) -> dict[str, Any]:
     softness = float(light_value(context, prim, "shaping:cone:softness", 0.0))
     inner = outer * (1.0 - min(max(softness, 0.0), 1.0))
     inner = min(inner, outer * (1.0 - 1e-6))
-    focus = float(light_value(context, prim, "shaping:focus", 0.0))
-    if focus != 0.0:
-        context.ledger.warn("light-shaping-dropped", prim, f"focus {focus} has no counterpart")
     cone = {"innerConeAngle": inner, "outerConeAngle": outer}
     return {"type": "spot", "intensity": candela, "spot": cone}
 
@@ -188,8 +188,48 @@ def _keep_dome(context: Context, prim: Usd.Prim, node: Node, source: _Source) ->
     context.ledger.warn("dome-light-external", prim, message)
 
 
+def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node) -> None:
+    """Keep in extras the emission of a mesh or volume that is a light; its geometry is carried."""
+    source = _emission(context, prim)
+    node.extras["mesh_light"] = {"color": source.color.tolist(), "radiance_nits": source.radiance}
+    message = "glTF has no mesh light; color and radiance are in the node's extras"
+    context.ledger.warn("mesh-light-dropped", prim, message)
+
+
+def _warn_reflection(context: Context, prim: Usd.Prim) -> None:
+    diffuse, specular = (
+        float(light_value(context, prim, name, 1.0)) for name in ("diffuse", "specular")
+    )
+    if diffuse != specular:
+        message = f"its factor for specular reflection, {specular:g}, is taken as {diffuse:g}"
+        context.ledger.warn("light-specular-dropped", prim, f"{message} (diffuse)")
+
+
+def _warn_shape(context: Context, prim: Usd.Prim) -> None:
+    warn, kind = context.ledger.warn, prim.GetTypeName()
+    texture = light_value(context, prim, "texture:file", None)
+    if kind == "RectLight" and isinstance(texture, Sdf.AssetPath) and texture.path:
+        warn("light-texture-dropped", prim, f"@{texture.path}@ does not color the light")
+    if kind == "CylinderLight" and UsdLux.CylinderLight(prim).GetTreatAsLineAttr().Get(
+        context.time
+    ):
+        warn("light-line-dropped", prim, "treatAsLine is not kept, its radius counts")
+    if prim.HasAPI(UsdLux.ShadowAPI) and light_value(context, prim, "shadow:enable", True) is False:
+        warn("light-shadow-dropped", prim, "a glTF light cannot leave out its shadows")
+    if not prim.HasAPI(UsdLux.ShapingAPI):
+        return
+    focus = float(light_value(context, prim, "shaping:focus", 0.0))
+    if focus != 0.0:
+        warn("light-shaping-dropped", prim, f"focus {focus} has no counterpart")
+    cone = float(light_value(context, prim, "shaping:cone:angle", 90.0))
+    if kind in _NO_SHAPING and cone < 90.0:
+        warn("light-shaping-dropped", prim, f"the {kind} is not narrowed to a cone of {cone}°")
+
+
 def _warn_unsupported(context: Context, prim: Usd.Prim) -> None:
     warn = context.ledger.warn
+    _warn_reflection(context, prim)
+    _warn_shape(context, prim)
     for name in _LINKS:
         relationship = prim.GetRelationship(name)
         if relationship and relationship.GetTargets():

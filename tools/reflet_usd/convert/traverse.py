@@ -15,7 +15,7 @@ from reflet_usd.convert.curves import build_curves, build_points, is_curves
 from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
-from reflet_usd.convert.light import add_light
+from reflet_usd.convert.light import add_light, keep_mesh_light
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
@@ -181,6 +181,9 @@ class Traversal:
         before = len(node.children)
         if prim.IsA(UsdGeom.PointInstancer):
             self.instancers.fill(prim, node)
+            if prim.GetAttribute("angularVelocities").HasAuthoredValue():
+                message = "angularVelocities are not carried, orientations are interpolated"
+                ledger.warn("velocities-dropped", prim, message)
             return False
         if self.skeletons.is_bound(prim):
             self.skeletons.fill(prim, node)
@@ -198,13 +201,15 @@ class Traversal:
             node.mesh = build_curves(context, self.writer, self.geometry.materials, prim)
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
-        elif prim.HasAPI(UsdLux.LightAPI):
+        elif prim.HasAPI(UsdLux.LightAPI) and not prim.IsA(UsdGeom.Gprim):
             add_light(context, self.writer, prim, node)
         elif type_name == "Skeleton":
             self.skeletons.add_joints(prim, node)
         elif type_name not in _GROUPS:
             self._warn_dropped(prim)
             return True
+        if prim.IsA(UsdGeom.Gprim) and prim.HasAPI(UsdLux.LightAPI):
+            keep_mesh_light(context, prim, node)
         placed = node.mesh is not None or node.camera is not None or node.light is not None
         if placed or type_name in _GROUPS or len(node.children) > before:
             ledger.carry(prim)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import traceback
 from pathlib import Path
 
 EXIT_OK, EXIT_INTERNAL, EXIT_USAGE, EXIT_DEVIATES = 0, 1, 2, 3
@@ -54,5 +55,22 @@ def run(args: argparse.Namespace) -> int:
     except StageError as error:
         print(error, file=sys.stderr)
         return EXIT_DEVIATES
+    except Exception as error:  # a blunder of the check says nothing about the file
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(frame.filename).name}:{frame.lineno}"
+        reason = " ".join(str(error).split())[:300]
+        print(
+            f"{args.out}: the check could not run: {type(error).__name__} at {place}: {reason}"
+            " [validate-internal]",
+            file=sys.stderr,
+        )
+        return EXIT_INTERNAL
+    if proof.khronos is not None and proof.khronos.crash:
+        print(
+            f"{args.out}: the Khronos validator ended with {proof.khronos.crash!r}; compare only,"
+            " with --no-khronos [validator-crash]",
+            file=sys.stderr,
+        )
+        return EXIT_INTERNAL
     print(json.dumps(proof.to_json(), indent=2) if args.json else format_proof(proof))
     return EXIT_OK if proof.passed else EXIT_DEVIATES

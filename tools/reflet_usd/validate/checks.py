@@ -22,13 +22,13 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = ("*-animation-frozen", "*-animation-dropped", "time-rate-invalid")
-_WHOLE_STAGE = ("time-rate-invalid",)
+_FROZEN = ("*-animation-frozen", "*-animation-dropped")
 _BROKEN = (
     "curves-invalid",
     "index-out-of-range",
     "instancer-invalid",
     "points-non-finite",
+    "prim-damaged",
     "topology-invalid",
     "transform-non-finite",
 )
@@ -50,7 +50,14 @@ _ABSENT = (
     "schema-ignored",
     "subset-dropped",
 )
-_SHAPE = (*_FROZEN, *_BROKEN, "curves-approximated", "face-degenerate")
+_SHAPE = (
+    *_FROZEN,
+    *_BROKEN,
+    "animation-resampled",
+    "curves-approximated",
+    "face-degenerate",
+    "velocities-dropped",
+)
 _PRIMVAR = ("primvar-*", "instance-primvar-dropped")
 _SKIN = ("skinning-*", "skeleton-*", "joint-*", "blend-shape-*", "inbetween-dropped", "weights-*")
 _MATERIAL = (
@@ -61,7 +68,6 @@ _MATERIAL = (
     "occlusion-dropped",
     "opacity-approximated",
     "shader-connection-invalid",
-    "specular-approximated",
     "texture-missing",
     "texture-packed-transform",
     "texture-too-large",
@@ -73,29 +79,40 @@ _MATERIAL = (
 )
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra", _FROZEN),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN)),
     "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _SHAPE),
-    "bounds": Bar("bounding box", 1e-5, "of the diagonal", ("time-rate-invalid",)),
+    "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference", _SHAPE),
     "area": Bar("surface area", 1e-5, "relative", _SHAPE),
     "winding": Bar("area vector and signed volume", 1e-5, "relative", _SHAPE),
     "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", _SHAPE),
     "normals": Bar("normals", 0.5, "degrees", (*_SHAPE, *_PRIMVAR, "normal-*")),
-    "uvs": Bar("texture coordinates", 1e-5, "absolute", (*_PRIMVAR, "uv-*")),
-    "colors": Bar("display colors", 1e-4, "absolute", (*_PRIMVAR, "color-*")),
+    "uvs": Bar(
+        "texture coordinates",
+        1e-5,
+        "absolute",
+        (*_FROZEN, *_PRIMVAR, "uv-*", "texture-packed-transform"),
+    ),
+    "colors": Bar("display colors", 1e-4, "absolute", (*_FROZEN, *_PRIMVAR, "color-*")),
     "sides": Bar("double-sided flag", 0, "difference"),
     "bindings": Bar(
         "corners of each material", 1e-5, "of the diagonal", ("material-*", "subset-*")
     ),
     "materials": Bar("material values at sample points", 1 / 255, "absolute", _MATERIAL),
-    "matrices": Bar("world matrices", 1e-5, "relative", ("animation-resampled", *_FROZEN)),
+    "matrices": Bar(
+        "world matrices",
+        1e-5,
+        "relative",
+        ("animation-resampled", "transform-non-finite", *_FROZEN),
+    ),
     "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
     "lights": Bar(
         "light intensities and places",
         1e-5,
         "relative",
-        ("light-*", "cone-clamped", "area-light-approximated"),
+        ("light-animation-frozen", "light-invalid", "cone-clamped", "area-light-approximated"),
     ),
+    "inputs": Bar("inputs of lights and cameras that glTF lacks", 0, "lost"),
     "skinning": Bar("skinned and morphed corners", 1e-4, "of the diagonal", (*_SKIN, *_FROZEN)),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
@@ -159,8 +176,23 @@ class Checks:
         for warning in warnings:
             self._warnings.setdefault(warning["prim"], []).append(warning["name"])
 
-    def add(self, name: str, prim: str, value: float, text: str = "", slack: float = 0.0) -> None:
-        """Record one compared value; above the bar plus `slack` it becomes a finding."""
+    def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
+        """Record an input that cannot be in the output; only one of `warnings` excuses that."""
+        self.add("inputs", prim, 1, text, excuses=warnings)
+
+    def add(
+        self,
+        name: str,
+        prim: str,
+        value: float,
+        text: str = "",
+        slack: float = 0.0,
+        excuses: tuple[str, ...] | None = None,
+    ) -> None:
+        """Record one compared value; above the bar plus `slack` it becomes a finding.
+
+        `excuses` are patterns of warnings in place of those of the bar.
+        """
         check = self.checks[name]
         check.compared += 1
         value = float(value)
@@ -168,7 +200,7 @@ class Checks:
             value = math.inf
         declared = None
         if value > check.bar.limit + slack:
-            declared = self.excuse(prim, check.bar.excuses)
+            declared = self.excuse(prim, check.bar.excuses if excuses is None else excuses)
             check.declared += declared is not None
             check.silent += declared is None
             if len(check.findings) < _MAX_FINDINGS:
@@ -181,8 +213,7 @@ class Checks:
         for path, found in self._warnings.items():
             above = prim == path or prim.startswith(path + "/")
             if path == "/":
-                # A warning at the root excuses single prims only where it speaks of all of them.
-                found, above = [name for name in found if name in _WHOLE_STAGE], True
+                continue  # a warning at the root speaks of no single prim
             if above or path.startswith(prim + "/"):
                 for name in found:
                     if any(fnmatch.fnmatchcase(name, pattern) for pattern in names):

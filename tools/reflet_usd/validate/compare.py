@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
-from .facts import Array, Corners, Scene, Surface
+from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
@@ -31,12 +31,14 @@ class SceneComparer:
         reach = float(max(np.abs(low).max(), np.abs(high).max()))
         self.slack = _ROUNDINGS * _FLOAT32_STEP * reach / self.diagonal
 
-    def geometry(self, truth: Scene, output: Scene) -> None:
-        """Corners, surfaces and bounds of everything drawn."""
+    def geometry(self, truth: Scene, output: Scene, skip: frozenset[str] = frozenset()) -> None:
+        """Corners, surfaces and bounds of everything drawn, but for the prims in `skip`."""
         excused = self.checks.declared()
-        for key in sorted(truth.corners.keys() | truth.surfaces.keys()):
+        for key in sorted((truth.corners.keys() | truth.surfaces.keys()) - skip):
             found = output.corners.get(key)
-            if found is not None and not np.isfinite(found.positions).all():
+            if key in truth.corners and not np.isfinite(_everything(truth.corners[key])).all():
+                self.checks.add("positions", key, math.inf, "not finite in the stage")
+            elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
             elif key in truth.corners and key in truth.surfaces:
                 self._mixed(key, truth.corners[key], truth.surfaces[key], found)
@@ -44,11 +46,11 @@ class SceneComparer:
                 self._corners(key, truth.corners[key], found, key in self.skinned)
             else:
                 self._surfaces(key, truth.surfaces[key], found)
-        known = truth.corners.keys() | truth.surfaces.keys() | truth.other.keys()
+        known = truth.corners.keys() | truth.surfaces.keys() | truth.other.keys() | truth.optional
         for key, found in output.corners.items():
             if key not in known and (len(found.positions) or len(found.points)):
                 self.checks.add("unexpected", key, 1, "drawn only in the output")
-        if self.checks.declared() == excused:  # else the box is known to differ
+        if self.checks.declared() == excused and not skip:  # else the box is known to differ
             self._bounds(truth, output)
 
     def other(self, truth: Scene, output: Scene) -> None:
@@ -56,6 +58,8 @@ class SceneComparer:
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
+        for prim in sorted(truth.mesh_lights):
+            self.checks.add_lost(prim, ("mesh-light-dropped", "Volume-dropped"), "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
         """World matrices of all nodes that stand for a transformable prim."""
@@ -78,6 +82,7 @@ class SceneComparer:
             found = output.cameras.get(key)
             if self._is_carried(key, found is not None, "Camera"):
                 assert found is not None
+                self._lost(key, expected.lost)
                 for text, value in camera_values(expected, found, self.diagonal):
                     self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
 
@@ -87,8 +92,13 @@ class SceneComparer:
             found = output.lights.get(key)
             if self._is_carried(key, found is not None, "light"):
                 assert found is not None
+                self._lost(key, expected.lost)
                 for text, value in light_values(expected, found, self.diagonal):
                     self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+
+    def _lost(self, key: str, lost: Lost) -> None:
+        for warning, text in lost:
+            self.checks.add_lost(key, (warning,), text)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
         self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")
@@ -160,6 +170,8 @@ class SceneComparer:
         low, high = expected.area_range
         size = _size(expected.positions)
         area = max(high, 1e-6 * size**2)
+        if not area > 0.0 or not math.isfinite(area):
+            return  # all corners are at one place, or too far apart to multiply: they were compared
         # A rounding of one coordinate moves an area by that times the extent.
         slack = self.slack * self.diagonal * size * math.sqrt(expected.triangles + 1) / area
         outside = max(low - found.area_range[0], found.area_range[0] - high, 0.0)
@@ -177,7 +189,8 @@ class SceneComparer:
     def _attributes(self, key: str, expected: Corners, found: Corners, skinned: bool) -> None:
         tolerance = self.diagonal * (BARS["positions"].limit + self.slack)
         both = expected.optional_triangles == 0
-        if expected.normals is not None and not skinned:
+        # Those of flattened surfaces are not defined.
+        if expected.normals is not None and not skinned and np.isfinite(expected.normals).any():
             if found.normals is None:
                 self.checks.add("normals", key, 180.0, "no normals in the output")
             else:
@@ -309,8 +322,18 @@ def attribute_distance(
     """Largest distance of the attribute at corners of one place, searched as one joint space.
 
     Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
-    with the nearest attribute among the corners that share its place.
+    with the nearest attribute among the corners that share its place. Expected attributes that
+    are not finite are undefined, and not compared; in the output they are infinitely far away.
     """
+    defined = np.isfinite(expected[1]).all(axis=1)
+    if not defined.all():
+        expected, both = (expected[0][defined], expected[1][defined]), False
+        drawn = np.isfinite(found[1]).all(axis=1)
+        found = (found[0][drawn], found[1][drawn])
+    if not len(expected[0]):
+        return 0.0
+    if not len(found[0]) or not np.isfinite(found[1]).all():
+        return math.inf
     first = np.hstack([expected[0] / tolerance, expected[1] / step])
     second = np.hstack([found[0] / tolerance, found[1] / step])
     worst = 0.0
@@ -325,10 +348,10 @@ def attribute_distance(
 def _bounds(scene: Scene) -> tuple[Array, Array]:
     clouds = [_everything(part) for part in scene.corners.values()]
     clouds += [surface_box(surface) for many in scene.surfaces.values() for surface in many]
-    clouds = [cloud for cloud in clouds if len(cloud)]
-    if not clouds:
+    points = np.vstack([np.zeros((0, 3)), *clouds])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
         return np.zeros(3), np.zeros(3)
-    points = np.vstack(clouds)
     return points.min(axis=0), points.max(axis=0)
 
 

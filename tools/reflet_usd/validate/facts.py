@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Lost = list[tuple[str, str]]
+"""Inputs without a place in glTF: the warning that has to tell of each, and its value."""
 
 
 class StageError(Exception):
@@ -87,6 +89,8 @@ class Camera:
     """Half height of an orthographic view, meters."""
     near_m: float
     far_m: float
+    lost: Lost = dataclasses.field(default_factory=list)
+    """What of its inputs no glTF camera holds."""
 
 
 @dataclasses.dataclass
@@ -101,6 +105,8 @@ class Light:
     outer_cone: float | None = None
     exact: bool = True
     """False where a punctual light can only stand in for the authored one."""
+    lost: Lost = dataclasses.field(default_factory=list)
+    """What of its inputs no punctual light holds."""
 
 
 @dataclasses.dataclass
@@ -115,6 +121,10 @@ class Scene:
     """World matrices of the nodes that stand for a prim, by prim path."""
     other: dict[str, str] = dataclasses.field(default_factory=dict)
     """Prims that draw something else, by path: their type name."""
+    mesh_lights: set[str] = dataclasses.field(default_factory=set)
+    """Prims that draw geometry and also light the scene with it."""
+    optional: set[str] = dataclasses.field(default_factory=set)
+    """Prims that may draw something or nothing: all of their faces are degenerate."""
 
 
 def transform_points(points: Array, matrix: Array) -> Array:

@@ -30,6 +30,8 @@ class KhronosReport:
     infos: int
     version: str
     messages: list[dict[str, Any]]
+    crash: str = ""
+    """What ended the validator itself, so that it says nothing of the file; empty if nothing."""
 
     def first_error(self) -> str:
         """The first error as one line; empty where there is none."""
@@ -87,8 +89,11 @@ def check_files(files: Sequence[Path]) -> list[KhronosReport]:
 
 def _report(answer: dict[str, Any]) -> KhronosReport:
     if "failure" in answer:
-        message = {"severity": 0, "code": "UNREADABLE", "message": answer["failure"]}
-        return KhronosReport(1, 0, 0, "", [message])
+        code = "VALIDATOR_CRASHED" if answer.get("crashed") else "UNREADABLE"
+        message = {"severity": 0, "code": code, "message": answer["failure"]}
+        return KhronosReport(
+            1, 0, 0, "", [message], answer["failure"] if answer.get("crashed") else ""
+        )
     return KhronosReport(
         answer["errors"],
         answer["warnings"],

@@ -7,7 +7,7 @@ import itertools
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from .facts import Array, Scene, bounds_of
 from .gltf_file import GltfFile, OutputError
 from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
+
+if TYPE_CHECKING:
+    from .usd_truth import TruthReader
 
 _GEOMETRY_TIMES = 5
 _MATRIX_TIMES = 33
@@ -126,7 +129,7 @@ def _compare(
 
     from .material_compare import compare_materials
     from .usd_skel import bake, skin_times
-    from .usd_stage import open_truth, sample_codes
+    from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
 
@@ -150,26 +153,52 @@ def _compare(
     uses = compare_materials(checks, truth.stage, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    codes = sample_codes(Usd.PrimRange.Stage(truth.stage, Usd.TraverseInstanceProxies()))
-    codes = _within(sorted({*codes, *skin_codes}), frames)
-    if len(codes) < 2:
-        return
-    for code in _spread(codes, _GEOMETRY_TIMES):
+    proof.times = _compare_moving(comparer, reader, output, skin_codes, frames)
+
+
+def _compare_moving(
+    comparer: SceneComparer,
+    reader: TruthReader,
+    output: OutputReader,
+    skin_codes: list[float],
+    frames: Any,
+) -> int:
+    """Compare at keys and between them; returns at how many times."""
+    from pxr import Usd
+
+    from .usd_stage import codes_between, keyed_only, sample_codes
+
+    truth = reader.truth
+    codes = sorted({*sample_codes(truth.stage), *skin_codes})
+    between = _within(codes_between(truth.stage, codes, _GEOMETRY_TIMES), frames)
+    codes = _within(codes, frames)
+    if len(codes) < 2 and not between:
+        return 0
+    keyed = keyed_only(truth.stage)
+    baked = {key: set(skin_codes) for key in comparer.skinned}  # UsdSkel bakes at these
+    for code in sorted({*_spread(codes, _GEOMETRY_TIMES), *between}):
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second
         moved, shown = reader.scene(Usd.TimeCode(code)), output.scene(seconds)
-        comparer.geometry(moved, shown)
+        for key in _without_key(keyed.normals, code) & moved.corners.keys():
+            moved.corners[key].normals = None
+        comparer.geometry(moved, shown, _without_key({**keyed.prims, **baked}, code))
         comparer.cameras(moved, shown, at)
         comparer.lights(moved, shown, at)
-    between = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
-    chosen = _spread(sorted({*codes, *between}), _MATRIX_TIMES)
+    halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
+    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between})
     for code in chosen:
         seconds = (code - truth.time_origin) / truth.codes_per_second
         output_matrices = output.matrices(output.poser.pose(seconds))
         comparer.matrices_of(
             reader.matrices(Usd.TimeCode(code)), output_matrices, f"at time code {code:g}"
         )
-    proof.times = len(chosen)
+    return len(chosen)
+
+
+def _without_key(keys: dict[str, set[float]], code: float) -> frozenset[str]:
+    """The prims that have no key at `code`."""
+    return frozenset(prim for prim, own in keys.items() if code not in own)
 
 
 def _within(codes: list[float], frames: Any) -> list[float]:

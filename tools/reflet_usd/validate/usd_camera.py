@@ -6,8 +6,23 @@ import math
 
 from pxr import Gf, Usd, UsdGeom
 
-from .facts import Camera
+from .facts import Camera, Lost
 from .usd_stage import TruthStage
+
+_NOT_IN_GLTF = (
+    "clippingPlanes",
+    "exposure",
+    "exposure:fStop",
+    "exposure:iso",
+    "exposure:responsivity",
+    "exposure:time",
+    "fStop",
+    "horizontalApertureOffset",
+    "shutter:close",
+    "shutter:open",
+    "stereoRole",
+    "verticalApertureOffset",
+)
 
 
 def read_camera(
@@ -28,4 +43,17 @@ def read_camera(
         half_height if orthographic else None,
         near * truth.meters_per_unit,
         far * truth.meters_per_unit,
+        _lost_inputs(prim, time),
     )
+
+
+def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
+    """What differs from the schema's fallback and has no field in a glTF camera."""
+    lost: Lost = []
+    definition = Usd.SchemaRegistry().FindConcretePrimDefinition("Camera")
+    for name in _NOT_IN_GLTF:
+        fallback = definition.GetAttributeFallbackValue(name)
+        value = prim.GetAttribute(name).Get(time)
+        if value is not None and value != fallback:
+            lost.append(("lens-dropped", name))
+    return lost

@@ -30,7 +30,8 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
 
     def number(name: str, fallback: float) -> float:
         value = prim.GetAttribute(name).Get(time) if prim.HasAttribute(name) else None
-        return fallback if value is None else float(value)
+        # A negative size is the same surface: the places on it do not depend on the sign.
+        return fallback if value is None else abs(float(value))
 
     kind = str(prim.GetTypeName())
     axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2

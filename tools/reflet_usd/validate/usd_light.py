@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from pxr import Gf, Usd, UsdLux
 
-from .facts import Array, Light
+from .facts import Array, Light, Lost
 from .usd_stage import TruthStage
 
 _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
@@ -17,9 +18,15 @@ def read_light(
     prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d
 ) -> Light | None:
     """The light at `time`; None for kinds that no punctual light can stand in for."""
-    kind = prim.GetTypeName()
-    if kind in _SURROUNDING:
+    if prim.GetTypeName() in _SURROUNDING:
         return None
+    light = _punctual(prim, time, truth, world)
+    light.lost = _lost_inputs(prim, time)
+    return light
+
+
+def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d) -> Light:
+    kind = prim.GetTypeName()
     matrix = truth.node_world(world)
     radiance = _radiance(prim, time)
     if kind == "DistantLight":
@@ -44,6 +51,31 @@ def read_light(
     candela = radiance / 4 if _normalized(prim, time) else radiance * math.pi * radius**2
     exact = not light.GetTreatAsPointAttr().Get(time) and radius > 0
     return Light("spot" if spot else "point", candela, matrix, cone if spot else None, exact)
+
+
+def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
+    """What differs from UsdLux's neutral values and has no field in KHR_lights_punctual."""
+
+    def read(name: str, neutral: Any) -> Any:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(time) if attribute else None
+        return neutral if value is None else value
+
+    lost: Lost = []
+    diffuse, specular = read("inputs:diffuse", 1.0), read("inputs:specular", 1.0)
+    if diffuse != specular:
+        lost.append(("light-specular-dropped", f"diffuse {diffuse:g}, specular {specular:g}"))
+    if prim.IsA(UsdLux.RectLight):
+        texture = UsdLux.RectLight(prim).GetTextureFileAttr().Get(time)
+        if texture and texture.path:
+            lost.append(("light-texture-dropped", texture.path))
+    if prim.HasAPI(UsdLux.ShadowAPI) and not UsdLux.ShadowAPI(prim).GetShadowEnableAttr().Get(time):
+        lost.append(("light-shadow-dropped", "casts no shadow"))
+    if read("treatAsLine", False):
+        lost.append(("light-line-dropped", "treatAsLine"))
+    if prim.HasAPI(UsdLux.ShapingAPI) and read("inputs:shaping:focus", 0.0) != 0.0:
+        lost.append(("light-shaping-dropped", "focus"))
+    return lost
 
 
 def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,8 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
+_MAX_CODE = 1e9
+"""Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """Row-vector rotation: Z becomes Y, Y becomes −Z."""
 
@@ -82,18 +84,67 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     )
 
 
-def sample_codes(prims: Iterable[Usd.Prim]) -> list[float]:
-    """All time codes at which a transform or visibility of the given prims has a sample."""
+def sample_codes(stage: Usd.Stage) -> list[float]:
+    """All time codes at which anything with a place in space has a sample or a spline's knot."""
     codes: set[float] = set()
-    for prim in prims:
-        imageable = UsdGeom.Imageable(prim)
-        if not imageable:
-            continue
-        xformable = UsdGeom.Xformable(prim)
-        if xformable:
-            codes.update(xformable.GetTimeSamples())
-        codes.update(imageable.GetVisibilityAttr().GetTimeSamples())
-    return sorted(code for code in codes if math.isfinite(code))
+    for attribute in _placed_attributes(stage):
+        codes.update(attribute.GetTimeSamples())
+        if attribute.HasSpline():
+            codes.update(attribute.GetSpline().GetKnots().keys())
+    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+
+
+def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
+    """`count` codes spread evenly over the stage's stated range, or else over that of `codes`.
+
+    None where no value may vary over time: that asks USD itself, which also knows of splines and
+    of value clips.
+    """
+    if not any(attribute.ValueMightBeTimeVarying() for attribute in _placed_attributes(stage)):
+        return []
+    stated = [_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode")]
+    low, high = (
+        float(code) if isinstance(code, (int, float)) and abs(code) <= _MAX_CODE else fallback
+        for code, fallback in zip(
+            stated, (min(codes, default=0.0), max(codes, default=0.0)), strict=True
+        )
+    )
+    return np.linspace(low, high, count + 2)[1:-1].tolist() if low < high else []
+
+
+@dataclasses.dataclass
+class KeyedOnly:
+    """What has an exact value at its own keys only: their time codes by prim path."""
+
+    prims: dict[str, set[float]]
+    """Instancers with moving orientations, which USD interpolates in half precision."""
+    normals: dict[str, set[float]]
+    """Meshes whose normals follow their points: glTF blends the normals themselves."""
+
+
+def keyed_only(stage: Usd.Stage) -> KeyedOnly:
+    """What must not be compared between its keys."""
+    result = KeyedOnly({}, {})
+    moving = {
+        "orientations": result.prims,
+        "points": result.normals,
+        "normals": result.normals,
+        "primvars:normals": result.normals,
+    }
+    for attribute in _placed_attributes(stage):
+        found = moving.get(attribute.GetName())
+        if found is not None and attribute.ValueMightBeTimeVarying():
+            path = str(attribute.GetPrimPath())
+            found.setdefault(path, set()).update(attribute.GetTimeSamples())
+    return result
+
+
+def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
+    # Prototypes instead of their instances, of which nesting can make any number.
+    for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root):
+            if prim.IsA(UsdGeom.Imageable):
+                yield from prim.GetAuthoredAttributes()
 
 
 def _repair_time_rate(layer: Sdf.Layer) -> None:

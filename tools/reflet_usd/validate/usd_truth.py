@@ -40,13 +40,17 @@ class TruthReader:
             matrix = self.truth.world(place.matrix)
             if prim.IsA(UsdGeom.Camera):
                 scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
+                continue
+            if is_light(prim) and prim.IsA(UsdGeom.Gprim):
+                scene.mesh_lights.add(str(prim.GetPath()))
             elif is_light(prim):
                 light = read_light(prim, time, self.truth, place.matrix)
                 if light:
                     scene.lights[place.key] = light
                 else:
                     scene.other[place.key] = prim.GetTypeName()
-            elif (surface := read_surface(prim, time, matrix)) is not None:
+                continue
+            if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
             elif (points := read_points(prim, time)) is not None:
                 clouds.setdefault(place.key, []).append(transform_points(points, matrix))
@@ -54,6 +58,8 @@ class TruthReader:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
                     pieces.setdefault(place.key, []).append((mesh, matrix))
+                elif mesh is not None and mesh.optional_triangles:
+                    scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
         for key, placed in pieces.items():
@@ -105,7 +111,8 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     area, volume = np.zeros(2), np.zeros(2)
     normals, known = [], True
     for (mesh, matrix), world in zip(placed, worlds, strict=True):
-        sign = math.copysign(1.0, float(np.linalg.det(matrix[:3, :3])))
+        with np.errstate(invalid="ignore"):
+            sign = math.copysign(1.0, float(np.linalg.det(matrix[:3, :3])))
         faces = measure(world, mesh.counts, center)
         result.triangles += int((mesh.counts - 2).sum())
         result.optional_triangles += mesh.optional_triangles
@@ -115,8 +122,12 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
         volume += np.sort(ends)
         if mesh.normals is not None:
             normals.append(_transform_normals(mesh.normals, matrix))
+        elif mesh.flat_shaded and _is_singular(matrix):
+            normals.append(np.full((len(mesh.positions), 3), np.nan))
         elif mesh.flat_shaded and faces.flat.all():
-            normals.append(sign * np.repeat(faces.normals, mesh.counts, axis=0))
+            length = np.linalg.norm(faces.normals, axis=1, keepdims=True)
+            defined = np.where(length > 0.0, faces.normals, np.nan)
+            normals.append(sign * np.repeat(defined, mesh.counts, axis=0))
         else:
             known = False
     result.area_range = (float(area[0]), float(area[1]))
@@ -153,12 +164,23 @@ def _place_of(path: str, paths: list[str]) -> int:
 
 
 def _transform_normals(normals: Array, matrix: Array) -> Array:
+    """World-space unit normals; NaN, which stands for undefined, where the matrix flattens."""
     linear = matrix[:3, :3]
-    if abs(np.linalg.det(linear)) < 1e-30:
-        return normals
+    if _is_singular(matrix):
+        return np.full_like(normals, np.nan)
     turned = normals @ np.linalg.inv(linear).T
     length = np.linalg.norm(turned, axis=1, keepdims=True)
     return turned / np.where(length > 0, length, 1.0)
+
+
+def _is_singular(matrix: Array) -> bool:
+    """Whether the matrix flattens what it places (or is no matrix at all)."""
+    linear = matrix[:3, :3]
+    if not np.isfinite(linear).all():
+        return True
+    reach = np.linalg.norm(linear, axis=1)
+    smallest = float(np.linalg.svd(linear, compute_uv=False)[-1])
+    return smallest <= 1e-9 * float(reach.max())
 
 
 def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[str]]:

@@ -51,7 +51,9 @@ def _compare_use(
         both=False,
     )
     text = f"{use.attribute} for '{use.primvar}' of {use.material}"
-    checks.add("uvs", key, distance / reach, text)
+    # Textures of two UV sets that were packed into one: the warning is on the texture.
+    packed = checks.excuse(use.material, ("texture-packed-transform",))
+    checks.add("uvs", use.material if packed else key, distance / reach, text)
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:

@@ -1,0 +1,120 @@
+"""The command line's ends: signals, places that cannot be written, folders without stages."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from reflet_usd import cli
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+CUBE = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\ndef Cube "C"\n{\n}\n'
+
+
+def slow_stage(folder: Path) -> Path:
+    """A stage that takes long to convert: instances of instances."""
+    stage = folder / "slow.usda"
+    prims = "".join(f'def Xform "x{number}" {{ def Cube "c" {{}} }}\n' for number in range(20_000))
+    stage.write_text(f"#usda 1.0\n{prims}")
+    return stage
+
+
+def children(pid: int) -> list[int]:
+    """The processes that `pid` started and that still run."""
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
+    return [int(word) for word in found.stdout.split()]
+
+
+def runs(pid: int) -> bool:
+    """Whether a process is there and not a corpse."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_signal_ends_the_child_and_leaves_nothing(
+    tmp_path: Path, number: signal.Signals, code: int
+) -> None:
+    stage, out = slow_stage(tmp_path), tmp_path / "out"
+    out.mkdir()
+    command = [sys.executable, "-m", "reflet_usd", "convert", str(stage)]
+    process = subprocess.Popen(
+        [*command, "-o", str(out / "a.glb")],
+        env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while not (list(out.glob(".reflet-usd-*/log.txt")) and children(process.pid)):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.02)
+    child = children(process.pid)[0]
+    process.send_signal(number)
+    _, shown = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert list(out.iterdir()) == []
+    assert not runs(child)
+    assert number.name in shown
+    assert "Traceback" not in shown
+
+
+def test_the_handlers_of_the_caller_come_back(tmp_path: Path) -> None:
+    before = signal.getsignal(signal.SIGTERM), signal.getsignal(signal.SIGINT)
+    cli.main(["report", str(tmp_path)])
+    assert (signal.getsignal(signal.SIGTERM), signal.getsignal(signal.SIGINT)) == before
+
+
+@pytest.mark.parametrize("place", ["/proc/x.glb", "folder.glb"])
+def test_an_output_that_cannot_be_written_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str
+) -> None:
+    (tmp_path / "folder.glb").mkdir()
+    stage = tmp_path / "stage.usda"
+    stage.write_text(CUBE)
+    assert cli.main(["convert", str(stage), "-o", str(tmp_path / place)]) == 1
+    assert "[output-unwritable]" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.glb", "stage.usda"]
+
+
+@pytest.mark.parametrize("option", ["-o", "--json"])
+def test_report_looks_at_its_outputs_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    (tmp_path / "stage.usda").write_text(CUBE)
+    place = tmp_path / "none" / "x.md"
+    assert cli.main(["report", str(tmp_path), option, str(place)]) == 2
+    assert "make it first" in capsys.readouterr().err
+    assert cli.main(["report", str(tmp_path), option, str(tmp_path)]) == 2
+    assert "name a file" in capsys.readouterr().err
+
+
+def test_report_says_what_a_folder_lacks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["report", str(tmp_path)]) == 2
+    assert "holds no USD stage" in capsys.readouterr().err
+    (tmp_path / "stage.usda").write_text(CUBE)
+    assert cli.main(["report", str(tmp_path), "--only", "nothing"]) == 2
+    assert "no stage matches 'nothing'" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        cli.main(["report", str(tmp_path), "--only", "("])
+    assert "no regular expression" in capsys.readouterr().err
+
+
+def test_report_leaves_out_what_it_cannot_measure(
+    tmp_path: Path, khronos: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "stage.usda").write_text(CUBE)
+    assert cli.main(["report", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert "| converted, of those that open | 1/1 |" in shown
+    assert "0/0" not in shown

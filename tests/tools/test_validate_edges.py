@@ -1,0 +1,309 @@
+"""The validator at the edges: empty areas, NaN, deep trees, splines, and what excuses what."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from convert_reading import Converted, convert_text
+from handmade import HandFile
+from reflet_usd import cli
+from reflet_usd.validate import proof as proof_module
+from reflet_usd.validate.checks import Check
+from reflet_usd.validate.proof import Proof, prove
+
+QUAD = """
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+"""
+
+
+def proof_of(folder: Path, text: str) -> Proof:
+    """Convert a stage and compare it with its own output."""
+    done: Converted = convert_text(folder, text)
+    return prove(done.out, folder / "stage.usda", khronos=False)
+
+
+def check_of(proof: Proof, name: str) -> Check:
+    """One check's result."""
+    return next(check for check in proof.checks if check.name == name)
+
+
+def scaled(scale: str, body: str = QUAD) -> str:
+    """A quad below a scale."""
+    return f"""
+def Xform "R"
+{{
+    float3 xformOp:scale = {scale}
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+    def Mesh "m"
+    {{{body}
+    }}
+}}
+def Cube "Unit"
+{{
+}}
+"""
+
+
+@pytest.mark.parametrize("scale", ["(0, 0, 0)", "(0, 1, 1)", "(1, 1, 0)", "(1e-20, 1e-20, 1e-20)"])
+def test_flattened_surfaces_are_compared_by_corners(tmp_path: Path, scale: str) -> None:
+    proof = proof_of(tmp_path, scaled(scale))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "positions").compared >= 2
+
+
+def test_normals_of_surfaces_that_are_not_flattened_still_count(tmp_path: Path) -> None:
+    proof = proof_of(tmp_path, scaled("(1, 1, 0.001)"))
+    assert check_of(proof, "normals").compared >= 2
+
+
+def test_nan_in_the_stage_is_a_declared_loss(tmp_path: Path) -> None:
+    text = f"""
+def Xform "R"
+{{
+    double3 xformOp:translate = (nan, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Mesh "m"
+    {{{QUAD}
+    }}
+}}
+def Mesh "hole"
+{{{QUAD.replace("(0, 1, 0)]", "(nan, inf, 0)]")}
+}}
+def Cube "Unit"
+{{
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "positions").declared == 1
+
+
+def test_a_huge_thin_triangle_may_be_drawn(tmp_path: Path) -> None:
+    text = """
+def Mesh "m"
+{
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1e38, 1e38, 0)]
+}
+def Cube "Unit"
+{
+}
+"""
+    assert proof_of(tmp_path, text).passed
+
+
+def deep_file(folder: Path, depth: int) -> Path:
+    """A file whose nodes nest `depth` levels."""
+    file = HandFile()
+    parent = file.node("/")
+    for number in range(depth):
+        parent = file.node(f"/{number}", parent)
+    return file.write(folder / "deep.glb")
+
+
+def test_a_crash_of_the_khronos_validator_is_named(
+    tmp_path: Path, khronos: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = deep_file(tmp_path, 20_000)
+    assert cli.main(["validate", str(out)]) == 1
+    shown = capsys.readouterr().err
+    assert "[validator-crash]" in shown
+    assert "dart.js" not in shown
+
+
+def test_a_blunder_of_the_check_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def blunder(*_: object) -> None:
+        raise ZeroDivisionError("float division by zero")
+
+    out = deep_file(tmp_path, 1)
+    monkeypatch.setattr(proof_module, "OutputReader", blunder)
+    assert cli.main(["validate", str(out), "--no-khronos"]) == 1
+    shown = capsys.readouterr().err
+    assert "[validate-internal]" in shown
+    assert "Traceback" not in shown
+
+
+MOVING = """#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+    startTimeCode = 0
+    endTimeCode = 20
+    timeCodesPerSecond = 10
+)
+def Xform "R"
+{
+    BODY
+    uniform token[] xformOpOrder = ["xformOp:translateX"]
+    def Cube "c"
+    {
+    }
+}
+"""
+
+
+def still_file(folder: Path, body: str) -> Path:
+    """The file of a stage that stands still, beside one that says `body` of its cube."""
+    convert_text(folder, MOVING.replace("BODY", "double xformOp:translateX = 0"))
+    (folder / "stage.usda").write_text(MOVING.replace("BODY", body))
+    return folder / "out.glb"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "double xformOp:translateX.timeSamples = { 0: 0, 10: 5, 20: 0 }",
+        "double xformOp:translateX.spline = "
+        "{ bezier, 0: 0; post linear, 9: 4; post linear, 20: 0 }",
+        "double xformOp:translateX.spline = "
+        "{ bezier, 0: 0; post curve (5, 2), 20: 0; pre (5, -2); post curve (5, 2) }",
+    ],
+    ids=["samples", "knots", "between the knots"],
+)
+def test_a_file_that_stands_still_fails_where_the_stage_moves(tmp_path: Path, body: str) -> None:
+    proof = prove(still_file(tmp_path, body), tmp_path / "stage.usda", khronos=False)
+    assert not check_of(proof, "positions").passed
+    assert not check_of(proof, "matrices").passed
+    assert proof.times >= 5
+
+
+def test_moving_points_are_compared_between_their_keys(tmp_path: Path) -> None:
+    frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 3, 0)]"
+    text = f"""
+def Mesh "m"
+{{
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points.timeSamples = {{ {frames} }}
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed
+    assert check_of(proof, "positions").compared >= 7
+    changed = text.replace("(0, 3, 0)", "(0, 3.1, 0)")
+    (tmp_path / "stage.usda").write_text(
+        '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n' + changed
+    )
+    again = prove(tmp_path / "out.glb", tmp_path / "stage.usda", khronos=False)
+    assert not check_of(again, "positions").passed
+
+
+def with_warning(folder: Path, text: str, name: str, prim: str, changed: str) -> Proof:
+    """The file of `text` with one warning, compared with the stage `changed`."""
+    done = convert_text(folder, text)
+    Path(f"{done.out}.json").write_text(
+        f'{{"warnings": [{{"name": "{name}", "prim": "{prim}", "message": ""}}]}}'
+    )
+    (folder / "stage.usda").write_text(changed)
+    return prove(done.out, folder / "stage.usda", khronos=False)
+
+
+def test_a_wrong_time_rate_excuses_no_motion(tmp_path: Path) -> None:
+    text = MOVING.replace("BODY", "double xformOp:translateX.timeSamples = { 0: 0, 20: 5 }")
+    changed = text.replace("20: 5", "20: 9")
+    proof = with_warning(tmp_path, text, "time-rate-invalid", "/", changed)
+    assert not check_of(proof, "positions").passed
+
+
+def test_a_damaged_prim_excuses_all_below_it(tmp_path: Path) -> None:
+    text = MOVING.replace("BODY", "double xformOp:translateX = 0")
+    changed = text + 'def Xform "D"\n{\n    def Xform "E"\n    {\n        def Cube "c"\n'
+    changed += "        {\n        }\n    }\n}\n"
+    proof = with_warning(tmp_path, text, "prim-damaged", "/D", changed)
+    assert check_of(proof, "carried").passed
+    assert check_of(proof, "carried").declared >= 1
+    proof = with_warning(tmp_path, text, "prim-damaged", "/Dx", changed)
+    assert not check_of(proof, "carried").passed
+
+
+def test_an_invalid_instancer_excuses_what_it_still_draws(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "pi"
+{
+    rel prototypes = </pi/A>
+    int[] protoIndices = [0, 7]
+    point3f[] positions = [(0, 0, 0), (nan, 0, 0)]
+    def Cube "A"
+    {
+    }
+}
+"""
+    assert proof_of(tmp_path, text).passed
+
+
+LOST = [
+    ("RectLight", "", "asset inputs:texture:file = @sky.png@", "light-texture-dropped"),
+    ("SphereLight", "", "float inputs:specular = 0", "light-specular-dropped"),
+    ("SphereLight", "", "float inputs:diffuse = 0.5", "light-specular-dropped"),
+    ("DistantLight", "ShadowAPI", "bool inputs:shadow:enable = 0", "light-shadow-dropped"),
+    ("CylinderLight", "", "bool treatAsLine = 1", "light-line-dropped"),
+    ("SphereLight", "ShapingAPI", "float inputs:shaping:focus = 2", "light-shaping-dropped"),
+    ("Mesh", "MeshLightAPI", QUAD + "float inputs:intensity = 5", "mesh-light-dropped"),
+    ("Camera", "", "float4[] clippingPlanes = [(1, 0, 0, 1)]", "lens-dropped"),
+    ("Camera", "", "float exposure:iso = 400", "lens-dropped"),
+    ("Camera", "", "float exposure:responsivity = 2", "lens-dropped"),
+]
+
+
+@pytest.mark.parametrize(("kind", "api", "body", "name"), LOST)
+def test_inputs_that_gltf_lacks_are_named_and_else_silent(
+    tmp_path: Path, kind: str, api: str, body: str, name: str
+) -> None:
+    schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
+    done = convert_text(tmp_path, f'def {kind} "L"{schemas}\n{{\n{body}\n}}\n')
+    assert name in done.warnings("/L")
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "inputs").declared == 1
+    sidecar = Path(f"{done.out}.json")
+    content = json.loads(sidecar.read_text())
+    content["warnings"] = [entry for entry in content["warnings"] if entry["name"] != name]
+    sidecar.write_text(json.dumps(content))
+    silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not check_of(silent, "inputs").passed
+
+
+def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> None:
+    text = """
+def SphereLight "L"
+{
+    float inputs:intensity = 100
+    bool inputs:normalize = 1
+    float inputs:diffuse = 0.5
+    float inputs:specular = 0.5
+}
+"""
+    done = convert_text(tmp_path, text)
+    entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
+    assert entry["intensity"] == pytest.approx(12.5)
+    assert done.warnings("/L") == set()
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_angular_velocities_are_named(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "pi"
+{
+    rel prototypes = </pi/A>
+    int[] protoIndices = [0]
+    point3f[] positions = [(0, 0, 0)]
+    quath[] orientations.timeSamples = { 0: [(1, 0, 0, 0)], 5: [(-1, 0, 0, 0)] }
+    vector3f[] angularVelocities.timeSamples = { 0: [(0, 0, 1728)], 5: [(0, 0, 0)] }
+    def Cube "A"
+    {
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert "velocities-dropped" in done.warnings("/pi")
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
