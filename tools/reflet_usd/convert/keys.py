@@ -20,8 +20,6 @@ EXACT_TOLERANCE = 2e-6
 SAMPLED_TOLERANCE = 5e-6
 EXACT_DEPTH = 3
 SAMPLED_DEPTH = 12
-# Steps halved less often than this are always halved again: too long to judge by.
-UNJUDGED_DEPTH = 4
 # Halving a step must shrink the deviation to this share, else more keys do not help.
 USEFUL_SHRINKAGE = 0.7
 MAX_SAMPLES = 20_000
@@ -37,6 +35,9 @@ Pose = tuple[Trs, ...]
 class Fit(Protocol):
     """How a matrix becomes a pose."""
 
+    unjudged_depth: int
+    """Steps halved less often than this are always halved again: too long to judge by."""
+
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """The pose at `first`, from which the step to `last` begins; None where there is none."""
 
@@ -44,12 +45,13 @@ class Fit(Protocol):
         """The pose at `code`, close to the previous key's."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class OneNode:
     """Translation, rotation and scale; with `nearest` also where the matrix shears."""
 
     evaluate: Evaluate
     nearest: bool = False
+    unjudged_depth: int = 4
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """See `Fit`."""
@@ -67,11 +69,12 @@ class OneNode:
         return None if trs is None else (trs,)
 
 
-@dataclass(frozen=True)
+@dataclass
 class TwoNodes:
-    """Any affine matrix as two nested nodes."""
+    """Any affine matrix as two nested nodes; singular vectors may turn within a short step."""
 
     evaluate: Evaluate
+    unjudged_depth: int = 9
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """See `Fit`; equal singular values take the directions that they part in."""
@@ -199,7 +202,7 @@ def _halving_helps(
     error: float,
     reach: float,
 ) -> bool:
-    if level < UNJUDGED_DEPTH:
+    if level < fit.unjudged_depth:
         return True
     middle = fit.at((a + b) / 2, pose)
     last = None if middle is None else fit.at(b, middle)
