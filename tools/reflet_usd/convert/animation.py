@@ -161,7 +161,11 @@ def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:
     shown = [attribute.Get(code) != UsdGeom.Tokens.invisible for code in codes]
     if len(set(shown)) < 2:
         return
-    times = np.array([context.seconds(code) for code in codes])
-    values = np.array(shown, dtype=np.uint8).reshape(-1, 1)
-    node.extras["visible"] = shown[0]
+    set_visibility(node, np.array([context.seconds(code) for code in codes]), np.array(shown))
+
+
+def set_visibility(node: Node, times: Array, shown: Array) -> None:
+    """Show and hide `node`: one bool for each key."""
+    values = shown.astype(np.uint8).reshape(-1, 1)
+    node.extras["visible"] = bool(shown[0])
     node.add_track("extensions/KHR_node_visibility/visible", times, values, step=True)
