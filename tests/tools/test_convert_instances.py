@@ -257,3 +257,46 @@ def PointInstancer "I" {{
 }}
 """
     assert "instancer-invalid" in convert_text(tmp_path, text).warnings("/I")
+
+
+MOVING_INSTANCER = """
+def PointInstancer "I" {{
+    rel prototypes = </I/P>
+    int[] protoIndices = [0, 0, 0]
+    int64[] ids = [10, 20, 30]
+    {more}
+    point3f[] positions.timeSamples = {{
+        1: [(0,0,0), (3,0,0), (6,0,0)], 11: [(0,5,0), (3,0,0), (6,0,0)] }}
+    def Cube "P" {{
+    }}
+}}
+"""
+
+
+def test_instances_that_come_and_go_keep_moving(tmp_path: Path) -> None:
+    more = "int64[] invisibleIds.timeSamples = { 1: [20], 5: [20, 30], 9: [] }"
+    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
+    assert done.warnings() == set()
+    nodes = {
+        (n.extras or {}).get("instance"): i for i, n in enumerate(done.gltf.nodes)
+    }
+    assert done.world(5 / 24)[nodes[0]][:3, 3] == pytest.approx([0, 2.5, 0])
+    shown = {}
+    for channel in done.json["animations"][0]["channels"]:
+        pointer = channel["target"].get("extensions", {}).get("KHR_animation_pointer")
+        if pointer:
+            sampler = done.json["animations"][0]["samplers"][channel["sampler"]]
+            keys = done.array(sampler["output"])[:, 0].tolist()
+            shown[int(pointer["pointer"].split("/")[2])] = keys
+            assert sampler["interpolation"] == "STEP"
+    assert shown == {nodes[1]: [0, 0, 1], nodes[2]: [1, 0, 1]}
+
+
+@pytest.mark.parametrize(("half", "names"), [("0.7071", {"instance-rotation-normalized"}), ("0.5", set())])
+def test_moving_instances_name_normalized_rotations(
+    tmp_path: Path, half: str, names: set[str]
+) -> None:
+    turn = "(0.5, 0.5, 0.5, 0.5)" if half == "0.5" else f"({half}, {half}, 0, 0)"
+    more = f"quath[] orientations = [(1,0,0,0), {turn}, (1,0,0,0)]"
+    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
+    assert done.warnings() == names

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable
-
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
+from reflet_usd.convert.keys import (
+    Evaluate,
+    Keys,
+    OneNode,
+    Pose,
+    TwoNodes,
+    exact_keys,
+    sampled_keys,
+)
 from reflet_usd.convert.opchain import chain_of_ops
+from reflet_usd.convert.samples import (
+    has_spline,
+    seconds_of,
+    value_codes,
+    warn_extrapolation,
+    with_jumps,
+)
 from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import (
     Trs,
@@ -17,21 +30,9 @@ from reflet_usd.convert.xform import (
     assign,
     column_matrix,
     decompose,
-    nearest_trs,
     place,
+    split_shear,
 )
-
-# Between keys a matrix may deviate by this share of its largest entries and still be exact.
-EXACT_TOLERANCE = 2e-6
-SAMPLED_TOLERANCE = 1e-5
-EXACT_DEPTH = 3
-SAMPLED_DEPTH = 7
-# Halving a step must shrink the deviation to this share, else more keys do not help (shear).
-USEFUL_SHRINKAGE = 0.7
-MAX_SAMPLES = 20_000
-_PROBES = (0.25, 0.5, 0.75)
-
-Evaluate = Callable[[float], Array]
 
 
 def transform_node(context: Context, prim: Usd.Prim) -> tuple[Node, Node, bool]:
@@ -42,20 +43,29 @@ def transform_node(context: Context, prim: Usd.Prim) -> tuple[Node, Node, bool]:
         return node, node, False
     if not xformable.GetXformOpOrderAttr().HasAuthoredValue():
         return node, node, False
-    matrix = _finite(context, prim, xformable.GetLocalTransformation(context.time))
     reset = xformable.GetResetXformStack()
     codes = key_codes(context, xformable)
     if len(codes) < 2:
+        time = Usd.TimeCode(codes[0]) if codes else context.time
+        matrix = _finite(context, prim, xformable.GetLocalTransformation(time))
         return node, _place(context, prim, node, matrix), reset
     return node, _animate(context, prim, node, xformable, codes), reset
 
 
 def key_codes(context: Context, xformable: UsdGeom.Xformable) -> list[float]:
-    """The kept time codes at which the local transform has samples."""
+    """The kept time codes at which the local transform has samples or knots."""
     if not xformable.TransformMightBeTimeVarying():
         return []
-    codes = sorted(code for code in xformable.GetTimeSamples() if np.isfinite(code))
-    return context.codes_in_range(codes)
+    found = set(xformable.GetTimeSamples())
+    for attribute in _splines(xformable):
+        found.update(value_codes(attribute))
+        warn_extrapolation(context, attribute)
+    return context.codes_in_range(sorted(code for code in found if np.isfinite(code)))
+
+
+def _splines(xformable: UsdGeom.Xformable) -> list[Usd.Attribute]:
+    attributes = [op.GetAttr() for op in xformable.GetOrderedXformOps()]
+    return [attribute for attribute in attributes if has_spline(attribute)]
 
 
 def _place(context: Context, prim: Usd.Prim, node: Node, matrix: Array) -> Node:
@@ -81,32 +91,58 @@ def _animate(
     def evaluate(code: float) -> Array:
         return _finite(context, prim, xformable.GetLocalTransformation(Usd.TimeCode(code)))
 
-    if context.held:
-        parts = [nearest_trs(evaluate(code)) for code in codes]
-        _set_tracks(context, node, codes, parts, step=True)
-        return node
-    exact = refine_keys(evaluate, codes, EXACT_TOLERANCE, EXACT_DEPTH)
-    if exact is not None:
-        _set_tracks(context, node, exact[0], exact[1])
-        return node
+    if context.held and not _splines(xformable):
+        return _hold(context, prim, node, evaluate, codes)
+    authored = len(codes)
+    codes = with_jumps(evaluate, codes)
+    keys = exact_keys(evaluate, codes, OneNode(evaluate))
+    if keys is not None:
+        return _set_tracks(context, prim, node, keys)
     outer = chain_of_ops(context, node, xformable)
     if outer is not None:
         return outer
-    sampled, parts, deviation = _sample(evaluate, codes)
-    _set_tracks(context, node, sampled, parts)
+    keys = exact_keys(evaluate, codes, TwoNodes(evaluate))
+    if keys is not None:
+        return _set_tracks(context, prim, node, keys)
+    keys = sampled_keys(evaluate, codes)
     message = (
-        f"{len(codes)} keys became {len(sampled)} samples,"
-        f" at most {deviation:.1e} of the transform's size away between them"
+        f"{authored} keys became {len(keys.codes)} samples,"
+        f" at most {keys.deviation:.1e} of the transform's size away between them"
     )
     context.ledger.warn("animation-resampled", prim, message)
-    return node
+    return _set_tracks(context, prim, node, keys)
+
+
+def _hold(
+    context: Context, prim: Usd.Prim, node: Node, evaluate: Evaluate, codes: list[float]
+) -> Node:
+    """Keys that stay until the next one: any matrix is exact."""
+    matrices = [evaluate(code) for code in codes]
+    parts = [decompose(matrix) for matrix in matrices]
+    poses: list[Pose] = [(trs,) for trs in parts if trs is not None]
+    if len(poses) < len(codes):
+        poses = [split_shear(matrix) for matrix in matrices]
+    return _set_tracks(context, prim, node, Keys(codes, poses), step=True)
 
 
 def _set_tracks(
-    context: Context, node: Node, codes: list[float], parts: list[Trs], step: bool = False
-) -> None:
+    context: Context, prim: Usd.Prim, node: Node, keys: Keys, step: bool = False
+) -> Node:
+    """Animate the node, and a helper above it where there are two; returns the outer one."""
+    times = seconds_of(context, keys.codes)
+    if len(keys.poses[0]) == 1:
+        _set_node_tracks(node, times, [pose[0] for pose in keys.poses], step)
+        return node
+    context.ledger.warn("shear-split", prim, "the matrix shears, carried as two nested nodes")
+    helper = Node(f"{node.name}_shear")
+    _set_node_tracks(helper, times, [pose[0] for pose in keys.poses], step)
+    _set_node_tracks(node, times, [pose[1] for pose in keys.poses], step)
+    helper.add(node)
+    return helper
+
+
+def _set_node_tracks(node: Node, times: Array, parts: list[Trs], step: bool) -> None:
     assign(node, parts[0])
-    times = np.array([context.seconds(code) for code in codes])
     rotations = align_hemispheres(np.array([part.rotation for part in parts]))
     channels = {
         "translation": np.array([part.translation for part in parts]),
@@ -118,99 +154,6 @@ def _set_tracks(
             node.add_track(path, times, values, step)
 
 
-def interpolate(first: Trs, last: Trs, share: float) -> Trs:
-    """What glTF shows between two keys: linear, and spherical linear for the rotation."""
-    a, b = first.rotation, last.rotation
-    dot = float(a @ b)
-    if dot < 0.0:
-        b, dot = -b, -dot
-    angle = np.arccos(min(dot, 1.0))
-    if angle < 1e-9:
-        rotation = a + (b - a) * share
-    else:
-        rotation = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
-    rotation = rotation / np.linalg.norm(rotation)
-    return Trs(
-        first.translation + (last.translation - first.translation) * share,
-        rotation,
-        first.scale + (last.scale - first.scale) * share,
-    )
-
-
-def _deviation(trs: Trs, matrix: Array, reach: float) -> float:
-    difference = np.abs(trs.matrix() - matrix)
-    size = max(float(np.abs(matrix[:3, :3]).max()), 1e-30)
-    return max(float(difference[:3, :3].max()) / size, float(difference[:3, 3].max()) / reach)
-
-
-def _reach(evaluate: Evaluate, codes: list[float]) -> float:
-    """How far the origin gets from 0: the unit in which its deviation is judged."""
-    return max(max(float(np.abs(evaluate(code)[:3, 3]).max()) for code in codes), 1e-30)
-
-
-def refine_keys(
-    evaluate: Evaluate, codes: list[float], tolerance: float, depth: int
-) -> tuple[list[float], list[Trs]] | None:
-    """Keys, halved up to `depth` times, between which glTF stays within `tolerance`; else None."""
-    reach = _reach(evaluate, codes)
-    first = decompose(evaluate(codes[0]))
-    if first is None:
-        return None
-    kept, parts = [codes[0]], [first]
-    stack = [(a, b, 0) for a, b in itertools.pairwise(codes)][::-1]
-    while stack:
-        a, b, level = stack.pop()
-        last = decompose(evaluate(b))
-        if last is None or len(kept) > MAX_SAMPLES:
-            return None
-        if _worst(evaluate, a, b, parts[-1], last, reach) <= tolerance:
-            kept.append(b)
-            parts.append(last)
-        elif level >= depth:
-            return None
-        else:
-            middle = (a + b) / 2
-            stack += [(middle, b, level + 1), (a, middle, level + 1)]
-    return kept, parts
-
-
-def _worst(evaluate: Evaluate, a: float, b: float, first: Trs, last: Trs, reach: float) -> float:
-    return max(
-        _deviation(interpolate(first, last, share), evaluate(a + (b - a) * share), reach)
-        for share in _PROBES
-    )
-
-
-def _sample(evaluate: Evaluate, codes: list[float]) -> tuple[list[float], list[Trs], float]:
-    """Keys halved until close enough, and the worst deviation that is left."""
-    reach = _reach(evaluate, codes)
-    kept, parts, worst = [codes[0]], [nearest_trs(evaluate(codes[0]))], 0.0
-    stack = [(a, b, 0) for a, b in itertools.pairwise(codes)][::-1]
-    while stack:
-        a, b, level = stack.pop()
-        last = nearest_trs(evaluate(b))
-        error = _worst(evaluate, a, b, parts[-1], last, reach)
-        full = level >= SAMPLED_DEPTH or len(kept) + len(stack) > MAX_SAMPLES
-        if error <= SAMPLED_TOLERANCE or full or not _halving_helps(evaluate, a, b, error, reach):
-            worst = max(worst, error)
-            kept.append(b)
-            parts.append(last)
-        else:
-            middle = (a + b) / 2
-            stack += [(middle, b, level + 1), (a, middle, level + 1)]
-    return kept, parts, worst
-
-
-def _halving_helps(evaluate: Evaluate, a: float, b: float, error: float, reach: float) -> bool:
-    middle = (a + b) / 2
-    ends = [nearest_trs(evaluate(code)) for code in (a, middle, b)]
-    halves = max(
-        _worst(evaluate, a, middle, ends[0], ends[1], reach),
-        _worst(evaluate, middle, b, ends[1], ends[2], reach),
-    )
-    return halves < USEFUL_SHRINKAGE * error
-
-
 def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:
     """Animated visibility through KHR_node_visibility, which only some viewers follow."""
     attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
@@ -218,7 +161,11 @@ def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:
     shown = [attribute.Get(code) != UsdGeom.Tokens.invisible for code in codes]
     if len(set(shown)) < 2:
         return
-    times = np.array([context.seconds(code) for code in codes])
-    values = np.array(shown, dtype=np.uint8).reshape(-1, 1)
-    node.extras["visible"] = shown[0]
+    set_visibility(node, np.array([context.seconds(code) for code in codes]), np.array(shown))
+
+
+def set_visibility(node: Node, times: Array, shown: Array) -> None:
+    """Show and hide `node`: one bool for each key."""
+    values = shown.astype(np.uint8).reshape(-1, 1)
+    node.extras["visible"] = bool(shown[0])
     node.add_track("extensions/KHR_node_visibility/visible", times, values, step=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from reflet_usd.convert.animation import set_visibility
 from reflet_usd.convert.context import Context, authored, in_float32, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancing import (
@@ -23,7 +24,9 @@ PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.
 MAX_INSTANCE_NODES = 4096
 MAX_NODES = 4_000_000
-_ANIMATED = ("protoIndices", "invisibleIds", "ids")
+_FROZEN = ("protoIndices", "ids")
+# Matrices that normalization changes by no more than this are equal in single precision.
+_NORMALIZED = 1e-6
 _GROUPS = ("", "Xform", "Scope")
 
 
@@ -39,6 +42,14 @@ class Instances:
     quaternions: Array
     """As authored: half floats are rarely of length 1, and USD does not normalize them."""
     scales: Array
+    visible_times: Array
+    """Seconds of the keys of `visible`, fewer than two where it does not change."""
+    visible: Array
+    """(keys, I) which instances are seen."""
+
+    def changing(self, rows: Array) -> Array:
+        """Which of some instances come and go."""
+        return np.asarray((self.visible[:, rows] != self.visible[:1, rows]).any(axis=0))
 
     def transforms(self, rows: Array) -> tuple[Array, Array, Array]:
         """Translations, unit quaternions and scales of some instances."""
@@ -78,7 +89,7 @@ class Instancers:
         instancer = UsdGeom.PointInstancer(prim)
         targets = instancer.GetPrototypesRel().GetForwardedTargets()
         self._account_children(prim, [str(path) for path in targets])
-        instances = self._read(prim, instancer, len(targets))
+        instances = self._read(prim, len(targets))
         if instances is None:
             return
         self.context.ledger.carry(prim)
@@ -96,7 +107,8 @@ class Instancers:
                 self.context.ledger.skip_subtree("prototype-unused", prototype_prim, message)
                 continue
             prototype = self._prototype(prototype_prim)
-            many = len(chosen) > MAX_INSTANCE_NODES and not tracks
+            moves = bool(tracks) or instances.changing(chosen).any()
+            many = len(chosen) > MAX_INSTANCE_NODES and not moves
             if many and self._add_to_gpu(prim, node, prototype, instances, chosen):
                 continue
             self._add_nodes(prim, node, prototype, instances, chosen, tracks)
@@ -141,6 +153,9 @@ class Instancers:
             number = int(instances.numbers[row])
             instance.name = f"{prototype.name}_{number}"
             instance.extras = {"instancer": str(prim.GetPath()), "instance": number}
+            if instances.changing(np.array([row]))[0]:
+                shown = instances.visible[:, row]
+                set_visibility(instance, instances.visible_times, shown)
             if not tracks:
                 outer = place(instance, matrix)
                 sheared += outer is not instance
@@ -159,9 +174,7 @@ class Instancers:
             message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
             self.context.ledger.warn("shear-split", prim, message)
 
-    def _read(
-        self, prim: Usd.Prim, instancer: UsdGeom.PointInstancer, prototype_count: int
-    ) -> Instances | None:
+    def _read(self, prim: Usd.Prim, prototype_count: int) -> Instances | None:
         context = self.context
         prototypes = np.array(
             authored(prim, "protoIndices", context.time, []), dtype=np.int64
@@ -188,9 +201,8 @@ class Instancers:
         if not usable.all():
             message = f"{int((~usable).sum())} instances name no prototype or are not finite"
             context.ledger.warn("instancer-invalid", prim, message)
-        mask = instancer.ComputeMaskAtTime(context.time)
-        if mask is not None and len(mask) == count:
-            usable &= np.array(mask, dtype=bool)
+        codes, masks = self._masks(prim, count)
+        usable &= masks.any(axis=0)
         numbers = np.flatnonzero(usable)
         return Instances(
             numbers,
@@ -198,12 +210,14 @@ class Instancers:
             parts["translation"][numbers],
             parts["rotation"][numbers],
             parts["scale"][numbers],
+            np.array([context.seconds(code) for code in codes]),
+            masks[:, numbers],
         )
 
     def _animation(self, prim: Usd.Prim, instances: Instances) -> dict[str, tuple[Array, Array]]:
         """Per path the key times and (keys, instances, components); empty where frozen."""
         context = self.context
-        varying = [n for n in _ANIMATED if prim.GetAttribute(n).ValueMightBeTimeVarying()]
+        varying = [n for n in _FROZEN if prim.GetAttribute(n).ValueMightBeTimeVarying()]
         tracks: dict[str, tuple[Array, Array]] = {}
         count = int(instances.numbers.max(initial=-1)) + 1
         for path in ("translation", "rotation", "scale"):
@@ -225,8 +239,37 @@ class Instancers:
         if varying:
             message = f"animated {', '.join(varying)} stay at their first value"
             context.ledger.warn("instancer-animation-frozen", prim, message)
-            return {}
+            if set(varying) & set(_FROZEN):
+                return {}
+        if tracks:
+            self._warn_normalized(prim, instances, tracks)
         return tracks
+
+    def _warn_normalized(
+        self, prim: Usd.Prim, instances: Instances, tracks: dict[str, tuple[Array, Array]]
+    ) -> None:
+        """glTF's animated rotations have length 1, those of half floats rarely do."""
+        quaternions = instances.quaternions
+        if "rotation" in tracks:
+            quaternions = tracks["rotation"][1][:, instances.numbers].reshape(-1, 4)
+        places, ones = np.zeros((len(quaternions), 3)), np.ones((len(quaternions), 3))
+        unit = trs_matrices(places, unit_quaternions(quaternions), ones)
+        off = np.abs(trs_matrices(places, quaternions, ones) - unit).max(initial=0.0)
+        if off > _NORMALIZED:
+            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
+            self.context.ledger.warn("instance-rotation-normalized", prim, message)
+
+    def _masks(self, prim: Usd.Prim, count: int) -> tuple[list[float], Array]:
+        """Codes of `invisibleIds`, and (codes, count) which instances are seen from each on."""
+        instancer, context = UsdGeom.PointInstancer(prim), self.context
+        codes = context.codes_in_range(sorted(_samples(prim, "invisibleIds")))
+        times = [Usd.TimeCode(code) for code in codes] if len(codes) > 1 else [context.time]
+        rows = []
+        for time in times:
+            mask = instancer.ComputeMaskAtTime(time)
+            fits = mask is not None and len(mask) == count
+            rows.append(np.array(mask, dtype=bool) if fits else np.ones(count, dtype=bool))
+        return codes, np.array(rows)
 
     def _warn_primvars(self, prim: Usd.Prim) -> None:
         for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues():

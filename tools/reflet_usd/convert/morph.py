@@ -99,9 +99,10 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
         reason = "the number of points changes"
     elif not reason and len(codes) * max(lengths) > MAX_KEYED_POINTS:
         reason = f"the keys hold more than {MAX_KEYED_POINTS} points"
-    keys = np.array(values, dtype=np.float64) * context.meters_per_unit
-    if not reason and not in_float32(keys).all():
-        reason = "some points are not finite"
+    keys = np.zeros(0)
+    if not reason:
+        keys = np.array(values, dtype=np.float64) * context.meters_per_unit
+        reason = "" if in_float32(keys).all() else "some points are not finite"
     if reason:
         message = f"animated points stay at their first value: {reason}"
         context.ledger.warn("points-animation-frozen", prim, message)

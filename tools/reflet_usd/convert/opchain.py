@@ -65,8 +65,8 @@ def _append_static(links: list[Node], name: str, matrix: Array) -> None:
 def _animated_links(context: Context, name: str, op: UsdGeom.XformOp) -> list[Node] | None:
     kind = op.GetOpType()
     codes = context.codes_in_range(sorted(op.GetTimeSamples()))
-    if len(codes) < 2:
-        return None
+    if len(codes) < 2 or any(op.Get(Usd.TimeCode(code)) is None for code in codes):
+        return None  # blocked samples, and splines, which have knots instead
     if kind in _SINGLE_AXES:
         angles = np.array([_angle(op, code, None) for code in codes])
         if not np.isfinite(angles).all():

@@ -219,6 +219,10 @@ class Skeletons:
         keys = []
         for code in codes:
             value = attribute.Get(code)
+            if value is None:  # a block: the joint's rest transform would stand here
+                message = f"animated {path}s have blocked samples"
+                self.context.ledger.warn("skeleton-animation-dropped", prim, message)
+                return None
             if path == "rotation":
                 keys.append(unit_quaternions(value))
             else:

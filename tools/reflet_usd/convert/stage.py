@@ -18,6 +18,7 @@ from reflet_usd.convert.confinement import (
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.samples import first_code
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 
 # UsdGeom's documented fallbacks.
@@ -201,12 +202,13 @@ def _stated_code(stage: Usd.Stage, name: str) -> float | None:
 
 
 def _first_keys(stage: Usd.Stage) -> list[float]:
-    """The first time sample of every animated attribute."""
+    """The first time sample or knot of every animated attribute."""
     keys = []
     # Prototypes instead of the instances, of which nesting can make any number.
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
         for prim in Usd.PrimRange(root):
             for attribute in prim.GetAuthoredAttributes():
-                if attribute.GetNumTimeSamples() > 0:
-                    keys.append(attribute.GetTimeSamples()[0])
+                code = first_code(attribute)
+                if code is not None:
+                    keys.append(code)
     return keys

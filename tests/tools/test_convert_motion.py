@@ -1,0 +1,126 @@
+"""Owns the tests of moving transforms that are no plain keys: splines, shear, blocked samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import Converted, convert_text
+from convert_worlds import check_world
+from pxr import Usd
+
+needs_splines = pytest.mark.skipif(
+    not hasattr(Usd.Attribute, "HasSpline"), reason="this usd-core has no splines"
+)
+BETWEEN = [1, 1.7, 3, 5.5, 8, 8.4, 10.5, 13.1, 16, 19.9, 20]
+
+
+def moving(folder: Path, op: str, value: str) -> Converted:
+    """A cube with one animated op."""
+    text = f"""
+def Cube "C" {{
+    {value}
+    uniform token[] xformOpOrder = ["xformOp:{op}"]
+}}
+"""
+    return convert_text(folder, text)
+
+
+@needs_splines
+def test_a_linear_spline_is_its_knots(tmp_path: Path) -> None:
+    spline = "{ 1: 0; post linear, 20: 90; post linear, }"
+    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
+    assert done.warnings() == set()
+    check_world(done, "/C", [-5, *BETWEEN, 25])
+    assert done.world(9.5 / 24)[done.node("/C")][:2, 0] == pytest.approx([0.5**0.5] * 2)
+
+
+@needs_splines
+def test_a_curved_spline_is_sampled_and_said(tmp_path: Path) -> None:
+    spline = "{ 1: 0; post curve (5, 40), 20: 90; pre (5, -30); post held, }"
+    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
+    assert done.warnings() == {"animation-resampled"}
+    check_world(done, "/C", BETWEEN)
+
+
+@needs_splines
+def test_held_knots_and_knots_with_two_values_jump(tmp_path: Path) -> None:
+    spline = "{ 1: 0; post held, 8: 30 & 50; post linear, 16: 80; post held, 20: 10, }"
+    done = moving(tmp_path, "rotateX", f"double xformOp:rotateX.spline = {spline}")
+    assert done.warnings() == set()
+    check_world(done, "/C", [1, 4, 7.99, 8, 8.01, 12, 15.9, 16, 19.9, 20, 30])
+
+
+@needs_splines
+def test_extrapolation_is_held_and_said(tmp_path: Path) -> None:
+    spline = "{ pre: linear, post: linear, 1: 0; post linear, 20: 90; post linear, }"
+    done = moving(tmp_path, "rotateZ", f"double xformOp:rotateZ.spline = {spline}")
+    assert done.warnings() == {"spline-extrapolation-clamped"}
+    check_world(done, "/C", BETWEEN)
+
+
+def matrices(*rows: str) -> str:
+    """An animated matrix with keys at 1, 10 and 20."""
+    keys = ", ".join(f"{code}: ({row})" for code, row in zip((1, 10, 20), rows, strict=False))
+    return f"matrix4d xformOp:transform.timeSamples = {{ {keys} }}"
+
+
+IDENTITY = "(1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)"
+SHEAR = "(1,.8,0,0), (.3,1,0,0), (0,0,1,0), (0,4,0,1)"
+TURNED = "(0.7071,2.121,0,0), (-0.7071,2.121,0,0), (0,0,1,0), (0,0,0,1)"
+MIRROR = "(1,.8,0,0), (.3,-1,.2,0), (0,.4,1,0), (3,4,0,1)"
+FLAT = "(1,.5,0,0), (.3,1,0,0), (0,0,0,0), (3,4,0,1)"
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [(IDENTITY, SHEAR), (IDENTITY, SHEAR, TURNED), (SHEAR, MIRROR, IDENTITY), (SHEAR, FLAT)],
+)
+def test_moving_shear_is_two_nodes(tmp_path: Path, keys: tuple[str, ...]) -> None:
+    done = moving(tmp_path, "transform", matrices(*keys))
+    assert {"shear-split", "animation-resampled"} <= done.warnings("/C")
+    check_world(done, "/C", [code + share for code in range(1, 20) for share in (0, 0.37, 0.5)])
+
+
+def test_random_shears_stay_close(tmp_path: Path) -> None:
+    random = np.random.default_rng(7)
+    rows = []
+    for _ in range(3):
+        m = np.vstack([random.normal(size=(3, 3)), random.normal(size=3) * 5])
+        rows.append(", ".join(f"({a:.5f},{b:.5f},{c:.5f},{w})" for (a, b, c), w in zip(m, "0001")))
+    done = moving(tmp_path, "transform", matrices(*rows))
+    print(done.sidecar["warnings"])
+    check_world(done, "/C", list(np.linspace(1, 20, 77)))
+
+
+def test_a_constant_shear_that_travels_is_exact(tmp_path: Path) -> None:
+    row = "(1,.5,0,0), (0,1,0,0), (0,0,1,0), ({x},0,0,1)"
+    done = moving(tmp_path, "transform", matrices(row.format(x=0), row.format(x=5)))
+    assert done.warnings("/C") == {"shear-split"}
+    assert len(done.gltf.animations[0].channels) == 1
+    check_world(done, "/C", [1, 5.5, 10])
+
+
+def test_a_blocked_sample_is_the_identity_until_the_next(tmp_path: Path) -> None:
+    value = "double3 xformOp:translate.timeSamples = { 1: (0,0,1), 8: None, 12: (0,0,2) }"
+    done = moving(tmp_path, "translate", value)
+    assert done.warnings() == set()
+    check_world(done, "/C", [1, 4, 7.99, 8, 8.01, 10, 11.99, 12, 15])
+
+
+def test_blocked_points_and_visibility_keep_the_prim(tmp_path: Path) -> None:
+    text = """
+def Mesh "M" {
+    token visibility.timeSamples = { 1: "invisible", 8: None }
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points.timeSamples = { 1: [(0,0,0), (1,0,0), (0,1,0)], 8: None }
+    uniform token subdivisionScheme = "none"
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings() == {"points-animation-frozen"}
+    assert len(done.triangles(0)) == 1
+    outputs = [done.array(s.output)[:, 0].tolist() for s in done.gltf.animations[0].samplers]
+    assert outputs == [[0, 1]]

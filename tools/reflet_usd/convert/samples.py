@@ -1,0 +1,83 @@
+"""When values change: time samples, knots of splines, and the jumps between continuous pieces."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from pxr import Usd
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.scene import Array
+
+# A value that changes by more than this share of its size within one rounding has jumped.
+JUMP = 1e-7
+
+
+def has_spline(attribute: Usd.Attribute) -> bool:
+    """Whether a spline gives the attribute's value; usd-core before 25.05 has none."""
+    return hasattr(attribute, "HasSpline") and bool(attribute.HasSpline())
+
+
+def value_codes(attribute: Usd.Attribute) -> list[float]:
+    """The codes of the attribute's time samples, or of its spline's knots, in order."""
+    if has_spline(attribute):
+        return [float(code) for code in attribute.GetSpline().GetKnotsWithInnerLoopsBaked()]
+    return list(attribute.GetTimeSamples())
+
+
+def first_code(attribute: Usd.Attribute) -> float | None:
+    """The first of `value_codes`."""
+    if attribute.GetNumTimeSamples() == 0 and not has_spline(attribute):
+        return None
+    return next(iter(value_codes(attribute)), None)
+
+
+def warn_extrapolation(context: Context, attribute: Usd.Attribute) -> None:
+    """Name a spline that goes on beyond its knots, where glTF holds the outermost keys."""
+    from pxr import Ts
+
+    spline = attribute.GetSpline()
+    modes = (spline.GetPreExtrapolation().mode, spline.GetPostExtrapolation().mode)
+    if any(mode != Ts.ExtrapHeld for mode in modes):
+        message = f"the spline of '{attribute.GetName()}' is held before and after its knots"
+        context.ledger.warn("spline-extrapolation-clamped", attribute.GetPrim(), message)
+
+
+def before(code: float) -> float:
+    """The last code before `code`: where the value that is about to jump is read."""
+    return float(np.nextafter(code, -np.inf))
+
+
+def is_jump(first: float, last: float) -> bool:
+    """Whether two neighboring codes stand for the two sides of a jump."""
+    return first == before(last)
+
+
+def with_jumps(evaluate: Callable[[float], Array], codes: list[float]) -> list[float]:
+    """`codes` with one more before each at which the matrix jumps.
+
+    Blocked samples, held segments and knots with two values do so.
+    """
+    found = codes[:1]
+    for code in codes[1:]:
+        left, right = evaluate(before(code)), evaluate(code)
+        size = max(float(np.abs(left).max()), float(np.abs(right).max()))
+        if np.abs(left - right).max() > JUMP * size:
+            found.append(before(code))
+        found.append(code)
+    return found
+
+
+def seconds_of(context: Context, codes: Iterable[float]) -> Array:
+    """The keys' seconds; the sides of a jump are neighbors in the file's single precision."""
+    codes = list(codes)
+    times = np.array([context.seconds(code) for code in codes])
+    for index, (first, last) in enumerate(itertools.pairwise(codes)):
+        if is_jump(first, last):
+            after = np.float32(times[index + 1])
+            if after > times[index + 1]:
+                after = np.nextafter(after, np.float32(-np.inf))
+            times[index : index + 2] = np.nextafter(after, np.float32(-np.inf)), after
+    return times
