@@ -133,8 +133,8 @@ pub fn has_bars(group: &Group, time: Time) -> bool {
 fn failures(group: &Group, time: Time) -> Vec<Failure> {
     let shared = |p: &Point| Some((p.sample.scale, p.ms.median - p.reflection_ms?.median));
     let of = |(sample, why): &(Sample, String)| {
-        let common = group.points.iter().filter_map(shared);
-        let common = common.filter(|(scale, _)| *scale == sample.scale).next();
+        let mut common = group.points.iter().filter_map(shared);
+        let common = common.find(|(scale, _)| *scale == sample.scale);
         let ms = match (time, sample.reflection_ms, common) {
             (Time::Reflection, reflection, _) => reflection,
             (Time::Frame, Some(reflection), Some((_, common))) => Some(reflection + common),
