@@ -133,8 +133,8 @@ pub fn has_bars(group: &Group, time: Time) -> bool {
 fn failures(group: &Group, time: Time) -> Vec<Failure> {
     let shared = |p: &Point| Some((p.sample.scale, p.ms.median - p.reflection_ms?.median));
     let of = |(sample, why): &(Sample, String)| {
-        let common = group.points.iter().filter_map(shared);
-        let common = common.filter(|(scale, _)| *scale == sample.scale).next();
+        let mut common = group.points.iter().filter_map(shared);
+        let common = common.find(|(scale, _)| *scale == sample.scale);
         let ms = match (time, sample.reflection_ms, common) {
             (Time::Reflection, reflection, _) => reflection,
             (Time::Frame, Some(reflection), Some((_, common))) => Some(reflection + common),
@@ -265,12 +265,12 @@ where
                 labels.write(&mut overlay, value, at);
             }
         }
+        legend(&mut overlay, dots, !failures.is_empty());
         for failure in failures {
             let ms = failure.ms.clamp(limits[0], limits[1]);
             let x = to_pixels.translate(&(ms, bottom)).0;
             cross(&mut overlay, failure, x);
         }
-        legend(&mut overlay, dots, !failures.is_empty());
         root.present().map_err(said)?;
     }
     let end = svg.rfind("</svg>").ok_or_else(|| said("it has no end"))?;
