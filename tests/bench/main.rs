@@ -19,7 +19,7 @@ use std::{
 use common::gpu_or_skip;
 use made_up::{made_up, only_group};
 use reflet::bench::{
-    report::{self, words},
+    report::words,
     sample::{Sample, header, read_samples},
     summary::groups,
 };

@@ -265,12 +265,12 @@ where
                 labels.write(&mut overlay, value, at);
             }
         }
+        legend(&mut overlay, dots, !failures.is_empty());
         for failure in failures {
             let ms = failure.ms.clamp(limits[0], limits[1]);
             let x = to_pixels.translate(&(ms, bottom)).0;
             cross(&mut overlay, failure, x);
         }
-        legend(&mut overlay, dots, !failures.is_empty());
         root.present().map_err(said)?;
     }
     let end = svg.rfind("</svg>").ok_or_else(|| said("it has no end"))?;

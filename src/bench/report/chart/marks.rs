@@ -173,9 +173,13 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let _ = writeln!(
         out,
         "<text x=\"{}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"11\" \
-         fill=\"#444\">filled: on it; hollow: beaten{}</text>",
+         fill=\"#444\">{}</text>",
         left + 8,
-        if has_failures { "; ×: failed" } else { "" }
+        if has_failures {
+            "filled on it, ○ beaten, × failed"
+        } else {
+            "filled: on it; hollow: beaten"
+        }
     );
 }
 
