@@ -125,7 +125,7 @@ fn parameters_keep_their_kind() {
         ("at=[1, 2, 3]", "`at` is a list of 2, not a list of 3"),
     ] {
         let set = format!("params.{set}");
-        let read = parse(&text, Path::new("scene.toml"), &[set.clone()]);
+        let read = parse(&text, Path::new("scene.toml"), std::slice::from_ref(&set));
         let errors = read.expect_err(&set);
         assert!(errors[0].to_string().contains(says), "{set}: {}", errors[0]);
     }
