@@ -21,13 +21,14 @@ rm "$images/atrium-one.png"
 "$binary" render "$root/scenes/mirrors.toml" --samples 8 --size 640x360 --output "$images/mirrors.png"
 "$binary" render "$root/scenes/cornell.toml" --samples 8 --size 640x360 --output "$images/cornell.png"
 
-# The films at their start and after two and a half seconds.
+# The films at their start and at a later frame that differs most.
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 cells=()
-for film in walk lamp gears path bounce polish; do
-    "$binary" render "$root/scripts/$film.toml" --samples 4 --size 320x180 --frames 0,60 \
+for film in walk:60 lamp:60 gears:30 path:60 bounce:25 polish:60; do
+    later="${film#*:}" film="${film%:*}"
+    "$binary" render "$root/scripts/$film.toml" --samples 4 --size 320x180 --frames "0,$later" \
         --output "$folder/$film.#.png"
-    cells+=("$film.toml, frame 0=$folder/$film.0.png" "frame 60=$folder/$film.60.png")
+    cells+=("$film.toml, frame 0=$folder/$film.0.png" "frame $later=$folder/$film.$later.png")
 done
 .venv/bin/python tools/sheet.py "$images/films.png" --columns 4 --width 320 "${cells[@]}"

@@ -105,9 +105,9 @@ fn setup_may_name_fifty_thousand_elements() {
         all
     }";
     for (setup, count) in [
-        ("#{ instances: part(0, 8000) }", 8_000),
+        ("#{ instances: part(0, 6000) }", 6_000),
         (
-            "let all = []; for i in 0..50 { all += part(1000 * i, 1000 * i + 1000); } \
+            "let all = []; for i in 0..200 { all += part(250 * i, 250 * i + 250); } \
              #{ instances: all }",
             50_000,
         ),
