@@ -62,8 +62,9 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
             _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        reason = str(error).strip().splitlines()[-1:]
-        raise StageError(f"usd-core does not open {path}: {' '.join(reason)}") from None
+        lines = [line.strip(" \t'") for line in str(error).splitlines()]
+        reason = next((line for line in reversed(lines) if line), "it gives no reason")
+        raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
         raise StageError(f"usd-core does not open {path}")
     with Usd.EditContext(stage, stage.GetSessionLayer()):
