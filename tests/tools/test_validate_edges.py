@@ -368,3 +368,30 @@ def test_textures_of_two_uv_sets_in_one_are_a_declared_loss(tmp_path: Path) -> N
     Path(f"{done.out}.json").write_text('{"warnings": []}')
     silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
     assert not check_of(silent, "uvs").passed
+
+
+def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> None:
+    """Also in native instances; a quarter turn blends to normals of no point between."""
+    frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 0, 5)]"
+    text = f"""
+def Xform "A" (
+    instanceable = true
+    references = </Source>
+)
+{{
+}}
+class Xform "Source"
+{{
+    def Mesh "m"
+    {{
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points.timeSamples = {{ {frames} }}
+    }}
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "normals").compared >= 2
+    assert check_of(proof, "positions").compared > check_of(proof, "normals").compared
