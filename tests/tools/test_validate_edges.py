@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
 from handmade import HandFile
+from PIL import Image
 from reflet_usd import cli
 from reflet_usd.validate import proof as proof_module
 from reflet_usd.validate.checks import Check
@@ -307,3 +309,89 @@ def PointInstancer "pi"
     done = convert_text(tmp_path, text)
     assert "velocities-dropped" in done.warnings("/pi")
     assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def texture_of(name: str, varname: str) -> str:
+    """A texture and the reader of its UV set."""
+    return f"""
+    def Shader "{name}Reader"
+    {{
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "{varname}"
+        float2 outputs:result
+    }}
+    def Shader "{name}"
+    {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @rgb.png@
+        token inputs:sourceColorSpace = "raw"
+        float2 inputs:st.connect = </M/{name}Reader.outputs:result>
+        token inputs:wrapS = "repeat"
+        token inputs:wrapT = "repeat"
+        float outputs:r
+        float outputs:g
+    }}
+"""
+
+
+TWO_UVS = f"""
+def Material "M"
+{{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S"
+    {{
+        uniform token info:id = "UsdPreviewSurface"
+        float inputs:roughness.connect = </M/a.outputs:g>
+        float inputs:metallic.connect = </M/b.outputs:r>
+        token outputs:surface
+    }}
+{texture_of("a", "st")}
+{texture_of("b", "map2")}
+}}
+def Mesh "q" (prepend apiSchemas = ["MaterialBindingAPI"])
+{{{QUAD}
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+    texCoord2f[] primvars:map2 = [(0, 0), (2, 0), (2, 2), (0, 2)] (interpolation = "vertex")
+    rel material:binding = </M>
+}}
+"""
+
+
+def test_textures_of_two_uv_sets_in_one_are_a_declared_loss(tmp_path: Path) -> None:
+    pixels = np.random.default_rng(5).integers(0, 255, (8, 8, 3), dtype=np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "rgb.png")
+    done = convert_text(tmp_path, TWO_UVS)
+    assert "texture-packed-transform" in done.warnings()
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert check_of(proof, "uvs").passed
+    assert check_of(proof, "uvs").declared == 1
+    Path(f"{done.out}.json").write_text('{"warnings": []}')
+    silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not check_of(silent, "uvs").passed
+
+
+def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> None:
+    """Also in native instances; a quarter turn blends to normals of no point between."""
+    frames = "0: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 20: [(0, 0, 0), (1, 0, 0), (0, 0, 5)]"
+    text = f"""
+def Xform "A" (
+    instanceable = true
+    references = </Source>
+)
+{{
+}}
+class Xform "Source"
+{{
+    def Mesh "m"
+    {{
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points.timeSamples = {{ {frames} }}
+    }}
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "normals").compared >= 2
+    assert check_of(proof, "positions").compared > check_of(proof, "normals").compared

@@ -91,7 +91,7 @@ BARS: dict[str, Bar] = {
         "texture coordinates",
         1e-5,
         "absolute",
-        (*_FROZEN, *_PRIMVAR, "uv-*", "texture-packed-transform"),
+        (*_FROZEN, *_PRIMVAR, "uv-*"),
     ),
     "colors": Bar("display colors", 1e-4, "absolute", (*_FROZEN, *_PRIMVAR, "color-*")),
     "sides": Bar("double-sided flag", 0, "difference"),

@@ -62,8 +62,9 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
             _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        reason = str(error).strip().splitlines()[-1:]
-        raise StageError(f"usd-core does not open {path}: {' '.join(reason)}") from None
+        lines = [line.strip(" \t'") for line in str(error).splitlines()]
+        reason = next((line for line in reversed(lines) if line), "it gives no reason")
+        raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
         raise StageError(f"usd-core does not open {path}")
     with Usd.EditContext(stage, stage.GetSessionLayer()):
@@ -97,7 +98,7 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
 def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
     """`count` codes spread evenly over the stage's stated range, or else over that of `codes`.
 
-    None where no value may vary over time: that asks USD itself, which also knows of splines and
+    Empty where no value may vary over time: that asks USD itself, which also knows of splines and
     of value clips.
     """
     if not any(attribute.ValueMightBeTimeVarying() for attribute in _placed_attributes(stage)):
@@ -131,11 +132,13 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
         "normals": result.normals,
         "primvars:normals": result.normals,
     }
-    for attribute in _placed_attributes(stage):
-        found = moving.get(attribute.GetName())
-        if found is not None and attribute.ValueMightBeTimeVarying():
-            path = str(attribute.GetPrimPath())
-            found.setdefault(path, set()).update(attribute.GetTimeSamples())
+    everything = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), everything):
+        for name, found in moving.items():
+            attribute = prim.GetAttribute(name)
+            if attribute and attribute.ValueMightBeTimeVarying():
+                path = str(prim.GetPath())
+                found.setdefault(path, set()).update(attribute.GetTimeSamples())
     return result
 
 

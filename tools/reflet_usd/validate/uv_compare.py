@@ -11,6 +11,8 @@ from .checks import BARS, Checks
 from .compare import attribute_distance
 from .facts import Corners, Scene
 
+_PACKED = ("texture-packed-transform",)
+
 
 @dataclasses.dataclass(frozen=True)
 class UvUse:
@@ -52,8 +54,10 @@ def _compare_use(
     )
     text = f"{use.attribute} for '{use.primvar}' of {use.material}"
     # Textures of two UV sets that were packed into one: the warning is on the texture.
-    packed = checks.excuse(use.material, ("texture-packed-transform",))
-    checks.add("uvs", use.material if packed else key, distance / reach, text)
+    if checks.excuse(use.material, _PACKED):
+        checks.add("uvs", use.material, distance / reach, text, excuses=_PACKED)
+    else:
+        checks.add("uvs", key, distance / reach, text)
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:
