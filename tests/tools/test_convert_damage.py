@@ -164,6 +164,14 @@ def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
     assert len(found) == 2
 
 
+def test_a_pipe_among_tiles_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "t.1001.png")
+    read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
+    text = MATERIAL.format(read, "").replace("@t.png@", "@t.<UDIM>.png@")
+    done = convert_text(tmp_path, text)
+    assert "asset-not-a-file" in done.warnings("/M/t")
+
+
 def test_a_root_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ConvertError, match="root-missing"):
         convert_text(tmp_path, CUBE.format(""), extra_roots=(tmp_path / "nowhere",))

@@ -80,7 +80,7 @@ def _kept_dependencies(
             return ""
         identifier = layer.ComputeAbsolutePath(asset_path)
         resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
-        if resolved and not _is_plain_file(resolved):
+        if resolved and not is_plain_file(resolved):
             message = f"@{asset_path}@ is a pipe, device or folder, it is not opened"
             ledger.warn("asset-not-a-file", "/", message)
             return ""
@@ -113,7 +113,8 @@ def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:
     return not is_allowed(path, roots)
 
 
-def _is_plain_file(resolved: str) -> bool:
+def is_plain_file(resolved: str) -> bool:
+    """Whether a resolved asset path (a package's outer file) can be opened without waiting."""
     outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
     try:
         return stat.S_ISREG(os.stat(outer).st_mode)
