@@ -90,7 +90,6 @@ def test_random_shears_stay_close(tmp_path: Path) -> None:
         m = np.vstack([random.normal(size=(3, 3)), random.normal(size=3) * 5])
         rows.append(", ".join(f"({a:.5f},{b:.5f},{c:.5f},{w})" for (a, b, c), w in zip(m, "0001")))
     done = moving(tmp_path, "transform", matrices(*rows))
-    print(done.sidecar["warnings"])
     check_world(done, "/C", list(np.linspace(1, 20, 77)))
 
 

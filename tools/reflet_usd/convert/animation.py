@@ -34,6 +34,9 @@ from reflet_usd.convert.xform import (
     split_shear,
 )
 
+# How far products of float64 matrices leave the fourth column of an affine one.
+AFFINE_TOLERANCE = 1e-9
+
 
 def transform_node(context: Context, prim: Usd.Prim) -> tuple[Node, Node, bool]:
     """The prim's node, the outermost helper above it, and whether it leaves its parent's space."""
@@ -78,11 +81,26 @@ def _place(context: Context, prim: Usd.Prim, node: Node, matrix: Array) -> Node:
 
 def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
     columns = column_matrix(matrix, context.meters_per_unit)  # type: ignore[arg-type]
+    if not np.allclose(columns[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=AFFINE_TOLERANCE):
+        _make_affine(context, prim, columns)
+    columns[3] = (0.0, 0.0, 0.0, 1.0)
     if np.isfinite(columns).all() and np.abs(columns).max() < 1e30:
         return columns
     message = "the transform is not finite, taken as the identity"
     context.ledger.warn("transform-non-finite", prim, message)
     return np.eye(4)
+
+
+def _make_affine(context: Context, prim: Usd.Prim, columns: Array) -> None:
+    """USD divides points by w, a glTF node cannot where w differs from point to point."""
+    w = columns[3, 3]
+    message = f"the matrix has the fourth column {tuple(columns[3].tolist())}"
+    if np.isfinite(w) and w != 0.0:
+        columns[:3] /= w
+        message += ", divided by its last entry" if not columns[3, :3].any() else ""
+    if columns[3, :3].any():
+        message += ", its perspective is left out"
+    context.ledger.warn("transform-projective", prim, message)
 
 
 def _animate(

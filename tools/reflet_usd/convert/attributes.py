@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
+from reflet_usd.convert.scene import Node
 from reflet_usd.convert.surface import Stream, Surface
 
 # The last one is how files of early USD versions name float2[].
@@ -136,6 +137,20 @@ def plain_value(value: Any, limit: int = 64) -> Any:
     if array.dtype.kind in "US" and array.size <= limit:
         return [str(entry) for entry in array.ravel()]
     return None
+
+
+def keep_custom_attributes(context: Context, prim: Usd.Prim, node: Node) -> None:
+    """`userProperties:*` to the node's extras; what JSON cannot hold is a warning."""
+    for attribute in prim.GetAuthoredPropertiesInNamespace("userProperties"):
+        if not isinstance(attribute, Usd.Attribute) or not attribute.HasAuthoredValue():
+            continue
+        plain = plain_value(attribute.Get(context.time))
+        if plain is None:
+            message = f"'{attribute.GetName()}' of type {attribute.GetTypeName()} is not carried"
+            context.ledger.warn("attribute-dropped", prim, message)
+            continue
+        name = attribute.GetName().partition(":")[2]
+        node.extras.setdefault("userProperties", {})[name] = plain
 
 
 def read_display(

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+import re
+import stat
+from collections.abc import Sequence
 from pathlib import Path
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
@@ -12,10 +14,15 @@ from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError
 
 MAX_LAYERS = 20_000
+# Named with their shader by the texture reader, which falls back to the node's value.
+_IMAGES = ("png", "jpg", "jpeg", "tga", "bmp", "tif", "tiff", "exr", "hdr", "gif", "webp")
 
 
-def allowed_roots(stage_path: Path, extra_roots: Iterable[Path]) -> tuple[str, ...]:
+def allowed_roots(stage_path: Path, extra_roots: Sequence[Path]) -> tuple[str, ...]:
     """Real paths of the stage's folder and of every extra root."""
+    for root in extra_roots:
+        if not root.is_dir():
+            raise ConvertError("root-missing", "--root names no folder", str(root))
     return tuple(os.path.realpath(root) for root in (stage_path.resolve().parent, *extra_roots))
 
 
@@ -67,8 +74,16 @@ def _kept_dependencies(
     def judge(asset_path: str) -> str:
         if "`" in asset_path:  # an expression; `check_used_layers` judges what it becomes
             return asset_path
+        if _is_outside(asset_path, roots):
+            message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
+            ledger.warn("asset-outside-roots", "/", message)
+            return ""
         identifier = layer.ComputeAbsolutePath(asset_path)
         resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
+        if resolved and not is_plain_file(resolved):
+            message = f"@{asset_path}@ is a pipe, device or folder, it is not opened"
+            ledger.warn("asset-not-a-file", "/", message)
+            return ""
         if not resolved:
             absent.update(_absent_file(layer, identifier, roots))
         if not _names_a_layer(identifier):
@@ -88,6 +103,23 @@ def _kept_dependencies(
     UsdUtils.ModifyAssetPaths(layer, judge)
     layer.SetPermissionToEdit(was_editable)
     return kept
+
+
+def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:
+    """Whether an asset is named by an absolute path or file URL outside; textures come later."""
+    path = re.sub(r"^file:(//)?", "", asset_path)
+    if not os.path.isabs(path) or Sdf.FileFormat.GetFileExtension(path).lower() in _IMAGES:
+        return False
+    return not is_allowed(path, roots)
+
+
+def is_plain_file(resolved: str) -> bool:
+    """Whether a resolved asset path (a package's outer file) can be opened without waiting."""
+    outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+    try:
+        return stat.S_ISREG(os.stat(outer).st_mode)
+    except OSError:
+        return True  # nothing that could block; whoever opens it says why it cannot
 
 
 def _absent_file(layer: Sdf.Layer, identifier: str, roots: tuple[str, ...]) -> list[str]:

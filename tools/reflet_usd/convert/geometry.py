@@ -251,6 +251,10 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
         for attribute, name in owners
         if name not in animated and attribute.ValueMightBeTimeVarying()
     ]
+    velocities = prim.GetAttribute("velocities")
+    if velocities and velocities.HasAuthoredValue():
+        message = "velocities are not carried, points are interpolated"
+        context.ledger.warn("velocities-dropped", prim, message)
     if animated:
         message = f"animated {', '.join(sorted(animated))} stay at their first value"
         context.ledger.warn("geometry-animation-frozen", prim, message)

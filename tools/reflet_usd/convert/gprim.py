@@ -56,24 +56,39 @@ _CUBE_CORNERS = (0, 1, 2, 3, 4, 5, 6, 7, 0, 6, 5, 1, 4, 7, 3, 2, 0, 3, 7, 6, 4, 
 def cube_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
     """A Cube as six quads; None where its size is not finite."""
     size = float(authored(prim, "size", context.time, 2.0)) * context.meters_per_unit
+    _warn_size(context, prim, "size", size)
     if not math.isfinite(size):
         context.ledger.warn("points-non-finite", prim, "the Cube has a size that is not finite")
         return None
     corners = np.array(_CUBE_CORNERS, dtype=np.int64)
-    return Polygons(
-        _CUBE_POINTS * (size / 2), np.full(6, 4), corners, np.ones(6, dtype=bool), False, "none"
-    )
+    drawn, left_handed = np.ones(6, dtype=bool), _left_handed(context, prim)
+    return Polygons(_CUBE_POINTS * (size / 2), np.full(6, 4), corners, drawn, left_handed, "none")
+
+
+def _left_handed(context: Context, prim: Usd.Prim) -> bool:
+    return str(authored(prim, "orientation", context.time, "")) == "leftHanded"
+
+
+def _warn_size(context: Context, prim: Usd.Prim, name: str, size: float) -> None:
+    """Name a size that leaves no shape, or turns it inside out."""
+    if size < 0.0 or (size == 0.0 and name not in ("radiusTop", "radiusBottom")):
+        message = f"its {name} is {'0' if size == 0.0 else 'negative'}, carried as it is"
+        context.ledger.warn("gprim-invalid", prim, message)
 
 
 def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | None:
     """The gprim's surface in meters and what its primvars count; None where it has no size."""
 
     def size(name: str, fallback: float) -> float:
-        return float(authored(prim, name, context.time, fallback)) * context.meters_per_unit
+        length = float(authored(prim, name, context.time, fallback)) * context.meters_per_unit
+        _warn_size(context, prim, name, length)
+        return length
 
     shape = _Quads([], [], [])
     kind = prim.GetTypeName()
     axis = str(authored(prim, "axis", context.time, "Z"))
+    if axis not in ("X", "Y", "Z"):
+        context.ledger.warn("gprim-invalid", prim, f"its axis is '{axis}', taken as Z")
     if kind == "Sphere":
         _add_lathe(shape, *_arc(size("radius", 1.0), 0.0, -math.pi / 2, math.pi / 2, RINGS))
     elif kind == "Plane":
@@ -93,7 +108,11 @@ def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | N
         return None
     if kind not in ("Sphere", "Plane"):
         points, normals = _along_axis(points, axis), _along_axis(normals, axis)
-    return _surface(points, np.concatenate(shape.faces), normals)
+    if not _left_handed(context, prim):
+        return _surface(points, np.concatenate(shape.faces), normals)
+    surface, topology = _surface(points, np.concatenate(shape.faces), -normals)
+    surface.triangles = surface.triangles[:, [0, 2, 1]]
+    return surface, topology
 
 
 def _end_radii(size: object, fallback: float, two: bool) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -118,115 +118,103 @@ def _same(first: Pose, last: Pose) -> bool:
 
 def exact_keys(evaluate: Evaluate, codes: list[float], fit: Fit) -> Keys | None:
     """Keys between which glTF stays within float32's reach of USD, or None."""
-    return _refine(evaluate, codes, fit, EXACT_TOLERANCE, EXACT_DEPTH, strict=True)
+    return _Refiner(evaluate, fit, EXACT_TOLERANCE, EXACT_DEPTH, strict=True).run(codes)
 
 
 def sampled_keys(evaluate: Evaluate, codes: list[float]) -> Keys:
     """Keys halved until close enough: one node, or two where one cannot follow."""
     tolerance, depth = SAMPLED_TOLERANCE, SAMPLED_DEPTH
-    one = _refine(evaluate, codes, OneNode(evaluate, nearest=True), tolerance, depth)
+    one = _Refiner(evaluate, OneNode(evaluate, nearest=True), tolerance, depth).run(codes)
     if one is not None and one.deviation <= tolerance:
         return one
-    two = _refine(evaluate, codes, TwoNodes(evaluate), tolerance, depth)
+    two = _Refiner(evaluate, TwoNodes(evaluate), tolerance, depth).run(codes)
     assert one is not None and two is not None  # only strict refinement gives up
     return two if two.deviation < USEFUL_SHRINKAGE * one.deviation else one
 
 
-def _refine(
-    evaluate: Evaluate,
-    codes: list[float],
-    fit: Fit,
-    tolerance: float,
-    depth: int,
-    strict: bool = False,
-) -> Keys | None:
-    reach = max(max(float(np.abs(evaluate(code)[:3, 3]).max()) for code in codes), 1e-30)
-    keys = Keys([], [])
-    for first, last in itertools.pairwise(codes):
-        if is_jump(first, last):
-            continue
-        pose = fit.start(first, last, keys.poses[-1] if keys.poses else None)
-        if pose is None:
+@dataclass
+class _Refiner:
+    """Halves the steps between codes until glTF stays within `tolerance` of `evaluate`."""
+
+    evaluate: Evaluate
+    fit: Fit
+    tolerance: float
+    depth: int
+    strict: bool = False
+    """Give up where `depth` halvings are too few, instead of keeping the deviation."""
+    reach: float = 1.0
+    """How far the origin gets from 0: the unit in which its deviation is judged."""
+    keys: Keys = field(default_factory=lambda: Keys([], []))
+
+    def run(self, codes: list[float]) -> Keys | None:
+        """The keys over all codes; None where a strict or shear-free fit fails."""
+        places = [np.abs(self.evaluate(code)[:3, 3]).max() for code in codes]
+        self.reach = max(float(max(places)), 1e-30)
+        for first, last in itertools.pairwise(codes):
+            if is_jump(first, last):
+                continue
+            if not self._begin(first, last) or not self._step(first, last):
+                return None
+        # One last key may follow a jump.
+        if self.keys.codes[-1] != codes[-1] and not self._begin(codes[-1], codes[-1]):
             return None
-        keys.begin(first, pose)
-        if not _refine_step(evaluate, keys, (first, last), fit, reach, tolerance, depth, strict):
-            return None
-    if keys.codes[-1] != codes[-1]:  # a jump to one last key
-        pose = fit.start(codes[-1], codes[-1], keys.poses[-1])
-        if pose is None:
-            return None
-        keys.add(codes[-1], pose)
-    return keys
+        return self.keys
 
+    def _begin(self, first: float, last: float) -> bool:
+        known = self.keys.poses[-1] if self.keys.poses else None
+        pose = self.fit.start(first, last, known)
+        if pose is not None:
+            self.keys.begin(first, pose)
+        return pose is not None
 
-def _refine_step(
-    evaluate: Evaluate,
-    keys: Keys,
-    step: tuple[float, float],
-    fit: Fit,
-    reach: float,
-    tolerance: float,
-    depth: int,
-    strict: bool,
-) -> bool:
-    """Add keys up to the step's end; False where `strict` and too few would do."""
-    stack = [(*step, 0)]
-    while stack:
-        a, b, level = stack.pop()
-        pose = fit.at(b, keys.poses[-1])
-        full = level >= depth or len(keys.codes) + len(stack) > MAX_SAMPLES
-        if pose is None:
-            return False
-        error = _worst(evaluate, a, b, keys.poses[-1], pose, reach)
-        if error <= tolerance:
-            keys.deviation = max(keys.deviation, error)
-            keys.add(b, pose)
-        elif strict and full:
-            return False
-        elif full or not _halving_helps(evaluate, fit, a, b, level, keys.poses[-1], error, reach):
-            keys.deviation = max(keys.deviation, error)
-            keys.add(b, pose)
-        else:
-            middle = (a + b) / 2
-            stack += [(middle, b, level + 1), (a, middle, level + 1)]
-    return True
-
-
-def _halving_helps(
-    evaluate: Evaluate,
-    fit: Fit,
-    a: float,
-    b: float,
-    level: int,
-    pose: Pose,
-    error: float,
-    reach: float,
-) -> bool:
-    if level < fit.unjudged_depth:
+    def _step(self, first: float, last: float) -> bool:
+        """Add keys up to `last`; False where there are none that would do."""
+        stack = [(first, last, 0)]
+        while stack:
+            a, b, level = stack.pop()
+            known = self.keys.poses[-1]
+            pose = self.fit.at(b, known)
+            if pose is None:
+                return False
+            error = self._deviation(a, b, known, pose)
+            full = level >= self.depth or len(self.keys.codes) + len(stack) > MAX_SAMPLES
+            close = error <= self.tolerance
+            if not close and full and self.strict:
+                return False
+            if close or full or not self._halving_helps(a, b, level, error):
+                self.keys.deviation = max(self.keys.deviation, error)
+                self.keys.add(b, pose)
+            else:
+                middle = (a + b) / 2
+                stack += [(middle, b, level + 1), (a, middle, level + 1)]
         return True
-    middle = fit.at((a + b) / 2, pose)
-    last = None if middle is None else fit.at(b, middle)
-    if middle is None or last is None:
-        return False
-    halves = max(
-        _worst(evaluate, a, (a + b) / 2, pose, middle, reach),
-        _worst(evaluate, (a + b) / 2, b, middle, last, reach),
-    )
-    return halves < USEFUL_SHRINKAGE * error
 
+    def _halving_helps(self, a: float, b: float, level: int, error: float) -> bool:
+        if level < self.fit.unjudged_depth:
+            return True
+        known, half = self.keys.poses[-1], (a + b) / 2
+        middle = self.fit.at(half, known)
+        last = None if middle is None else self.fit.at(b, middle)
+        if middle is None or last is None:
+            return False
+        halves = max(
+            self._deviation(a, half, known, middle), self._deviation(half, b, middle, last)
+        )
+        return halves < USEFUL_SHRINKAGE * error
 
-def _worst(evaluate: Evaluate, a: float, b: float, first: Pose, last: Pose, reach: float) -> float:
-    worst = 0.0
-    for share in _PROBES:
-        shown = np.eye(4)
-        for one, other in zip(first, last, strict=True):
-            shown = shown @ _interpolate(one, other, share).matrix()
-        matrix = evaluate(a + (b - a) * share)
-        difference = np.abs(shown - matrix)
-        size = max(float(np.abs(matrix[:3, :3]).max()), 1e-30)
-        linear, place = float(difference[:3, :3].max()), float(difference[:3, 3].max())
-        worst = max(worst, linear / size, place / reach)
-    return worst
+    def _deviation(self, a: float, b: float, first: Pose, last: Pose) -> float:
+        """The worst deviation between two keys, as a share of the matrix's size."""
+        worst = 0.0
+        for share in _PROBES:
+            shown = np.eye(4)
+            for one, other in zip(first, last, strict=True):
+                shown = shown @ _interpolate(one, other, share).matrix()
+            matrix = self.evaluate(a + (b - a) * share)
+            difference = np.abs(shown - matrix)
+            size = max(float(np.abs(matrix[:3, :3]).max()), 1e-30)
+            linear, place = float(difference[:3, :3].max()), float(difference[:3, 3].max())
+            worst = max(worst, linear / size, place / self.reach)
+        return worst
 
 
 def _interpolate(first: Trs, last: Trs, share: float) -> Trs:

@@ -102,7 +102,7 @@ class NetworkReader:
         return self._node(shader, name, attribute)
 
     def _constant(self, attribute: Usd.Attribute) -> Constant | None:
-        value = attribute.Get(self.context.time)
+        value = self._read(attribute)
         numbers = _numbers(value)
         if numbers is None:
             return None
@@ -135,8 +135,17 @@ class NetworkReader:
             return fallback
         if UsdShade.Utils.GetType(attributes[0].GetName()) != UsdShade.AttributeType.Input:
             return fallback
-        value = attributes[0].Get(self.context.time)
+        value = self._read(attributes[0])
         return fallback if value is None else value
+
+    def _read(self, attribute: Usd.Attribute) -> Any:
+        """The attribute's value; None, with a warning, where a number in it is not finite."""
+        value = attribute.Get(self.context.time)
+        if value is None or isinstance(value, (str, Sdf.AssetPath)) or _all_finite(value):
+            return value
+        message = f"'{attribute.GetName()}' is {value}, its fallback is used"
+        self.context.ledger.warn("material-value-invalid", attribute.GetPrim(), message)
+        return None
 
     def _texture(self, node: UsdShade.Shader, output: str) -> TextureRead | None:
         self.visit(node)
@@ -177,20 +186,28 @@ class NetworkReader:
         uv = UvRead()
         name = "st"
         transforms = 0
+        passed = {node.GetPath()}
         for _ in range(_MAX_TRANSFORMS):
             shader_input = node.GetInput(name)
             attributes = shader_input.GetValueProducingAttributes() if shader_input else []
             if not attributes:
                 if transforms == 0 and not shader_input:
+                    message = "'st' is not connected, taken as the primvar 'st'"
+                    self.context.ledger.warn("uv-assumed", node.GetPrim(), message)
                     return uv
                 return replace(uv, primvar="")
             attribute = attributes[0]
             if UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Input:
-                numbers = _numbers(attribute.Get(self.context.time)) or (0.0, 0.0)
+                numbers = _numbers(self._read(attribute)) or (0.0, 0.0)
                 return replace(uv, primvar="", fallback=_pair(numbers))
             node = UsdShade.Shader(attribute.GetPrim())
             kind = shader_id(node)
             self.visit(node)
+            if node.GetPath() in passed:
+                message = "the texture coordinates come from themselves, taken as 'st'"
+                self.context.ledger.warn("shader-cycle", node.GetPrim(), message)
+                return UvRead()
+            passed.add(node.GetPath())
             if kind == "UsdTransform2d":
                 transforms += 1
                 if transforms > 1:
@@ -225,6 +242,13 @@ def shader_id(shader: UsdShade.Shader) -> str:
     identifier = shader.GetIdAttr().Get()
     name = "" if identifier is None else str(identifier)
     return _TWINS.get(name, name)
+
+
+def _all_finite(value: Any) -> bool:
+    try:
+        return bool(np.isfinite(np.array(value, dtype=np.float64)).all())
+    except (TypeError, ValueError):
+        return True  # no numbers
 
 
 def _pair(values: tuple[float, ...]) -> tuple[float, float]:

@@ -224,7 +224,11 @@ class PreviewMaterial:
     def _emission(self, entry: dict[str, Any]) -> None:
         read = self._texture("emissiveColor")
         if read is None:
-            color = np.maximum(np.array(self._numbers("emissiveColor")), 0.0)
+            emitted = np.array(self._numbers("emissiveColor"))
+            color = np.maximum(emitted, 0.0)
+            if (emitted < 0.0).any():
+                message = f"'emissiveColor' {tuple(emitted.tolist())} is below 0, clamped"
+                self._warn("material-value-clamped", message)
         else:
             scale, bias = np.array(read.scale[:3]), np.array(read.bias[:3])
             as_factor = not bias.any() and (scale >= 0.0).all() and len(read.channels) == 3
@@ -268,6 +272,9 @@ class PreviewMaterial:
                 self._warn("material-value-clamped", "a textured ior keeps its fallback only")
             ior = self._numbers("ior")[0]
             # glTF: 1 and above, or 0 for "reflects everything".
+            if ior == 0.0:
+                message = "ior 0 is no refractive index, glTF reflects everything with it"
+                self._warn("material-value-invalid", message)
             if ior < 1.0 and ior != 0.0:
                 self._warn("material-value-clamped", f"ior {ior} is below 1, taken as 1")
                 ior = 1.0

@@ -24,6 +24,8 @@ from reflet_usd.convert.types import ConvertError, ConvertOptions
 # UsdGeom's documented fallbacks.
 FALLBACK_METERS_PER_UNIT = 0.01
 FALLBACK_CODES_PER_SECOND = 24.0
+# Units from picometers to billions of kilometers; outside, lengths leave single precision.
+LEAST_UNIT = 1e-12
 
 
 def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context:
@@ -116,8 +118,10 @@ def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> No
 def _warn_composition(
     stage: Usd.Stage, delegate: UsdUtils.CoalescingDiagnosticDelegate, ledger: Ledger
 ) -> None:
+    named = []
     for error in stage.GetCompositionErrors():
         text = _plain(str(error))
+        named.append(text)
         missing = "Could not open asset" in text or "Unresolved" in text
         site = str(error.rootSite.path) if hasattr(error, "rootSite") else "/"
         ledger.warn("asset-unresolved" if missing else "composition-error", site or "/", text)
@@ -125,13 +129,15 @@ def _warn_composition(
         text = _plain(item.commentary)
         if "deprecated version" in text or "Could not open asset" in text:
             continue
-        if "unresolved" not in text.lower() and "composition" not in text.lower():
+        told = any(known in text or text in known for known in named)
+        if "unresolved" not in text.lower() and "composition" not in text.lower() and not told:
             ledger.warn("usd-diagnostic", "/", text)
 
 
 def _plain(text: str) -> str:
-    """One line, with folder names cut from asset paths (the sidecar must not depend on them)."""
-    words = " ".join(text.split())
+    """One line without what differs from run to run: addresses in memory and folder names."""
+    words = re.sub(r"anon:0x[0-9a-fA-F]+:?", "anonymous ", " ".join(text.split()))
+    words = re.sub(r"\s*[<‹(\[]?\b0x[0-9a-fA-F]+\b[>›)\]]?", "", words)
     parts = words.split("@")
     parts[1::2] = [os.path.basename(part) for part in parts[1::2]]
     return "@".join(parts)
@@ -153,6 +159,9 @@ def _read_units(context: Context) -> None:
         ledger.warn("units-missing", "/", "metersPerUnit is not authored, taken as 0.01 (cm)")
     elif not _is_positive(units):
         ledger.warn("units-invalid", "/", f"metersPerUnit is {units!r}, taken as 0.01 (cm)")
+    elif not LEAST_UNIT <= units <= 1.0 / LEAST_UNIT:
+        message = f"metersPerUnit is {units:g}, beyond all lengths of scenes, taken as 0.01 (cm)"
+        ledger.warn("units-invalid", "/", message)
     else:
         context.meters_per_unit = float(units)
     axis = stage_metadata(stage, "upAxis")

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 from pxr import Ar
 
-from reflet_usd.convert.confinement import is_allowed
+from reflet_usd.convert.confinement import is_allowed, is_plain_file
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.network import TextureRead
@@ -90,6 +90,10 @@ class TextureLibrary:
         if not is_allowed(read.file, self.context.allowed_roots):
             message = f"@{shown}@ is outside the allowed folders; allow it with --root"
             warn("asset-outside-roots", read.prim, message)
+            return None
+        if not is_plain_file(read.file):
+            message = f"@{shown}@ is a pipe, device or folder, it is not opened"
+            warn("asset-not-a-file", read.prim, message)
             return None
         self.context.textures_read.add(read.file)
         asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(read.file))

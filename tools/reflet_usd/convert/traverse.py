@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdLux
 
 from reflet_usd.convert.animation import add_visibility_track, transform_node
+from reflet_usd.convert.attributes import keep_custom_attributes
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
@@ -148,6 +149,7 @@ class Traversal:
             tree.root.add(outer)
         else:
             tree.parent_of(prim).add(outer)
+        keep_custom_attributes(self.context, prim, node)
         if prim.IsA(UsdGeom.Imageable):
             add_visibility_track(self.context, prim, node)
             if self._has_other_purpose(prim, tree):

@@ -1,0 +1,177 @@
+"""Owns the tests of values that mean nothing and files that are none: all are named."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import convert_text
+from reflet_usd.convert.types import ConvertError
+
+CUBE = 'def Cube "C" {{\n{0}\n}}\n'
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        ("Sphere", "double radius = -1"),
+        ("Cube", "double size = 0"),
+        ("Plane", "double width = -3"),
+        ("Cylinder", "double height = 0"),
+        ("Capsule", 'uniform token axis = "Q"'),
+    ],
+)
+def test_sizes_without_a_shape_are_named(tmp_path: Path, kind: str, value: str) -> None:
+    done = convert_text(tmp_path, f'def {kind} "G" {{\n{value}\n}}\n')
+    assert done.warnings("/G") == {"gprim-invalid"}
+
+
+@pytest.mark.parametrize("kind", ["Sphere", "Cube", "Cone", "Plane"])
+def test_left_handed_gprims_turn_inside_out(tmp_path: Path, kind: str) -> None:
+    areas = []
+    for side in ("right", "left"):
+        text = f'def {kind} "G" {{\nuniform token orientation = "{side}Handed"\n}}\n'
+        done = convert_text(tmp_path, text)
+        assert done.warnings() == set()
+        t = done.triangles(0)
+        across = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+        normals = done.attribute(0, 0, "NORMAL").reshape(-1, 3, 3)
+        assert (np.einsum("ij,ikj->ik", across, normals) > 0).all()
+        areas.append(float((across * (t.mean(axis=1) + (0, 0, 9))).sum()))
+    assert areas[0] == pytest.approx(-areas[1])
+    assert abs(areas[0]) > 1
+
+
+def test_a_fourth_column_is_divided_or_named(tmp_path: Path) -> None:
+    for column, x in (("0", 1.0), (".5", 1.0)):
+        rows = f"(1,0,0,{column}), (0,1,0,0), (0,0,1,0), (2,0,0,2)"
+        op = f'matrix4d xformOp:transform = ({rows})\nuniform token[] xformOpOrder = ["xformOp:transform"]'
+        done = convert_text(tmp_path, CUBE.format(op))
+        assert done.warnings("/C") == {"transform-projective"}
+        assert done.world()[done.node("/C")][0, 3] == pytest.approx(x)
+
+
+MATERIAL = """
+def Material "M" {{
+    token outputs:surface.connect = </M/s.outputs:surface>
+    def Shader "s" {{
+        uniform token info:id = "UsdPreviewSurface"
+        {0}
+        token outputs:surface
+    }}
+    def Shader "t" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @t.png@
+        {1}
+        float3 outputs:rgb
+    }}
+    def Shader "x" {{
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:in.connect = </M/x.outputs:result>
+        float2 outputs:result
+    }}
+}}
+def Cube "C" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    rel material:binding = </M>
+    texCoord2f[] primvars:st = [(0, 0)] (interpolation = "constant")
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("value", "name"),
+    [
+        ("color3f inputs:diffuseColor = (nan, 2, -1)", "material-value-invalid"),
+        ("float inputs:metallic = inf", "material-value-invalid"),
+        ("float inputs:ior = 0", "material-value-invalid"),
+        ("color3f inputs:diffuseColor = (0, 2, -1)", "material-value-clamped"),
+        ("color3f inputs:emissiveColor = (0, 2, -1)", "material-value-clamped"),
+    ],
+)
+def test_material_values_without_meaning_are_named(tmp_path: Path, value: str, name: str) -> None:
+    done = convert_text(tmp_path, MATERIAL.format(value, ""))
+    found = [w for w in done.sidecar["warnings"] if w["name"] == name]
+    assert len(found) == 1
+    assert value.split("inputs:")[1].split(" ")[0] in found[0]["message"]
+
+
+@pytest.mark.parametrize(
+    ("st", "prim", "name"),
+    [
+        ("", "/M/t", "uv-assumed"),
+        ("float2 inputs:st.connect = </M/x.outputs:result>", "/M/x", "shader-cycle"),
+    ],
+)
+def test_coordinates_from_nowhere_are_named(tmp_path: Path, st: str, prim: str, name: str) -> None:
+    read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
+    done = convert_text(tmp_path, MATERIAL.format(read, st))
+    assert name in done.warnings(prim)
+    assert "uv-transform-dropped" not in done.warnings()
+
+
+def test_user_properties_travel_and_velocities_are_named(tmp_path: Path) -> None:
+    text = """
+def Mesh "M" {
+    custom double userProperties:mass = 2.5
+    custom string userProperties:maker:name = "us"
+    custom asset userProperties:sheet = @a.txt@
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]
+    vector3f[] velocities = [(0,0,1), (0,0,1), (0,0,1)]
+    uniform token subdivisionScheme = "none"
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/M") == {"velocities-dropped", "attribute-dropped"}
+    extras = done.gltf.nodes[done.node("/M")].extras
+    assert extras["userProperties"] == {"mass": 2.5, "maker:name": "us"}
+
+
+def test_an_absurd_unit_is_named(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, '#usda 1.0\n(metersPerUnit = 1e30; upAxis = "Y")\n' + CUBE.format(""))
+    assert done.warnings("/") == {"units-invalid"}
+    assert done.triangles(0).max() == pytest.approx(0.01)
+
+
+def test_composition_messages_are_the_same_each_time(tmp_path: Path) -> None:
+    (tmp_path / "broken.usda").write_text("#usda 1.0\nthis is not usd\n", encoding="utf-8")
+    cycle = 'def Xform "R" (references = </R>) {\n}\n'
+    broken = 'def Xform "B" (references = @broken.usda@) {\n}\n'
+    done = convert_text(tmp_path, cycle + broken)
+    texts = [w["message"] for w in done.sidecar["warnings"] if "empty" not in w["name"]]
+    assert len(texts) >= 2
+    assert not any("0x" in text for text in texts)
+    names = [w["name"] for w in done.sidecar["warnings"] if "broken.usda" in w["message"]]
+    assert len(set(names)) == 1
+
+
+@pytest.mark.parametrize("asset", ["/etc/passwd", "file:///etc/passwd", "/dev/zero"])
+def test_absolute_paths_outside_are_named(tmp_path: Path, asset: str) -> None:
+    done = convert_text(tmp_path, f'def Cube "C" (references = @{asset}@) {{\n}}\n')
+    assert done.warnings() == {"asset-outside-roots"}
+
+
+def test_a_pipe_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.usda")
+    os.mkfifo(tmp_path / "t.png")
+    reference = 'def Cube "P" (references = @pipe.usda@) {\n}\n'
+    read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
+    done = convert_text(tmp_path, MATERIAL.format(read, "") + reference)
+    found = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "asset-not-a-file"]
+    assert len(found) == 2
+
+
+def test_a_pipe_among_tiles_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "t.1001.png")
+    read = "color3f inputs:diffuseColor.connect = </M/t.outputs:rgb>"
+    text = MATERIAL.format(read, "").replace("@t.png@", "@t.<UDIM>.png@")
+    done = convert_text(tmp_path, text)
+    assert "asset-not-a-file" in done.warnings("/M/t")
+
+
+def test_a_root_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(ConvertError, match="root-missing"):
+        convert_text(tmp_path, CUBE.format(""), extra_roots=(tmp_path / "nowhere",))
