@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{
     cli::InfoArgs,
     error::AppError,
+    params::setting,
     print_json, print_out,
     scene::{LoadedScene, load_scene},
     stats::mebibytes,
@@ -17,7 +18,7 @@ use crate::{
         textures::{self, places},
         types::GpuVertex,
     },
-    scene::desc::LightKind,
+    scene::desc::{Entry, LightKind, SceneDesc},
     world::{Mesh, World, animation::Listed, bvh::Trees},
 };
 
@@ -50,6 +51,12 @@ pub struct Info {
     pub lights: [usize; 3],
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
+    /// First frame, last frame and frames a second; `None` without a timeline.
+    pub timeline: Option<Timeline>,
+    /// What moves, and by what.
+    pub moves: Vec<String>,
+    /// Parameters of the script, as scene text.
+    pub params: Vec<String>,
     /// Smallest and largest corner of the static bounds, meters; `None` for an empty scene.
     pub bounds_m: Option<[[f32; 3]; 2]>,
     /// U, meters.
@@ -72,6 +79,17 @@ pub struct Info {
     pub warnings: usize,
     /// Every file that was read.
     pub files: Vec<String>,
+}
+
+/// The frames of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Timeline {
+    /// First frame.
+    pub start: u32,
+    /// Last frame.
+    pub end: u32,
+    /// Frames a second.
+    pub fps: f32,
 }
 
 /// Prints what a scene holds.
@@ -128,6 +146,15 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             num_lights(|kind| matches!(kind, LightKind::Directional { .. })),
         ],
         animations: world.animations.clone(),
+        timeline: loaded.desc.timeline.as_ref().map(|t| Timeline {
+            start: t.start,
+            end: t.end,
+            fps: t.fps,
+        }),
+        moves: moves(&loaded.desc),
+        params: (loaded.desc.params.iter())
+            .map(|param| setting(&param.name, &param.value))
+            .collect(),
         bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         unit_m,
         ray_length_m: reflection.ray_length_u * unit_m,
@@ -146,6 +173,25 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             .map(|f| f.display().to_string())
             .collect(),
     })
+}
+
+/// What `[motion]` moves, and the script.
+fn moves(desc: &SceneDesc) -> Vec<String> {
+    fn of<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
+        let named = list.iter();
+        named.map(|e| format!("{kind} \"{}\"", e.name)).collect()
+    }
+    let motion = &desc.motion;
+    let tracks = [
+        of("camera", &motion.cameras),
+        of("instance", &motion.instances),
+        of("light", &motion.lights),
+        of("material", &motion.materials),
+        of("materials of model", &motion.models),
+    ];
+    let script = desc.script.as_ref().filter(|script| script.has_frame());
+    let script = script.map(|script| format!("what frame() of {} poses", script.name()));
+    tracks.concat().into_iter().chain(script).collect()
 }
 
 /// What vertices and indices will take.
@@ -212,6 +258,15 @@ fn table(info: &Info) -> String {
         };
         let (model, name) = (&animation.model, &animation.name);
         line("animation", format!("\"{name}\" of model {model}: {state}"));
+    }
+    if let Some(Timeline { start, end, fps }) = info.timeline {
+        line("timeline", format!("frames {start} to {end} at {fps} fps"));
+    }
+    for what in &info.moves {
+        line("moves", what.clone());
+    }
+    for param in &info.params {
+        line("param", param.clone());
     }
     let corner = |[x, y, z]: [f32; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
     let bounds = info.bounds_m.map_or("nothing".to_owned(), |[min, max]| {

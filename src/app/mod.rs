@@ -3,19 +3,19 @@
 use std::{
     ffi::OsString,
     io::{self, Write as _},
-    iter,
 };
 
 use clap::Parser as _;
 
 use crate::{
     bench::compare::{CompareArgs, compare},
-    scene::{manual::manual, motion::Motion, schema::schema, script},
+    scene::{manual::manual, schema::schema, script},
 };
 
 pub mod aov;
 pub mod around;
 pub mod bench;
+pub mod check;
 pub mod cli;
 pub mod encoder;
 pub mod error;
@@ -35,7 +35,7 @@ pub mod stats;
 pub mod stop;
 pub mod watch;
 
-use cli::{CheckArgs, Cli, Command};
+use cli::{Cli, Command};
 pub use error::AppError;
 
 /// Runs one command line; help and usage errors of the parser print and exit by themselves.
@@ -47,7 +47,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     match cli.command {
         Command::Render(args) => render::render(&args),
         Command::Preview(args) => preview::preview(&args),
-        Command::Check(args) => check(&args),
+        Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),
@@ -56,23 +56,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
         Command::Scripting { definitions: false } => print_out(&script::api::manual()),
     }
-}
-
-fn check(args: &CheckArgs) -> Result<(), AppError> {
-    let mut loaded = scene::load_scene(Some(&args.scene), &args.from, &[])?;
-    let motion = Motion::new(&loaded.desc);
-    let last = loaded.desc.timeline.as_ref().map(|t| t.end);
-    // The first frame and the last: what a script or a track does wrong mostly shows in these.
-    for frame in iter::once(motion.first_frame()).chain(last) {
-        let state = motion.pose(frame).map_err(AppError::Scene)?;
-        loaded.world.apply(&state).map_err(AppError::Scene)?;
-    }
-    let warnings = match loaded.num_warnings {
-        0 => String::new(),
-        1 => ", 1 warning".to_owned(),
-        n => format!(", {n} warnings"),
-    };
-    print_out(&format!("{}: ok{warnings}\n", loaded.name))
 }
 
 fn run_compare(args: &CompareArgs) -> Result<(), AppError> {

@@ -50,7 +50,7 @@ impl Tuned {
     pub fn as_text(&self, declared: &Declared) -> String {
         let line = |(name, own): &(String, ParamValue)| {
             let value = self.get(name).unwrap_or(own);
-            format!("{} = {}\n", key(name), value_text(value))
+            setting(name, value) + "\n"
         };
         let lines: String = declared.iter().map(line).collect();
         format!("[params]\n{lines}")
@@ -79,6 +79,11 @@ pub fn key(name: &str) -> String {
 fn quoted(text: &str) -> String {
     let json = serde_json::Value::from(text).to_string();
     json.replace('\u{7f}', "\\u007f")
+}
+
+/// A name and its value as a line of scene text.
+pub fn setting(name: &str, value: &ParamValue) -> String {
+    format!("{} = {}", key(name), value_text(value))
 }
 
 fn value_text(value: &ParamValue) -> String {

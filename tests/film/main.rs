@@ -1,6 +1,7 @@
 //! Films: every frame alone is the frame of the film, whatever the order; resuming keeps what is
 //! right and nothing else; failing frames are told.
 
+mod checked;
 #[path = "../common/mod.rs"]
 mod common;
 mod places;

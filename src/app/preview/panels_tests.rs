@@ -61,6 +61,7 @@ struct State {
     timeline: Timeline,
     tuned: Tuned,
     now_s: f64,
+    shown: Option<u32>,
 }
 
 fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, State> {
@@ -75,6 +76,7 @@ fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, Sta
         }),
         tuned: Tuned::default(),
         now_s: 0.0,
+        shown: None,
     };
     Harness::builder()
         .with_size(egui::vec2(1000.0, 700.0))
@@ -171,7 +173,7 @@ fn timeline_harness<'a>() -> Harness<'a, State> {
         let presses = |key| ui.input(|i| i.num_presses(key));
         timeline::keys(&mut state.timeline, presses, state.now_s);
         state.timeline.tick(state.now_s);
-        timeline::panel(ui, &mut state.timeline, state.now_s);
+        timeline::panel(ui, &mut state.timeline, state.shown, state.now_s);
     })
 }
 
@@ -187,6 +189,11 @@ fn the_timeline_plays_steps_and_scrubs() {
     harness.run();
     assert_eq!(harness.state().timeline.frame(), 8);
     assert!(harness.query_by_label("  0.333 s").is_some());
+    // The picture is late: its own frame is told.
+    harness.state_mut().shown = Some(6);
+    harness.run();
+    assert!(harness.query_by_label("  0.250 s").is_some());
+    assert_eq!(harness.state().timeline.frame(), 8);
     click(&mut harness, "pause");
     harness.state_mut().now_s = 9.0;
     harness.run();

@@ -167,8 +167,9 @@ pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64)
     }
 }
 
-/// The row below the picture.
-pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
+/// The row below the picture. While it plays it tells the frame that is `shown`: the clock is ahead
+/// of slow pictures.
+pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, now_s: f64) {
     ui.horizontal(|ui| {
         let mut button = |text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
         let to_start = button("|<", "Home: first frame");
@@ -183,12 +184,13 @@ pub fn panel(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
         let to_end = button(">|", "End: last frame");
         ui.checkbox(&mut timeline.repeats, "loop")
             .on_hover_text("L: the first frame follows the last");
-        let mut frame = timeline.frame();
+        let shown = shown.filter(|_| timeline.is_playing());
+        let mut frame = shown.unwrap_or(timeline.frame());
+        let time_s = f64::from(frame) * timeline.frame_s();
         let label = ui.label("frame");
         let range = timeline.start()..=timeline.end();
         let number = ui.add(egui::DragValue::new(&mut frame).range(range.clone()));
         let number = number.labelled_by(label.id);
-        let time_s = f64::from(timeline.frame()) * timeline.frame_s();
         ui.label(format!("of {}", timeline.end()));
         ui.monospace(format!("{time_s:7.3} s"));
         let pace = timeline.pace(now_s);

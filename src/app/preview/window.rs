@@ -243,11 +243,22 @@ impl Window {
         moving.into_iter().chain(playing).reduce(f64::min)
     }
 
+    /// How much smaller the shown picture was drawn than its place is, in words.
+    fn reduced(&self) -> String {
+        let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
+        match sides.map(|(_, stats)| stats.size) {
+            Some([width, height]) if width < self.viewport[0] || height < self.viewport[1] => {
+                format!(", drawn at {width}x{height} to keep up")
+            }
+            _ => String::new(),
+        }
+    }
+
     fn status(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             let number = self.shown.as_ref().map_or(0, |shown| shown.number);
             if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
-                ui.label(format!("playing: picture {number}"));
+                ui.label(format!("playing: picture {number}{}", self.reduced()));
             } else if self.is_busy {
                 ui.label(format!("drawing after picture {number} …"));
             } else {
@@ -306,7 +317,8 @@ impl eframe::App for Window {
         if let Some(timeline) = &mut self.timeline {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);
-                timeline::panel(ui, timeline, now_s);
+                let shown = self.shown.as_ref().map(|shown| shown.frame);
+                timeline::panel(ui, timeline, shown, now_s);
                 ui.add_space(1.0);
             });
         }

@@ -1,0 +1,106 @@
+//! `check`: reads a scene, loads what it refers to and poses its frames.
+
+use std::{
+    ops::RangeInclusive,
+    time::{Duration, Instant},
+};
+
+use super::{cli::CheckArgs, error::AppError, print_out, scene::load_scene};
+use crate::{
+    scene::{diagnostic::Diagnostic, motion::Motion},
+    world::World,
+};
+
+/// Frames are posed for so long; what a script or a track does wrong mostly shows in few of them.
+const POSING: Duration = Duration::from_secs(2);
+
+/// Reports every problem of a scene.
+///
+/// # Errors
+/// [`AppError::Scene`] with them.
+pub fn check(args: &CheckArgs) -> Result<(), AppError> {
+    let mut loaded = load_scene(Some(&args.scene), &args.from, &[])?;
+    let motion = Motion::new(&loaded.desc);
+    let first = motion.first_frame();
+    let last = loaded.desc.timeline.as_ref().map_or(first, |t| t.end);
+    let posed = pose_all(&motion, &mut loaded.world, first..=last)?;
+    let all = last - first + 1;
+    let frames = match posed {
+        _ if all == 1 => String::new(),
+        posed if posed == all => format!(", {all} frames"),
+        posed => format!(
+            ", {posed} of {all} frames in {} s, spread over all",
+            POSING.as_secs()
+        ),
+    };
+    let warnings = match loaded.num_warnings {
+        0 => String::new(),
+        1 => ", 1 warning".to_owned(),
+        n => format!(", {n} warnings"),
+    };
+    print_out(&format!("{}: ok{frames}{warnings}\n", loaded.name))
+}
+
+/// Poses frames while there is time, at least the first and the last; how many.
+fn pose_all(
+    motion: &Motion,
+    world: &mut World,
+    frames: RangeInclusive<u32>,
+) -> Result<u32, AppError> {
+    let started = Instant::now();
+    let (first, last) = (*frames.start(), *frames.end());
+    let mut wrong: Vec<(u32, Diagnostic)> = Vec::new();
+    let mut posed = 0;
+    for frame in spread(first, last) {
+        let is_end = frame == first || frame == last;
+        if !is_end && started.elapsed() > POSING {
+            break;
+        }
+        posed += 1;
+        let done = motion.pose(frame).and_then(|state| world.apply(&state));
+        for error in done.err().into_iter().flatten() {
+            let same = wrong
+                .iter_mut()
+                .find(|(_, known)| known.name == error.name && known.span == error.span);
+            match same {
+                Some(known) if known.0 <= frame => {}
+                Some(known) => *known = (frame, error),
+                None => wrong.push((frame, error)),
+            }
+        }
+    }
+    wrong.sort_by_key(|(frame, _)| *frame);
+    match wrong.is_empty() {
+        true => Ok(posed),
+        false => Err(AppError::Scene(wrong.into_iter().map(|(_, e)| e).collect())),
+    }
+}
+
+/// Both ends, then ever finer steps between them: each frame once.
+fn spread(first: u32, last: u32) -> impl Iterator<Item = u32> {
+    let length = last - first;
+    let most = u32::BITS - length.leading_zeros();
+    let steps = (0..most).rev().map(|bit| 1_u32 << bit);
+    let between = steps.flat_map(move |step| {
+        let odd = (u64::from(step)..u64::from(length)).step_by(2 * step as usize);
+        odd.map(move |offset| first + offset as u32)
+    });
+    let ends = [Some(first), (last > first).then_some(last)];
+    ends.into_iter().flatten().chain(between)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn every_frame_is_there_once_and_both_ends_come_first() {
+        for (first, last) in [(0, 0), (3, 4), (0, 5), (7, 23), (0, 64), (1, 949)] {
+            let mut frames: Vec<_> = spread(first, last).collect();
+            assert_eq!(frames[0], first);
+            assert_eq!(frames[frames.len().min(2) - 1], last);
+            frames.sort_unstable();
+            assert_eq!(frames, (first..=last).collect::<Vec<_>>());
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What `check` and `info` say about a film; neither needs a GPU.
+
+use std::{fs, path::Path, process::Command};
+
+use crate::{SCRIPT, folder};
+
+/// Exit code, standard output and standard error.
+fn reflet(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args([command, scene])
+        .env("REFLET_ADAPTER", "no such adapter")
+        .output()
+        .expect("the program starts");
+    let [out, err] = [output.stdout, output.stderr];
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (output.status.code(), text(out), text(err))
+}
+
+#[test]
+fn check_poses_every_frame_and_info_tells_of_them() {
+    let folder = folder("checked");
+    let (code, out, err) = reflet(&folder, "check", "scene.toml");
+    assert_eq!(
+        (code, out.as_str()),
+        (Some(0), "scene.toml: ok, 6 frames\n"),
+        "{err}"
+    );
+    let (_, out, err) = reflet(&folder, "info", "scene.toml");
+    for line in [
+        "timeline    frames 0 to 5 at 10 fps\n",
+        "moves       camera \"main\"\n",
+        "moves       light \"lamp\"\n",
+        "moves       material \"mirror\"\n",
+        "moves       what frame() of s.rhai poses\n",
+        "param       lift = 0.5\n",
+    ] {
+        assert!(out.contains(line), "{line}: {out}{err}");
+    }
+}
+
+#[test]
+fn check_reports_the_first_frame_of_each_mistake() {
+    let folder = folder("check-frames");
+    let wrong = "fn frame(ctx) {\n    if ctx.frame > 2 { throw \"late\"; }\n    \
+                 if ctx.frame == 1 { throw \"one\"; }\n";
+    let script = SCRIPT.replace("fn frame(ctx) {\n", wrong);
+    fs::write(folder.join("s.rhai"), script).expect("temporary script");
+    let (code, _, err) = reflet(&folder, "check", "scene.toml");
+    assert_eq!(code, Some(3), "{err}");
+    for says in [
+        "late (in frame 3)",
+        "s.rhai:2:",
+        "one (in frame 1)",
+        "s.rhai:3:",
+    ] {
+        assert_eq!(err.matches(says).count(), 1, "{says}: {err}");
+    }
+}
