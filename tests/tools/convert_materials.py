@@ -43,9 +43,7 @@ def Material "Mat" {{
 """
 
 
-def texture(
-    name: str, file: str, body: str = "", st: str = "/Mat/St.outputs:result"
-) -> str:
+def texture(name: str, file: str, body: str = "", st: str = "/Mat/St.outputs:result") -> str:
     return f"""
     def Shader "{name}" {{
         uniform token info:id = "UsdUVTexture"
@@ -83,12 +81,8 @@ def material(done: Converted) -> dict[str, Any]:
 def image(done: Converted, info: dict[str, Any]) -> bytes:
     source = done.gltf.textures[info["index"]].source
     view = done.gltf.bufferViews[done.gltf.images[source].bufferView]
-    return bytes(
-        done.gltf.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength]
-    )
+    return bytes(done.gltf.binary_blob()[view.byteOffset : view.byteOffset + view.byteLength])
 
 
 def pixels(done: Converted, info: dict[str, Any]) -> np.ndarray:
-    return np.asarray(Image.open(io.BytesIO(image(done, info))).convert("RGBA")).astype(
-        float
-    )
+    return np.asarray(Image.open(io.BytesIO(image(done, info))).convert("RGBA")).astype(float)

@@ -18,9 +18,7 @@ class Converted:
     """A stage that was converted in this process, and its file read back."""
 
     def __init__(self, stage: Path, out: Path, **options: Any) -> None:
-        self.result: ConvertResult = convert_stage(
-            stage, out, ConvertOptions(**options)
-        )
+        self.result: ConvertResult = convert_stage(stage, out, ConvertOptions(**options))
         self.out = out
         self.gltf = gl.GLTF2().load(str(out))
         self.json = json.loads(self.gltf.to_json())
@@ -44,11 +42,7 @@ class Converted:
 
     def node(self, prim: str) -> int:
         """The node that stands for a prim."""
-        hits = [
-            i
-            for i, n in enumerate(self.gltf.nodes)
-            if (n.extras or {}).get("prim") == prim
-        ]
+        hits = [i for i, n in enumerate(self.gltf.nodes) if (n.extras or {}).get("prim") == prim]
         assert hits, f"no node for {prim}"
         return hits[0]
 
@@ -60,9 +54,7 @@ class Converted:
         while stack:
             index, above = stack.pop()
             world[index] = above @ locals_[index]
-            stack.extend(
-                (child, world[index]) for child in self.gltf.nodes[index].children or []
-            )
+            stack.extend((child, world[index]) for child in self.gltf.nodes[index].children or [])
         return world
 
     def local(self, index: int, seconds: float | None) -> np.ndarray:
@@ -142,15 +134,11 @@ def interpolated(
     if angle < 1e-6:
         mixed = a + (b - a) * share
     else:
-        mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(
-            angle
-        )
+        mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
     return mixed / np.linalg.norm(mixed)
 
 
-def convert_text(
-    folder: Path, text: str, name: str = "stage.usda", **options: Any
-) -> Converted:
+def convert_text(folder: Path, text: str, name: str = "stage.usda", **options: Any) -> Converted:
     """Write a usda and convert it; `#usda` and metadata in meters with Y up are added."""
     if not text.lstrip().startswith("#usda"):
         head = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'

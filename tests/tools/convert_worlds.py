@@ -11,9 +11,7 @@ Y_UP = np.eye(4)
 Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)
 
 
-def usd_world(
-    stage: Usd.Stage, prim: str, code: float | None, meters: float
-) -> np.ndarray:
+def usd_world(stage: Usd.Stage, prim: str, code: float | None, meters: float) -> np.ndarray:
     """USD's own local-to-world matrix, for column vectors, in meters."""
     time = Usd.TimeCode.EarliestTime() if code is None else Usd.TimeCode(code)
     xformable = UsdGeom.Xformable(stage.GetPrimAtPath(prim))
@@ -23,9 +21,7 @@ def usd_world(
 
 
 def points_of(matrix: np.ndarray) -> np.ndarray:
-    cube = np.array(
-        [[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float
-    )
+    cube = np.array([[x, y, z, 1] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
     return (cube @ matrix.T)[:, :3]
 
 
@@ -41,6 +37,6 @@ def check_world(done: Converted, prim: str, codes: list[float | None]) -> None:
         expected = axis @ usd_world(stage, prim, code, usd["metersPerUnit"])
         found = done.world(seconds)[done.node(prim)]
         size = np.ptp(points_of(expected), axis=0).max()
-        assert points_of(found) == pytest.approx(
-            points_of(expected), abs=1e-5 * max(size, 1.0)
-        ), f"{prim} at {code}"
+        assert points_of(found) == pytest.approx(points_of(expected), abs=1e-5 * max(size, 1.0)), (
+            f"{prim} at {code}"
+        )

@@ -129,13 +129,9 @@ def NurbsPatch "N" {{
     done = convert_text(tmp_path, text)
     triangles = done.triangles(0)
     points = triangles.reshape(-1, 3)
-    assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(
-        np.ones(len(points)), abs=1e-6
-    )
+    assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(np.ones(len(points)), abs=1e-6)
     assert np.ptp(points[:, 2]) == pytest.approx(2.0)
-    crossed = np.cross(
-        triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    )
+    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     area = np.linalg.norm(crossed, axis=1).sum() / 2
     assert area == pytest.approx(np.pi, rel=0.01)
     assert "curves-approximated" in done.warnings("/N")
@@ -152,8 +148,6 @@ def TetMesh "T" {
 """
     done = convert_text(tmp_path, text)
     triangles = done.triangles(0)
-    signed = np.einsum(
-        "ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])
-    )
+    signed = np.einsum("ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2]))
     assert signed.sum() / 6 == pytest.approx(1 / 6)
     assert "tetrahedra-dropped" in done.warnings("/T")

@@ -131,7 +131,9 @@ def Mesh "M" {
 
 
 def test_an_absurd_unit_is_named(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, '#usda 1.0\n(metersPerUnit = 1e30; upAxis = "Y")\n' + CUBE.format(""))
+    done = convert_text(
+        tmp_path, '#usda 1.0\n(metersPerUnit = 1e30; upAxis = "Y")\n' + CUBE.format("")
+    )
     assert done.warnings("/") == {"units-invalid"}
     assert done.triangles(0).max() == pytest.approx(0.01)
 

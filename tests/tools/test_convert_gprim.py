@@ -31,22 +31,14 @@ def extent(done: Converted) -> np.ndarray:
 
 @pytest.mark.parametrize("axis", ["X", "Y", "Z"])
 @pytest.mark.parametrize("kind", list(VOLUMES))
-def test_closed_outward_and_nearly_the_exact_volume(
-    tmp_path: Path, kind: str, axis: str
-) -> None:
+def test_closed_outward_and_nearly_the_exact_volume(tmp_path: Path, kind: str, axis: str) -> None:
     body, volume = VOLUMES[kind]
-    done = convert_text(
-        tmp_path, f'def {kind} "G" {{\n{body}\nuniform token axis = "{axis}"\n}}'
-    )
+    done = convert_text(tmp_path, f'def {kind} "G" {{\n{body}\nuniform token axis = "{axis}"\n}}')
     triangles = done.triangles(0)
-    signed = np.einsum(
-        "ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])
-    )
+    signed = np.einsum("ti,ti->t", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2]))
     # Chords lie inside the curve: a little less volume, never more.
     assert 0.97 * volume < signed.sum() / 6 <= volume * (1 + 1e-6)
-    face = np.cross(
-        triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    )
+    face = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals = done.attribute(0, 0, "NORMAL").reshape(-1, 3, 3)
     assert (np.einsum("ti,tki->tk", face, normals) > 0).all(), "a normal points inward"
 

@@ -50,8 +50,7 @@ def test_native_instances_share_meshes_unless_they_look_different(
     assert world[done.node("/A/Q")][:3, 3] == pytest.approx([1, 2, 6])
     assert world[done.node("/C/Q")][:3, 3] == pytest.approx([0, 0, 3])
     colors = [
-        done.json["materials"][done.json["meshes"][m]["primitives"][0]["material"]]
-        for m in meshes
+        done.json["materials"][done.json["meshes"][m]["primitives"][0]["material"]] for m in meshes
     ]
     assert colors[1]["pbrMetallicRoughness"]["baseColorFactor"] == [1, 0, 0, 1]
     assert colors[0]["pbrMetallicRoughness"]["baseColorFactor"] != [1, 0, 0, 1]
@@ -114,18 +113,14 @@ def test_point_instances_are_placed_like_usd_places_them(tmp_path: Path) -> None
     ]
     assert len(found) == len(wanted) == 3
     for matrix in wanted:
-        assert (
-            min(np.abs(matrix - other).max() for other in found) < 1e-3
-        )  # half floats
+        assert min(np.abs(matrix - other).max() for other in found) < 1e-3  # half floats
     assert len(done.gltf.meshes) == 2
 
 
 def test_an_instance_without_prototype_is_named(tmp_path: Path) -> None:
     done = convert_text(tmp_path, POINTS)
     assert "instancer-invalid" in done.warnings("/I")
-    instances = [
-        n for n in done.gltf.nodes if (n.extras or {}).get("instancer") == "/I"
-    ]
+    instances = [n for n in done.gltf.nodes if (n.extras or {}).get("instancer") == "/I"]
     assert len(instances) == 3
 
 
@@ -145,9 +140,7 @@ def test_many_instances_go_to_the_gpu_extension(
     index, attributes = nodes[0]
     above = done.world()[index]
     corners = []
-    parts = [
-        done.array(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE")
-    ]
+    parts = [done.array(attributes[name]) for name in ("TRANSLATION", "ROTATION", "SCALE")]
     quad = done.triangles(done.gltf.nodes[index].mesh).reshape(-1, 3)
     for move, (x, y, z, w), scale in zip(*parts, strict=True):
         rotation = np.array(
@@ -234,16 +227,12 @@ def PointInstancer "I" {
     done = convert_text(tmp_path, text)
     world = done.world(0.5)
     heights = sorted(
-        world[i][1, 3]
-        for i, node in enumerate(done.gltf.nodes)
-        if node.mesh is not None
+        world[i][1, 3] for i, node in enumerate(done.gltf.nodes) if node.mesh is not None
     )
     assert heights == pytest.approx([2, 4])
 
 
-@pytest.mark.parametrize(
-    "line", ["point3f[] positions = [(0,0,0)]", "float3[] scales = [(1,1,1)]"]
-)
+@pytest.mark.parametrize("line", ["point3f[] positions = [(0,0,0)]", "float3[] scales = [(1,1,1)]"])
 def test_arrays_that_do_not_fit_are_named(tmp_path: Path, line: str) -> None:
     body = "point3f[] positions = [(0,0,0), (1,0,0)]" if "scales" in line else ""
     text = f"""
@@ -277,9 +266,7 @@ def test_instances_that_come_and_go_keep_moving(tmp_path: Path) -> None:
     more = "int64[] invisibleIds.timeSamples = { 1: [20], 5: [20, 30], 9: [] }"
     done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
     assert done.warnings() == set()
-    nodes = {
-        (n.extras or {}).get("instance"): i for i, n in enumerate(done.gltf.nodes)
-    }
+    nodes = {(n.extras or {}).get("instance"): i for i, n in enumerate(done.gltf.nodes)}
     assert done.world(5 / 24)[nodes[0]][:3, 3] == pytest.approx([0, 2.5, 0])
     shown = {}
     for channel in done.json["animations"][0]["channels"]:
@@ -292,7 +279,9 @@ def test_instances_that_come_and_go_keep_moving(tmp_path: Path) -> None:
     assert shown == {nodes[1]: [0, 0, 1], nodes[2]: [1, 0, 1]}
 
 
-@pytest.mark.parametrize(("half", "names"), [("0.7071", {"instance-rotation-normalized"}), ("0.5", set())])
+@pytest.mark.parametrize(
+    ("half", "names"), [("0.7071", {"instance-rotation-normalized"}), ("0.5", set())]
+)
 def test_moving_instances_name_normalized_rotations(
     tmp_path: Path, half: str, names: set[str]
 ) -> None:

@@ -30,12 +30,8 @@ def test_distant_light_in_lux(tmp_path: Path) -> None:
     assert light(done)["type"] == "directional"
     lux = 12 * math.pi * math.sin(math.radians(5)) ** 2
     assert light(done)["intensity"] == pytest.approx(lux)
-    body = (
-        "float inputs:intensity = 3\nfloat inputs:angle = 10\nbool inputs:normalize = 1"
-    )
-    assert light(convert_light(tmp_path, "DistantLight", body))[
-        "intensity"
-    ] == pytest.approx(3)
+    body = "float inputs:intensity = 3\nfloat inputs:angle = 10\nbool inputs:normalize = 1"
+    assert light(convert_light(tmp_path, "DistantLight", body))["intensity"] == pytest.approx(3)
 
 
 @pytest.mark.parametrize("meters", [1.0, 0.01])
@@ -59,9 +55,7 @@ def test_color_and_temperature_are_normalized_into_the_intensity(
     found = light(convert_light(tmp_path, "SphereLight", body))
     assert found["color"] == pytest.approx([1, 0.5, 0])
     assert found["intensity"] == pytest.approx(8)
-    body = (
-        "bool inputs:enableColorTemperature = 1\nfloat inputs:colorTemperature = 2000"
-    )
+    body = "bool inputs:enableColorTemperature = 1\nfloat inputs:colorTemperature = 2000"
     red, green, blue = light(convert_light(tmp_path, "SphereLight", body))["color"]
     assert red == 1.0
     assert red > green > blue
@@ -159,9 +153,7 @@ def test_perspective_camera(tmp_path: Path) -> None:
 
 def test_orthographic_camera(tmp_path: Path) -> None:
     body = CAMERA + '\n    token projection = "orthographic"'
-    found = convert_light(tmp_path, "Camera", body, 0.01).json["cameras"][0][
-        "orthographic"
-    ]
+    found = convert_light(tmp_path, "Camera", body, 0.01).json["cameras"][0]["orthographic"]
     # Apertures are tenths of a unit: 36 are 3.6 units, 0.036 m across.
     assert found["xmag"] == pytest.approx(0.018)
     assert found["ymag"] == pytest.approx(0.012)

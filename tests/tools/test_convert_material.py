@@ -52,9 +52,7 @@ def test_specular_workflow_keeps_the_reflectance(tmp_path: Path) -> None:
     found = material(done)
     factor = found["extensions"]["KHR_materials_specular"]["specularColorFactor"]
     # KHR_materials_specular: F0 = ((ior - 1) / (ior + 1))^2 * specularColor, ior 1.5.
-    assert np.array(factor) * ((1.5 - 1) / (1.5 + 1)) ** 2 == pytest.approx(
-        [0.9, 0.5, 0.02]
-    )
+    assert np.array(factor) * ((1.5 - 1) / (1.5 + 1)) ** 2 == pytest.approx([0.9, 0.5, 0.02])
     assert found["pbrMetallicRoughness"]["metallicFactor"] == 0.0
 
 
@@ -73,9 +71,7 @@ def test_second_uv_set_gets_its_own_slot(tmp_path: Path) -> None:
         stage(
             "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
             "color3f inputs:emissiveColor.connect = </Mat/U.outputs:rgb>",
-            reader
-            + texture("T", "t.png")
-            + texture("U", "u.png", st="/Mat/Other.outputs:result"),
+            reader + texture("T", "t.png") + texture("U", "u.png", st="/Mat/Other.outputs:result"),
             'texCoord2f[] primvars:second = [(5,5), (6,5), (6,6), (5,6)] (interpolation="vertex")',
         ),
     )
@@ -114,9 +110,7 @@ def test_display_color_through_a_primvar_reader(tmp_path: Path) -> None:
 def test_display_color_does_not_tint_a_bound_material(tmp_path: Path) -> None:
     body = "color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1), (0,0,0)] "
     body += '(interpolation = "vertex")'
-    done = convert_text(
-        tmp_path, stage("color3f inputs:diffuseColor = (1, 1, 1)", "", body)
-    )
+    done = convert_text(tmp_path, stage("color3f inputs:diffuseColor = (1, 1, 1)", "", body))
     assert "COLOR_0" not in done.json["meshes"][0]["primitives"][0]["attributes"]
 
 

@@ -28,18 +28,14 @@ SQUARE = "(0,0,0), (1,0,0), (1,1,0), (0,1,0)"
 
 
 def area(triangles: np.ndarray) -> float:
-    crossed = np.cross(
-        triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    )
+    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return float(np.linalg.norm(crossed, axis=1).sum() / 2)
 
 
 def star(corners: int, inner: float) -> np.ndarray:
     angles = np.arange(corners) * 2 * np.pi / corners
     radii = np.where(np.arange(corners) % 2, inner, 1.0)
-    return np.stack(
-        [radii * np.cos(angles), radii * np.sin(angles), 0 * angles], axis=1
-    )
+    return np.stack([radii * np.cos(angles), radii * np.sin(angles), 0 * angles], axis=1)
 
 
 def shoelace(outline: np.ndarray) -> float:
@@ -62,16 +58,12 @@ def test_concave_outlines_are_covered_exactly_once(corners: int, flip: bool) -> 
     turn = np.linalg.qr(np.array([[1, 2, 3], [0, 1, 4], [5, 6, 0.5]]))[0]
     turn *= np.sign(np.linalg.det(turn))
     points = outline @ turn.T + 100.0
-    triangles, faces = triangulate(
-        points, np.arange(len(points)), np.array([len(points)])
-    )
+    triangles, faces = triangulate(points, np.arange(len(points)), np.array([len(points)]))
     assert len(triangles) == len(points) - 2
     assert set(faces) == {0}
     signed = [shoelace(outline[t]) for t in triangles]
     expected = shoelace(outline)
-    assert min(np.array(signed) * np.sign(expected)) >= -1e-12, (
-        "a triangle is turned around"
-    )
+    assert min(np.array(signed) * np.sign(expected)) >= -1e-12, "a triangle is turned around"
     assert sum(signed) == pytest.approx(expected)
 
 
@@ -82,9 +74,7 @@ def test_random_simple_polygons_keep_their_area() -> None:
         if np.diff(angles, append=angles[0] + 2 * np.pi).max() > np.pi:
             continue  # the origin is outside, the outline may cross itself
         radii = random.uniform(0.05, 1.0, corners)
-        outline = np.stack(
-            [radii * np.cos(angles), radii * np.sin(angles), 0 * angles], 1
-        )
+        outline = np.stack([radii * np.cos(angles), radii * np.sin(angles), 0 * angles], 1)
         triangles, _ = triangulate(outline, np.arange(corners), np.array([corners]))
         signed = np.array([shoelace(outline[t]) for t in triangles])
         assert signed.min() > -1e-12
@@ -92,9 +82,7 @@ def test_random_simple_polygons_keep_their_area() -> None:
 
 
 def test_mixed_faces_keep_order_and_winding() -> None:
-    points = np.array(
-        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], dtype=float
-    )
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], dtype=float)
     corners = np.array([0, 1, 2, 3, 1, 4, 2, 0, 1, 4, 2, 3])
     triangles, faces = triangulate(points, corners, np.array([4, 3, 5]))
     assert faces.tolist() == [0, 0, 1, 2, 2, 2]
@@ -125,9 +113,7 @@ def test_left_handed_turns_faces_but_not_authored_normals(tmp_path: Path) -> Non
 
 def test_holes_are_left_out_and_the_rest_stays(tmp_path: Path) -> None:
     points = SQUARE + ", (2,0,0), (2,1,0)"
-    done = convert_text(
-        tmp_path, mesh("int[] holeIndices = [0]", "4,4/0,1,2,3,1,4,5,2", points)
-    )
+    done = convert_text(tmp_path, mesh("int[] holeIndices = [0]", "4,4/0,1,2,3,1,4,5,2", points))
     triangles = done.triangles(0)
     assert len(triangles) == 2
     assert triangles[..., 0].min() == 1.0
@@ -290,9 +276,7 @@ def test_primvars_of_the_wrong_size_are_named(tmp_path: Path) -> None:
 def test_display_color_and_opacity_per_vertex(tmp_path: Path) -> None:
     body = "color3f[] primvars:displayColor = [(1,0,0), (0,1,0), (0,0,1), (2,0,0)] "
     body += '(interpolation = "vertex")\n'
-    body += (
-        'float[] primvars:displayOpacity = [1, 1, 0.5, 1] (interpolation = "vertex")'
-    )
+    body += 'float[] primvars:displayOpacity = [1, 1, 0.5, 1] (interpolation = "vertex")'
     done: Converted = convert_text(tmp_path, mesh(body, "4/0,1,2,3", SQUARE))
     color, position = done.attribute(0, 0, "COLOR_0"), done.attribute(0, 0, "POSITION")
     assert color.shape[1] == 4

@@ -84,9 +84,7 @@ def skinned(done: Converted, seconds: float) -> np.ndarray:
     for weight, target in zip(weights, primitive.get("targets", []), strict=True):
         points = points + weight * done.array(target["POSITION"])
     influences = done.array(attributes["WEIGHTS_0"]).astype(float)
-    matrices = np.einsum(
-        "vk,vkij->vij", influences, joints[done.array(attributes["JOINTS_0"])]
-    )
+    matrices = np.einsum("vk,vkij->vij", influences, joints[done.array(attributes["JOINTS_0"])])
     return np.einsum("vij,vj->vi", matrices, np.c_[points, np.ones(len(points))])[:, :3]
 
 
@@ -123,17 +121,13 @@ def test_joints_move_like_usd_between_the_keys(tmp_path: Path) -> None:
         world = done.world(code / 24)
         wanted = query.ComputeJointWorldTransforms(UsdGeom.XformCache(code))
         for joint, matrix in zip(done.gltf.skins[0].joints, wanted, strict=True):
-            assert world[joint] == pytest.approx(np.array(matrix).T, abs=1e-5), (
-                f"at {code}"
-            )
+            assert world[joint] == pytest.approx(np.array(matrix).T, abs=1e-5), f"at {code}"
 
 
 def test_keys_of_joints_stay_where_they_were(tmp_path: Path) -> None:
     done = convert_text(tmp_path, STAGE.format(meters=1))
     times = {
-        channel.target.path: done.array(
-            done.gltf.animations[0].samplers[channel.sampler].input
-        )
+        channel.target.path: done.array(done.gltf.animations[0].samplers[channel.sampler].input)
         for channel in done.gltf.animations[0].channels
     }
     assert times["translation"][:, 0].tolist() == [0, 1]
@@ -143,9 +137,7 @@ def test_keys_of_joints_stay_where_they_were(tmp_path: Path) -> None:
 
 def test_everything_of_a_skeleton_is_accounted_for(tmp_path: Path) -> None:
     done = convert_text(tmp_path, STAGE.format(meters=1))
-    assert all(row["warned"] == 0 for row in done.result.ledger.values()), (
-        done.result.warnings
-    )
+    assert all(row["warned"] == 0 for row in done.result.ledger.values()), done.result.warnings
     assert set(done.result.ledger) == {
         "BlendShape",
         "Mesh",
@@ -204,9 +196,7 @@ def Mesh "M" {
             for w, t in zip(weights, primitive["targets"], strict=True)
         )
         wanted = np.array(attribute.Get(code))
-        assert np.sort(points, axis=0) == pytest.approx(
-            np.sort(wanted, axis=0), abs=1e-6
-        )
+        assert np.sort(points, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-6)
 
 
 def test_points_that_change_their_topology_are_named(tmp_path: Path) -> None:
@@ -219,9 +209,7 @@ def Mesh "M" {
 }
 """
     done = convert_text(tmp_path, text)
-    assert {"points-animation-frozen", "geometry-animation-frozen"} <= done.warnings(
-        "/M"
-    )
+    assert {"points-animation-frozen", "geometry-animation-frozen"} <= done.warnings("/M")
 
 
 def test_interpolation_used_by_these_tests() -> None:
@@ -254,9 +242,7 @@ def PointInstancer "I" {
 
 
 def test_native_instances_of_a_skeleton(tmp_path: Path) -> None:
-    text = STAGE.format(meters=1).replace(
-        'def SkelRoot "Root"', 'class SkelRoot "Root"', 1
-    )
+    text = STAGE.format(meters=1).replace('def SkelRoot "Root"', 'class SkelRoot "Root"', 1)
     text += """
 def SkelRoot "A" (instanceable = true
     inherits = </Root>) {
@@ -268,6 +254,4 @@ def SkelRoot "B" (instanceable = true
 """
     done = convert_text(tmp_path, text)
     world = done.world(0.0)
-    assert sorted(
-        world[skin.joints[0]][0, 3] for skin in done.gltf.skins
-    ) == pytest.approx([3, 7])
+    assert sorted(world[skin.joints[0]][0, 3] for skin in done.gltf.skins) == pytest.approx([3, 7])

@@ -103,9 +103,7 @@ def folders(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("absolute", [False, True])
 @pytest.mark.parametrize("arc", ["references", "payload", "sublayer"])
-def test_layers_outside_the_folder_are_left_out(
-    tmp_path: Path, arc: str, absolute: bool
-) -> None:
+def test_layers_outside_the_folder_are_left_out(tmp_path: Path, arc: str, absolute: bool) -> None:
     inside = folders(tmp_path)
     path = str(tmp_path / "out" / "part.usda") if absolute else "../out/part.usda"
     if arc == "sublayer":
@@ -214,9 +212,7 @@ def test_purpose_and_visibility(tmp_path: Path) -> None:
         ("metersPerUnit = 1\ntimeCodesPerSecond = -5", "time-rate-invalid", 1.0),
     ],
 )
-def test_odd_metadata(
-    tmp_path: Path, metadata: str, warning: str, meters: float
-) -> None:
+def test_odd_metadata(tmp_path: Path, metadata: str, warning: str, meters: float) -> None:
     text = f'#usda 1.0\n(\n{metadata}\n)\ndef Cube "C" {{\n'
     text += "double3 xformOp:translate.timeSamples = { 0: (0,0,0), 24: (1,0,0) }\n"
     text += 'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
@@ -228,9 +224,7 @@ def test_odd_metadata(
 
 def test_deep_nesting_needs_no_recursion(tmp_path: Path) -> None:
     depth = 1500
-    text = (
-        "".join(f'def Xform "x{i}" {{\n' for i in range(depth)) + 'def Cube "c" {\n}\n'
-    )
+    text = "".join(f'def Xform "x{i}" {{\n' for i in range(depth)) + 'def Cube "c" {\n}\n'
     done = convert_text(tmp_path, text + "}\n" * depth)
     assert len(done.gltf.nodes) == depth + 2
 

@@ -38,9 +38,7 @@ def test_a_cube_after_one_step() -> None:
     # Catmull and Clark: a valence-3 corner moves to (Q + 2R + 0·S) / 3 = 5/9 of the way.
     assert values[:8] == pytest.approx(CUBE_POINTS * 5 / 9)
     edges, faces = values[8:20], values[20:]
-    assert np.sort(np.abs(edges), axis=1) == pytest.approx(
-        np.tile([0, 0.75, 0.75], (12, 1))
-    )
+    assert np.sort(np.abs(edges), axis=1) == pytest.approx(np.tile([0, 0.75, 0.75], (12, 1)))
     assert np.sort(np.abs(faces), axis=1) == pytest.approx(np.tile([0, 0, 1], (6, 1)))
     child = step.child()
     assert len(child.counts) == 24
@@ -85,9 +83,7 @@ def test_semi_sharp_lies_between_smooth_and_sharp() -> None:
 
 def grid(size: int) -> tuple[Cage, np.ndarray]:
     index = np.arange((size + 1) ** 2).reshape(size + 1, size + 1)
-    quads = np.stack(
-        [index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], axis=-1
-    )
+    quads = np.stack([index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]], axis=-1)
     x, y = np.meshgrid(np.arange(size + 1.0), np.arange(size + 1.0))
     points = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
     return Cage(np.full(size * size, 4), quads.reshape(-1), len(points)), points
@@ -134,9 +130,7 @@ def test_level_counts_and_primvars(tmp_path: Path, level: int) -> None:
     triangles = done.triangles(0)
     assert len(triangles) == 2 * 4**level * 2
     position, uv = done.attribute(0, 0, "POSITION"), done.attribute(0, 0, "TEXCOORD_0")
-    assert uv[:, 1] == pytest.approx(1 - position[:, 1], abs=1e-6), (
-        "v follows y on this strip"
-    )
+    assert uv[:, 1] == pytest.approx(1 - position[:, 1], abs=1e-6), "v follows y on this strip"
     assert done.attribute(0, 0, "_HEAT").max() == pytest.approx(2.0)
     colors = done.attribute(0, 0, "COLOR_0")
     left = colors[:, 0] == 1

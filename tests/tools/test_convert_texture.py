@@ -12,9 +12,7 @@ from convert_materials import image, material, noise, pixels, save, stage, textu
 from convert_reading import convert_text
 
 
-@pytest.mark.parametrize(
-    ("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})]
-)
+@pytest.mark.parametrize(("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})])
 def test_a_color_map_is_copied_byte_for_byte(
     tmp_path: Path, name: str, options: dict[str, Any]
 ) -> None:
@@ -68,9 +66,7 @@ def test_a_packed_map_in_gltf_order_is_copied(tmp_path: Path) -> None:
         ),
     )
     found = material(done)
-    assert (
-        image(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"]) == data
-    )
+    assert image(done, found["pbrMetallicRoughness"]["metallicRoughnessTexture"]) == data
     assert len(done.gltf.images) == 1
 
 
@@ -87,9 +83,7 @@ def test_color_spaces_of_scalar_maps(tmp_path: Path, space: str) -> None:
     )
     info = material(done)["pbrMetallicRoughness"]["metallicRoughnessTexture"]
     encoded = data[..., 2] / 255
-    linear = np.where(
-        encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
-    )
+    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     expected = encoded if space == "raw" else linear
     assert pixels(done, info)[..., 1] / 255 == pytest.approx(expected, abs=0.51 / 255)
 
@@ -220,9 +214,7 @@ def test_texture_transform_for_any_parameters(tmp_path: Path) -> None:
         u = math.cos(r) * uv[:, 0] + math.sin(r) * uv[:, 1]
         v = -math.sin(r) * uv[:, 0] + math.cos(r) * uv[:, 1]
         found = np.stack([u, v], 1) + transform.get("offset", (0, 0))
-        assert np.stack([found[:, 0], 1 - found[:, 1]], 1) == pytest.approx(
-            wanted, abs=1e-5
-        )
+        assert np.stack([found[:, 0], 1 - found[:, 1]], 1) == pytest.approx(wanted, abs=1e-5)
 
 
 @pytest.mark.parametrize(

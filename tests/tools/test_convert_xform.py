@@ -83,9 +83,7 @@ def Cube "C" {{
         ),
     ],
 )
-def test_keys_are_kept_and_exact_between_them(
-    tmp_path: Path, ops: str, names: list[str]
-) -> None:
+def test_keys_are_kept_and_exact_between_them(tmp_path: Path, ops: str, names: list[str]) -> None:
     order = ", ".join(f'"{name}"' for name in names)
     text = f'def Cube "C" {{\n{ops}\nuniform token[] xformOpOrder = [{order}]\n}}'
     done = convert_text(tmp_path, text)

@@ -31,8 +31,8 @@ class Scene:
         self.text = [
             "version = 1",
             f"[camera.main]\neye = {eye}\ntarget = {target}\nfov_deg = {FOV_DEG}",
-            f"[light.lamp]\nkind = \"point\"\nposition = {LIGHT['position']}\n"
-            f"intensity_cd = {LIGHT['intensity']}\nshadow = \"ray\"",
+            f'[light.lamp]\nkind = "point"\nposition = {LIGHT["position"]}\n'
+            f'intensity_cd = {LIGHT["intensity"]}\nshadow = "ray"',
             "[environment]\ncolor = [0, 0, 0]",
             # Rays reach everything, and U needs no bounds.
             f"[reflection]\nbounces = {BOUNCES}\nray_length_u = 1000.0\nunit_m = 1.0",
