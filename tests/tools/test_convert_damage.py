@@ -39,7 +39,7 @@ def test_left_handed_gprims_turn_inside_out(tmp_path: Path, kind: str) -> None:
         across = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
         normals = done.attribute(0, 0, "NORMAL").reshape(-1, 3, 3)
         assert (np.einsum("ij,ikj->ik", across, normals) > 0).all()
-        areas.append(float((across * (t.mean(axis=1) + (0, 0, 9))).sum()))
+        areas.append(float((across * (t.mean(axis=1) + np.array([0, 0, 9]))).sum()))
     assert areas[0] == pytest.approx(-areas[1])
     assert abs(areas[0]) > 1
 
@@ -47,7 +47,8 @@ def test_left_handed_gprims_turn_inside_out(tmp_path: Path, kind: str) -> None:
 def test_a_fourth_column_is_divided_or_named(tmp_path: Path) -> None:
     for column, x in (("0", 1.0), (".5", 1.0)):
         rows = f"(1,0,0,{column}), (0,1,0,0), (0,0,1,0), (2,0,0,2)"
-        op = f'matrix4d xformOp:transform = ({rows})\nuniform token[] xformOpOrder = ["xformOp:transform"]'
+        order = 'uniform token[] xformOpOrder = ["xformOp:transform"]'
+        op = f"matrix4d xformOp:transform = ({rows})\n{order}"
         done = convert_text(tmp_path, CUBE.format(op))
         assert done.warnings("/C") == {"transform-projective"}
         assert done.world()[done.node("/C")][0, 3] == pytest.approx(x)

@@ -88,7 +88,8 @@ def test_random_shears_stay_close(tmp_path: Path) -> None:
     rows = []
     for _ in range(3):
         m = np.vstack([random.normal(size=(3, 3)), random.normal(size=3) * 5])
-        rows.append(", ".join(f"({a:.5f},{b:.5f},{c:.5f},{w})" for (a, b, c), w in zip(m, "0001")))
+        columns = zip(m, "0001", strict=True)
+        rows.append(", ".join(f"({a:.5f},{b:.5f},{c:.5f},{w})" for (a, b, c), w in columns))
     done = moving(tmp_path, "transform", matrices(*rows))
     check_world(done, "/C", list(np.linspace(1, 20, 77)))
 
