@@ -5,7 +5,9 @@
 
 @group(2) @binding(0) var cause: texture_2d<u32>;
 @group(2) @binding(1) var<storage, read_write> counters: array<atomic<u32>, 16>; // 0-9: causes, 15: rays
-@group(2) @binding(2) var<storage, read_write> rays: array<u32>;
+@group(2) @binding(2) var<storage, read_write> rays: array<u32>; // without TRACE: one, never written
+
+override TRACE: bool = true; // the method traces; else only causes are counted
 
 var<workgroup> tile_causes: array<atomic<u32>, 10>;
 var<workgroup> tile_rays: atomic<u32>;
@@ -19,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
     if (inside) {
         why = textureLoad(cause, id.xy, 0).x;
         atomicAdd(&tile_causes[min(why, 9u)], 1u);
-        if (is_traced(why)) { place = atomicAdd(&tile_rays, 1u); }
+        if (TRACE && is_traced(why)) { place = atomicAdd(&tile_rays, 1u); }
     }
     workgroupBarrier();
     if (lane == 0u) { tile_start = atomicAdd(&counters[15], atomicLoad(&tile_rays)); }
@@ -28,5 +30,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
         if (n > 0u) { atomicAdd(&counters[lane], n); }
     }
     workgroupBarrier();
-    if (inside && is_traced(why)) { rays[tile_start + place] = id.x | (id.y << 16u); }
+    if (TRACE && inside && is_traced(why)) { rays[tile_start + place] = id.x | (id.y << 16u); }
 }

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     render::{
-        plan::{Dropped, Plan, can_reflect},
+        plan::{Dropped, Plan, can_reflect, traces},
         textures::{self, places},
         types::GpuVertex,
     },
@@ -120,8 +120,11 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     };
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
-    let trees =
-        Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?;
+    let trees = if traces(world, reflection) {
+        Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
+    } else {
+        Trees::unbuilt(world)
+    };
     let plan = Plan::of(world, &trees, &places(&world.textures), reflection);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;

@@ -82,7 +82,9 @@ impl Report {
         let samples = frame.samples;
         line("picture", format!("{width} x {height}, samples {samples}"));
         line("loading", time("scene and files", self.load_ms));
-        line("trees", time("built on the CPU", frame.tree_ms));
+        if frame.tree_ms > 0.0 {
+            line("trees", time("built on the CPU", frame.tree_ms));
+        }
         for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
             line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
         }

@@ -189,9 +189,11 @@ pub(super) fn march_constant(method: Method) -> (&'static str, f64) {
 impl Reflections {
     fn new(build: &Build<'_>, options: &RenderOptions) -> Result<Self, GpuError> {
         let settings = &options.reflection;
-        let list = compact::RayList::new(build.gpu, options.image.size)?;
+        let traced = settings.method != Method::Ssr;
+        let list = compact::RayList::new(build.gpu, options.image.size, traced)?;
         let mut constants = build.constants.to_vec();
         constants.push(march_constant(settings.method));
+        constants.push(("TRACE", f64::from(u8::from(traced))));
         let build = Build {
             constants: &constants,
             ..*build
@@ -207,7 +209,7 @@ impl Reflections {
         Ok(Self {
             ssr: build.pass(&ssr::PASS, &[], &[])?,
             compact: build.pass(&compact::PASS, &[], &named)?,
-            trace: (settings.method != Method::Ssr).then(trace).transpose()?,
+            trace: traced.then(trace).transpose()?,
             blur: if settings.blur_px > 0.0 {
                 Some([blur(0)?, blur(1)?])
             } else {

@@ -178,7 +178,9 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if let Some(r) = &self.passes.reflections {
+        if let Some(r) = &self.passes.reflections
+            && r.trace.is_some()
+        {
             bytes.push(("ray_list".to_owned(), r.list.rays.size()));
         }
         let (size, method) = (self.options.image.size, self.method());

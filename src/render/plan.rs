@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{ReflectionDesc, ReflectionMode, ShadowMode},
+    scene::desc::{Method, ReflectionDesc, ReflectionMode, ShadowMode},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
@@ -24,6 +24,8 @@ pub struct Dropped {
 pub struct Plan {
     /// Some material can reflect: march, trace and blur passes exist.
     pub reflections: bool,
+    /// Some ray is followed: see [`traces`].
+    pub traced: bool,
     /// Some geometry stands in the static tree.
     pub static_tree: bool,
     /// Some instance is traced through the top level.
@@ -69,11 +71,29 @@ fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
 }
 
+/// Whether some material reflects in some frame.
+fn reflects(world: &World, cutoff: f32) -> bool {
+    (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
+}
+
+fn casts_shadow_rays(world: &World) -> bool {
+    let mut lights = world.lights.iter();
+    lights.any(|light| light.desc.shadow == ShadowMode::Ray)
+}
+
+/// Whether a frame follows rays, so that it needs trees: for reflections that are traced, or for
+/// shadows that are.
+pub fn traces(world: &World, settings: &ReflectionDesc) -> bool {
+    let reflections = settings.method != Method::Ssr && reflects(world, settings.roughness_cutoff);
+    reflections || casts_shadow_rays(world)
+}
+
 impl Plan {
     /// Everything a scene may use: the plan that drops nothing, to compare against.
     pub fn general(settings: &ReflectionDesc) -> Self {
         Self {
             reflections: true,
+            traced: true,
             static_tree: true,
             top_level: true,
             cutouts: true,
@@ -96,20 +116,19 @@ impl Plan {
         let materials = || used.iter().map(|&m| &world.materials[m]);
         let (pools, wraps) = samplers(world, &used, places);
         let cutoff = settings.roughness_cutoff;
-        let reflections = used.iter().any(|&m| may_reflect(world, m, cutoff));
-        let lone = reflections && !reflectors_see_each_other(world, settings.roughness_cutoff);
+        let reflections = reflects(world, cutoff);
+        let lone = reflections && !reflectors_see_each_other(world, cutoff);
+        let traced = traces(world, settings);
         let mut plan = Self {
             reflections,
+            traced,
             static_tree: trees.static_triangles > 0,
-            top_level: !trees.top_instances.is_empty(),
+            top_level: trees.is_built() && !trees.top_instances.is_empty(),
             cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
-            shadow_rays: world
-                .lights
-                .iter()
-                .any(|l| l.desc.shadow == ShadowMode::Ray),
+            shadow_rays: casts_shadow_rays(world),
             bounces: if lone { 1 } else { settings.bounces },
             pools,
             wraps,
@@ -131,9 +150,18 @@ impl Plan {
             "reflection passes",
             "no material can reflect",
         );
-        drop(!self.static_tree, "static tree", "nothing stands still");
         drop(
-            !self.top_level,
+            !self.traced,
+            "all trees",
+            "no ray is followed, neither for reflections nor for shadows",
+        );
+        drop(
+            self.traced && !self.static_tree,
+            "static tree",
+            "nothing stands still",
+        );
+        drop(
+            self.traced && !self.top_level,
             "top level",
             "nothing is dynamic, and copies of static meshes are few enough to bake",
         );

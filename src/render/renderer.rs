@@ -14,7 +14,7 @@ use super::{
     build::{Bound, Passes, Shaders, last_sub_frame, needed_passes, needs},
     lights::ShadowSizes,
     passes::{compose, shadow::ShadowMaps},
-    plan::Plan,
+    plan::{Plan, traces},
     scene::GpuScene,
     targets::{Target, Targets},
     types::{Frame, LightBlock},
@@ -76,11 +76,22 @@ impl Redone {
     }
 }
 
-/// Trees and how long they took.
-fn build_trees(gpu: &Gpu, world: &World) -> Result<(Trees, f64), RenderError> {
+/// Trees and how many milliseconds they took; stand-ins where no ray is followed.
+fn build_trees(
+    gpu: &Gpu,
+    world: &World,
+    options: &RenderOptions,
+) -> Result<(Trees, f64), RenderError> {
+    if !needs_trees(world, options) {
+        return Ok((Trees::unbuilt(world), 0.0));
+    }
     let started = Instant::now();
     let trees = Trees::build(world, gpu.largest_storage_buffer())?;
     Ok((trees, started.elapsed().as_secs_f64() * 1e3))
+}
+
+fn needs_trees(world: &World, options: &RenderOptions) -> bool {
+    options.general || traces(world, &options.reflection)
 }
 
 impl Renderer {
@@ -119,7 +130,7 @@ impl Renderer {
         shaders: &Shaders,
     ) -> Result<Self, RenderError> {
         super::check_world(world)?;
-        let (trees, tree_ms) = build_trees(gpu, world)?;
+        let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let maps = ShadowMaps::new(gpu, ShadowSizes::of(&world.lights))?;
@@ -162,7 +173,10 @@ impl Renderer {
         world: &World,
         options: &RenderOptions,
     ) -> Result<Redone, RenderError> {
-        let trees = !same_trees(old, world);
+        // Trees that nothing follows any more are kept while they fit: a preview that compares two
+        // methods would build them for each picture.
+        let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
+        let trees = lacks_trees || !same_trees(old, world);
         let mut redone = Redone {
             trees,
             poses: !trees && !same_poses(old, world),
@@ -172,7 +186,7 @@ impl Renderer {
             redone.trees || old.materials != world.materials || !same_materials(old, world);
         let trees = if redone.trees {
             super::check_world(world)?;
-            Some(build_trees(gpu, world)?)
+            Some(build_trees(gpu, world, options)?)
         } else {
             None
         };
@@ -287,7 +301,7 @@ impl Renderer {
     /// Takes over a world whose instances and materials were posed anew: poses, the top level and
     /// the numbers of materials, never the static tree or a picture.
     pub fn update(&mut self, gpu: &Gpu, world: &World) {
-        if self.plan.top_level {
+        if !self.trees.top_instances.is_empty() {
             self.trees.update_top_level(world);
         }
         self.scene.update(gpu, world, &self.trees);

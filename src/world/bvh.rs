@@ -18,23 +18,26 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec3};
+use bytemuck::Zeroable;
+use glam::Vec3;
 use obvhs::aabb::Aabb;
 pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
-use super::{Material, Mesh, World};
+use super::{Instance, Mesh, World};
 use crate::scene::diagnostic::Diagnostic;
 
 mod oracle;
 mod placement;
+mod record;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 pub use oracle::{Oracle, Ray, RayHit};
 use placement::{Placement, error, too_large};
+pub use record::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, TraceInstance, TraceTriangle};
+use record::{material_flags, trace_triangle};
 use tree::Tree;
 
 /// Node index of the static tree's root.
@@ -46,13 +49,6 @@ pub const TOP_LEVEL: u32 = 1 << 31;
 /// No instance, or no tree.
 pub const NONE: u32 = u32::MAX;
 
-/// Flag: hits ask `alpha_passes` first.
-pub const ALPHA_TESTED: u32 = 1;
-/// Flag: the back is seen.
-pub const DOUBLE_SIDED: u32 = 2;
-/// Flag: clockwise is the front, because a mirroring transform was baked in.
-pub const FLIPPED: u32 = 4;
-
 /// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
@@ -60,40 +56,6 @@ pub const STACK_SIZE: u32 = 24;
 pub const MAX_REACH_M: f32 = 1e15;
 /// Words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
-
-/// A triangle as traversal reads it, 48 bytes (3 × `vec4u`).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct TraceTriangle {
-    /// Vertex 0; world space in the static tree, object space in mesh trees.
-    pub base: [f32; 3],
-    /// Index of its instance; [`NONE`] in mesh trees.
-    pub instance: u32,
-    /// Vertex 1 − vertex 0.
-    pub edge1: [f32; 3],
-    /// Index in its mesh.
-    pub triangle: u32,
-    /// Vertex 2 − vertex 0.
-    pub edge2: [f32; 3],
-    /// [`ALPHA_TESTED`], [`DOUBLE_SIDED`], [`FLIPPED`]; 0 in mesh trees, where the instance decides.
-    pub flags: u32,
-}
-
-/// What traversal reads of an instance, 64 bytes (4 × `vec4`).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct TraceInstance {
-    /// xyz: rows of the inverse's linear part L; w: the world translation T of the placement, by
-    /// component. `object = L (world − T)`, which keeps its precision far from the origin.
-    pub object_from_world: [[f32; 4]; 3],
-    /// Root of its mesh tree; [`NONE`] where it is part of the static tree.
-    pub tree_root: u32,
-    /// [`ALPHA_TESTED`] and [`DOUBLE_SIDED`] of its material. Object space keeps its winding, so
-    /// [`FLIPPED`] is never set.
-    pub trace_flags: u32,
-    /// Unused.
-    pub padding: [u32; 2],
-}
 
 /// All trees of a world, as the GPU reads them.
 #[derive(Clone, Debug)]
@@ -104,11 +66,12 @@ pub struct Trees {
     pub triangles: Vec<TraceTriangle>,
     /// Parallel to [`World::instances`].
     pub instances: Vec<TraceInstance>,
-    /// The nodes that [`Trees::update_top_level`] rewrites.
+    /// The nodes that [`Trees::update_top_level`] rewrites; empty where nothing was built.
     pub top_range: Range<usize>,
     /// Triangles in the static tree.
     pub static_triangles: usize,
-    /// Instances in the top level, as indices into [`World::instances`].
+    /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
+    /// may move.
     pub top_instances: Vec<u32>,
 }
 
@@ -166,6 +129,29 @@ impl Trees {
         Ok(trees)
     }
 
+    /// For a world in which no ray is followed: stand-ins for the buffers, and the records of the
+    /// instances, which shading reads too.
+    pub fn unbuilt(world: &World) -> Self {
+        let record = |i: &Instance| {
+            TraceInstance::new(&i.world_from_object, &world.materials[i.material], NONE)
+        };
+        let dynamic = world.instances.iter().enumerate();
+        let dynamic = dynamic.filter(|(_, i)| i.dynamic).map(|(id, _)| id as u32);
+        Self {
+            nodes: vec![CwBvhNode::default()],
+            triangles: vec![TraceTriangle::zeroed()],
+            instances: world.instances.iter().map(record).collect(),
+            top_range: 1..1,
+            static_triangles: 0,
+            top_instances: dynamic.collect(),
+        }
+    }
+
+    /// Whether rays can be followed through them.
+    pub fn is_built(&self) -> bool {
+        !self.top_range.is_empty()
+    }
+
     /// Rebuilds the top level after instances of it moved: rewrites their records in
     /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances that are hidden, whose
     /// transform is not invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
@@ -202,6 +188,9 @@ impl Trees {
                 ));
             }
         }
+        if !self.is_built() {
+            return 0;
+        }
         let mut tree = Tree::build(&boxes);
         let list = 1 + top_capacity(self.top_instances.len());
         tree::rebase(
@@ -216,33 +205,6 @@ impl Trees {
         }
         tree.stack_need
     }
-}
-
-impl TraceInstance {
-    fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
-        // Inverted in f64, so that only its storage rounds.
-        let inverse = oracle::in_f64(world_from_object)
-            .matrix3
-            .inverse()
-            .as_mat3();
-        let row = |k: usize| {
-            inverse
-                .row(k)
-                .extend(world_from_object.translation[k])
-                .to_array()
-        };
-        Self {
-            object_from_world: [row(0), row(1), row(2)],
-            tree_root,
-            trace_flags: material_flags(material),
-            padding: [0; 2],
-        }
-    }
-}
-
-fn material_flags(material: &Material) -> u32 {
-    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    flag(material.alpha_cutoff.is_some(), ALPHA_TESTED) | flag(material.double_sided, DOUBLE_SIDED)
 }
 
 /// Nodes kept for a top level over `instances`: every inner node has at least two children.
@@ -287,17 +249,6 @@ fn bounding_box(corners: [Vec3; 3]) -> Aabb {
 /// Whether a ray can hit it at all.
 fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a) != Vec3::ZERO
-}
-
-fn trace_triangle([a, b, c]: [Vec3; 3], instance: u32, triangle: u32, flags: u32) -> TraceTriangle {
-    TraceTriangle {
-        base: a.to_array(),
-        instance,
-        edge1: (b - a).to_array(),
-        triangle,
-        edge2: (c - a).to_array(),
-        flags,
-    }
 }
 
 fn within_reach(min: Vec3, max: Vec3) -> bool {

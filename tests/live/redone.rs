@@ -204,9 +204,51 @@ fn methods_share_what_they_have_in_common() {
         "only the march is another"
     );
     assert!(session.picture() != first || session.live.renderer().plan().bounces > 0);
-    assert_eq!(wish(&mut session, Method::Ssr), 0, "it marches like hybrid");
+    assert!(
+        wish(&mut session, Method::Ssr) <= 1,
+        "it marches like hybrid, and lists no rays"
+    );
     assert_eq!(wish(&mut session, Method::Hybrid), 0);
     assert!(session.picture() == first, "the same as before");
+}
+
+#[test]
+fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
+    let moving = "translation = [0, 0.5, 0]\ndynamic = true";
+    let text = SCENE
+        .replace("[image]", "[reflection]\nmethod = \"ssr\"\n[image]")
+        .replace("translation = [0, 0.5, 0]", moving);
+    let Some(mut session) = Session::new(&text) else {
+        return;
+    };
+    let held = |session: &mut Session| {
+        let camera = session.live.world().cameras[0].value.clone();
+        let stats = session.live.render(&camera).expect("renders");
+        let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
+        (of("tree_nodes").map(|b| b.1), of("ray_list").map(|b| b.1))
+    };
+    assert_eq!(held(&mut session), (Some(80), None), "a stand-in, no list");
+
+    // What moves is shaded by records that exist without trees too.
+    let moved = session.shown(
+        "translation = [0, 0.5, 0]",
+        "rotation_deg = [0, 40, 20]\ntranslation = [0.5, 0.7, 0]",
+    );
+    assert!(moved.poses && !moved.trees);
+
+    let switch = |session: &mut Session, from: &str, to: &str| {
+        let (from, to) = (format!("method = \"{from}\""), format!("method = \"{to}\""));
+        let reload = session.edit(&from, &to);
+        assert!(reload.ok, "{:?}", session.live.problems);
+        assert!(session.picture() == session.afresh(), "{to}");
+        reload.redone.trees
+    };
+    assert!(switch(&mut session, "ssr", "hybrid"));
+    let built = held(&mut session);
+    assert!(built.0 > Some(80) && built.1 == Some(4 * 48 * 32));
+    assert!(!switch(&mut session, "hybrid", "ssr"));
+    assert_eq!(held(&mut session), (built.0, None));
+    assert!(!switch(&mut session, "ssr", "rt"), "they were kept");
 }
 
 #[test]

@@ -39,13 +39,14 @@ pub struct RayList {
 }
 
 impl RayList {
-    /// Room for a ray from every pixel.
+    /// Room for a ray from every pixel, or for none where no ray is traced.
     ///
     /// # Errors
     /// A picture whose list is past the adapter's buffer limit.
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
-        let bytes = bytes.next_multiple_of(16);
+    pub fn new(gpu: &Gpu, size: [u32; 2], traced: bool) -> Result<Self, GpuError> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let rays = if traced { pixels } else { 1 };
+        let bytes = (4 * rays).next_multiple_of(16);
         gpu.check_buffer_size("the ray list of this picture size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |label, size, usage| {

@@ -1,10 +1,14 @@
 //! Building: sizes, limits, degenerate input. Traversal is held against brute force in
 //! `tests/trace_oracle`.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 
 use super::*;
-use crate::{math::Bounds, scene::desc::ShapeDesc, world::Instance, world::shape};
+use crate::{
+    math::Bounds,
+    scene::desc::ShapeDesc,
+    world::{Material, shape},
+};
 
 const LIMIT: u64 = 128 << 20;
 
@@ -222,6 +226,24 @@ fn moved_instances_are_found_where_they_are() {
     }
     let outside = |n: &[CwBvhNode]| [&n[..1], &n[trees.top_range.end..]].concat();
     assert!(outside(&before) == outside(&trees.nodes));
+}
+
+#[test]
+fn without_trees_the_records_still_follow_the_instances() {
+    let meshes = vec![triangle_mesh(&[unit_triangle()])];
+    let still = Affine3A::from_scale(Vec3::splat(2.0));
+    let mut world = world(meshes, &[(0, still, false), (0, Affine3A::IDENTITY, true)]);
+    let mut none = Trees::unbuilt(&world);
+    let mut built = Trees::build(&world, LIMIT).unwrap();
+    assert!(built.is_built() && !none.is_built());
+    world.instances[1].world_from_object = Affine3A::from_scale(Vec3::splat(4.0));
+    none.update_top_level(&world);
+    built.update_top_level(&world);
+    for (a, b) in none.instances.iter().zip(&built.instances) {
+        assert_eq!(a.object_from_world, b.object_from_world);
+    }
+    assert_eq!(none.instances[1].object_from_world[0][0], 0.25);
+    assert_eq!((none.nodes.len(), none.triangles.len()), (1, 1));
 }
 
 #[test]
