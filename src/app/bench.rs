@@ -38,7 +38,7 @@ pub mod shots;
 pub mod walk;
 
 use args::{BenchArgs, Experiment, RunArgs};
-use progress::Progress;
+use progress::{Part, Progress};
 use walk::Walk;
 
 /// What became of a last line without a line break.
@@ -207,12 +207,14 @@ pub fn run_walk(
     let scene = walk.at(0).name.clone();
     run_with(gpu, args, protocol, &[&scene], |bench, log, watch| {
         let mut sum = Outcome::default();
-        for frame in (0..walk::FRAMES).step_by(every as usize) {
-            watch.note(&format!("frame {frame} of {}", walk::FRAMES));
-            let outcome = bench.run(std::slice::from_ref(walk.at(frame)), log, watch)?;
+        let frames = (0..walk::FRAMES).step_by(every as usize);
+        let mut part = Part::of(watch, frames.len());
+        for frame in frames {
+            part.begin(format!("walk frame {frame}"));
+            let outcome = bench.run(std::slice::from_ref(walk.at(frame)), log, &mut part)?;
             sum.measured += outcome.measured;
             sum.skipped += outcome.skipped;
-            sum.interrupted |= outcome.interrupted || watch.is_stopped();
+            sum.interrupted |= outcome.interrupted || part.is_stopped();
             if sum.interrupted {
                 break;
             }
@@ -262,10 +264,14 @@ fn run_with(
     let json = settings::json(protocol, scenes, &host, &outcome, log.samples())?;
     write(&args.output.join("bench.json"), &json)?;
     if outcome.interrupted {
+        let held = log.samples().len();
+        if held > 0 {
+            let title = "Speed against accuracy: stopped before all was measured";
+            report(&args.output, title, log.samples(), &[])?;
+        }
         return Err(AppError::Interrupted(format!(
-            "stopped; {} holds {} samples, and --resume measures the rest",
-            path.display(),
-            log.samples().len()
+            "stopped; {} holds {held} samples, and --resume measures the rest",
+            path.display()
         )));
     }
     Ok(log.samples().to_vec())

@@ -254,6 +254,12 @@ fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
+/// Whether a channel of this name holds distances or numbers of things by OpenEXR's conventions.
+fn is_measure(channel: &str) -> bool {
+    let name = channel.to_ascii_lowercase();
+    ["z", "zback", "depth", "id"].contains(&name.as_str())
+}
+
 /// The channels of R, G and B: of the layer without a name, or of the only layer there is.
 fn choose_channels<T>(channels: &[(String, T)]) -> Result<[usize; 3], String> {
     let mut layers: Vec<&str> = channels.iter().map(|(name, _)| split(name).0).collect();
@@ -278,6 +284,10 @@ fn choose_channels<T>(channels: &[(String, T)]) -> Result<[usize; 3], String> {
         .collect();
     match (colored[..].as_ref(), data[..].as_ref()) {
         ([only], _) => Ok(*only),
+        ([], [only]) if is_measure(split(&channels[*only].0).1) => Err(format!(
+            "its only channel, {}, is no light, so metrics of pictures mean nothing for it",
+            channels[*only].0
+        )),
         ([], [only]) => Ok([*only; 3]),
         _ => {
             let names: Vec<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();

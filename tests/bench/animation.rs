@@ -34,6 +34,7 @@ fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {
         .iter()
         .find(|c| c.name == "course-1-ssim.svg");
     let svg = &svg.expect("a chart").svg;
+    assert!(svg.contains("<title>ssr, frame 38: 0.990</title>"), "{svg}");
     let lines = svg.split("<polyline").filter_map(|l| l.split_once("/>"));
     let lines = lines.map(|(line, _)| line);
     let lines = lines.filter(|l| l.contains("stroke-width=\"2\""));

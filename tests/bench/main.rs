@@ -215,6 +215,8 @@ fn an_interrupted_run_keeps_its_samples() {
     assert_eq!(output.status.code(), Some(130));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("--resume measures the rest"), "{said}");
+    let page = fs::read_to_string(folder.join("report.html")).expect("what there is, drawn");
+    assert!(page.contains("stopped before all was measured"));
     let kept = samples(&folder);
     assert!(kept.len() >= 3 && kept.len() < 10_000, "{}", kept.len());
     let json = fs::read_to_string(folder.join("bench.json")).expect("settings");

@@ -5,7 +5,7 @@ use reflet::bench::{
     sample::Sample,
 };
 
-use crate::made_up::{made_up, only_group};
+use crate::made_up::{made_up, only_group, sample};
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
@@ -23,6 +23,24 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
     ] {
         assert!(text.contains(part), "{part:?} in\n{text}");
     }
+}
+
+#[test]
+fn settings_that_only_their_medians_keep_off_the_front_are_named() {
+    let mut rows = Vec::new();
+    for i in 0..20 {
+        let jitter = 0.05 * f64::from(i % 5);
+        rows.push(sample("rt", 3.0, 10.0 + jitter, 0.001));
+        rows.push(sample("hybrid", 128.0, 10.1 + jitter, 0.02));
+        rows.push(sample("hybrid", 256.0, 12.0 + jitter, 0.02));
+    }
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    let part = "1 of the 2 settings that the front beats could be on it as well (hybrid, steps = \
+                128).";
+    assert!(text.contains(part), "{text}");
+    rows.truncate(57); // 19 of each are too few
+    let text = words::sentences(&only_group(&rows)).join("\n");
+    assert!(!text.contains("could be on it"), "{text}");
 }
 
 #[test]

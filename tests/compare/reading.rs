@@ -206,6 +206,10 @@ fn open_exr_channels_are_found_or_asked_for() {
         );
         assert!(error.message.contains(channels[1].0), "{}", error.message);
     }
+    for depth in ["Z", "depth", "layer.ZBack"] {
+        let error = read_picture(&make("depth.exr", &[(depth, 0.1)])).expect_err("no light");
+        assert!(error.message.contains(depth), "{}", error.message);
+    }
 }
 
 #[test]

@@ -16,6 +16,8 @@ const PLAIN_EVERY: Duration = Duration::from_secs(10);
 pub struct Progress {
     is_terminal: bool,
     started: Instant,
+    /// What was behind at the first step, such as frames of an earlier run.
+    first: Option<usize>,
     told: Option<Instant>,
 }
 
@@ -26,15 +28,17 @@ impl Progress {
         Self {
             is_terminal: stderr().is_terminal(),
             started: Instant::now(),
+            first: None,
             told: None,
         }
     }
 
-    fn remaining(&self, done: usize, total: usize) -> String {
-        if done == 0 {
+    fn remaining(&mut self, done: usize, total: usize) -> String {
+        let first = *self.first.get_or_insert(done);
+        if done <= first {
             return String::new();
         }
-        let each = self.started.elapsed().as_secs_f64() / done as f64;
+        let each = self.started.elapsed().as_secs_f64() / (done - first) as f64;
         let seconds = (each * (total - done.min(total)) as f64).round() as u64;
         format!(", about {}:{:02} left", seconds / 60, seconds % 60)
     }
@@ -77,5 +81,99 @@ impl Watch for Progress {
 
     fn is_stopped(&self) -> bool {
         stop::is_wanted()
+    }
+}
+
+/// Progress of a run of which the inner work knows only one part at a time. Parts count alike.
+pub struct Part<'a> {
+    whole: &'a mut dyn Watch,
+    parts: usize,
+    /// Parts that were begun.
+    begun: usize,
+    name: String,
+    /// The longest part so far: one that was measured before has nothing left.
+    longest: usize,
+}
+
+impl<'a> Part<'a> {
+    /// So many parts.
+    pub fn of(whole: &'a mut dyn Watch, parts: usize) -> Self {
+        Self {
+            whole,
+            parts,
+            begun: 0,
+            name: String::new(),
+            longest: 0,
+        }
+    }
+
+    /// The next one.
+    pub fn begin(&mut self, name: String) {
+        self.begun += 1;
+        self.name = name;
+    }
+}
+
+impl Watch for Part<'_> {
+    fn step(&mut self, what: &str, done: usize, total: usize) {
+        self.longest = self.longest.max(total);
+        let before = (self.begun - 1) * self.longest + (self.longest - total);
+        let what = match what {
+            "" => self.name.clone(),
+            what => format!("{}, {what}", self.name),
+        };
+        (self.whole).step(&what, before + done, self.parts * self.longest);
+    }
+
+    fn note(&mut self, text: &str) {
+        self.whole.note(text);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.whole.is_stopped()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Heard(Vec<(String, usize, usize)>);
+
+    impl Watch for Heard {
+        fn step(&mut self, what: &str, done: usize, total: usize) {
+            self.0.push((what.to_owned(), done, total));
+        }
+
+        fn note(&mut self, _: &str) {}
+
+        fn is_stopped(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn parts_add_up_to_the_whole() {
+        let mut heard = Heard(Vec::new());
+        let mut part = Part::of(&mut heard, 3);
+        for (name, total) in [("a", 4), ("b", 1), ("c", 4)] {
+            part.begin(name.to_owned());
+            part.step("rt", 0, total);
+            part.step("", total, total);
+        }
+        let heard: Vec<_> = heard
+            .0
+            .iter()
+            .map(|(w, d, t)| (w.as_str(), *d, *t))
+            .collect();
+        let expected = [
+            ("a, rt", 0, 12),
+            ("a", 4, 12),
+            ("b, rt", 7, 12), // three of its four were measured before
+            ("b", 8, 12),
+            ("c, rt", 8, 12),
+            ("c", 12, 12),
+        ];
+        assert_eq!(heard, expected);
     }
 }

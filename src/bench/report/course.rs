@@ -3,9 +3,9 @@
 
 use std::fmt::Write as _;
 
-use plotters::prelude::*;
+use plotters::{coord::CoordTranslate, prelude::*};
 
-use super::chart::color;
+use super::chart::{color, escape};
 use crate::bench::summary::{Group, Metric, Point, digits};
 
 /// What is drawn over what.
@@ -146,8 +146,13 @@ fn svg(plot: &Plot) -> Result<String, String> {
     };
     let first = xs().fold(f64::INFINITY, f64::min);
     let last = xs().fold(f64::NEG_INFINITY, f64::max).max(first + 1e-9);
-    let shown = |x: &f64| digits(if plot.log_x { 10f64.powf(*x) } else { *x });
+    let shown = |x: &f64| match x {
+        x if plot.log_x => digits(10f64.powf(*x)),
+        x if x.fract() == 0.0 => x.to_string(), // a frame
+        x => digits(*x),
+    };
     let mut svg = String::new();
+    let mut overlay = legend(plot);
     {
         let root = SVGBackend::with_string(&mut svg, (WIDTH as u32, 360)).into_drawing_area();
         root.fill(&WHITE).map_err(|e| said(&e))?;
@@ -176,11 +181,28 @@ fn svg(plot: &Plot) -> Result<String, String> {
             let series = LineSeries::new(line.clone(), stroke).point_size(3);
             chart.draw_series(series).map_err(|e| said(&e))?;
         }
+        let to_pixels = chart.as_coord_spec();
+        for (method, line) in &plot.lines {
+            for &(x, y) in line {
+                let what = format!("{method}, {} {}: {}", plot.x_title, shown(&x), digits(y));
+                hover(&mut overlay, to_pixels.translate(&(x, y)), &what);
+            }
+        }
         root.present().map_err(|e| said(&e))?;
     }
     let end = svg.rfind("</svg>").ok_or_else(|| said(&"it has no end"))?;
-    svg.insert_str(end, &legend(plot));
+    svg.insert_str(end, &overlay);
     Ok(svg)
+}
+
+/// A dot that nobody sees and that says what it is when pointed at.
+fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill-opacity=\"0\"><title>{}</title></circle>",
+        escape(text)
+    );
 }
 
 /// The methods that are drawn, above the chart.

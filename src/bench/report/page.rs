@@ -42,18 +42,81 @@ ul.words{padding-left:1.2rem}ul.words li{margin:.3rem 0}ul.words li:first-child{
 .charts svg{max-width:100%;height:auto;border:1px solid #8884;border-radius:6px;background:#fff}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px}
-th,td{padding:.25rem .55rem;border-bottom:1px solid #8883;text-align:right;white-space:nowrap}
+th,td{padding:.25rem .45rem;border-bottom:1px solid #8883;text-align:right;white-space:nowrap}
+th{white-space:normal;vertical-align:bottom;line-height:1.25}
 th:first-child,td:first-child,td.left,th.left{text-align:left}
 tr.front td:first-child::after{content:' ●';color:#c60}
 tr.failed td{opacity:.75;font-style:italic}
-.bar{display:flex;height:15px;min-width:300px;border-radius:3px;overflow:hidden}
+.bar{display:flex;height:15px;min-width:200px;border-radius:3px;overflow:hidden}
 .bar i{display:block;height:100%}
 .shots{display:grid;grid-template-columns:repeat(auto-fill,minmax(330px,1fr));gap:12px}
 .shots img{width:100%;border-radius:4px;image-rendering:pixelated}
 figcaption{font-size:13px;opacity:.85;max-width:860px}
 .key span{display:inline-block;margin-right:1rem;font-size:13px}
+dl{display:grid;grid-template-columns:max-content 1fr;gap:.2rem 1rem;font-size:13px}
+dt{font-weight:600}dd{margin:0}
 .key b{display:inline-block;width:.8em;height:.8em;margin-right:.35em;border-radius:2px}
 ";
+
+/// What the page's words mean.
+const TERMS: [(&str, &str); 12] = [
+    (
+        "ssr, hybrid, rt",
+        "reflections marched on the screen alone; marched, and traced where that fails; traced at every pixel",
+    ),
+    (
+        "U",
+        "1/16 of the diagonal of the box around everything that stands still, unless the scene says otherwise; lengths of a setting are in U",
+    ),
+    (
+        "T, threshold_u",
+        "how far behind the visible surface, in U, a marched ray may be and still count as having met it",
+    ),
+    (
+        "steps, ray_length_u, bounces, scale",
+        "most steps of the march; how far a reflection reaches; most reflections in a row; the share of the picture's width and height that is rendered, then enlarged",
+    ),
+    (
+        "FLIP",
+        "difference that an observer sees when two pictures are flipped, mean over pixels (Andersson et al. 2020): 0 is equal, 1 is black for white",
+    ),
+    (
+        "SSIM",
+        "structural similarity (Wang et al. 2004), luma, 11 × 11 Gaussian windows: 1 is equal",
+    ),
+    (
+        "relMSE, PSNR",
+        "squared error of linear light relative to the reference's, (a − r)² / (r + 0.01)²; signal to noise of the displayed values in decibels",
+    ),
+    (
+        "refl., in reflections",
+        "only pixels whose Fresnel-weighted reflectance exceeds 1/255, less 5 pixels at every edge",
+    ),
+    (
+        "Pareto front",
+        "settings that no other beats in both time and error",
+    ),
+    (
+        "screen, traced, failed, none, rough",
+        "reflective pixels that took a marched hit; a traced one; were left black since ssr traces nothing; met nothing within the ray's length; are too rough to be mirrored",
+    ),
+    (
+        "false accept, false reject",
+        "a marched hit that is not where the ray ends; a crossing that was refused though the ray ends there",
+    ),
+    (
+        "temporal error",
+        "mean difference of a picture's change from the reference's change between measured frames, over the mean change of the reference",
+    ),
+];
+
+fn terms() -> String {
+    let mut out = "<details><summary>What the words mean</summary><dl>".to_owned();
+    for (term, meaning) in TERMS {
+        let _ = write!(out, "<dt>{term}</dt><dd>{}</dd>", escape(meaning));
+    }
+    out + "</dl></details>\n"
+}
 
 /// The page with all sections and galleries.
 pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String {
@@ -65,6 +128,7 @@ pub fn page(title: &str, sections: &[Section], galleries: &[Gallery]) -> String 
         escape(title)
     );
     out += &host(sections);
+    out += &terms();
     if sections.len() > 1 {
         out += &overview(sections);
     }

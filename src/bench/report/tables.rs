@@ -85,7 +85,7 @@ pub fn overview(sections: &[Section]) -> String {
     out + "</table></div>\n"
 }
 
-const HEADS: [&str; 19] = [
+const ERROR_HEADS: [&str; 11] = [
     "setting",
     "ms a frame (p5 to p95)",
     "reflection ms",
@@ -97,6 +97,10 @@ const HEADS: [&str; 19] = [
     "SSIM frame",
     "PSNR frame",
     "temporal error",
+];
+
+const SHARE_HEADS: [&str; 9] = [
+    "setting",
     "screen %",
     "traced %",
     "failed %",
@@ -107,51 +111,50 @@ const HEADS: [&str; 19] = [
     "false rejects",
 ];
 
-/// Every setting with its errors, shares and verdicts.
+fn head(title: &str, names: &[&str]) -> String {
+    let names: String = names.iter().map(|n| format!("<th>{n}</th>")).collect();
+    format!("<h3>{title}</h3>\n<div class=\"scroll\"><table><tr>{names}</tr>\n")
+}
+
+fn row(class: &str, cells: &[String]) -> String {
+    let cells = cells.iter().map(|c| format!("<td>{}</td>", escape(c)));
+    format!("<tr{class}>{}</tr>\n", cells.collect::<String>())
+}
+
+/// Every setting with its times and errors, then with where its reflections come from.
 pub fn points(section: &Section) -> String {
     let group = &section.group;
-    let mut out = "<h3>All settings (● on the Pareto front by FLIP)</h3>\n\
-                   <div class=\"scroll\"><table><tr>"
-        .to_owned();
-    out.extend(HEADS.iter().map(|head| format!("<th>{head}</th>")));
-    out += "</tr>\n";
+    let title = "All settings: times and errors (● on the Pareto front by FLIP)";
+    let mut out = head(title, &ERROR_HEADS);
     let (spots, judged) = spots(group, Metric::Flip);
     let on_front = front(&spots);
     for point in &group.points {
         let index = judged.iter().position(|p| std::ptr::eq(*p, point));
-        let class = if index.is_some_and(|i| on_front[i]) {
-            " class=\"front\""
-        } else {
-            ""
-        };
-        let _ = write!(out, "<tr{class}>");
-        out.extend(
-            cells(point)
-                .iter()
-                .map(|c| format!("<td>{}</td>", escape(c))),
-        );
-        out += "</tr>\n";
+        let is_on_front = index.is_some_and(|i| on_front[i]);
+        let class = if is_on_front { " class=\"front\"" } else { "" };
+        out += &row(class, &errors(point));
     }
     for (sample, why) in &group.failed {
         let label = label(sample);
         let _ = writeln!(
             out,
-            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"18\">failed: {}</td></tr>",
+            "<tr class=\"failed\"><td>{}</td><td class=\"left\" colspan=\"{}\">failed: {}</td></tr>",
             escape(&label),
+            ERROR_HEADS.len() - 1,
             escape(why)
         );
     }
+    out += "</table></div>\n";
+    let title = "Where reflections come from: shares of the reflective pixels, and wrong verdicts";
+    out += &head(title, &SHARE_HEADS);
+    out.extend(group.points.iter().map(|p| row("", &shares(p))));
     out + "</table></div>\n"
 }
 
-fn cells(point: &Point) -> Vec<String> {
+fn errors(point: &Point) -> Vec<String> {
     let s = &point.sample;
     let number = |value: Option<f64>| value.map_or("–".to_owned(), digits);
     let ssim = |value: Option<f64>| value.map_or("–".to_owned(), |v| format!("{v:.4}"));
-    let percent = |value: f64| format!("{value:.1}");
-    let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
-    let found = s.screen_percent + s.traced_percent + s.failed_percent;
-    let sum = found + s.none_percent + s.rough_percent;
     let psnr = s.psnr_db.map(|db| {
         if db.is_finite() {
             format!("{db:.1}")
@@ -162,9 +165,7 @@ fn cells(point: &Point) -> Vec<String> {
     vec![
         point.label(),
         point.ms.text(),
-        point
-            .reflection_ms
-            .map_or("–".to_owned(), |r| digits(r.median)),
+        number(point.reflection_ms.map(|r| r.median)),
         digits(point.frame_ms.median),
         number(s.mask_flip),
         ssim(s.mask_ssim),
@@ -173,15 +174,24 @@ fn cells(point: &Point) -> Vec<String> {
         ssim(s.ssim),
         psnr.unwrap_or("–".to_owned()),
         number(point.flicker.map(|f| f.ratio)),
-        percent(s.screen_percent),
-        percent(s.traced_percent),
-        percent(s.failed_percent),
-        percent(s.none_percent),
-        percent(s.rough_percent),
-        percent(sum),
-        count(s.false_accepts),
-        count(s.false_rejects),
     ]
+}
+
+fn shares(point: &Point) -> Vec<String> {
+    let s = &point.sample;
+    let percents = [
+        s.screen_percent,
+        s.traced_percent,
+        s.failed_percent,
+        s.none_percent,
+        s.rough_percent,
+    ];
+    let sum: f64 = percents.iter().sum();
+    let count = |value: Option<u64>| value.map_or("–".to_owned(), |v| v.to_string());
+    let mut cells = vec![point.label()];
+    cells.extend(percents.iter().chain([&sum]).map(|p| format!("{p:.1}")));
+    cells.extend([count(s.false_accepts), count(s.false_rejects)]);
+    cells
 }
 
 /// The trace pass of which traversal alone seemed to take longer than all of it.

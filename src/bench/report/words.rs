@@ -28,6 +28,7 @@ pub fn sentences(group: &Group) -> Vec<String> {
         return sentences;
     }
     let mut sentences = vec![verdict(&spots, &points)];
+    sentences.extend(within_spread(&spots, &points));
     sentences.extend(equal_time(&spots, &points));
     sentences.extend(equal_error(&spots, &points));
     sentences.extend(break_even(&points, group.masked));
@@ -80,6 +81,36 @@ fn verdict(spots: &[Spot], points: &[&Point]) -> String {
         text += " hybrid is nowhere on it: whatever it reaches, another setting reaches sooner.";
     }
     text
+}
+
+/// Settings that would be on the front if they took the 5th percentile of their times and all
+/// others the 95th: medians alone would say more than was measured.
+fn within_spread(spots: &[Spot], points: &[&Point]) -> Option<String> {
+    let spread: Option<Vec<[f64; 2]>> = points.iter().map(|p| p.ms.p5_p95).collect();
+    let spread = spread?;
+    let on_front = front(spots);
+    let could_be = |&i: &usize| {
+        let mut spots: Vec<Spot> = spots.to_vec();
+        for (j, spot) in spots.iter_mut().enumerate() {
+            spot.ms = spread[j][usize::from(j != i)];
+        }
+        !on_front[i] && front(&spots)[i]
+    };
+    let could: Vec<usize> = (0..points.len()).filter(could_be).collect();
+    if could.is_empty() {
+        return None;
+    }
+    let mut names: Vec<String> = could.iter().take(4).map(|&i| points[i].label()).collect();
+    if could.len() > names.len() {
+        names.push("…".to_owned());
+    }
+    Some(format!(
+        "Times spread: from the 5th to the 95th percentile {} of the {} settings that the front \
+         beats could be on it as well ({}).",
+        could.len(),
+        on_front.iter().filter(|on| !**on).count(),
+        names.join("; ")
+    ))
 }
 
 /// What each method reaches in the time that rt's fastest setting takes.
