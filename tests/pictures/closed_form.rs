@@ -2,7 +2,11 @@
 
 use std::f32::consts::PI;
 
-use reflet::render::{aov::Aov, cause::Source};
+use reflet::render::{
+    Picture,
+    aov::Aov,
+    cause::{Cause, Source},
+};
 
 use crate::kit::{FACING, assert_color, gpu, integers, render};
 
@@ -56,6 +60,55 @@ fn a_mirror_that_screen_space_cannot_serve_stays_black_with_ssr() {
     let Some(gpu) = gpu() else { return };
     let picture = render(gpu, MIRROR, &["reflection.method=ssr"], &[]);
     assert_color(&picture, 16, 8, [0.0; 3], 0.0);
+}
+
+/// A card before the mirror, red towards the camera and green towards the mirror: the screen has
+/// the wrong side, wherever the crossing is.
+#[test]
+fn a_side_that_is_turned_away_is_not_taken_from_the_screen() {
+    let Some(gpu) = gpu() else { return };
+    let card = r#"
+[material.red]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 0, 0]
+[material.green]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [0, 1, 0]
+[model.front]
+shape = { kind = "plane", size = [0.3, 0.3] }
+material = "red"
+[model.back]
+shape = { kind = "plane", size = [0.3, 0.3] }
+material = "green"
+[[instance]]
+model = "front"
+translation = [0, 0, 0.6]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "back"
+translation = [0, 0, 0.59]
+rotation_deg = [-90, 0, 0]
+"#;
+    let text = format!("{MIRROR}{card}");
+    let shown = |method: &str| {
+        let set = [
+            "image.size=[165, 85]",
+            "reflection.threshold_u=1",
+            &format!("reflection.method={method}"),
+        ];
+        render(gpu, &text, &set, &[Aov::Cause])
+    };
+    let (hybrid, rt) = (shown("hybrid"), shown("rt"));
+    let back = Cause::ALL.iter().position(|c| *c == Cause::BackFace);
+    let back = back.expect("a cause") as u32;
+    let causes = integers(&hybrid, Aov::Cause);
+    let seen_from_behind = (0..causes.len()).filter(|&i| causes[i] == back);
+    let of = |picture: &Picture, i: usize| [0, 1, 2].map(|c| picture.color[4 * i + c]);
+    let green = seen_from_behind.filter(|&i| of(&rt, i) == [0.0, 1.0, 0.0]);
+    assert!(green.count() > 20);
+    assert!(hybrid.color == rt.color);
 }
 
 #[test]
