@@ -94,7 +94,14 @@ fn files_that_cannot_be_scenes_say_why() {
     assert!(parse::load(&write("fits.toml", &just_fits), &[]).is_ok());
     let (name, text) = said(&write("latin1.toml", b"version = 1\n# caf\xe9\n"));
     assert_eq!(name, "not-utf8");
-    assert!(text.contains("latin1.toml:2:6"), "{text}");
+    let marked = "latin1.toml:2:6\n  |\n2 | # caf\u{FFFD}\n  |      ^\n";
+    assert!(text.contains(marked), "{text}");
+    let errors = parse::load(&folder.join("latin1.toml"), &[]).expect_err("no UTF-8");
+    let place = errors[0].to_json();
+    assert_eq!(
+        (&place["column"], &place["end_column"]),
+        (&6.into(), &7.into())
+    );
     let good = write("good.toml", b"version = 1\n");
     assert_eq!(
         parse::load(&good, &[]).map(|(scene, _)| scene.folder),
