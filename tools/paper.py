@@ -1,0 +1,383 @@
+#!/usr/bin/env python3
+"""Measures what docs/paper.md sets beside the paper, and writes its tables anew.
+
+    tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
+    tools/paper.py page OUT                    # tables between the page's marks, and the charts
+
+Tables come from the samples.csv of each run by sums of this file's own, not by the report's, so
+that either checks the other. Sentences around them are a person's: read them again.
+"""
+
+import argparse
+import collections
+import csv
+import pathlib
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+from collections.abc import Callable, Iterable
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "paper.md"
+CHARTS = ROOT / "docs" / "charts"
+METHODS = ["ssr", "hybrid", "rt"]
+SMALL = ["--sizes", "320x180"]
+ONCE = ["--frames", "1", "--warm-up", "1"]
+RUNS = {
+    "scenario1": ["paper", "scenario1", *SMALL, "--frames", "20"],
+    "fig1": ["paper", "fig1", *SMALL, "--frames", "3", "--warm-up", "1"],
+    "sizes": [
+        *["paper", "scenario2", "--sizes", "640x480,1280x720,1920x1080"],
+        *["--every", "475", *ONCE],
+    ],
+    "walk": ["paper", "scenario2", *SMALL, "--every", "19", *ONCE],
+    "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
+    "atrium": ["--sizes", "640x360"],
+}
+# Chart of the page: the run, and the name that its folder has for it.
+PICTURES = {
+    "fig1-flip-over-t.svg": ("fig1", "course-1-knob.svg"),
+    "walk-ssim.svg": ("walk", "course-1-ssim.svg"),
+    "walk-ms.svg": ("walk", "course-1-ms.svg"),
+    "atrium-flip.svg": ("atrium", "chart-1-flip.svg"),
+}
+
+Row = dict[str, str]
+Rows = list[Row]
+
+
+def measure(out: pathlib.Path, assets: pathlib.Path) -> None:
+    binary = ROOT / "target" / "release" / "reflet"
+    subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
+    for name, arguments in RUNS.items():
+        command: list[str | pathlib.Path] = [binary, "bench", *arguments, "--resume"]
+        if name != "atrium":
+            command += ["--assets", assets]
+        print(f"== {name}", flush=True)
+        subprocess.run([*command, "-o", out / name], check=True)
+
+
+def number(row: Row, column: str) -> float | None:
+    return float(row[column]) if row[column] else None
+
+
+def values(rows: Iterable[Row], column: str) -> list[float]:
+    return [v for row in rows if (v := number(row, column)) is not None]
+
+
+def median(rows: Iterable[Row], column: str) -> float:
+    return statistics.median(values(rows, column))
+
+
+def by(rows: Rows, *columns: str) -> dict[tuple[str, ...], Rows]:
+    groups: dict[tuple[str, ...], Rows] = collections.defaultdict(list)
+    for row in rows:
+        groups[tuple(row[column] for column in columns)].append(row)
+    return groups
+
+
+def digits(value: float) -> str:
+    """Three significant digits."""
+    if value == 0:
+        return "0"
+    if abs(value) < 1e-3:
+        return f"{value:.1e}".replace("e-0", "e-")
+    whole = len(str(int(abs(value)))) if abs(value) >= 1 else 0
+    return f"{value:.{max(0, 3 - whole)}f}"
+
+
+def fixed(row: Row, column: str, places: int) -> str:
+    value = number(row, column)
+    return "–" if value is None else f"{value:.{places}f}"
+
+
+def count(value: float) -> str:
+    return f"{round(value):,}"
+
+
+def table(head: list[str], rows: Iterable[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines).replace("|  |", "| |")
+
+
+def frame_ms(rows: Rows) -> dict[str, float]:
+    """A method's own reflection passes and one median of what all methods share."""
+    common = [float(r["passes_ms"]) - float(r["reflection_ms"]) for r in rows]
+    shared = statistics.median(common)
+    return {m: shared + median(rs, "reflection_ms") for (m,), rs in by(rows, "method").items()}
+
+
+def scenario1_times(rows: Rows) -> str:
+    def line(name: str, ms: dict[str, float]) -> list[str]:
+        ssr, hybrid, rt = (ms[m] for m in METHODS)
+        ratios = [hybrid / rt, ssr / rt, hybrid / ssr]
+        return [name, *map(digits, [ssr, hybrid, rt]), *(f"{r:.2f}" for r in ratios)]
+
+    own = {m: median(rs, "reflection_ms") for (m,), rs in by(rows, "method").items()}
+    head = ["", "SSR", "hybrid", "RT", "hybrid / RT", "SSR / RT", "hybrid / SSR"]
+    paper = ["paper, ms a frame", "6.1", "16.9", "21.2", "0.80", "0.29", "2.77"]
+    ours = line("ours, ms a frame", frame_ms(rows))
+    return table(head, [paper, ours, line("ours, reflection passes only, ms", own)])
+
+
+def scenario1_passes(rows: Rows) -> str:
+    early = ["shadow", "visibility", "surface", "light", "ssr", "compact", "arguments"]
+    late = ["compose", "tone"]
+
+    def line(method: str, rs: Rows) -> list[str]:
+        both = [(t, float(r["pass_trace_ms"])) for r in rs if (t := number(r, "traverse_ms"))]
+        traversal = statistics.median(t for t, _ in both) if both else 0.0
+        shading = statistics.median(all_ms - t for t, all_ms in both) if both else 0.0
+        apart = "–" if shading < 0 else digits(shading)
+        passes = [[digits(median(rs, f"pass_{p}_ms")) for p in part] for part in (early, late)]
+        held = f"{float(rs[0]['bytes']) / 2**20:.0f}"
+        return [f"`{method}`", *passes[0], digits(traversal), apart, *passes[1], held]
+
+    head = ["", *early, "trace: traversal", "trace: shading", *late, "memory, MiB"]
+    groups = by(rows, "method")
+    return table(head, [line(m, groups[(m,)]) for m in METHODS])
+
+
+def scenario1_work(rows: Rows) -> str:
+    columns = ["march_steps", "traversals", "visited_nodes", "tested_triangles"]
+    head = ["", "march steps", "traversals", "nodes visited", "triangles tested"]
+    groups = by(rows, "method")
+
+    def line(method: str) -> list[str]:
+        row = groups[(method,)][0]
+        return [f"`{method}`", *(count(float(row[c])) for c in columns)]
+
+    return table(head, map(line, METHODS))
+
+
+def scenario1_errors(rows: Rows) -> str:
+    def line(method: str, row: Row) -> list[str]:
+        wrong = [row["false_accepts"] or "–", row["false_rejects"] or "–"]
+        errors = [fixed(row, c, 4) for c in ("ssim", "mask_ssim", "mask_flip")]
+        return [f"`{method}`", *errors, *wrong]
+
+    places = ["SSIM, frame", "SSIM, in reflections", "FLIP, in reflections"]
+    groups = by(rows, "method")
+    lines = [line(m, groups[(m,)][0]) for m in METHODS]
+    return table(["", *places, "false accepts", "false rejects"], lines)
+
+
+def fig1(rows: Rows) -> str:
+    of = {(r["method"], float(r["value"] or 0)): r for r in rows}
+    head = ["T, U", "screen %", "`ssr` FLIP", "`ssr` SSIM", "`hybrid` FLIP", "`hybrid` SSIM"]
+    head += ["false accepts", "false rejects by T", "of refused by T", "nodes that `hybrid` visits"]
+
+    def line(t: float) -> list[str]:
+        ssr, hybrid = of["ssr", t], of["hybrid", t]
+        errors = [fixed(r, c, 3) for r in (ssr, hybrid) for c in ("mask_flip", "mask_ssim")]
+        verdicts = ["false_accepts", "false_reject_hidden_px", "cause_hidden_px"]
+        verdicts = [fixed(hybrid, c, 0) for c in verdicts]
+        visits = count(float(hybrid["visited_nodes"]))
+        return [f"{t:g}", fixed(ssr, "screen_percent", 1), *errors, *verdicts, visits]
+
+    return table(head, map(line, [0.0005, 0.005, 0.025, 0.065, 0.5]))
+
+
+def sizes(rows: Rows) -> str:
+    head = ["", "reflection ms of both frames: `ssr`, `hybrid`, `rt`", "hybrid / RT"]
+    head += ["nodes visited, hybrid / RT", "SSIM of the frame: `ssr`, `hybrid`"]
+    head += ["in reflections: `ssr`, `hybrid`"]
+
+    def line(size: tuple[str, ...], rs: Rows) -> list[str]:
+        of = by(rs, "method")
+        total = {m: sum(values(of[(m,)], "reflection_ms")) for m in METHODS}
+        nodes = {m: sum(values(of[(m,)], "visited_nodes")) for m in METHODS}
+
+        def ssim(column: str) -> str:
+            means = (statistics.mean(values(of[(m,)], column) or [0.0]) for m in METHODS[:2])
+            return ", ".join(f"{mean:.3f}" for mean in means)
+
+        ms = ", ".join(f"{total[m]:.0f}" for m in METHODS)
+        ratios = [f"{of_both['hybrid'] / of_both['rt']:.2f}" for of_both in (total, nodes)]
+        return [" × ".join(size), ms, *ratios, ssim("ssim"), ssim("mask_ssim")]
+
+    return table(head, [line(size, rs) for size, rs in by(rows, "width", "height").items()])
+
+
+def walk(rows: Rows) -> str:
+    of = by(rows, "method")
+    each: dict[str, Rows] = {m: sorted(of[(m,)], key=lambda r: int(r["frame"])) for m in METHODS}
+    judged = len(values(each["ssr"], "mask_ssim"))
+    reflection = {m: values(each[m], "reflection_ms") for m in METHODS}
+    wall = {m: statistics.mean(values(each[m], "frame_ms")) for m in METHODS}
+    pairs = zip(reflection["hybrid"], reflection["rt"], strict=True)
+    ratio = statistics.median(a / b for a, b in pairs)
+    nodes = {m: sum(values(each[m], "visited_nodes")) for m in METHODS}
+
+    def row(name: str, show: Callable[[str], str], last: str = "") -> list[str]:
+        return [name, *(show(m) for m in METHODS), last]
+
+    def flicker(m: str) -> str:
+        parts = [sum(values(each[m], f"temporal_{c}")) for c in ("difference", "change")]
+        return f"{100 * parts[0] / parts[1]:.1f} %"
+
+    def mean(m: str, c: str) -> float:
+        return statistics.mean(values(each[m], c) or [0.0])
+
+    lines = [
+        row("SSIM of the frame, mean", lambda m: f"{mean(m, 'ssim'):.4f}"),
+        row("SSIM of the frame, least", lambda m: f"{min(values(each[m], 'ssim')):.4f}"),
+        row(
+            f"SSIM in reflections, mean of the {judged} frames that have enough",
+            lambda m: f"{mean(m, 'mask_ssim'):.3f}",
+        ),
+        row("temporal error", flicker),
+        row("wall ms, mean", lambda m: f"{wall[m]:.0f}", f"{wall['hybrid'] / wall['rt']:.2f}"),
+        row(
+            "reflection ms, median",
+            lambda m: digits(statistics.median(reflection[m])),
+            f"{ratio:.2f} (median of ratios)",
+        ),
+        row(
+            "tree nodes visited, sum",
+            lambda m: count(nodes[m]),
+            f"{nodes['hybrid'] / nodes['rt']:.2f}",
+        ),
+        row("march steps, sum", lambda m: count(sum(values(each[m], "march_steps")))),
+    ]
+    head = [f"over {len(each['rt'])} frames", *(f"`{m}`" for m in METHODS), "hybrid / RT"]
+    return table(head, lines)
+
+
+SURFACES = {"60 / 30": "ground", "61 / 29": "ground with normal map", "45 / 55": "sphere"}
+SURFACES |= {"49 / 51": "sphere with normal map", "44 / 56": "bunny"}
+
+
+def surface(row: Row) -> str:
+    """The surface that a row's scene is about."""
+    named = [s for s in SURFACES.values() if s in row["scene"]]
+    if not named:
+        sys.exit(f"scene {row['scene']!r} names none of {list(SURFACES.values())}")
+    return max(named, key=len)
+
+
+def scenario3_shares(rows: Rows) -> str:
+    columns = ["screen_percent", "traced_percent", "none_percent"]
+    of: dict[tuple[str, float], Row] = {
+        (surface(r), float(r["ray_length_u"])): r for r in rows if r["method"] == "hybrid"
+    }
+
+    def parts(row: Row) -> str:
+        return " / ".join(fixed(row, c, 1) for c in columns)
+
+    head = ["surface", "paper, screen / traced"]
+    head += [f"length {length}: screen / traced / none" for length in (4, 16)]
+    lines = [
+        [name, paper, parts(of[name, 4.0]), parts(of[name, 16.0])]
+        for paper, name in SURFACES.items()
+    ]
+    return table(head, lines)
+
+
+def scenario3_errors(rows: Rows) -> str:
+    head = ["surface", "`ssr` SSIM, frame", "in reflections", "`hybrid` SSIM, frame"]
+    head += ["in reflections", "reflection ms: `ssr`", "`hybrid`", "`rt`", "hybrid / RT"]
+    head += ["march steps", "nodes that `rt` visits", "spared by `hybrid`"]
+    far = [r for r in rows if float(r["ray_length_u"]) == 16]
+
+    def line(name: str) -> list[str]:
+        of = by([r for r in far if surface(r) == name], "method")
+        ssr, hybrid, rt = (of[(m,)] for m in METHODS)
+        ssim = [fixed(rs[0], c, 3) for rs in (ssr, hybrid) for c in ("ssim", "mask_ssim")]
+        ms = [median(rs, "reflection_ms") for rs in (ssr, hybrid, rt)]
+        nodes = [float(rs[0]["visited_nodes"]) for rs in (hybrid, rt)]
+        spared = f"{100 * (1 - nodes[0] / nodes[1]):.0f} %"
+        work = [count(float(hybrid[0]["march_steps"])), count(nodes[1]), spared]
+        return [name, *ssim, *map(digits, ms), f"{ms[1] / ms[2]:.2f}", *work]
+
+    return table(head, map(line, SURFACES.values()))
+
+
+def atrium(rows: Rows) -> str:
+    common = [float(r["passes_ms"]) - float(r["reflection_ms"]) for r in rows]
+    of = by(rows, "method", "knob", "value")
+    head = ["", "FLIP in reflections", "ms a frame", "march steps", "nodes visited"]
+    chosen = [("ssr", 16.0), ("ssr", 64.0), ("hybrid", 0.001), ("hybrid", 0.025), ("hybrid", 0.2)]
+    chosen += [("rt", 2.0), ("rt", 3.0)]
+    names = {"threshold_u": "T"}
+
+    def line(method: str, value: float) -> list[str]:
+        key = next(k for k in of if k[0] == method and float(k[2]) == value)
+        rs = of[key]
+        unit = " U" if key[1] == "threshold_u" else ""
+        ms = statistics.median(common) + median(rs, "reflection_ms")
+        work = [count(float(rs[0][c])) for c in ("march_steps", "visited_nodes")]
+        wrong = [rs[0][c] and count(float(rs[0][c])) for c in ("false_accepts", "false_rejects")]
+        label = f"`{method}`, {names.get(key[1], key[1])} = {value:g}{unit}"
+        flip = fixed(rs[0], "mask_flip", 4)
+        return [label, flip, digits(ms), *work, *(w or "–" for w in wrong)]
+
+    lines = [line(*c) for c in chosen]
+    return table([*head, "false accepts", "false rejects"], lines)
+
+
+def measured(runs: dict[str, Rows]) -> str:
+    def line(name: str, rows: Rows) -> list[str]:
+        once = {r["repetition"] for r in rows}
+        seen = by(rows, "frame")
+        frames = f"{len(once)} each of {len(seen)}" if len(seen) > 1 else str(len(once))
+        arguments = " ".join(["reflet bench", *RUNS[name]])
+        assets = "" if name == "atrium" else " --assets DIR"
+        commits = ", ".join(sorted({r["commit"] for r in rows}))
+        return [f"`{arguments}{assets}`", commits, frames]
+
+    return table(["command", "commit", "frames a setting"], [line(n, r) for n, r in runs.items()])
+
+
+TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
+    "scenario1-times": ("scenario1", scenario1_times),
+    "scenario1-passes": ("scenario1", scenario1_passes),
+    "scenario1-work": ("scenario1", scenario1_work),
+    "scenario1-errors": ("scenario1", scenario1_errors),
+    "fig1": ("fig1", fig1),
+    "sizes": ("sizes", sizes),
+    "walk": ("walk", walk),
+    "scenario3-shares": ("scenario3", scenario3_shares),
+    "scenario3-errors": ("scenario3", scenario3_errors),
+    "atrium": ("atrium", atrium),
+}
+
+
+def page(out: pathlib.Path) -> None:
+    runs: dict[str, Rows] = {}
+    for name in RUNS:
+        with (out / name / "samples.csv").open(newline="") as file:
+            runs[name] = list(csv.DictReader(file))
+    tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
+    tables["measured"] = measured(runs)
+    text = PAGE.read_text()
+    for name, content in tables.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(\n<!-- end -->)"
+        new, found = re.subn(pattern, lambda m: m[1] + content + m[2], text, flags=re.DOTALL)  # noqa: B023
+        if found != 1:
+            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
+        text = new
+    PAGE.write_text(text)
+    for name, (run, drawn) in PICTURES.items():
+        shutil.copyfile(out / run / drawn, CHARTS / name)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    commands = parser.add_subparsers(required=True, dest="command")
+    measuring = commands.add_parser("measure", help="run what OUT lacks")
+    measuring.add_argument("--assets", type=pathlib.Path, required=True)
+    writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
+    for command in (measuring, writing):
+        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    arguments = parser.parse_args()
+    if arguments.command == "measure":
+        measure(arguments.out, arguments.assets)
+    else:
+        page(arguments.out)
+
+
+if __name__ == "__main__":
+    main()
