@@ -294,6 +294,9 @@ pub fn report(
     let path = folder.join("report.html");
     write(&path, page(title, &sections, galleries).as_bytes())?;
     for section in &sections {
+        if sections.len() > 1 {
+            eprintln!("\n{}:", section.heading());
+        }
         for sentence in &section.sentences {
             eprintln!("{sentence}");
         }

@@ -35,6 +35,20 @@ pub struct Section {
     pub charts: Vec<ChartFile>,
 }
 
+impl Section {
+    /// One of its samples, for what all have in common.
+    fn sample(&self) -> Option<&Sample> {
+        let points = self.group.points.iter().map(|p| &p.sample);
+        let failed = self.group.failed.iter().map(|(sample, _)| sample);
+        points.chain(failed).next()
+    }
+
+    /// Scene, camera, size and what was turned.
+    pub fn heading(&self) -> String {
+        self.sample().map_or(String::new(), page::heading)
+    }
+}
+
 /// Sections of all samples.
 ///
 /// # Errors

@@ -3,9 +3,11 @@
 use super::sample::Sample;
 
 mod group;
+pub mod paired;
 mod pairs;
 
 pub use group::groups;
+use paired::Timed;
 pub use pairs::{FlickerRatio, Split};
 
 /// Repetitions below which no percentiles are given.
@@ -43,6 +45,8 @@ pub struct Point {
     pub flicker: Option<FlickerRatio>,
     /// The trace pass in its parts, where they were timed apart.
     pub split: Option<Split>,
+    /// Each timed frame.
+    pub timed: Vec<Timed>,
 }
 
 /// Points that may share a chart: one scene and content, camera, size, reference, adapter, commit
@@ -144,10 +148,14 @@ impl Point {
             let spread = Spread::of(samples.iter().map(of).collect())?;
             (spread.median > 0.0).then_some((name, spread.median))
         };
+        let reflection_ms = spread(|s| s.reflection_ms);
+        let own = |s: &Sample| reflection_ms.map_or(s.frame_ms, |_| s.reflection_ms);
+        let timed = samples.iter().filter_map(|s| Some(Timed::of(s, own(s)?)));
         Some(Self {
             ms: frame_ms,
             frame_ms,
-            reflection_ms: spread(|s| s.reflection_ms),
+            reflection_ms,
+            timed: timed.collect(),
             passes_ms: passes.filter_map(median).collect(),
             is_mean: false,
             flicker: None,
@@ -161,6 +169,11 @@ impl Point {
     /// Percentiles and PSNR have no mean.
     fn averaged(mut self, samples: &[&Sample]) -> Self {
         self.is_mean = true;
+        // Frames that show different things have no spread that noise alone makes.
+        let spreads = [Some(&mut self.ms), Some(&mut self.frame_ms)].into_iter();
+        for spread in spreads.chain([self.reflection_ms.as_mut()]).flatten() {
+            spread.p5_p95 = None;
+        }
         let mean = |of: fn(&Sample) -> Option<f64>| {
             let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
@@ -185,11 +198,17 @@ impl Point {
         s.rough_percent = share(|s| s.rough_percent);
         (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
         (s.psnr_db, s.mask_psnr_db) = (None, None); // infinite where one frame is equal
-        (s.false_accepts, s.false_rejects) = (None, None);
         let mean_count = |of: fn(&Sample) -> Option<u64>| {
             let counts: Option<Vec<u64>> = samples.iter().map(|s| of(s)).collect();
-            counts.map(|counts| counts.iter().sum::<u64>() / counts.len() as u64)
+            counts.map(|counts| {
+                let n = counts.len() as u64;
+                (counts.iter().sum::<u64>() + n / 2) / n
+            })
         };
+        (s.false_accepts, s.false_rejects) = (
+            mean_count(|s| s.false_accepts),
+            mean_count(|s| s.false_rejects),
+        );
         s.march_steps = mean_count(|s| s.march_steps);
         s.traversals = mean_count(|s| s.traversals);
         s.visited_nodes = mean_count(|s| s.visited_nodes);

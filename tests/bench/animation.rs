@@ -73,6 +73,9 @@ fn an_animation_is_averaged_and_drawn_over_its_frames() {
         "{}",
         ssr.screen_percent
     );
+    let words = words::sentences(&group).join("\n");
+    assert!(words.contains("means over the 2 of 2 frames"), "{words}");
+    assert!(words.contains("which show different things"), "{words}");
     let sections = report::sections(&rows).expect("drawn");
     let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
     assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));

@@ -65,6 +65,17 @@ pub fn made_up() -> Vec<Sample> {
     rows
 }
 
+/// The same frame so many times.
+pub fn repeated(rows: &[Sample], times: u32) -> Vec<Sample> {
+    let again = |repetition| {
+        rows.iter().map(move |row| Sample {
+            repetition,
+            ..row.clone()
+        })
+    };
+    (0..times).flat_map(again).collect()
+}
+
 /// The group of samples that may share a chart.
 pub fn only_group(samples: &[Sample]) -> Group {
     let mut groups = groups(samples);

@@ -5,17 +5,18 @@ use reflet::bench::{
     sample::Sample,
 };
 
-use crate::made_up::{made_up, only_group, sample};
+use crate::made_up::{made_up, only_group, repeated, sample};
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
-    let text = words::sentences(&only_group(&made_up())).join("\n");
+    let text = words::sentences(&only_group(&repeated(&made_up(), 6))).join("\n");
     for part in [
         "On the Pareto front on made-up adapter: ssr and hybrid and rt.",
         "in the 10.0 ms that rt's fastest setting takes, ssr, steps = 128 errs 0.300; \
          hybrid, steps = 128 errs 0.0100",
         "at FLIP 0.0100 or less, hybrid, steps = 128 takes 9.00 ms and rt, steps = 3 takes \
-         10.0 ms; hybrid takes 10.0 % less. ssr never errs so little.",
+         10.0 ms; hybrid takes 10.0 % less (faster in 6 of 6 pairs of \
+         frames). ssr never errs so little.",
         // (3.0 − 1.0) / (1.0 / 250 · 1000)
         "marching first pays while it leaves less than 50.0 % of the rays",
         "traces 25.0 % of rt's rays",
@@ -25,22 +26,62 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
     }
 }
 
+/// Two settings in turns: the second takes longer by 0.1 ms in `slower` of 20 turns, else less.
+fn in_turns(slower: u32) -> Vec<Sample> {
+    let turn = |i: u32| {
+        let machine = 10.0 + f64::from(i % 7); // it varies by more than they differ
+        let apart = if i < slower { 0.1 } else { -0.1 };
+        [
+            sample("rt", 3.0, machine, 0.001),
+            sample("hybrid", 128.0, machine + apart, 0.02),
+        ]
+        .map(|row| Sample {
+            repetition: i,
+            ..row
+        })
+    };
+    (0..20).flat_map(turn).collect()
+}
+
 #[test]
-fn settings_that_only_their_medians_keep_off_the_front_are_named() {
-    let mut rows = Vec::new();
-    for i in 0..20 {
-        let jitter = 0.05 * f64::from(i % 5);
-        rows.push(sample("rt", 3.0, 10.0 + jitter, 0.001));
-        rows.push(sample("hybrid", 128.0, 10.1 + jitter, 0.02));
-        rows.push(sample("hybrid", 256.0, 12.0 + jitter, 0.02));
-    }
-    let text = words::sentences(&only_group(&rows)).join("\n");
-    let part = "1 of the 2 settings that the front beats could be on it as well (hybrid, steps = \
-                128).";
+fn times_are_told_apart_by_turns_and_not_by_medians() {
+    let outright = "rt wins outright on this adapter (made-up adapter)";
+    let untold = "Cannot be told from the front by these times";
+    let text = words::sentences(&only_group(&in_turns(18))).join("\n");
+    assert!(text.contains(outright) && !text.contains(untold), "{text}");
+    assert!(
+        text.contains("(faster in 2 of 20 pairs of frames)"),
+        "{text}"
+    );
+    // 13 of 20 is what a coin gives in one of four tries.
+    let text = words::sentences(&only_group(&in_turns(13))).join("\n");
+    assert!(!text.contains(outright) && text.contains(untold), "{text}");
+    let part = "(faster in 7 of 20 pairs of frames, so the two cannot be told apart)";
     assert!(text.contains(part), "{text}");
-    rows.truncate(57); // 19 of each are too few
-    let text = words::sentences(&only_group(&rows)).join("\n");
-    assert!(!text.contains("could be on it"), "{text}");
+    // Five of five are too few.
+    let few: Vec<Sample> = in_turns(20).into_iter().take(10).collect();
+    let text = words::sentences(&only_group(&few)).join("\n");
+    assert!(
+        text.contains("By medians alone (n = 5), the Pareto front"),
+        "{text}"
+    );
+    assert!(text.contains("which takes 6 frames of each"), "{text}");
+    assert!(
+        !text.contains("Equal error") && !text.contains("Break-even"),
+        "{text}"
+    );
+}
+
+#[test]
+fn equal_time_is_that_of_hybrid_where_rt_is_fastest() {
+    let rows = [
+        sample("rt", 3.0, 5.0, 0.001),
+        sample("hybrid", 128.0, 9.0, 0.01),
+    ];
+    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
+    let part = "in the 9.00 ms that hybrid's fastest setting takes, hybrid, steps = 128 errs \
+                0.0100; rt, steps = 3 errs 0.00100";
+    assert!(text.contains(part), "{text}");
 }
 
 #[test]
@@ -78,12 +119,11 @@ fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
 fn rt_that_wins_outright_is_said_to() {
     let mut rows = made_up();
     (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
-    let text = words::sentences(&only_group(&rows)).join("\n");
+    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(
         text.starts_with("rt wins outright on this adapter"),
         "{text}"
     );
-    assert!(!text.contains("Equal time"), "{text}");
 }
 
 #[test]
@@ -91,7 +131,7 @@ fn the_best_pair_is_that_which_errs_least_in_reflections() {
     let mut rows = made_up();
     // On the whole frame another setting seems better.
     rows[2].flip = Some(0.0);
-    let text = words::sentences(&only_group(&rows)).join("\n");
+    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(text.contains("(hybrid, steps = 128 marches for"), "{text}");
 }
 
@@ -115,12 +155,7 @@ fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
         chart.caption
     );
     assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
-    let repeated = (0..20).flat_map(|repetition| {
-        made_up()
-            .into_iter()
-            .map(move |s| Sample { repetition, ..s })
-    });
-    let sections = report::sections(&repeated.collect::<Vec<_>>()).expect("drawn");
+    let sections = report::sections(&repeated(&made_up(), 20)).expect("drawn");
     let caption = &sections[0].charts[0].caption;
     assert!(
         caption.contains("Bars are") && !caption.contains("A cross on"),

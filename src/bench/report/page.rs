@@ -8,7 +8,7 @@ use super::{
     tables::{breakdown, overview, points},
     work::{verdicts, work},
 };
-use crate::bench::summary::digits;
+use crate::bench::{sample::Sample, summary::digits};
 
 /// A picture for the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,8 +46,10 @@ th,td{padding:.25rem .45rem;border-bottom:1px solid #8883;text-align:right;white
 th{white-space:normal;vertical-align:bottom;line-height:1.25}
 th:first-child,td:first-child,td.left,th.left{text-align:left}
 tr.front td:first-child::after{content:' ●';color:#c60}
+table.passes{font-size:12px}table.passes td,table.passes th{padding:.2rem .3rem}
+tr.scene td{font-weight:600;padding-top:.7rem}
 tr.failed td{opacity:.75;font-style:italic}
-.bar{display:flex;height:15px;min-width:200px;border-radius:3px;overflow:hidden}
+.bar{display:flex;height:15px;min-width:150px;border-radius:3px;overflow:hidden}
 .bar i{display:block;height:100%}
 .shots{display:grid;grid-template-columns:repeat(auto-fill,minmax(330px,1fr));gap:12px}
 .shots img{width:100%;border-radius:4px;image-rendering:pixelated}
@@ -166,20 +168,23 @@ fn host(sections: &[Section]) -> String {
     lines.iter().map(paragraph).collect()
 }
 
-fn section(section: &Section) -> String {
-    let samples = section.group.points.iter().map(|p| &p.sample);
-    let failed = section.group.failed.iter().map(|(sample, _)| sample);
-    let Some(s) = samples.chain(failed).next() else {
-        return String::new();
-    };
+/// Scene, camera, size and what was turned.
+pub fn heading(s: &Sample) -> String {
     let turned = match s.turn.as_str() {
         "" | "nothing" | "own" => String::new(),
         knob => format!(", turned by {knob}"),
     };
-    let heading = format!(
+    format!(
         "{}, camera {}, {} × {}{turned}",
         s.scene, s.camera, s.width, s.height
-    );
+    )
+}
+
+fn section(section: &Section) -> String {
+    let Some(s) = section.sample() else {
+        return String::new();
+    };
+    let heading = heading(s);
     let mut out = format!("<h2>{}</h2>\n<ul class=\"words\">", escape(&heading));
     for sentence in &section.sentences {
         let _ = write!(out, "<li>{}</li>", escape(sentence));

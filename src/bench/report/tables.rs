@@ -17,17 +17,29 @@ use crate::{
     render::{pass::Pass, passes},
 };
 
-/// Colors of passes in bars.
-const PASS_COLORS: [&str; 12] = [
-    "#4e79a7", "#a0cbe8", "#59a14f", "#8cd17d", "#e15759", "#b07aa1", "#d4a6c8", "#f28e2b",
-    "#ffbe7d", "#79706e", "#bab0ac", "#9d7660",
+/// Colors of passes in bars, the same in every report.
+const PASS_COLORS: [(&str, &str); 14] = [
+    ("update", "#9d7660"),
+    ("shadow", "#4e79a7"),
+    ("visibility", "#a0cbe8"),
+    ("surface", "#59a14f"),
+    ("light", "#8cd17d"),
+    ("ssr", "#e15759"),
+    ("compact", "#b07aa1"),
+    ("arguments", "#d4a6c8"),
+    ("trace", "#f28e2b"),
+    ("trace: traversal", "#f28e2b"),
+    ("trace: shading", "#ffbe7d"),
+    (NOT_APART, "#f28e2b"),
+    ("compose", "#79706e"),
+    ("tone", "#bab0ac"),
 ];
+/// Of a pass that has none.
+const OTHER_COLOR: &str = "#edc948";
 
 /// All sections in one table, with the time of `hybrid` over that of `rt`.
 pub fn overview(sections: &[Section]) -> String {
-    let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>scene</th>\
-                   <th class=\"left\">setting</th>"
-        .to_owned();
+    let mut out = "<h2>Overview</h2>\n<div class=\"scroll\"><table><tr><th>setting</th>".to_owned();
     let heads = [
         "ms",
         "refl. ms",
@@ -48,6 +60,16 @@ pub fn overview(sections: &[Section]) -> String {
         let reflection = |p: &Point| p.reflection_ms.map(|r| r.median);
         let rt = group.points.iter().find(|p| p.sample.method == "rt");
         let rt = rt.and_then(reflection);
+        if let Some(s) = group.points.first().map(|p| &p.sample) {
+            let _ = writeln!(
+                out,
+                "<tr class=\"scene\"><td colspan=\"{}\">{}, {} × {}</td></tr>",
+                1 + heads.len(),
+                escape(&s.scene),
+                s.width,
+                s.height
+            );
+        }
         for point in &group.points {
             let s = &point.sample;
             let number = |v: Option<f64>| v.map_or("–".to_owned(), digits);
@@ -66,14 +88,7 @@ pub fn overview(sections: &[Section]) -> String {
                 format!("{:.1}", s.rough_percent),
                 format!("{:.1}", s.bytes as f64 / f64::from(1 << 20)),
             ];
-            let _ = write!(
-                out,
-                "<tr><td>{}, {} × {}</td><td class=\"left\">{}</td>",
-                escape(&s.scene),
-                s.width,
-                s.height,
-                escape(&point.label())
-            );
+            let _ = write!(out, "<tr><td>{}</td>", escape(&point.label()));
             out.extend(
                 cells
                     .iter()
@@ -234,8 +249,8 @@ pub fn breakdown(points: &[Point]) -> String {
         passes::ALL.iter().position(of_part)
     });
     let color = |name: &str| {
-        let index = names.iter().position(|known| *known == name).unwrap_or(0);
-        PASS_COLORS[index % PASS_COLORS.len()]
+        let known = PASS_COLORS.iter().find(|(pass, _)| *pass == name);
+        known.map_or(OTHER_COLOR, |(_, color)| color)
     };
     let mut out = "<h3>Where the time goes (median ms of each pass) and memory held</h3>\n\
                    <p class=\"key\">"
@@ -247,16 +262,18 @@ pub fn breakdown(points: &[Point]) -> String {
             color(name)
         );
     }
-    out += "</p><div class=\"scroll\"><table><tr><th>setting</th><th class=\"left\">share</th>";
+    out += "</p><div class=\"scroll\"><table class=\"passes\"><tr><th>setting</th><th>MiB</th>\
+            <th class=\"left\">share</th>";
     out.extend(names.iter().map(|name| format!("<th>{name}</th>")));
-    out += "<th>MiB</th></tr>\n";
+    out += "</tr>\n";
     let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
     for (point, parts) in points.iter().zip(&rows) {
         let RGBColor(r, g, b) = self::color(&point.sample.method);
+        let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
         let _ = write!(
             out,
             "<tr><td style=\"border-left:4px solid rgb({r},{g},{b})\">{}</td>\
-             <td class=\"left\"><div class=\"bar\">",
+             <td>{mebibytes:.1}</td><td class=\"left\"><div class=\"bar\">",
             escape(&point.label())
         );
         for (name, ms) in parts {
@@ -273,8 +290,7 @@ pub fn breakdown(points: &[Point]) -> String {
             let ms = parts.iter().find(|(part, _)| part == name);
             format!("<td>{}</td>", digits(ms.map_or(0.0, |(_, ms)| *ms)))
         }));
-        let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
-        let _ = writeln!(out, "<td>{mebibytes:.1}</td></tr>");
+        out += "</tr>\n";
     }
     out + "</table></div>\n"
 }

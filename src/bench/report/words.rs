@@ -1,10 +1,19 @@
 //! What the points of a group mean, in sentences: who wins, at equal time, at equal error, and
 //! from which share of rays on marching first stops paying.
 
+use std::collections::BTreeSet;
+
 use crate::bench::{
-    front::{Costs, Spot, best_within, break_even_share, cheapest_within, front},
-    summary::{Group, Metric, Point, digits},
+    front::{Costs, Spot, break_even_share},
+    metric::mask::MIN_AREA_PX,
+    summary::{
+        Group, MIN_SPREAD_N, Metric, Point, Spread, digits,
+        paired::{MIN_PAIRS, Timed, pairs},
+    },
 };
+use verdict::{equal_error, equal_time, verdict};
+
+mod verdict;
 
 /// Passes that a march adds or that a full trace needs no more of.
 const MARCH: [&str; 2] = ["ssr", "compact"];
@@ -27,23 +36,45 @@ pub fn sentences(group: &Group) -> Vec<String> {
         sentences.extend(left_out(group));
         return sentences;
     }
-    let mut sentences = vec![verdict(&spots, &points)];
-    sentences.extend(within_spread(&spots, &points));
-    sentences.extend(equal_time(&spots, &points));
-    sentences.extend(equal_error(&spots, &points));
-    sentences.extend(break_even(&points, group.masked));
+    let mut sentences = verdict(&spots, &points);
+    if fewest_frames(&points) < MIN_PAIRS {
+        sentences.push(too_few(&points));
+    } else {
+        sentences.extend(equal_time(&spots, &points));
+        sentences.extend(equal_error(&spots, &points));
+        sentences.extend(break_even(&points, group.masked));
+    }
     sentences.extend(work(&points, group.masked));
     sentences.extend(split_trace(&points));
     sentences.extend(flicker(&points));
     sentences.push(region(group));
     sentences.extend(left_out(group));
-    if points.iter().any(|p| p.ms.p5_p95.is_none()) {
-        let n = points.iter().map(|p| p.ms.n).min().unwrap_or(0);
+    if points.iter().any(|p| p.is_mean) {
+        sentences.push(
+            "Times are medians over the measured frames, which show different things; so no \
+             percentiles are given."
+                .to_owned(),
+        );
+    } else if (MIN_PAIRS..MIN_SPREAD_N).contains(&fewest_frames(&points)) {
+        let n = fewest_frames(&points);
         sentences.push(format!(
             "With n = {n} frames a setting, n is too small for percentiles: medians only."
         ));
     }
     sentences
+}
+
+fn fewest_frames(points: &[&Point]) -> usize {
+    points.iter().map(|p| p.ms.n).min().unwrap_or(0)
+}
+
+fn too_few(points: &[&Point]) -> String {
+    format!(
+        "With n = {}, n is too small to tell settings apart by their times, which takes {MIN_PAIRS} \
+         frames of each, and for percentiles, which take {MIN_SPREAD_N}: medians only, and no \
+         comparison at equal time or error.",
+        fewest_frames(points)
+    )
 }
 
 fn of_method(points: &[&Point], method: &str) -> Vec<usize> {
@@ -54,134 +85,6 @@ fn of_method(points: &[&Point], method: &str) -> Vec<usize> {
 
 fn pick(spots: &[Spot], indices: &[usize]) -> Vec<Spot> {
     indices.iter().map(|&i| spots[i]).collect()
-}
-
-/// Which methods are on the front, and whether `rt` wins outright.
-fn verdict(spots: &[Spot], points: &[&Point]) -> String {
-    let on_front = front(spots);
-    let is_on = |method: &str| of_method(points, method).iter().any(|&i| on_front[i]);
-    let adapter = &points[0].sample.adapter;
-    let methods: Vec<&str> = ["ssr", "hybrid", "rt"]
-        .into_iter()
-        .filter(|m| is_on(m))
-        .collect();
-    let measured = |method: &str| points.iter().any(|p| p.sample.method == method);
-    let others = measured("ssr") || measured("hybrid");
-    if methods == ["rt"] && others {
-        return format!(
-            "rt wins outright on this adapter ({adapter}): no setting of another method is \
-             faster or errs less."
-        );
-    }
-    let mut text = format!(
-        "On the Pareto front on {adapter}: {}.",
-        methods.join(" and ")
-    );
-    if measured("hybrid") && measured("rt") && !is_on("hybrid") {
-        text += " hybrid is nowhere on it: whatever it reaches, another setting reaches sooner.";
-    }
-    text
-}
-
-/// Settings that would be on the front if they took the 5th percentile of their times and all
-/// others the 95th: medians alone would say more than was measured.
-fn within_spread(spots: &[Spot], points: &[&Point]) -> Option<String> {
-    let spread: Option<Vec<[f64; 2]>> = points.iter().map(|p| p.ms.p5_p95).collect();
-    let spread = spread?;
-    let on_front = front(spots);
-    let could_be = |&i: &usize| {
-        let mut spots: Vec<Spot> = spots.to_vec();
-        for (j, spot) in spots.iter_mut().enumerate() {
-            spot.ms = spread[j][usize::from(j != i)];
-        }
-        !on_front[i] && front(&spots)[i]
-    };
-    let could: Vec<usize> = (0..points.len()).filter(could_be).collect();
-    if could.is_empty() {
-        return None;
-    }
-    let mut names: Vec<String> = could.iter().take(4).map(|&i| points[i].label()).collect();
-    if could.len() > names.len() {
-        names.push("…".to_owned());
-    }
-    Some(format!(
-        "Times spread: from the 5th to the 95th percentile {} of the {} settings that the front \
-         beats could be on it as well ({}).",
-        could.len(),
-        on_front.iter().filter(|on| !**on).count(),
-        names.join("; ")
-    ))
-}
-
-/// What each method reaches in the time that rt's fastest setting takes.
-fn equal_time(spots: &[Spot], points: &[&Point]) -> Option<String> {
-    let rt = of_method(points, "rt");
-    let anchor = cheapest_within(&pick(spots, &rt), f64::INFINITY).map(|i| rt[i])?;
-    let ms = spots[anchor].ms;
-    let best = |method| {
-        let indices = of_method(points, method);
-        let best = best_within(&pick(spots, &indices), ms).map(|i| indices[i]);
-        (!indices.is_empty()).then_some((method, best))
-    };
-    let measured = ["ssr", "hybrid", "rt"].into_iter().filter_map(best);
-    let measured: Vec<(&str, Option<usize>)> = measured.collect();
-    let is_other = |(method, best): &(&str, Option<usize>)| *method != "rt" && best.is_some();
-    if !measured.iter().any(is_other) {
-        return None; // nothing to compare: the verdict says that rt is fastest
-    }
-    let reached = measured.iter().map(|(method, best)| {
-        best.map_or_else(
-            || format!("every setting of {method} takes longer"),
-            |i| format!("{} errs {}", points[i].label(), digits(spots[i].error)),
-        )
-    });
-    let reached: Vec<String> = reached.collect();
-    Some(format!(
-        "Equal time: in the {} ms that rt's fastest setting takes, {} (FLIP).",
-        digits(ms),
-        reached.join("; ")
-    ))
-}
-
-/// What `hybrid` and `rt` take to err no more than the other's best.
-fn equal_error(spots: &[Spot], points: &[&Point]) -> Option<String> {
-    let [hybrid, rt] = ["hybrid", "rt"].map(|method| of_method(points, method));
-    let [hybrid_spots, rt_spots] = [&hybrid, &rt].map(|indices| pick(spots, indices));
-    let best = best_within(&hybrid_spots, f64::INFINITY)?;
-    let error = hybrid_spots[best].error;
-    let traced = cheapest_within(&rt_spots, error);
-    let Some(traced) = traced else {
-        return Some(format!(
-            "Equal error: no setting of rt errs as little as {} does (FLIP {}).",
-            points[hybrid[best]].label(),
-            digits(error)
-        ));
-    };
-    let [hybrid_ms, rt_ms] = [hybrid_spots[best].ms, rt_spots[traced].ms];
-    let percent = 100.0 * (1.0 - hybrid_ms / rt_ms);
-    let compared = if percent >= 0.0 {
-        format!("{percent:.1} % less")
-    } else {
-        format!("{:.1} % more", -percent)
-    };
-    let mut text = format!(
-        "Equal error: at FLIP {} or less, {} takes {} ms and {} takes {} ms; hybrid takes \
-         {compared}.",
-        digits(error),
-        points[hybrid[best]].label(),
-        digits(hybrid_ms),
-        points[rt[traced]].label(),
-        digits(rt_ms)
-    );
-    let ssr = of_method(points, "ssr");
-    if !ssr.is_empty() {
-        let found = cheapest_within(&pick(spots, &ssr), error).map(|i| ssr[i]);
-        text += &found.map_or_else(
-            || " ssr never errs so little.".to_owned(),
-            |i| format!(" {} takes {} ms.", points[i].label(), digits(spots[i].ms)),
-        );
-    }
-    Some(text)
 }
 
 /// The costs of a `hybrid` point beside an `rt` point with the same rays.
@@ -273,11 +176,13 @@ fn break_even(points: &[&Point], masked: bool) -> Option<String> {
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;
     let measured = format!(
-        "{} marches for {} ms and traces {actual:.1} % of rt's rays in {} ms; rt traces all in {} ms",
+        "{} marches for {} ms and traces {actual:.1} % of rt's rays in {} ms; rt traces all in {} \
+         ms; {}",
         hybrid.label(),
         digits(costs.march_ms),
         digits(costs.partial_trace_ms),
-        digits(costs.full_trace_ms)
+        digits(costs.full_trace_ms),
+        shares(hybrid, rt)
     );
     Some(if share <= 0.0 {
         format!(
@@ -293,6 +198,37 @@ fn break_even(points: &[&Point], masked: bool) -> Option<String> {
             100.0 * share
         )
     })
+}
+
+/// The break-even shares of single pairs of frames.
+fn shares(hybrid: &Point, rt: &Point) -> String {
+    let of_pair = |(h, r): (&Timed, &Timed)| {
+        break_even_share(&Costs {
+            march_ms: h.march_ms - r.march_ms,
+            full_trace_ms: r.trace_ms,
+            partial_trace_ms: h.trace_ms,
+            partial_rays: h.rays,
+            full_rays: r.rays,
+        })
+    };
+    let mut shares: Vec<f64> = pairs(&hybrid.timed, &rt.timed)
+        .filter_map(of_pair)
+        .collect();
+    shares.sort_by(f64::total_cmp);
+    let (Some(low), Some(high)) = (shares.first(), shares.last()) else {
+        return "no two frames of both were timed in the same turn".to_owned();
+    };
+    let spread = Spread::of(shares.clone()).and_then(|s| s.p5_p95);
+    let ([low, high], ends) = match spread {
+        Some(ends) => (ends, "5th to 95th percentile"),
+        None => ([*low, *high], "least to most"),
+    };
+    format!(
+        "{ends} over {} pairs of frames: {:.0} % to {:.0} %",
+        shares.len(),
+        100.0 * low,
+        100.0 * high
+    )
 }
 
 /// Temporal error of each setting of an animation.
@@ -337,6 +273,9 @@ fn left_out(group: &Group) -> Option<String> {
 }
 
 fn region(group: &Group) -> String {
+    if !group.over_frames.is_empty() {
+        return region_of_frames(group);
+    }
     let px = group.points.first().map_or(0, |p| p.sample.mask_px);
     if group.masked {
         format!("Errors are those of the {px} reflective pixels (eroded by 5 px).")
@@ -344,6 +283,27 @@ fn region(group: &Group) -> String {
         format!(
             "The mask of reflective pixels has {px} px, which is too small to score: errors are \
              those of the whole frame, which background flatters."
+        )
+    }
+}
+
+/// The region in an animation, whose mask may be large enough in some frames only.
+fn region_of_frames(group: &Group) -> String {
+    let frames: BTreeSet<u32> = group.over_frames.iter().map(|(frame, _)| *frame).collect();
+    let judged = |(frame, point): &(u32, Point)| point.sample.mask_flip.map(|_| *frame);
+    let judged: BTreeSet<u32> = group.over_frames.iter().filter_map(judged).collect();
+    if group.masked {
+        format!(
+            "Errors are those of the reflective pixels (eroded by 5 px), means over the {} of {} \
+             frames that have at least {MIN_AREA_PX} of them.",
+            judged.len(),
+            frames.len()
+        )
+    } else {
+        format!(
+            "In none of the {} frames the mask of reflective pixels has {MIN_AREA_PX} px, so \
+             errors are those of the whole frame, which background flatters.",
+            frames.len()
         )
     }
 }

@@ -129,6 +129,7 @@ fn share_common_passes(points: &mut [Point], samples: &[&Sample]) {
         let common = Spread::of(alike.filter_map(|s| common(&s)).collect());
         if let (Some(common), Some(own)) = (common, point.reflection_ms) {
             let total = |ms: f64| ms + common.median;
+            point.timed.iter_mut().for_each(|t| t.ms = total(t.ms));
             point.ms = Spread {
                 n: own.n,
                 median: total(own.median),

@@ -38,7 +38,7 @@ pub fn mark(
         if dot.is_on_front {
             ", on the front"
         } else {
-            ", dominated"
+            ", beaten"
         }
     );
     let (fill, ring) = if dot.is_on_front {

@@ -1,0 +1,148 @@
+//! Settings that were timed in turns, frame by frame: which of two is faster, and whether that can
+//! be told at all. A median has no such doubt in it.
+
+use std::collections::BTreeMap;
+
+use crate::bench::sample::Sample;
+
+/// Pairs of frames below which no two settings can be told apart by [`Pairs::order`].
+pub const MIN_PAIRS: usize = 6;
+
+/// One timed frame of a setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timed {
+    /// Frame of the animation, and which of its repetitions.
+    pub turn: (u32, u32),
+    /// Milliseconds, as [`super::Point::ms`] counts them.
+    pub ms: f64,
+    /// Of them marching and listing rays.
+    pub march_ms: f64,
+    /// Of them tracing.
+    pub trace_ms: f64,
+    /// Rays traced.
+    pub rays: f64,
+}
+
+impl Timed {
+    pub(super) fn of(sample: &Sample, ms: f64) -> Self {
+        Self {
+            turn: (sample.frame, sample.repetition),
+            ms,
+            march_ms: sample.detail("pass_ssr_ms") + sample.detail("pass_compact_ms"),
+            trace_ms: sample.detail("pass_trace_ms"),
+            rays: sample.rays as f64,
+        }
+    }
+}
+
+/// How two settings stand in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The first is faster.
+    Faster,
+    /// The first is slower.
+    Slower,
+    /// Chance would explain the difference.
+    Untold,
+}
+
+/// The frames that two settings have in common, by which of the two was faster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pairs {
+    /// In which the first was faster.
+    pub faster: usize,
+    /// In which it was slower.
+    pub slower: usize,
+}
+
+/// Frames of two settings that were timed in the same turn.
+pub fn pairs<'a>(a: &'a [Timed], b: &'a [Timed]) -> impl Iterator<Item = (&'a Timed, &'a Timed)> {
+    let b: BTreeMap<(u32, u32), &Timed> = b.iter().map(|timed| (timed.turn, timed)).collect();
+    let both = a.iter().map(move |a| Some((a, *b.get(&a.turn)?)));
+    both.flatten()
+}
+
+impl Pairs {
+    /// Counts.
+    pub fn of(a: &[Timed], b: &[Timed]) -> Self {
+        let [mut faster, mut slower] = [0; 2];
+        for (a, b) in pairs(a, b) {
+            faster += usize::from(a.ms < b.ms);
+            slower += usize::from(a.ms > b.ms);
+        }
+        Self { faster, slower }
+    }
+
+    /// The sign test (Dixon and Mood 1946), two-sided at 5 %: whether one is faster more often
+    /// than a coin would fall.
+    pub fn order(self) -> Order {
+        if sign_test(self.faster, self.slower) >= 0.05 {
+            Order::Untold
+        } else if self.faster > self.slower {
+            Order::Faster
+        } else {
+            Order::Slower
+        }
+    }
+
+    /// Pairs that say something.
+    pub fn n(self) -> usize {
+        self.faster + self.slower
+    }
+}
+
+/// The chance of a result at least as uneven if both were equally likely.
+fn sign_test(a: usize, b: usize) -> f64 {
+    let (n, k) = (a + b, a.min(b));
+    if n > 1000 {
+        // The binomial is normal by now; 1.96 standard deviations are what 5 % leaves.
+        let z = (a.abs_diff(b) as f64 - 1.0) / (n as f64).sqrt();
+        return if z > 1.96 { 0.0 } else { 1.0 };
+    }
+    let mut term = 0.5_f64.powi(n as i32);
+    let mut tail = term;
+    for i in 0..k {
+        term *= (n - i) as f64 / (i + 1) as f64;
+        tail += term;
+    }
+    (2.0 * tail).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timed(ms: &[f64]) -> Vec<Timed> {
+        let of = |(i, &ms): (usize, &f64)| Timed {
+            turn: (0, i as u32),
+            ms,
+            march_ms: 0.0,
+            trace_ms: 0.0,
+            rays: 0.0,
+        };
+        ms.iter().enumerate().map(of).collect()
+    }
+
+    #[test]
+    fn the_sign_test_has_the_tails_of_the_binomial() {
+        // 2 · (1 + 6) / 2^6, 2 / 2^6, and 2 · Σ C(20, 0..=5) / 2^20.
+        assert_eq!(sign_test(5, 1), 14.0 / 64.0);
+        assert_eq!(sign_test(0, 6), 2.0 / 64.0);
+        assert!((sign_test(5, 15) - 2.0 * 21_700.0 / 1_048_576.0).abs() < 1e-15);
+        assert_eq!((sign_test(10, 10), sign_test(0, 0)), (1.0, 1.0));
+        assert!(sign_test(470, 531) >= 0.05 && sign_test(440, 561) < 0.05);
+    }
+
+    #[test]
+    fn settings_are_compared_in_the_turns_they_share() {
+        // The machine slows down meanwhile: medians overlap, pairs do not.
+        let a = timed(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let b = timed(&[1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 0.1]);
+        let pairs = Pairs::of(&a, &b);
+        assert_eq!((pairs.faster, pairs.slower, pairs.n()), (6, 0, 6));
+        assert_eq!(pairs.order(), Order::Faster);
+        assert_eq!(Pairs::of(&b, &a).order(), Order::Slower);
+        assert_eq!(Pairs::of(&a[..5], &b).order(), Order::Untold);
+        assert_eq!(Pairs::of(&a, &a).n(), 0);
+    }
+}
