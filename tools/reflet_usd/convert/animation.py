@@ -7,10 +7,8 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.keys import (
-    Evaluate,
     Keys,
     OneNode,
-    Pose,
     TwoNodes,
     exact_keys,
     sampled_keys,
@@ -29,9 +27,7 @@ from reflet_usd.convert.xform import (
     align_hemispheres,
     assign,
     column_matrix,
-    decompose,
     place,
-    split_shear,
 )
 
 # How far products of float64 matrices leave the fourth column of an affine one.
@@ -109,8 +105,6 @@ def _animate(
     def evaluate(code: float) -> Array:
         return _finite(context, prim, xformable.GetLocalTransformation(Usd.TimeCode(code)))
 
-    if context.held and not _splines(xformable):
-        return _hold(context, prim, node, evaluate, codes)
     authored = len(codes)
     codes = with_jumps(evaluate, codes)
     keys = exact_keys(evaluate, codes, OneNode(evaluate))
@@ -131,35 +125,21 @@ def _animate(
     return _set_tracks(context, prim, node, keys)
 
 
-def _hold(
-    context: Context, prim: Usd.Prim, node: Node, evaluate: Evaluate, codes: list[float]
-) -> Node:
-    """Keys that stay until the next one: any matrix is exact."""
-    matrices = [evaluate(code) for code in codes]
-    parts = [decompose(matrix) for matrix in matrices]
-    poses: list[Pose] = [(trs,) for trs in parts if trs is not None]
-    if len(poses) < len(codes):
-        poses = [split_shear(matrix) for matrix in matrices]
-    return _set_tracks(context, prim, node, Keys(codes, poses), step=True)
-
-
-def _set_tracks(
-    context: Context, prim: Usd.Prim, node: Node, keys: Keys, step: bool = False
-) -> Node:
+def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Node:
     """Animate the node, and a helper above it where there are two; returns the outer one."""
     times = seconds_of(context, keys.codes)
     if len(keys.poses[0]) == 1:
-        _set_node_tracks(node, times, [pose[0] for pose in keys.poses], step)
+        _set_node_tracks(node, times, [pose[0] for pose in keys.poses])
         return node
     context.ledger.warn("shear-split", prim, "the matrix shears, carried as two nested nodes")
     helper = Node(f"{node.name}_shear")
-    _set_node_tracks(helper, times, [pose[0] for pose in keys.poses], step)
-    _set_node_tracks(node, times, [pose[1] for pose in keys.poses], step)
+    _set_node_tracks(helper, times, [pose[0] for pose in keys.poses])
+    _set_node_tracks(node, times, [pose[1] for pose in keys.poses])
     helper.add(node)
     return helper
 
 
-def _set_node_tracks(node: Node, times: Array, parts: list[Trs], step: bool) -> None:
+def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:
     assign(node, parts[0])
     rotations = align_hemispheres(np.array([part.rotation for part in parts]))
     channels = {
@@ -169,7 +149,7 @@ def _set_node_tracks(node: Node, times: Array, parts: list[Trs], step: bool) -> 
     }
     for path, values in channels.items():
         if not np.array_equal(values, np.broadcast_to(values[0], values.shape)):
-            node.add_track(path, times, values, step)
+            node.add_track(path, times, values)
 
 
 def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:

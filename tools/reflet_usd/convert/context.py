@@ -41,8 +41,6 @@ class Context:
     """What all dome lights without a texture send from everywhere, RGB in nits."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
-    held: bool = False
-    """Whether the stage holds values between time samples instead of interpolating them."""
 
     def seconds(self, code: float) -> float:
         """Seconds in the file of a time code of the stage."""

@@ -169,7 +169,7 @@ class Instancers:
                 keys = values[:, number]
                 if path == "rotation":
                     keys = align_hemispheres(unit_quaternions(keys))
-                instance.add_track(path, times, keys, self.context.held)
+                instance.add_track(path, times, keys)
         if sheared:
             message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
             self.context.ledger.warn("shear-split", prim, message)

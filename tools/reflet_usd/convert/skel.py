@@ -208,7 +208,7 @@ class Skeletons:
                 rows = values[:, order[name]]
                 rows = align_hemispheres(rows) if path == "rotation" else rows
                 if not np.array_equal(rows, np.broadcast_to(rows[0], rows.shape)):
-                    node.add_track(path, times, rows, self.context.held)
+                    node.add_track(path, times, rows)
 
     def _keys(
         self, prim: Usd.Prim, path: str, attribute: Usd.Attribute, count: int

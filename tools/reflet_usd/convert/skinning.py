@@ -105,7 +105,7 @@ class Deformation:
         if len(codes) > 1:
             times = np.array([self.context.seconds(code) for code in codes])
             values = np.array([weights(Usd.TimeCode(code)) for code in codes])
-            node.add_track("weights", times, values, self.context.held)
+            node.add_track("weights", times, values)
 
     def _read_influences(self, point_count: int) -> tuple[Array, Array] | None:
         """Joints and weights (N, 4 n) in the skeleton's joint order, weights summing to 1."""
