@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.keys import (
+    Evaluate,
     Keys,
     OneNode,
     TwoNodes,
@@ -105,12 +108,30 @@ def _animate(
     def evaluate(code: float) -> Array:
         return _finite(context, prim, xformable.GetLocalTransformation(Usd.TimeCode(code)))
 
+    def chain() -> Node | None:
+        return chain_of_ops(context, node, xformable)
+
+    return animate_matrix(context, prim, node, evaluate, codes, chain)
+
+
+def animate_matrix(
+    context: Context,
+    prim: Usd.Prim,
+    node: Node,
+    evaluate: Evaluate,
+    codes: list[float],
+    chain: Callable[[], Node | None] = lambda: None,
+) -> Node:
+    """Let `node` follow the matrices of `evaluate`, keyed at `codes`; returns the outermost node.
+
+    `chain` may give exact nodes where no single one is exact.
+    """
     authored = len(codes)
     codes = with_jumps(evaluate, codes)
     keys = exact_keys(evaluate, codes, OneNode(evaluate))
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
-    outer = chain_of_ops(context, node, xformable)
+    outer = chain()
     if outer is not None:
         return outer
     keys = exact_keys(evaluate, codes, TwoNodes(evaluate))

@@ -105,6 +105,7 @@ BARS: dict[str, Bar] = {
         "relative",
         ("animation-resampled", "transform-non-finite", *_FROZEN),
     ),
+    "joints": Bar("world matrices of joints", 1e-5, "relative", (*_SKIN, *_FROZEN)),
     "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
     "lights": Bar(
         "light intensities and places",
@@ -113,7 +114,7 @@ BARS: dict[str, Bar] = {
         ("light-animation-frozen", "light-invalid", "cone-clamped", "area-light-approximated"),
     ),
     "inputs": Bar("inputs of lights and cameras that glTF lacks", 0, "lost"),
-    "skinning": Bar("skinned and morphed corners", 1e-4, "of the diagonal", (*_SKIN, *_FROZEN)),
+    "skinning": Bar("skinned and morphed corners", 1e-5, "of the diagonal", (*_SKIN, *_FROZEN)),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
 

@@ -76,6 +76,22 @@ class SceneComparer:
                 value = min(matrix_distance(expected, matrix, self.diagonal) for matrix in found)
                 self.checks.add("matrices", prim, value, at, self.slack)
 
+    def joints(
+        self,
+        truth: dict[str, dict[str, Array]],
+        output: dict[str, dict[str, list[Array]]],
+        at: str,
+    ) -> None:
+        """World matrices of the joints that both have."""
+        for skeleton, expected in truth.items():
+            for name, matrices in output.get(skeleton, {}).items():
+                if name in expected:
+                    value = min(
+                        matrix_distance(expected[name], matrix, self.diagonal)
+                        for matrix in matrices
+                    )
+                    self.checks.add("joints", skeleton, value, f"{name} {at}", self.slack)
+
     def cameras(self, truth: Scene, output: Scene, at: str) -> None:
         """Lenses and places of all cameras."""
         for key, expected in truth.cameras.items():

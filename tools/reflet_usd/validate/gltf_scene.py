@@ -63,6 +63,16 @@ class OutputReader:
                 result.setdefault(self.prims[index], []).append(pose.worlds[index])
         return result
 
+    def joints(self, pose: Pose) -> dict[str, dict[str, list[Array]]]:
+        """World matrices of the joints, by the prim they are below and their name."""
+        result: dict[str, dict[str, list[Array]]] = {}
+        for index in self.poser.order:
+            extras = getattr(self.file.nodes[index], "extras", None) or {}
+            if "joint" in extras:
+                found = result.setdefault(self.prims[index], {})
+                found.setdefault(str(extras["joint"]), []).append(pose.worlds[index])
+        return result
+
     def _pieces(self, index: int, pose: Pose) -> list[_Piece]:
         node = self.file.nodes[index]
         mesh = self.file.meshes[node.mesh]

@@ -19,6 +19,7 @@ from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
 
 if TYPE_CHECKING:
+    from .usd_skel import JointTruth
     from .usd_truth import TruthReader
 
 _GEOMETRY_TIMES = 5
@@ -128,7 +129,7 @@ def _compare(
     from pxr import Usd
 
     from .material_compare import compare_materials
-    from .usd_skel import bake, skin_times
+    from .usd_skel import JointTruth, bake, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
@@ -136,6 +137,7 @@ def _compare(
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
     skin_codes = skin_times(truth.stage)
+    joints = JointTruth(truth)
     skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))
@@ -148,18 +150,20 @@ def _compare(
     comparer.geometry(rest, stored)
     comparer.other(rest, stored)
     comparer.matrices(rest, stored, "at rest")
+    comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
     uses = compare_materials(checks, truth.stage, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    proof.times = _compare_moving(comparer, reader, output, skin_codes, frames)
+    proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
 
 
 def _compare_moving(
     comparer: SceneComparer,
     reader: TruthReader,
     output: OutputReader,
+    joints: JointTruth,
     skin_codes: list[float],
     frames: Any,
 ) -> int:
@@ -189,10 +193,9 @@ def _compare_moving(
     chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between})
     for code in chosen:
         seconds = (code - truth.time_origin) / truth.codes_per_second
-        output_matrices = output.matrices(output.poser.pose(seconds))
-        comparer.matrices_of(
-            reader.matrices(Usd.TimeCode(code)), output_matrices, f"at time code {code:g}"
-        )
+        time, pose, at = Usd.TimeCode(code), output.poser.pose(seconds), f"at time code {code:g}"
+        comparer.matrices_of(reader.matrices(time), output.matrices(pose), at)
+        comparer.joints(joints.matrices(time), output.joints(pose), at)
     return len(chosen)
 
 

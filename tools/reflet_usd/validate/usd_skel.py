@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from pxr import Gf, Usd, UsdSkel
+from pxr import Gf, Usd, UsdGeom, UsdSkel
+
+from .facts import Array
+from .usd_stage import TruthStage
 
 
 def skin_times(stage: Usd.Stage) -> list[float]:
@@ -13,6 +16,42 @@ def skin_times(stage: Usd.Stage) -> list[float]:
             for attribute in prim.GetAttributes():
                 codes.update(attribute.GetTimeSamples())
     return sorted(codes)
+
+
+class JointTruth:
+    """World matrices of joints by UsdSkel's own evaluation, at any time, keys or not.
+
+    Made before `bake`, which takes the bindings away.
+    """
+
+    def __init__(self, truth: TruthStage) -> None:
+        self._truth = truth
+        self._cache = UsdSkel.Cache()
+        self._queries: dict[str, UsdSkel.SkeletonQuery] = {}
+        prims = iter(_prims(truth.stage))
+        for prim in prims:
+            if prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+            elif prim.IsA(UsdSkel.Root):
+                self._cache.Populate(UsdSkel.Root(prim), Usd.TraverseInstanceProxies())
+            elif prim.IsA(UsdSkel.Skeleton):
+                query = self._cache.GetSkelQuery(UsdSkel.Skeleton(prim))
+                if query and len(query.GetJointOrder()):
+                    self._queries[str(prim.GetPath())] = query
+
+    def matrices(self, time: Usd.TimeCode) -> dict[str, dict[str, Array]]:
+        """By skeleton and joint; skeletons that USD cannot pose are left out."""
+        xforms = UsdGeom.XformCache(time)
+        result: dict[str, dict[str, Array]] = {}
+        for path, query in self._queries.items():
+            world = xforms.GetLocalToWorldTransform(self._truth.stage.GetPrimAtPath(path))
+            names = [str(name) for name in query.GetJointOrder()]
+            poses = query.ComputeJointSkelTransforms(time)
+            result[path] = {
+                name: self._truth.node_world(pose * world)
+                for name, pose in zip(names, poses, strict=False)
+            }
+        return result
 
 
 def bake(stage: Usd.Stage) -> frozenset[str]:
