@@ -14,7 +14,7 @@ from pxr import Gf, Usd, UsdSkel
 
 from reflet_usd.convert.animation import animate_matrix
 from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.instancer import unit_quaternions
+from reflet_usd.convert.instancing import unit_quaternions
 from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import align_hemispheres, assign, column_matrix, nearest_trs, place
 
