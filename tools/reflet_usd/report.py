@@ -36,7 +36,7 @@ class Row:
     message: str = ""
     proof: dict[str, Any] = dataclasses.field(default_factory=dict)
     """The JSON of `reflet-usd validate`."""
-    warnings: list[dict[str, str]] = dataclasses.field(default_factory=list)
+    warnings: list[dict[str, Any]] = dataclasses.field(default_factory=list)
     convert_s: float = 0.0
 
     @property
@@ -183,7 +183,7 @@ def _one(folder: Path, root: Root, place: Path, limits: Limits) -> Row:
         row.convert_s = time.monotonic() - start
         return row
     row = Row(root, True, convert_s=time.monotonic() - start)
-    row.warnings = [dataclasses.asdict(warning) for warning in result.warnings]
+    row.warnings = [warning.to_json() for warning in result.warnings]
     _check(row, out, stage, folder)
     return row
 

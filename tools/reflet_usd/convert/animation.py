@@ -93,12 +93,13 @@ def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
 def _make_affine(context: Context, prim: Usd.Prim, columns: Array) -> None:
     """USD divides points by w, a glTF node cannot where w differs from point to point."""
     w = columns[3, 3]
-    message = f"the matrix has the fourth column {tuple(columns[3].tolist())}"
+    perspective = bool(columns[3, :3].any())
     if np.isfinite(w) and w != 0.0:
         columns[:3] /= w
-        message += ", divided by its last entry" if not columns[3, :3].any() else ""
-    if columns[3, :3].any():
-        message += ", its perspective is left out"
+        if not perspective:
+            return
+    message = f"the matrix has the fourth column {tuple(columns[3].tolist())}"
+    message += ", its perspective is left out" if perspective else ", by which nothing divides"
     context.ledger.warn("transform-projective", prim, message)
 
 
@@ -142,7 +143,7 @@ def animate_matrix(
         f"{authored} keys became {len(keys.codes)} samples,"
         f" at most {keys.deviation:.1e} of the transform's size away between them"
     )
-    context.ledger.warn("animation-resampled", prim, message)
+    context.ledger.warn("animation-resampled", prim, message, keys.deviation)
     return _set_tracks(context, prim, node, keys)
 
 

@@ -139,9 +139,10 @@ def _add_plane(shape: _Quads, width: float, length: float, axis: str) -> None:
     points[:, first], points[:, second] = corners.T
     normal = np.zeros(3)
     normal["XYZ".index(axis) if axis in ("X", "Y", "Z") else 2] = 1.0
-    winding = np.cross(points[1] - points[0], points[2] - points[0])
-    if winding @ normal < 0.0:
+    if axis == "Y" or axis == "X":  # the second side runs before the first
         points = points[::-1].copy()
+    # One negative side turns the face over, as a negative size turns a cube inside out.
+    normal *= math.copysign(1.0, width) * math.copysign(1.0, length)
     shape.append(points, np.array([[0, 1, 2, 3]]), np.tile(normal, (4, 1)))
 
 

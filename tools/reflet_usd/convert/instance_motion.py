@@ -38,12 +38,14 @@ class InstanceMotion:
     parts: Parts
 
     def __post_init__(self) -> None:
-        self._stretched = self._which_stretch()
+        self._stretch = self._off_unit()
+        self._stretched = self._stretch > _NORMALIZED
         self._codes = sorted({code for codes, _ in self.tracks.values() for code in codes})
         count = int(self._stretched.sum())
         if count * len(self._codes) > MAX_MATRIX_KEYS:
-            message = f"{count} moving instances have quaternions not of length 1, normalized"
-            self.context.ledger.warn("instance-rotation-normalized", self.prim, message)
+            off = float(self._stretch.max())
+            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
+            self.context.ledger.warn("instance-rotation-normalized", self.prim, message, off)
             self._stretched[:] = False
 
     def apply(self, instance: Node, number: int) -> Node:
@@ -92,17 +94,17 @@ class InstanceMotion:
             return np.asarray(a + (b - a) * share)
         return _slerp(a, b, share)
 
-    def _which_stretch(self) -> Array:
-        """Which instances a unit quaternion does not place as USD does, at any of their keys."""
+    def _off_unit(self) -> Array:
+        """How far a unit quaternion's matrix is from USD's, at worst over each instance's keys."""
         rotations = self.parts["rotation"][None]
         if "rotation" in self.tracks:
             rotations = self.tracks["rotation"][1]
-        found = np.zeros(rotations.shape[1], dtype=bool)
+        found = np.zeros(rotations.shape[1])
         for rows in rotations:
             places, ones = np.zeros((len(rows), 3)), np.ones((len(rows), 3))
             unit = trs_matrices(places, unit_quaternions(rows), ones)
             off = np.abs(trs_matrices(places, rows, ones) - unit)
-            found |= off.max(axis=(1, 2)) > _NORMALIZED
+            found = np.maximum(found, off.max(axis=(1, 2)))
         return found
 
 

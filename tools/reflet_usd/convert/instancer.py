@@ -134,7 +134,7 @@ class Instancers:
         if exact is None:
             off = np.abs(instances.matrices(chosen) - trs_matrices(*transforms)).max()
             message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
-            self.context.ledger.warn("instance-rotation-normalized", prim, message)
+            self.context.ledger.warn("instance-rotation-normalized", prim, message, float(off))
         return True
 
     def _add_nodes(

@@ -128,8 +128,12 @@ class Scene:
 
 
 def transform_points(points: Array, matrix: Array) -> Array:
-    """Row-vector transform of (n, 3) points by a (4, 4) matrix."""
-    return points @ matrix[:3, :3] + matrix[3, :3]
+    """Row-vector transform of (n, 3) points by a (4, 4) matrix, divided by w as USD does."""
+    moved = points @ matrix[:3, :3] + matrix[3, :3]
+    if np.array_equal(matrix[:, 3], (0.0, 0.0, 0.0, 1.0)):
+        return moved
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(moved / (points @ matrix[:3, 3] + matrix[3, 3])[:, None])
 
 
 def bounds_of(scenes: Mapping[str, Corners]) -> tuple[Array, Array] | None:

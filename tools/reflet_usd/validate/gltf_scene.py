@@ -35,13 +35,16 @@ class OutputReader:
             inside = above if above in self.instancers else None
             self.keys[node] = inside or self.prims[node]
 
-    def scene(self, seconds: float | None) -> Scene:
-        """Everything the file shows at `seconds` (None: as stored, no animation applied)."""
+    def scene(self, seconds: float | None, hidden: bool = False) -> Scene:
+        """Everything the file shows at `seconds` (None: as stored, no animation applied).
+
+        `hidden` also takes what KHR_node_visibility hides.
+        """
         pose = self.poser.pose(seconds)
         scene = Scene(matrices=self.matrices(pose))
         pieces: dict[str, list[_Piece]] = {}
         for index in self.poser.order:
-            if index in pose.hidden:
+            if index in pose.hidden and not hidden:
                 continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:

@@ -112,6 +112,8 @@ def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: P
         ),
         "animated_nodes": len(reader.poser.animated_nodes()),
     }
+    if "KHR_node_visibility" in (file.gltf.extensionsUsed or []):
+        box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh knows nothing of it
     if box is not None:
         _second_reader(file, box, checks)
 
@@ -170,7 +172,7 @@ def _compare_moving(
     """Compare at keys and between them; returns at how many times."""
     from pxr import Usd
 
-    from .usd_stage import codes_between, keyed_only, sample_codes
+    from .usd_stage import codes_between, codes_in_splines, keyed_only, sample_codes
 
     truth = reader.truth
     codes = sorted({*sample_codes(truth.stage), *skin_codes})
@@ -179,6 +181,10 @@ def _compare_moving(
     if len(codes) < 2 and not between:
         return 0
     keyed = keyed_only(truth.stage)
+    for inner, outermost in reader.outermost.items():
+        for key in outermost if inner in keyed.prims else ():
+            own = keyed.prims[inner]
+            keyed.prims[key] = keyed.prims.get(key, own) & own
     baked = {key: set(skin_codes) for key in comparer.skinned}  # UsdSkel bakes at these
     for code in sorted({*_spread(codes, _GEOMETRY_TIMES), *between}):
         at = f"at time code {code:g}"
@@ -190,7 +196,8 @@ def _compare_moving(
         comparer.cameras(moved, shown, at)
         comparer.lights(moved, shown, at)
     halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
-    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between})
+    curved = _spread(_within(codes_in_splines(truth.stage), frames), _MATRIX_TIMES)
+    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between, *curved})
     for code in chosen:
         seconds = (code - truth.time_origin) / truth.codes_per_second
         time, pose, at = Usd.TimeCode(code), output.poser.pose(seconds), f"at time code {code:g}"

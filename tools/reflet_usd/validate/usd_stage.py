@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
+_SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
 _MAX_CODE = 1e9
 """Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -35,7 +37,7 @@ class TruthStage:
 
     def world(self, matrix: Gf.Matrix4d) -> Array:
         """A USD local-to-world matrix as one to glTF's world in meters, scale included."""
-        result = np.array(matrix, dtype=np.float64) * 1.0
+        result = _without_w(matrix)
         result[:, :3] *= self.meters_per_unit
         if self.z_up:
             result[:, :3] = result[:, :3] @ _Z_UP_TO_Y_UP
@@ -43,7 +45,7 @@ class TruthStage:
 
     def node_world(self, matrix: Gf.Matrix4d) -> Array:
         """The same where lengths are already meters: only the translation is scaled."""
-        result = np.array(matrix, dtype=np.float64) * 1.0
+        result = _without_w(matrix)
         result[3, :3] *= self.meters_per_unit
         if self.z_up:
             result[:, :3] = result[:, :3] @ _Z_UP_TO_Y_UP
@@ -52,6 +54,15 @@ class TruthStage:
     def code_of(self, seconds: float) -> float:
         """The time code that is shown at `seconds` of the output."""
         return self.time_origin + seconds * self.codes_per_second
+
+
+def _without_w(matrix: Gf.Matrix4d) -> Array:
+    """The matrix with a constant w divided out; one with perspective stays as it is."""
+    result = np.array(matrix, dtype=np.float64)
+    w = float(result[3, 3])
+    if not result[:3, 3].any() and w not in (0.0, 1.0):
+        result /= w
+    return result
 
 
 def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
@@ -111,6 +122,21 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
         )
     )
     return np.linspace(low, high, count + 2)[1:-1].tolist() if low < high else []
+
+
+def codes_in_splines(stage: Usd.Stage) -> list[float]:
+    """Codes within the segments of every spline, at uneven places: curves may meet a line halfway.
+
+    Where splines have more segments than can be looked at, evenly chosen ones.
+    """
+    codes: set[float] = set()
+    for attribute in _placed_attributes(stage):
+        if attribute.HasSpline():
+            spline = attribute.GetSpline()
+            knots = [float(code) for code in spline.GetKnotsWithInnerLoopsBaked()]
+            for first, last in itertools.pairwise(sorted(knots)):
+                codes.update(first + (last - first) * share for share in _SPLINE_PROBES)
+    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
 
 
 @dataclasses.dataclass

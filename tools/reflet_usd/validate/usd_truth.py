@@ -26,6 +26,8 @@ class TruthReader:
         self.cages = cages
         """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
+        self.outermost: dict[str, set[str]] = {}
+        """Of the scene read last, as `StageWalk` has them."""
         self.skipped: dict[str, str] = {}
 
     def scene(self, time: Usd.TimeCode) -> Scene:
@@ -68,6 +70,7 @@ class TruthReader:
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
         self.instancers, self.skipped = walk.instancers, walk.skipped
+        self.outermost = walk.outermost
         scene.matrices = self.matrices(time)
         return scene
 
