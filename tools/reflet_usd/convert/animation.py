@@ -17,6 +17,7 @@ from reflet_usd.convert.keys import (
     sampled_keys,
 )
 from reflet_usd.convert.opchain import chain_of_ops
+from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.samples import (
     has_spline,
     seconds_of,
@@ -112,7 +113,9 @@ def _animate(
     def chain() -> Node | None:
         return chain_of_ops(context, node, xformable)
 
-    return animate_matrix(context, prim, node, evaluate, codes, chain)
+    above = xformable.ComputeParentToWorldTransform(context.time)
+    reach = reach_of(context, prim, above)
+    return animate_matrix(context, prim, node, evaluate, codes, reach, chain)
 
 
 def animate_matrix(
@@ -121,6 +124,7 @@ def animate_matrix(
     node: Node,
     evaluate: Evaluate,
     codes: list[float],
+    reach: Reach,
     chain: Callable[[], Node | None] = lambda: None,
 ) -> Node:
     """Let `node` follow the matrices of `evaluate`, keyed at `codes`; returns the outermost node.
@@ -129,19 +133,19 @@ def animate_matrix(
     """
     authored = len(codes)
     codes = with_jumps(evaluate, codes)
-    keys = exact_keys(evaluate, codes, OneNode(evaluate))
+    keys = exact_keys(evaluate, codes, OneNode(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
     outer = chain()
     if outer is not None:
         return outer
-    keys = exact_keys(evaluate, codes, TwoNodes(evaluate))
+    keys = exact_keys(evaluate, codes, TwoNodes(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
-    keys = sampled_keys(evaluate, codes)
+    keys = sampled_keys(evaluate, codes, reach)
     message = (
         f"{authored} keys became {len(keys.codes)} samples,"
-        f" at most {keys.deviation:.1e} of the transform's size away between them"
+        f" at most {keys.deviation:.1e} of the transform's or the scene's size away between them"
     )
     context.ledger.warn("animation-resampled", prim, message, keys.deviation)
     return _set_tracks(context, prim, node, keys)

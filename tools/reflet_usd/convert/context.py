@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.scene import Array
@@ -39,6 +39,8 @@ class Context:
     """First and last time code that the stage states, or that `--frames` keeps."""
     dome_radiance: list[float] | None = None
     """What all dome lights without a texture send from everywhere, RGB in nits."""
+    boxes: UsdGeom.BBoxCache | None = None
+    """Bounds of prims at `time`, made when the first transform needs them."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 

@@ -11,13 +11,14 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.animation import set_visibility
 from reflet_usd.convert.context import Context, authored, in_float32, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.instance_motion import InstanceMotion, Tracks
+from reflet_usd.convert.instance_motion import InstanceMotion
 from reflet_usd.convert.instancing import (
     add_gpu_instances,
     decompose_many,
     trs_matrices,
     unit_quaternions,
 )
+from reflet_usd.convert.raw_trs import RawTrs, Tracks
 from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import place
@@ -222,7 +223,7 @@ class Instancers:
         for path, rows in parts.items():
             everything[path] = np.zeros((count, rows.shape[1]))
             everything[path][instances.numbers] = rows
-        return InstanceMotion(self.context, prim, tracks, everything)
+        return InstanceMotion(self.context, prim, RawTrs(tracks, everything))
 
     def _tracks(self, prim: Usd.Prim, instances: Instances) -> Tracks:
         """Per path the key codes and (keys, instances, components); empty where frozen."""

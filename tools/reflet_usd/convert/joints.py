@@ -1,20 +1,18 @@
-"""The joints of one Skeleton as nodes: rest pose, keys, and USD's own matrices where they differ.
-
-UsdSkel turns quaternions into matrices without normalizing them, so one that is not of length 1
-also stretches: with `|q|² = 1 + e` the plane that it turns is scaled by about `1 - e (1 - cos θ)`.
-"""
+"""The joints of one Skeleton as nodes: rest pose, keys, USD's matrices where they stretch."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Gf, Usd, UsdSkel
+from pxr import Gf, Usd, UsdGeom, UsdSkel
 
 from reflet_usd.convert.animation import animate_matrix
 from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.instancing import unit_quaternions
+from reflet_usd.convert.raw_trs import Parts, RawTrs, Tracks
+from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.xform import align_hemispheres, assign, column_matrix, nearest_trs, place
 
@@ -46,9 +44,6 @@ class _Maker:
     query: UsdSkel.SkeletonQuery
     binds: list[Gf.Matrix4d]
 
-    def __post_init__(self) -> None:
-        self._matrices = _Matrices(self.context, self.query)
-
     def make(self) -> Joints:
         names = [str(name) for name in self.query.GetJointOrder()]
         nodes = [Node(name.rsplit("/", 1)[-1], extras={"joint": name}) for name in names]
@@ -66,7 +61,7 @@ class _Maker:
 
     def _posed(self, nodes: list[Node]) -> list[Node]:
         """The outermost node of each joint: a helper above it where its matrix shears."""
-        matrices = list(self._matrices.at_rest())
+        matrices = self._rest_pose()
         if len(matrices) != len(nodes):
             matrices = self._bind_pose()
         outer = []
@@ -81,6 +76,11 @@ class _Maker:
             message = f"{sheared} joints shear, carried exactly as two nested nodes each"
             self.context.ledger.warn("shear-split", self.prim, message)
         return outer
+
+    def _rest_pose(self) -> list[Array]:
+        """USD's local matrices at the conversion's time; empty where it has no pose."""
+        matrices = self.query.ComputeJointLocalTransforms(self.context.time)
+        return [column_matrix(matrix, self.context.meters_per_unit) for matrix in matrices]
 
     def _bind_pose(self) -> list[Array]:
         """Without rest transforms and animation the bind pose stands in."""
@@ -110,44 +110,55 @@ class _Maker:
             "rotation": animation.GetRotationsAttr(),
             "scale": animation.GetScalesAttr(),
         }
-        tracks = {}
-        codes: set[float] = set()
+        tracks: Tracks = {}
         for path, attribute in attributes.items():
             keys = self._keys(path, attribute, len(order))
             if keys is not None:
                 tracks[path] = keys
-                codes.update(keys[0])
-        stretched = self._stretched(animation, tracks, len(order))
+        if not tracks:
+            return
+        raw = RawTrs(tracks, self._parts())
+        codes, stretched = raw.codes(), raw.off_unit() > _STRETCH
         moved = [i for i, name in enumerate(names) if name in order and stretched[order[name]]]
         if moved and len(codes) * len(moved) > MAX_MATRIX_KEYS:
             self._normalize(moved, nodes, outer)
             moved = []
+        reach = Reach()
+        if moved:
+            above = UsdGeom.Imageable(self.prim).ComputeLocalToWorldTransform(self.context.time)
+            reach = reach_of(self.context, self.prim, above, own=False)
         for index, (name, node) in enumerate(zip(names, nodes, strict=True)):
-            if name not in order or not tracks:
+            if name not in order:
                 continue
             if index in moved:
-                evaluate = self._matrices.of(index)
-                outer[index] = animate_matrix(
-                    self.context, self.prim, node, evaluate, sorted(codes)
-                )
+                evaluate = functools.partial(raw.matrix, order[name])
+                outer[index] = animate_matrix(self.context, self.prim, node, evaluate, codes, reach)
             else:
                 self._add_tracks(node, tracks, order[name])
 
     def _normalize(self, chosen: list[int], nodes: list[Node], outer: list[Node]) -> None:
         message = "quaternions not of length 1 were normalized, there are too many to follow"
         self.context.ledger.warn("joint-rotation-normalized", self.prim, message)
-        matrices = self._matrices.at_rest()
+        matrices = self._rest_pose()
         for index in chosen:
             assign(nodes[index], nearest_trs(matrices[index]))
             outer[index] = nodes[index]
+
+    def _parts(self) -> Parts:
+        """What the animation says at the conversion's time, in its own order of joints."""
+        found = self.query.GetAnimQuery().ComputeJointLocalTransformComponents(self.context.time)
+        translations, rotations, scales = (np.array(values, dtype=np.float64) for values in found)
+        return {
+            "translation": translations.reshape(-1, 3) * self.context.meters_per_unit,
+            "rotation": rotations.reshape(-1, 4),
+            "scale": scales.reshape(-1, 3),
+        }
 
     def _usable(self) -> bool:
         """Whether USD itself takes matrices from the animation."""
         return bool(self.query.GetAnimQuery().ComputeJointLocalTransforms(self.context.time))
 
-    def _add_tracks(
-        self, node: Node, tracks: dict[str, tuple[list[float], Array]], place_in_animation: int
-    ) -> None:
+    def _add_tracks(self, node: Node, tracks: Tracks, place_in_animation: int) -> None:
         """Exact keys, each property with its own times."""
         for path, (codes, values) in tracks.items():
             rows = values[:, place_in_animation]
@@ -156,25 +167,6 @@ class _Maker:
             if not np.array_equal(rows, np.broadcast_to(rows[0], rows.shape)):
                 times = np.array([self.context.seconds(code) for code in codes])
                 node.add_track(path, times, rows)
-
-    def _stretched(
-        self,
-        animation: UsdSkel.Animation,
-        tracks: dict[str, tuple[list[float], Array]],
-        count: int,
-    ) -> Array:
-        """Which joints of the animation have quaternions that stretch."""
-        if "rotation" in tracks:
-            rows = tracks["rotation"][1]
-        else:
-            value = animation.GetRotationsAttr().Get(self.context.time)
-            rows = np.array([] if value is None else value, dtype=np.float64).reshape(1, -1, 4)
-            if rows.shape[1] != count:
-                return np.zeros(count, dtype=bool)
-        squared = (rows**2).sum(axis=-1)
-        # 1 − cos θ is twice the squared imaginary part of the unit quaternion.
-        turn = 2.0 * (rows[..., :3] ** 2).sum(axis=-1) / np.maximum(squared, 1e-300)
-        return (np.abs(squared - 1.0) * turn).max(axis=0) > _STRETCH
 
     def _keys(
         self, path: str, attribute: Usd.Attribute, count: int
@@ -198,30 +190,3 @@ class _Maker:
             self.context.ledger.warn("skeleton-animation-dropped", self.prim, message)
             return None
         return codes, np.array(keys)
-
-
-class _Matrices:
-    """USD's local matrices of all joints at any code, each code computed once."""
-
-    def __init__(self, context: Context, query: UsdSkel.SkeletonQuery) -> None:
-        self._context = context
-        self._query = query
-        self._known: dict[float, Array] = {}
-
-    def at_rest(self) -> Array:
-        """All joints at the conversion's time; empty where USD has no pose."""
-        return self._compute(self._context.time)
-
-    def of(self, joint: int) -> Callable[[float], Array]:
-        """The matrix of one joint as a function of the time code."""
-        return lambda code: self._at(code)[joint]
-
-    def _at(self, code: float) -> Array:
-        if code not in self._known:
-            self._known[code] = self._compute(Usd.TimeCode(code))
-        return self._known[code]
-
-    def _compute(self, time: Usd.TimeCode) -> Array:
-        matrices = self._query.ComputeJointLocalTransforms(time)
-        scale = self._context.meters_per_unit
-        return np.array([column_matrix(matrix, scale) for matrix in matrices])

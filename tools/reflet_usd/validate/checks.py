@@ -22,7 +22,12 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = ("*-animation-frozen", "*-animation-dropped")
+_FROZEN = (
+    "geometry-animation-frozen",
+    "instancer-animation-frozen",
+    "points-animation-frozen",
+    "skeleton-animation-dropped",
+)
 _BROKEN = (
     "curves-invalid",
     "index-out-of-range",

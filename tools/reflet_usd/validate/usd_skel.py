@@ -28,6 +28,7 @@ class JointTruth:
         self._truth = truth
         self._cache = UsdSkel.Cache()
         self._queries: dict[str, UsdSkel.SkeletonQuery] = {}
+        self._scale_keys: dict[str, list[float]] = {}
         prims = iter(_prims(truth.stage))
         for prim in prims:
             if prim.IsA(UsdGeom.PointInstancer):
@@ -38,12 +39,21 @@ class JointTruth:
                 query = self._cache.GetSkelQuery(UsdSkel.Skeleton(prim))
                 if query and len(query.GetJointOrder()):
                     self._queries[str(prim.GetPath())] = query
+                    self._scale_keys[str(prim.GetPath())] = _scale_keys(query)
 
     def matrices(self, time: Usd.TimeCode) -> dict[str, dict[str, Array]]:
-        """By skeleton and joint; skeletons that USD cannot pose are left out."""
+        """By skeleton and joint; skeletons that USD cannot pose are left out.
+
+        So are those with moving scales between these scales' keys: they are half floats, and USD
+        rounds what it interpolates to half floats.
+        """
         xforms = UsdGeom.XformCache(time)
         result: dict[str, dict[str, Array]] = {}
         for path, query in self._queries.items():
+            keys = self._scale_keys[path]
+            inside = keys and not time.IsEarliestTime() and keys[0] < time.GetValue() < keys[-1]
+            if inside and time.GetValue() not in keys:
+                continue
             world = xforms.GetLocalToWorldTransform(self._truth.stage.GetPrimAtPath(path))
             names = [str(name) for name in query.GetJointOrder()]
             poses = query.ComputeJointSkelTransforms(time)
@@ -52,6 +62,16 @@ class JointTruth:
                 for name, pose in zip(names, poses, strict=False)
             }
         return result
+
+
+def _scale_keys(query: UsdSkel.SkeletonQuery) -> list[float]:
+    animation = query.GetAnimQuery()
+    if not animation:
+        return []
+    attribute = UsdSkel.Animation(animation.GetPrim()).GetScalesAttr()
+    codes = list(attribute.GetTimeSamples())
+    still = all(attribute.Get(code) == attribute.Get(codes[0]) for code in codes)
+    return [] if still else codes
 
 
 def bake(stage: Usd.Stage) -> frozenset[str]:

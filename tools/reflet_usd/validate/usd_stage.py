@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -147,11 +147,22 @@ class KeyedOnly:
     """Instancers with moving orientations, which USD interpolates in half precision."""
     normals: dict[str, set[float]]
     """Meshes whose normals follow their points: glTF blends the normals themselves."""
+    subtrees: dict[str, set[float]]
+    """Prims with half-precision xformOps; all that is below them moves along."""
+
+    def between(self, code: float, keys: Iterable[str]) -> frozenset[str]:
+        """Which of the prims `keys` stand for are between keys at `code`."""
+        moving = [path for path, own in self.subtrees.items() if code not in own]
+        found = {prim for prim, own in self.prims.items() if code not in own}
+        for key in keys if moving else ():
+            if any(key == path or key.startswith(path + "/") for path in moving):
+                found.add(key)
+        return frozenset(found)
 
 
 def keyed_only(stage: Usd.Stage) -> KeyedOnly:
     """What must not be compared between its keys."""
-    result = KeyedOnly({}, {})
+    result = KeyedOnly({}, {}, {})
     moving = {
         "orientations": result.prims,
         "points": result.normals,
@@ -165,7 +176,15 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
             if attribute and attribute.ValueMightBeTimeVarying():
                 path = str(prim.GetPath())
                 found.setdefault(path, set()).update(attribute.GetTimeSamples())
+        for op in UsdGeom.Xformable(prim).GetOrderedXformOps() if _is_placed(prim) else ():
+            if op.GetPrecision() == UsdGeom.XformOp.PrecisionHalf and op.MightBeTimeVarying():
+                own = result.subtrees.setdefault(str(prim.GetPath()), set())
+                own.update(op.GetTimeSamples())
     return result
+
+
+def _is_placed(prim: Usd.Prim) -> bool:
+    return bool(prim.IsA(UsdGeom.Xformable))
 
 
 def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
