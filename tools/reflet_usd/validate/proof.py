@@ -40,6 +40,8 @@ class Proof:
     """Why a third-party reader could not read the file; empty when it could."""
     facts: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts and the world box of the output, as the third-party reader sees them."""
+    about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """Counts of what the stage holds, as usd-core sees it."""
     times: int = 0
     """At how many times, besides rest, the animation was compared."""
 
@@ -57,6 +59,7 @@ class Proof:
             "khronos": dataclasses.asdict(self.khronos) if self.khronos else None,
             "unreadable": self.unreadable,
             "facts": self.facts,
+            "stage": self.about_stage,
             "times": self.times,
             "checks": [check.to_json() for check in self.checks],
             "warnings": self.warnings,
@@ -131,7 +134,7 @@ def _compare(
     from pxr import Usd
 
     from .material_compare import compare_materials
-    from .usd_skel import JointTruth, bake, skin_times
+    from .usd_skel import JointTruth, bake, keyed_skeletons, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
@@ -140,6 +143,7 @@ def _compare(
     truth = open_truth(stage, settings)
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
+    proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
     skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))

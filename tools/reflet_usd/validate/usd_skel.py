@@ -74,6 +74,15 @@ def _scale_keys(query: UsdSkel.SkeletonQuery) -> list[float]:
     return [] if still else codes
 
 
+def keyed_skeletons(stage: Usd.Stage) -> int:
+    """How many SkelAnimation prims have two time samples or more of any attribute."""
+    return sum(
+        any(attribute.GetNumTimeSamples() > 1 for attribute in prim.GetAttributes())
+        for prim in _prims(stage)
+        if prim.IsA(UsdSkel.Animation)
+    )
+
+
 def bake(stage: Usd.Stage) -> frozenset[str]:
     """Replace skinning and blend shapes by points at all times; returns the changed prims.
 
