@@ -186,6 +186,7 @@ def test_everything_of_a_skeleton_is_accounted_for(tmp_path: Path) -> None:
 
 
 FLAT = "((0,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))"
+HUGE = "((1e200,0,0,0),(0,1e-100,0,0),(0,0,1e-100,0),(0,2,0,1))"
 DAMAGE = [
     ("[1,1, 1,2,", "[1,1, 9,2,", "joint-index-out-of-range"),
     ('["A/B/C", "A", "A/B"]', '["A/B/C", "Z", "A/B"]', "joint-index-out-of-range"),
@@ -199,6 +200,7 @@ DAMAGE = [
     ),
     ('"A/B", "A/B/C"]', '"A/B", "A/B/C", "D"]', "skeleton-invalid"),
     ("((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))", FLAT, "skeleton-invalid"),
+    ("((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,2,0,1))", HUGE, "skeleton-invalid"),
 ]
 
 

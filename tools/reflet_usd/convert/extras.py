@@ -14,6 +14,9 @@ from reflet_usd.convert.scene import Node
 # Read elsewhere, each by the rules of what it belongs to.
 _KNOWN = (
     "collection",
+    "extent",
+    "extentsHint",
+    "inbetweens",
     "info",
     "inputs",
     "light",

@@ -23,7 +23,7 @@ EXACT_DEPTH = 3
 SAMPLED_DEPTH = 12
 # Halving a step must shrink the deviation to this share, else more keys do not help.
 USEFUL_SHRINKAGE = 0.7
-MAX_SAMPLES = 20_000
+MAX_SAMPLES = 6_000
 # Where in a step the parts of the next instant are looked up.
 _AHEAD = 1e-3
 _PROBES = (0.25, 0.5, 0.75)

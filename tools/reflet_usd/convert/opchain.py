@@ -157,7 +157,7 @@ def _orienting_link(
         return None
     rotations = [quaternion(evaluate(code)[:3, :3]) for code in codes]
     # Between keys of half floats USD rounds to half floats, which glTF need not follow.
-    if op.GetPrecision() != _Op.PrecisionHalf:
+    if str(op.GetTypeName()) != "quath":
         keys = exact_keys(evaluate, codes, OneNode(evaluate), Reach())
         if keys is None:
             return None

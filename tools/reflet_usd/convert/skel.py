@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdSkel
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.geometry import GeometryBuilder
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.joints import Joints, make_joints
-from reflet_usd.convert.scene import Node, Skin
+from reflet_usd.convert.scene import Array, Node, Skin
 from reflet_usd.convert.skinning import Deformation
 from reflet_usd.convert.xform import column_matrix
 
@@ -129,8 +129,15 @@ class Skeletons:
             self.context.ledger.warn("skeleton-invalid", prim, message)
             return None
         matrices = np.array([np.array(matrix) for matrix in binds])
-        if not np.isfinite(matrices).all() or (np.abs(np.linalg.det(matrices)) < 1e-30).any():
+        if not np.isfinite(matrices).all() or not _invertible(matrices):
             message = "some bindTransforms cannot be inverted"
             self.context.ledger.warn("skeleton-invalid", prim, message)
             return None
         return make_joints(self.context, prim, query, list(binds))
+
+
+def _invertible(matrices: Array) -> bool:
+    """Whether all have an inverse that single precision can hold."""
+    if (np.abs(np.linalg.det(matrices)) < 1e-30).any():
+        return False
+    return bool(in_float32(np.linalg.inv(matrices)).all())

@@ -103,6 +103,7 @@ class Traversal:
     def _visit(self, prim: Usd.Prim, tree: Tree) -> bool:
         """Place one prim; False where its children are not walked."""
         self._visited += 1
+        self.context.visited = str(prim.GetPath())
         self._report_progress()
         if self._visited > MAX_PRIMS:
             message = f"the composed stage has more than {MAX_PRIMS} prims"

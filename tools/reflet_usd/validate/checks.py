@@ -61,6 +61,7 @@ _SHAPE = (
     *_BROKEN,
     "curves-approximated",
     "face-degenerate",
+    "time-sample-dropped",
     "velocities-dropped",
 )
 _PLACED = ("animation-resampled", "instance-rotation-normalized")
@@ -86,7 +87,7 @@ _MATERIAL = (
 )
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN)),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN, *_SKIN)),
     "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", (*_SHAPE, *_PLACED)),
     "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference", _SHAPE),
@@ -110,7 +111,7 @@ BARS: dict[str, Bar] = {
         "world matrices",
         1e-5,
         "relative",
-        ("transform-non-finite", "transform-projective", *_PLACED, *_FROZEN),
+        ("time-sample-dropped", "transform-non-finite", "transform-projective", *_PLACED, *_FROZEN),
     ),
     "joints": Bar("world matrices of joints", 1e-5, "relative", (*_SKIN, *_FROZEN)),
     "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
@@ -184,6 +185,8 @@ class Checks:
 
     def __init__(self, warnings: Iterable[dict[str, Any]]) -> None:
         self.checks = {name: Check(name, bar) for name, bar in BARS.items()}
+        self.related: dict[str, tuple[str, ...]] = {}
+        """By prim the other prims that it is made of: a skinned mesh's skeleton and animation."""
         self._warnings: dict[str, list[tuple[str, float]]] = {}
         for warning in warnings:
             reach = warning.get("deviation")
@@ -225,10 +228,17 @@ class Checks:
             check.worst, check.worst_prim = value, prim
 
     def excuse(self, prim: str, names: tuple[str, ...], value: float = 0.0) -> str | None:
-        """The warning on the prim, above or below it, that fits one of the patterns.
+        """The warning on the prim, one related, above or below it, that fits one of the patterns.
 
         One that states how far the file deviates excuses no more than that.
         """
+        for other in self.related.get(prim, ()):
+            declared = self._excuse(other, names, value)
+            if declared:
+                return declared
+        return self._excuse(prim, names, value)
+
+    def _excuse(self, prim: str, names: tuple[str, ...], value: float) -> str | None:
         for path, found in self._warnings.items():
             above = prim == path or prim.startswith(path + "/")
             if path == "/":

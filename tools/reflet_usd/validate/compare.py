@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -22,7 +23,7 @@ _ROUNDINGS = 4.0
 class SceneComparer:
     """Compares scenes at one or more times into one set of checks."""
 
-    def __init__(self, checks: Checks, truth: Scene, skinned: frozenset[str]) -> None:
+    def __init__(self, checks: Checks, truth: Scene, skinned: Collection[str]) -> None:
         self.checks = checks
         self.skinned = skinned
         low, high = _bounds(truth)

@@ -144,7 +144,7 @@ def _compare(
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
-    skinned = bake(truth.stage)
+    skinned = checks.related = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))
     frames = settings.get("frames")

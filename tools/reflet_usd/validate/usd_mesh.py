@@ -227,11 +227,14 @@ def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array
 
 
 def array_of(value: Any, dtype: type, width: int = 1) -> Any:
-    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing is authored."""
+    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing fits."""
     shape = (0,) if width == 1 else (0, width)
     if value is None:
         return np.zeros(shape, dtype)
-    array: Any = np.asarray(value, dtype=dtype)
+    try:
+        array: Any = np.asarray(value, dtype=dtype)
+    except (TypeError, ValueError):  # authored with another type
+        return np.zeros(shape, dtype)
     if array.ndim == 0 or (width > 1 and array.ndim == 1):
         array = array.reshape(1, -1) if width > 1 else array.reshape(1)
     return array if array.size else np.zeros(shape, dtype)

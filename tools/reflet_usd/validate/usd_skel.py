@@ -83,15 +83,17 @@ def keyed_skeletons(stage: Usd.Stage) -> int:
     )
 
 
-def bake(stage: Usd.Stage) -> frozenset[str]:
-    """Replace skinning and blend shapes by points at all times; returns the changed prims.
+def bake(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
+    """Replace skinning and blend shapes by points at all times.
+
+    Returns the changed prims with the paths of the skeleton and animation that move them.
 
     Writes into the stage's session layer only. Native instances that hold skeletons are made
     ordinary prims first, because baking cannot edit what is shared; their paths stay.
     """
     roots = [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]
     if not roots:
-        return frozenset()
+        return {}
     codes = skin_times(stage)
     interval = Gf.Interval(codes[0], codes[-1]) if codes else Gf.Interval.GetFullInterval()
     with Usd.EditContext(stage, stage.GetSessionLayer()):
@@ -121,18 +123,23 @@ def _split_instances(stage: Usd.Stage, path: object) -> None:
         prim = stage.GetPrimAtPath(path)
 
 
-def _skinned_prims(stage: Usd.Stage) -> frozenset[str]:
+def _skinned_prims(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
     cache = UsdSkel.Cache()
-    found = set()
+    found = {}
     for prim in _prims(stage):
         if prim.IsA(UsdSkel.Root):
             root = UsdSkel.Root(prim)
             cache.Populate(root, Usd.TraverseInstanceProxies())
             for binding in cache.ComputeSkelBindings(root, Usd.TraverseInstanceProxies()):
+                movers = [binding.GetSkeleton().GetPrim()]
+                query = cache.GetSkelQuery(binding.GetSkeleton())
+                if query and query.GetAnimQuery():
+                    movers.append(query.GetAnimQuery().GetPrim())
+                paths = tuple(str(prim.GetPath()) for prim in movers)
                 for target in binding.GetSkinningTargets():
                     if target.HasJointInfluences() or target.HasBlendShapes():
-                        found.add(str(target.GetPrim().GetPath()))
-    return frozenset(found)
+                        found[str(target.GetPrim().GetPath())] = paths
+    return found
 
 
 def _prims(stage: Usd.Stage) -> Usd.PrimRange:

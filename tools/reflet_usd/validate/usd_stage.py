@@ -15,6 +15,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 from .facts import Array, StageError
 
 _SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
+_HALF_TYPES = ("half", "half3", "quath")
 _MAX_CODE = 1e9
 """Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -177,7 +178,7 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
                 path = str(prim.GetPath())
                 found.setdefault(path, set()).update(attribute.GetTimeSamples())
         for op in UsdGeom.Xformable(prim).GetOrderedXformOps() if _is_placed(prim) else ():
-            if op.GetPrecision() == UsdGeom.XformOp.PrecisionHalf and op.MightBeTimeVarying():
+            if str(op.GetTypeName()) in _HALF_TYPES and op.MightBeTimeVarying():
                 own = result.subtrees.setdefault(str(prim.GetPath()), set())
                 own.update(op.GetTimeSamples())
     return result
