@@ -260,10 +260,11 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
         context.ledger.warn("velocities-dropped", prim, message)
     primvars = [name for name in animated if name.startswith("primvars:")]
     shape = [name for name in animated if name not in primvars]
-    for kind, names in (("geometry", shape), ("primvar", primvars)):
+    lost = {"geometry-animation-frozen": shape, "primvar-animation-frozen": primvars}
+    for warning, names in lost.items():
         if names:
             message = f"animated {', '.join(sorted(names))} stay at their first value"
-            context.ledger.warn(f"{kind}-animation-frozen", prim, message)
+            context.ledger.warn(warning, prim, message)
 
 
 def is_surface(prim: Usd.Prim) -> bool:
