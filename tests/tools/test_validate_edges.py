@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from convert_materials import stage, texture
 from convert_reading import Converted, convert_text
 from handmade import HandFile
 from PIL import Image
@@ -492,3 +493,24 @@ def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind:
     proof = proof_of(tmp_path, ORIENT.format(kind=kind))
     assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
     assert check_of(proof, "matrices").declared == 0
+
+
+@pytest.mark.parametrize("output", ["r", "g", "b", "a", "rgb"])
+def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: str) -> None:
+    random = np.random.default_rng(4)
+    pixels = random.integers(0, 255, (5, 7, 4), dtype=np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "t.png")
+    scaled_texture = texture("T", "t.png", "float4 inputs:scale = (0.5, 0.25, 1, 0.75)")
+    inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
+    proof = proof_of(tmp_path, stage(inputs, scaled_texture))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert "prim-damaged" not in {warning["name"] for warning in proof.warnings}
+    assert check_of(proof, "materials").compared > 0
+
+
+def test_weights_that_are_no_numbers_are_a_declared_loss(tmp_path: Path, stages: Path) -> None:
+    text = (stages / "skin.usda").read_text()
+    assert "0: [0]," in text
+    proof = proof_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "skinning").declared > 0

@@ -99,7 +99,10 @@ class Deformation:
             value = attribute.Get(time)
             values = [] if value is None else [float(weight) for weight in value]
             chosen = [values[c] if 0 <= c < len(values) else 0.0 for c in columns]
-            return [weight if np.isfinite(weight) else 0.0 for weight in chosen]
+            if not in_float32(np.array(chosen)).all():
+                message = "weights of blend shapes are not finite, taken as 0"
+                self.context.ledger.warn("points-non-finite", self.prim, message)
+            return [weight if in_float32(np.array(weight)) else 0.0 for weight in chosen]
 
         node.weights = weights(self.context.time)
         codes = self.context.codes_in_range(sorted(attribute.GetTimeSamples()))
