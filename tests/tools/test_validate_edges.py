@@ -514,3 +514,19 @@ def test_weights_that_are_no_numbers_are_a_declared_loss(tmp_path: Path, stages:
     proof = proof_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
     assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
     assert check_of(proof, "skinning").declared > 0
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_faces_that_repeat_a_point_keep_their_area(tmp_path: Path, side: str) -> None:
+    text = f"""
+def Mesh "M"
+{{
+    uniform token orientation = "{side}Handed"
+    int[] faceVertexCounts = [4, 5]
+    int[] faceVertexIndices = [0, 1, 2, 3, 0, 0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "area").compared == 1

@@ -38,6 +38,10 @@ class Corners:
     """Sum of the faces' area vectors: does not depend on the triangulation, turns with winding."""
     volume_range: tuple[float, float] = (0.0, 0.0)
     """Signed volume of the cones from `center` to the faces, cubic meters; turns with winding."""
+    optional_measures: tuple[float, Array, float] = dataclasses.field(
+        default_factory=lambda: (0.0, np.zeros(3), 0.0)
+    )
+    """Area, area vector and volume of the faces that may be dropped."""
     center: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
     """(3,) a point among the corners."""
     normals: Array | None = None
