@@ -67,6 +67,32 @@ def test_a_signal_ends_the_child_and_leaves_nothing(
     assert "Traceback" not in shown
 
 
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
+def test_a_signal_ends_the_stages_that_report_has_begun(tmp_path: Path, khronos: None) -> None:
+    folder, kept, table = tmp_path / "corpus", tmp_path / "kept", tmp_path / "table.md"
+    folder.mkdir()
+    slow_stage(folder)
+    command = [sys.executable, "-m", "reflet_usd", "report", str(folder), "-o", str(table)]
+    process = subprocess.Popen(
+        [*command, "--keep", str(kept)],
+        env={**os.environ, "PYTHONPATH": str(ROOT / "tools")},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while not (list(kept.glob(".reflet-usd-*/log.txt")) and children(process.pid)):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.02)
+    child = children(process.pid)[0]
+    process.send_signal(signal.SIGTERM)
+    _, shown = process.communicate(timeout=60)
+    assert process.returncode == 143
+    assert list(kept.iterdir()) == []  # a stage that had been waited for would be here
+    assert not table.exists()
+    assert not runs(child)
+    assert "Traceback" not in shown
+
+
 def test_the_handlers_of_the_caller_come_back(tmp_path: Path) -> None:
     before = signal.getsignal(signal.SIGTERM), signal.getsignal(signal.SIGINT)
     cli.main(["report", str(tmp_path)])

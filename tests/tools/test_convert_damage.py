@@ -45,13 +45,13 @@ def test_left_handed_gprims_turn_inside_out(tmp_path: Path, kind: str) -> None:
 
 
 def test_a_fourth_column_is_divided_or_named(tmp_path: Path) -> None:
-    for column, x in (("0", 1.0), (".5", 1.0)):
+    for column, names in (("0", set()), (".5", {"transform-projective"})):
         rows = f"(1,0,0,{column}), (0,1,0,0), (0,0,1,0), (2,0,0,2)"
         order = 'uniform token[] xformOpOrder = ["xformOp:transform"]'
         op = f"matrix4d xformOp:transform = ({rows})\n{order}"
         done = convert_text(tmp_path, CUBE.format(op))
-        assert done.warnings("/C") == {"transform-projective"}
-        assert done.world()[done.node("/C")][0, 3] == pytest.approx(x)
+        assert done.warnings("/C") == names
+        assert done.world()[done.node("/C")][0, 3] == pytest.approx(1.0)
 
 
 MATERIAL = """
@@ -118,6 +118,14 @@ def Mesh "M" {
     custom double userProperties:mass = 2.5
     custom string userProperties:maker:name = "us"
     custom asset userProperties:sheet = @a.txt@
+    custom opaque userProperties:what
+    custom float maker:size = 3
+    custom float maker:nan = nan
+    custom int[] maker:many = [0VERY]
+    custom quatf maker:turn = (1, 2, 3, 4)
+    custom timecode maker:when = 7
+    custom rel maker:friend = </M>
+    float maker:moving.timeSamples = { 0: 1, 5: 2 }
     int[] faceVertexCounts = [3]
     int[] faceVertexIndices = [0, 1, 2]
     point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]
@@ -125,10 +133,27 @@ def Mesh "M" {
     uniform token subdivisionScheme = "none"
 }
 """
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text.replace("VERY", ", 0" * 64))
     assert done.warnings("/M") == {"velocities-dropped", "attribute-dropped"}
+    (message,) = [w.message for w in done.result.warnings if w.name == "attribute-dropped"]
+    assert message == (
+        "'maker:many', 'maker:nan' are not carried;"
+        " 'maker:moving' is carried with the first value only"
+    )
     extras = done.gltf.nodes[done.node("/M")].extras
-    assert extras["userProperties"] == {"mass": 2.5, "maker:name": "us"}
+    assert extras["userProperties"] == {"mass": 2.5, "maker:name": "us", "sheet": "a.txt"}
+    assert extras["attributes"] == {
+        "maker:size": 3.0,
+        "maker:turn": [2.0, 3.0, 4.0, 1.0],
+        "maker:when": 7.0,
+        "maker:friend": ["/M"],
+        "maker:moving": 1.0,
+    }
+
+
+def test_custom_attributes_without_a_node_are_named(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, 'def Material "M" {\n    custom float foo = 1\n}\n')
+    assert done.warnings("/M") >= {"attribute-dropped"}
 
 
 def test_an_absurd_unit_is_named(tmp_path: Path) -> None:
@@ -178,3 +203,30 @@ def test_a_pipe_among_tiles_is_not_opened(tmp_path: Path) -> None:
 def test_a_root_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ConvertError, match="root-missing"):
         convert_text(tmp_path, CUBE.format(""), extra_roots=(tmp_path / "nowhere",))
+
+
+OVERFLOWS = [
+    ('def Cube "P" {\n    double size = 1e308\n}\n', "points-non-finite"),
+    ('def Sphere "P" {\n    double radius = 1e39\n}\n', "points-non-finite"),
+    ('def SphereLight "P" {\n    float inputs:radius = nan\n}\n', "light-invalid"),
+    ('def SphereLight "P" {\n    float inputs:exposure = 1e30\n}\n', "light-invalid"),
+    ('def RectLight "P" {\n    float inputs:exposure = 145\n}\n', "light-invalid"),
+    ('def DistantLight "P" {\n    float inputs:angle = nan\n}\n', "light-invalid"),
+]
+
+
+@pytest.mark.parametrize(("text", "name"), OVERFLOWS)
+def test_values_beyond_single_precision_are_named(tmp_path: Path, text: str, name: str) -> None:
+    assert name in convert_text(tmp_path, text).warnings("/P")
+
+
+def test_a_damaged_time_code_is_named_with_its_prim(tmp_path: Path) -> None:
+    text = """
+def Xform "X" {
+    double3 xformOp:translate.timeSamples = { -1e300: (9, 0, 0), 1: (1, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/X") == {"time-sample-dropped"}
+    assert done.world()[done.node("/X")][0, 3] == pytest.approx(1.0)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
 from pxr import Usd, UsdGeom
+from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
 
 QUAD = """
@@ -279,13 +280,46 @@ def test_instances_that_come_and_go_keep_moving(tmp_path: Path) -> None:
     assert shown == {nodes[1]: [0, 0, 1], nodes[2]: [1, 0, 1]}
 
 
-@pytest.mark.parametrize(
-    ("half", "names"), [("0.7071", {"instance-rotation-normalized"}), ("0.5", set())]
-)
-def test_moving_instances_name_normalized_rotations(
-    tmp_path: Path, half: str, names: set[str]
+TURNED = "quath[] orientations = [(1,0,0,0), (0.6, 0.6, 0.1, 0), (1,0,0,0)]"
+TURNING = """quath[] orientations.timeSamples = {
+        1: [(1,0,0,0), (0.6, 0.6, 0.1, 0), (1,0,0,0)],
+        11: [(1,0,0,0), (0.7, 0.6, 0.3, 0), (0.5,0,0.8,0)] }"""
+
+
+@pytest.mark.parametrize(("more", "codes"), [(TURNED, (1, 6, 11)), (TURNING, (1, 11))])
+def test_moving_instances_follow_quaternions_of_any_length(
+    tmp_path: Path, more: str, codes: tuple[float, ...]
 ) -> None:
-    turn = "(0.5, 0.5, 0.5, 0.5)" if half == "0.5" else f"({half}, {half}, 0, 0)"
-    more = f"quath[] orientations = [(1,0,0,0), {turn}, (1,0,0,0)]"
     done = convert_text(tmp_path, MOVING_INSTANCER.format(more=more))
-    assert done.warnings() == names
+    assert "instance-rotation-normalized" not in done.warnings()
+    stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
+    instancer = UsdGeom.PointInstancer(stage.GetPrimAtPath("/I"))
+    for code in codes:
+        world = done.world((code - 1) / 24)
+        found = [world[i] for i, n in enumerate(done.gltf.nodes) if n.mesh is not None]
+        for matrix in instancer.ComputeInstanceTransformsAtTime(code, code):
+            wanted = np.array(matrix).T
+            assert min(np.abs(wanted - other).max() for other in found) < 2e-6
+
+
+def test_too_many_turning_instances_state_the_deviation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(motion_module, "MAX_MATRIX_KEYS", 1)
+    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=TURNED))
+    (warning,) = done.result.warnings
+    assert warning.name == "instance-rotation-normalized"
+    q = np.array([0.6, 0.6, 0.1])
+    assert warning.deviation == pytest.approx(abs(1 - q @ q) * 2 * 0.37 / 0.73, rel=0.1)
+
+
+def test_many_sheared_instances_stay_exact(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(instancer_module, "MAX_INSTANCE_NODES", 1)
+    text = POINTS.replace("(1,0,0,0)", "(0.6,0.6,0.1,0)")
+    assert "EXT_mesh_gpu_instancing" not in convert_text(tmp_path, text).json.get(
+        "extensionsUsed", []
+    )
+    monkeypatch.setattr(instancer_module, "MAX_SHEARED_NODES", 1)
+    done = convert_text(tmp_path, text)
+    assert "EXT_mesh_gpu_instancing" in done.json["extensionsUsed"]
+    assert "instance-rotation-normalized" in done.warnings("/I")

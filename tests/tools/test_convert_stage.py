@@ -237,7 +237,7 @@ def test_deep_nesting_needs_no_recursion(tmp_path: Path) -> None:
             'def Cube "C" {\ndouble3 xformOp:translate.timeSamples = '
             "{ 1: (0,0,0), 1e308: (1,0,0), 9: (2,0,0) }\n"
             'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n',
-            "/",
+            "/C",
             "time-sample-dropped",
         ),
         (

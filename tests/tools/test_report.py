@@ -90,6 +90,21 @@ def test_what_is_expected_of_us_is_what_is_expected_of_rivals() -> None:
     assert (score.materials, score.cameras, score.animated) == ((2, 3), (2, 2), (5, 1))
 
 
+def test_skeletons_count_where_they_have_keys(tmp_path: Path, stages: Path) -> None:
+    rows = []
+    still = 'def SkelAnimation "A" {\n    float3[] translations = [(0, 0, 0)]\n}\n'
+    (tmp_path / "still.usda").write_text(f"#usda 1.0\n{still}")
+    for stage in (stages / "skin.usda", tmp_path / "still.usda"):
+        convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
+        proof = prove(tmp_path / "out.glb", stage, khronos=False)
+        rows.append(Row(Root(stage.name, True, None, {}), True, proof=proof.to_json()))
+    like = Score(True, 0, "-", (0, 0), 0, (0, 0), (0, 0), (0, 0))
+    peers = {"Rival": {row.root.file: like for row in rows}}
+    assert "| skeleton animation present, of those with keys | 1/1 | 0/1 |" in format_markdown(
+        rows, peers, "0"
+    )
+
+
 def test_without_an_index_every_stage_is_a_root(tmp_path: Path, stages: Path) -> None:
     names = [root.file for root in read_roots(stages)]
     assert names == sorted(str(path.relative_to(stages)) for path in stages.rglob("*.usd?"))

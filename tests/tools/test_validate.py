@@ -315,6 +315,10 @@ def test_command_prints_json_and_exit_codes(
     assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
     assert "FAILED" in capsys.readouterr().out
     assert cli.main(["validate", str(tmp_path / "none.glb")]) == 2
+    broken = tmp_path / "broken.usda"
+    broken.write_text("#usda 1.0\ndef Cube {")
+    assert cli.main(["validate", out, "--against", str(broken), "--no-khronos"]) == 1
+    assert "[stage-unreadable]" in capsys.readouterr().err
     Path(out).write_bytes(b"glTF\2\0\0\0\xff\xff\xff\x7f")
     assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
 

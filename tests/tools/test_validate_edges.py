@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from convert_materials import stage, texture
 from convert_reading import Converted, convert_text
 from handmade import HandFile
 from PIL import Image
 from reflet_usd import cli
 from reflet_usd.validate import proof as proof_module
-from reflet_usd.validate.checks import Check
+from reflet_usd.validate.checks import Check, Checks
 from reflet_usd.validate.proof import Proof, prove
 
 QUAD = """
@@ -395,3 +396,137 @@ class Xform "Source"
     assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
     assert check_of(proof, "normals").compared >= 2
     assert check_of(proof, "positions").compared > check_of(proof, "normals").compared
+
+
+PLANES = [
+    'double width = -3\n    token axis = "X"',
+    'double width = -3\n    token axis = "Y"',
+    'double length = -3\n    token axis = "Z"',
+    'double width = -1\n    double length = -3\n    token axis = "Y"',
+]
+
+
+@pytest.mark.parametrize("plane", PLANES)
+def test_planes_of_negative_size_turn_over(tmp_path: Path, plane: str) -> None:
+    proof = proof_of(tmp_path, f'def Plane "P"\n{{\n    {plane}\n}}\n')
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+
+
+PROJECTIVE = """
+def {kind} "P"
+{{
+    matrix4d xformOp:transform = ((1,0,0,{column}), (0,1,0,0), (0,0,1,0), (0,3,0,2))
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+}}
+def Cube "Unit"
+{{
+}}
+"""
+
+
+@pytest.mark.parametrize("kind", ["Cube", "Sphere"])
+@pytest.mark.parametrize("column", ["0", "0.25"])
+def test_points_are_divided_by_w(tmp_path: Path, kind: str, column: str) -> None:
+    proof = proof_of(tmp_path, PROJECTIVE.format(kind=kind, column=column))
+    assert proof.passed
+    declared = sum(check.declared for check in proof.checks)
+    assert (declared > 0) == (column != "0")
+
+
+def test_hidden_nodes_count_for_the_second_reader(tmp_path: Path) -> None:
+    hidden = 'token visibility.timeSamples = { 1: "invisible", 9: "inherited" }'
+    move = "double3 xformOp:translate = (9, 0, 0)"
+    order = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
+    cube = f'def Cube "C"\n{{\n    {hidden}\n    {move}\n    {order}\n}}\n'
+    proof = proof_of(tmp_path, cube + 'def Cube "Unit"\n{\n}\n')
+    assert proof.passed
+    assert check_of(proof, "reader").compared == 1
+
+
+def test_a_resampled_animation_excuses_what_it_states_and_no_more(tmp_path: Path) -> None:
+    warning = {"name": "animation-resampled", "prim": "/C", "message": "", "deviation": 1e-4}
+    for value, silent in ((3e-4, 0), (5e-4, 1)):
+        checks = Checks([warning])
+        checks.add("positions", "/C", value)
+        checks.add("matrices", "/C/child", value)
+        assert [checks.checks[name].silent for name in ("positions", "matrices")] == [silent] * 2
+    checks.add("triangles", "/C", 1)
+    assert checks.checks["triangles"].silent == 1
+
+
+def test_a_skeletons_warning_excuses_the_mesh_that_it_moves() -> None:
+    checks = Checks([{"name": "joint-rotation-normalized", "prim": "/Skel", "message": ""}])
+    checks.add("skinning", "/Mesh", 1.0)
+    checks.related = {"/Mesh": ("/Skel",)}
+    checks.add("skinning", "/Mesh", 1.0)
+    assert (checks.checks["skinning"].silent, checks.checks["skinning"].declared) == (1, 1)
+
+
+FAST = """
+def Cube "C"
+{
+    double xformOp:translateX.spline = { 1: 0; post curve (5, 40), 20: 900; pre (5, -30), }
+    uniform token[] xformOpOrder = ["xformOp:translateX"]
+}
+"""
+
+
+def test_curved_paths_stay_close_in_the_scenes_measure(tmp_path: Path) -> None:
+    pytest.importorskip("pxr.Ts")
+    proof = proof_of(tmp_path, FAST)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+
+
+ORIENT = """
+def Cube "C"
+{{
+    {kind} xformOp:orient.timeSamples = {{ 1: (1, 0, 0, 0), 9: (0.7, 0.7, 0.1, 0) }}
+    double3 xformOp:scale.timeSamples = {{ 1: (1, 1, 1), 12: (3, 1, 2) }}
+    double3 xformOp:rotateXYZ.timeSamples = {{ 1: (0, 0, 0), 12: (30, 100, 200) }}
+    uniform token[] xformOpOrder = ["xformOp:orient", "xformOp:rotateXYZ", "xformOp:scale"]
+}}
+"""
+
+
+@pytest.mark.parametrize("kind", ["quath", "quatf", "quatd"])
+def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind: str) -> None:
+    proof = proof_of(tmp_path, ORIENT.format(kind=kind))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "matrices").declared == 0
+
+
+@pytest.mark.parametrize("output", ["r", "g", "b", "a", "rgb"])
+def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: str) -> None:
+    random = np.random.default_rng(4)
+    pixels = random.integers(0, 255, (5, 7, 4), dtype=np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "t.png")
+    scaled_texture = texture("T", "t.png", "float4 inputs:scale = (0.5, 0.25, 1, 0.75)")
+    inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
+    proof = proof_of(tmp_path, stage(inputs, scaled_texture))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert "prim-damaged" not in {warning["name"] for warning in proof.warnings}
+    assert check_of(proof, "materials").compared > 0
+
+
+def test_weights_that_are_no_numbers_are_a_declared_loss(tmp_path: Path, stages: Path) -> None:
+    text = (stages / "skin.usda").read_text()
+    assert "0: [0]," in text
+    proof = proof_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "skinning").declared > 0
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_faces_that_repeat_a_point_keep_their_area(tmp_path: Path, side: str) -> None:
+    text = f"""
+def Mesh "M"
+{{
+    uniform token orientation = "{side}Handed"
+    int[] faceVertexCounts = [4, 5]
+    int[] faceVertexIndices = [0, 1, 2, 3, 0, 0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+}}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert check_of(proof, "area").compared == 1

@@ -1,7 +1,6 @@
 """The command line `reflet-usd`: one subcommand per module, exit codes, nothing else.
 
-Exit codes: 0 done, 1 the work failed with a named reason, 2 wrong usage, 130 and 143 stopped by
-SIGINT and SIGTERM.
+Exit codes are the same for all of them, see `EXIT_CODES`.
 """
 
 from __future__ import annotations
@@ -26,15 +25,35 @@ COMMANDS: tuple[tuple[str, str, str], ...] = (
 )
 
 
+EXIT_CODES = """exit codes:
+  0    done; for validate and report: and everything is as it should be
+  1    the work could not be done, for the reason named in brackets
+  2    wrong usage
+  3    validate: the file is invalid, or deviates in a way that no warning declares;
+       report: some stage is not as it should be
+  130  stopped by SIGINT
+  143  stopped by SIGTERM
+"""
+
+
 def build_parser(selected: str | None) -> argparse.ArgumentParser:
     """The whole parser; only `selected`'s module is imported (USD takes long to load)."""
     parser = argparse.ArgumentParser(
-        prog="reflet-usd", description="USD stages to glTF 2.0, with proof that nothing got lost."
+        prog="reflet-usd",
+        description="USD stages to glTF 2.0, with proof that nothing got lost.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"reflet-usd {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, module, text in COMMANDS:
-        subparser = subparsers.add_parser(name, help=text, description=text)
+        subparser = subparsers.add_parser(
+            name,
+            help=text,
+            description=text,
+            epilog=EXIT_CODES,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
         if name == selected:
             importlib.import_module(module).add_arguments(subparser)
     return parser

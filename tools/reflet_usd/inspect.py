@@ -140,7 +140,7 @@ def _trial(
         result = convert_stage(stage_path, out, ConvertOptions(**options))
     except ConvertError as error:
         return [], str(error)
-    return [dataclasses.asdict(warning) for warning in result.warnings], ""
+    return [warning.to_json() for warning in result.warnings], ""
 
 
 def _format(stage: Path, summary: dict[str, Any]) -> str:

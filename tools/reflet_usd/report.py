@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from reflet_usd import __version__
+from reflet_usd.children import Children
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.peers import Root, read_peers, read_roots
 from reflet_usd.report_table import format_markdown
@@ -36,7 +37,7 @@ class Row:
     message: str = ""
     proof: dict[str, Any] = dataclasses.field(default_factory=dict)
     """The JSON of `reflet-usd validate`."""
-    warnings: list[dict[str, str]] = dataclasses.field(default_factory=list)
+    warnings: list[dict[str, Any]] = dataclasses.field(default_factory=list)
     convert_s: float = 0.0
 
     @property
@@ -118,12 +119,12 @@ def run(args: argparse.Namespace) -> int:
         rows = convert_all(args.folder, roots, place, args.jobs, Limits(wall_s=args.wall_s))
     text = format_markdown(rows, peers, __version__)
     if args.output:
-        args.output.write_text(text, encoding="utf-8")
+        _write(args.output, text)
     else:
         print(text)
     if args.json:
         details = json.dumps([row.to_json() for row in rows], indent=1)
-        args.json.write_text(details, encoding="utf-8")
+        _write(args.json, details)
     passed = sum(row.passed for row in rows)
     print(f"{passed} of {len(rows)} stages as they should be", file=sys.stderr)
     return 0 if passed == len(rows) else 3
@@ -140,20 +141,37 @@ def _unwritable(place: Path) -> str:
     return ""
 
 
+def _write(place: Path, text: str) -> None:
+    """All of the file or nothing of it."""
+    with tempfile.NamedTemporaryFile(
+        "w", encoding="utf-8", dir=place.absolute().parent, prefix=".reflet-usd-", delete=False
+    ) as staged:
+        try:
+            staged.write(text)
+            staged.flush()
+            os.chmod(staged.name, 0o644)
+            os.replace(staged.name, place)
+        except BaseException:
+            os.unlink(staged.name)
+            raise
+
+
 def convert_all(
     folder: Path, roots: list[Root], place: Path, jobs: int, limits: Limits
 ) -> list[Row]:
     """Convert and check every root, `jobs` at a time, each in its own processes."""
+    children = Children()
     with concurrent.futures.ThreadPoolExecutor(max(jobs, 1)) as pool:
-        work = [pool.submit(_one, folder, root, place, limits) for root in roots]
+        work = [pool.submit(_one, folder, root, place, limits, children) for root in roots]
         rows = []
         try:
             for number, item in enumerate(work, 1):
                 rows.append(item.result())
                 if sys.stderr.isatty():
                     print(f"\r{number}/{len(work)}", end="", file=sys.stderr, flush=True)
-        except BaseException:  # a signal: only those that have begun are waited for
+        except BaseException:  # a signal: what has begun is ended, so that its threads are
             pool.shutdown(wait=False, cancel_futures=True)
+            children.stop()
             raise
     _run_khronos([row for row in rows if row.proof], place)
     return rows
@@ -170,44 +188,48 @@ def _out(root: Root, place: Path) -> Path:
     return place / (re.sub(r"[^A-Za-z0-9.]+", "_", root.file) + ".glb")
 
 
-def _one(folder: Path, root: Root, place: Path, limits: Limits) -> Row:
+def _one(folder: Path, root: Root, place: Path, limits: Limits, children: Children) -> Row:
     stage = folder / root.file
     out = _out(root, place)
     # Stages of a corpus borrow layers and textures from each other's folders.
     options = ConvertOptions(extra_roots=(folder,))
     start = time.monotonic()
     try:
-        result = run_convert(stage, out, options, limits=limits)
+        result = run_convert(stage, out, options, limits=limits, children=children)
     except ConvertError as error:
         row = Row(root, False, error.name, _without(str(error), folder))
         row.convert_s = time.monotonic() - start
         return row
     row = Row(root, True, convert_s=time.monotonic() - start)
-    row.warnings = [dataclasses.asdict(warning) for warning in result.warnings]
-    _check(row, out, stage, folder)
+    row.warnings = [warning.to_json() for warning in result.warnings]
+    _check(row, out, stage, folder, children)
     return row
 
 
-def _check(row: Row, out: Path, stage: Path, folder: Path) -> None:
+def _check(row: Row, out: Path, stage: Path, folder: Path, children: Children) -> None:
     """Validate in a process of its own, for usd-core may end the one that reads a stage."""
     command = [sys.executable, "-m", "reflet_usd", "validate", str(out), "--json", "--no-khronos"]
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
+    with children.started(
+        [*command, "--against", str(stage)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+    ) as child:
+        try:
+            printed, said = (
+                text.decode("utf-8", "replace") for text in child.communicate(timeout=_VALIDATE_S)
+            )
+        except subprocess.TimeoutExpired:
+            row.reason, row.message = "validate-time", f"the check took over {_VALIDATE_S:g} s"
+            return
     try:
-        done = subprocess.run(
-            [*command, "--against", str(stage)],
-            capture_output=True,
-            text=True,
-            timeout=_VALIDATE_S,
-            check=False,
-            env=environment,
-        )
-        row.proof = json.loads(done.stdout)
-    except subprocess.TimeoutExpired:
-        row.reason, row.message = "validate-time", f"the check took over {_VALIDATE_S:g} s"
+        row.proof = json.loads(printed)
     except ValueError:
-        last = done.stderr.strip().splitlines()[-1:]
-        row.reason = "validate-internal"
-        row.message = _without(" ".join(last) or f"exit code {done.returncode}", folder)
+        last = " ".join(said.strip().splitlines()[-1:])
+        named = re.search(r"\[([a-z-]+)\]$", last)
+        row.reason = named.group(1) if named else "validate-internal"
+        row.message = _without(last or f"exit code {child.returncode}", folder)
 
 
 def _without(text: str, folder: Path) -> str:

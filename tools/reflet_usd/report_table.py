@@ -5,7 +5,7 @@ from __future__ import annotations
 import collections
 from typing import TYPE_CHECKING, Any
 
-from reflet_usd.peers import Score, failed_score, score_output, summary_rows
+from reflet_usd.peers import KEYED_SKELETONS, Score, failed_score, score_output, summary_rows
 
 if TYPE_CHECKING:
     from reflet_usd.report import Row
@@ -24,6 +24,8 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
     like = next(iter(peers.values()), {})
     ours = {}
     for row in rows:
+        keyed = row.proof.get("stage", {}).get("keyed_skeletons", 0)
+        row.root.features[KEYED_SKELETONS] = keyed
         example = like.get(row.root.file)
         if row.converted:
             facts = row.proof.get("facts", {})

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from . import convert
+from .children import Children, end
 from .usdz_check import PackageError, check_package
 
 _CONVERT_TARGET = "reflet_usd.convert:convert_stage"
@@ -51,11 +52,13 @@ def run_convert(
     *,
     limits: Limits | None = None,
     target: str = _CONVERT_TARGET,
+    children: Children | None = None,
 ) -> convert.ConvertResult:
     """Convert `stage` to `out` in a confined child process; moves the files only on success.
 
     `options` is a ConvertOptions; its `extra_roots` are folders besides the stage's own that
-    may be read. `target` names the function the child calls ("module:function").
+    may be read. `target` names the function the child calls ("module:function"); `children`
+    knows the child while it runs, for those who must be able to end it.
     Raises ConvertError with a name for each way to fail: `stage-missing`, `usdz-*`,
     `memory-limit`, `cpu-limit`, `time-limit`, `output-limit`, `usd-crash`,
     `converter-internal`, and whatever the converter itself names.
@@ -63,7 +66,13 @@ def run_convert(
     options = options if options is not None else convert.ConvertOptions()
     out = _checked_output(Path(out))
     with run_confined(
-        stage, options, folder=out.parent, name=out.name, limits=limits, target=target
+        stage,
+        options,
+        folder=out.parent,
+        name=out.name,
+        limits=limits,
+        target=target,
+        children=children,
     ) as (
         result,
         produced,
@@ -81,6 +90,7 @@ def run_confined(
     folder: Path | None = None,
     name: str = "out.glb",
     limits: Limits | None = None,
+    children: Children | None = None,
 ) -> Iterator[tuple[dict[str, Any], Path]]:
     """Call `target(stage, out, options)` in a confined child; yields what it returned, and where.
 
@@ -94,7 +104,7 @@ def run_confined(
     try:
         (staging / "out").mkdir()
         job = _job(stage, staging / "out" / name, options, staging, limits, target)
-        exit_code, stopped_by = _run_child(job, staging, limits)
+        exit_code, stopped_by = _run_child(job, staging, limits, children or Children())
         outcome = _read_outcome(staging, exit_code, stopped_by, stage, limits)
         result = _result(outcome)
         for notice in outcome.get("notices", []):
@@ -163,29 +173,29 @@ def _job(
     }
 
 
-def _run_child(job: dict[str, Any], staging: Path, limits: Limits) -> tuple[int, str | None]:
+def _run_child(
+    job: dict[str, Any], staging: Path, limits: Limits, children: Children
+) -> tuple[int, str | None]:
     """Run the child to its end; returns its exit code and the limit that stopped it, if any."""
     command = [sys.executable, "-I", str(Path(__file__).with_name("sandbox_child.py"))]
-    with (staging / "log.txt").open("wb") as log:
-        child = subprocess.Popen(
+    with (
+        (staging / "log.txt").open("wb") as log,
+        children.started(
             command,
             stdin=subprocess.PIPE,
             stdout=_progress_stream(),
             stderr=log,
             cwd=staging,
             env=_environment(staging),
-            start_new_session=True,
-        )
+        ) as child,
+    ):
+        assert child.stdin is not None
         try:
-            assert child.stdin is not None
-            try:
-                child.stdin.write(json.dumps(job, default=str).encode())
-                child.stdin.close()
-            except BrokenPipeError:
-                pass  # it ended early; its exit code and log say why
-            return _watch(child, staging, limits)
-        finally:
-            _kill(child)
+            child.stdin.write(json.dumps(job, default=str).encode())
+            child.stdin.close()
+        except BrokenPipeError:
+            pass  # it ended early; its exit code and log say why
+        return _watch(child, staging, limits)
 
 
 def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tuple[int, str | None]:
@@ -196,19 +206,11 @@ def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tup
         except subprocess.TimeoutExpired:
             pass
         if time.monotonic() > deadline:
-            _kill(child)
+            end(child)
             return child.wait(), "time-limit"
         if _tree_bytes(staging) > limits.output_bytes:
-            _kill(child)
+            end(child)
             return child.wait(), "output-limit"
-
-
-def _kill(child: subprocess.Popen[bytes]) -> None:
-    """End the child and whatever it started (its own session, so its own process group)."""
-    if child.poll() is None:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(child.pid, signal.SIGKILL)
-        child.wait()
 
 
 def _environment(staging: Path) -> dict[str, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
@@ -10,12 +12,12 @@ from reflet_usd.convert.keys import (
     Evaluate,
     Keys,
     OneNode,
-    Pose,
     TwoNodes,
     exact_keys,
     sampled_keys,
 )
 from reflet_usd.convert.opchain import chain_of_ops
+from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.samples import (
     has_spline,
     seconds_of,
@@ -29,9 +31,7 @@ from reflet_usd.convert.xform import (
     align_hemispheres,
     assign,
     column_matrix,
-    decompose,
     place,
-    split_shear,
 )
 
 # How far products of float64 matrices leave the fourth column of an affine one.
@@ -94,12 +94,13 @@ def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
 def _make_affine(context: Context, prim: Usd.Prim, columns: Array) -> None:
     """USD divides points by w, a glTF node cannot where w differs from point to point."""
     w = columns[3, 3]
-    message = f"the matrix has the fourth column {tuple(columns[3].tolist())}"
+    perspective = bool(columns[3, :3].any())
     if np.isfinite(w) and w != 0.0:
         columns[:3] /= w
-        message += ", divided by its last entry" if not columns[3, :3].any() else ""
-    if columns[3, :3].any():
-        message += ", its perspective is left out"
+        if not perspective:
+            return
+    message = f"the matrix has the fourth column {tuple(columns[3].tolist())}"
+    message += ", its perspective is left out" if perspective else ", by which nothing divides"
     context.ledger.warn("transform-projective", prim, message)
 
 
@@ -109,57 +110,62 @@ def _animate(
     def evaluate(code: float) -> Array:
         return _finite(context, prim, xformable.GetLocalTransformation(Usd.TimeCode(code)))
 
-    if context.held and not _splines(xformable):
-        return _hold(context, prim, node, evaluate, codes)
+    def chain() -> Node | None:
+        return chain_of_ops(context, node, xformable)
+
+    above = xformable.ComputeParentToWorldTransform(context.time)
+    reach = reach_of(context, prim, above)
+    return animate_matrix(context, prim, node, evaluate, codes, reach, chain)
+
+
+def animate_matrix(
+    context: Context,
+    prim: Usd.Prim,
+    node: Node,
+    evaluate: Evaluate,
+    codes: list[float],
+    reach: Reach,
+    chain: Callable[[], Node | None] = lambda: None,
+) -> Node:
+    """Let `node` follow the matrices of `evaluate`, keyed at `codes`; returns the outermost node.
+
+    `chain` may give exact nodes where no single one is exact.
+    """
     authored = len(codes)
     codes = with_jumps(evaluate, codes)
-    keys = exact_keys(evaluate, codes, OneNode(evaluate))
+    keys = exact_keys(evaluate, codes, OneNode(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
-    outer = chain_of_ops(context, node, xformable)
+    outer = chain()
     if outer is not None:
         return outer
-    keys = exact_keys(evaluate, codes, TwoNodes(evaluate))
+    keys = exact_keys(evaluate, codes, TwoNodes(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
-    keys = sampled_keys(evaluate, codes)
+    keys = sampled_keys(evaluate, codes, reach)
     message = (
         f"{authored} keys became {len(keys.codes)} samples,"
-        f" at most {keys.deviation:.1e} of the transform's size away between them"
+        f" at most {keys.deviation:.1e} of the transform's or the scene's size away between them"
     )
-    context.ledger.warn("animation-resampled", prim, message)
+    context.ledger.warn("animation-resampled", prim, message, keys.deviation)
     return _set_tracks(context, prim, node, keys)
 
 
-def _hold(
-    context: Context, prim: Usd.Prim, node: Node, evaluate: Evaluate, codes: list[float]
-) -> Node:
-    """Keys that stay until the next one: any matrix is exact."""
-    matrices = [evaluate(code) for code in codes]
-    parts = [decompose(matrix) for matrix in matrices]
-    poses: list[Pose] = [(trs,) for trs in parts if trs is not None]
-    if len(poses) < len(codes):
-        poses = [split_shear(matrix) for matrix in matrices]
-    return _set_tracks(context, prim, node, Keys(codes, poses), step=True)
-
-
-def _set_tracks(
-    context: Context, prim: Usd.Prim, node: Node, keys: Keys, step: bool = False
-) -> Node:
+def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Node:
     """Animate the node, and a helper above it where there are two; returns the outer one."""
     times = seconds_of(context, keys.codes)
     if len(keys.poses[0]) == 1:
-        _set_node_tracks(node, times, [pose[0] for pose in keys.poses], step)
+        _set_node_tracks(node, times, [pose[0] for pose in keys.poses])
         return node
     context.ledger.warn("shear-split", prim, "the matrix shears, carried as two nested nodes")
     helper = Node(f"{node.name}_shear")
-    _set_node_tracks(helper, times, [pose[0] for pose in keys.poses], step)
-    _set_node_tracks(node, times, [pose[1] for pose in keys.poses], step)
+    _set_node_tracks(helper, times, [pose[0] for pose in keys.poses])
+    _set_node_tracks(node, times, [pose[1] for pose in keys.poses])
     helper.add(node)
     return helper
 
 
-def _set_node_tracks(node: Node, times: Array, parts: list[Trs], step: bool) -> None:
+def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:
     assign(node, parts[0])
     rotations = align_hemispheres(np.array([part.rotation for part in parts]))
     channels = {
@@ -169,7 +175,7 @@ def _set_node_tracks(node: Node, times: Array, parts: list[Trs], step: bool) -> 
     }
     for path, values in channels.items():
         if not np.array_equal(values, np.broadcast_to(values[0], values.shape)):
-            node.add_track(path, times, values, step)
+            node.add_track(path, times, values)
 
 
 def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:

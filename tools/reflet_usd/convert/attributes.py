@@ -10,8 +10,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context, source_path
+from reflet_usd.convert.extras import plain_value
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
-from reflet_usd.convert.scene import Node
 from reflet_usd.convert.surface import Stream, Surface
 
 # The last one is how files of early USD versions name float2[].
@@ -120,37 +120,6 @@ def _keep_constant(
         return
     message = f"primvar '{name}' of type {primvar.GetTypeName()} has no glTF counterpart"
     context.ledger.warn("primvar-dropped", prim, message)
-
-
-def plain_value(value: Any, limit: int = 64) -> Any:
-    """`value` as JSON data, or None where it is not plain or longer than `limit`."""
-    if isinstance(value, (bool, int, str)):
-        return value
-    if isinstance(value, float):
-        return value if np.isfinite(value) else None
-    try:
-        array = np.array(value)
-    except (TypeError, ValueError):
-        return None
-    if array.dtype.kind in "biuf" and array.size <= limit and np.isfinite(array).all():
-        return array.tolist()
-    if array.dtype.kind in "US" and array.size <= limit:
-        return [str(entry) for entry in array.ravel()]
-    return None
-
-
-def keep_custom_attributes(context: Context, prim: Usd.Prim, node: Node) -> None:
-    """`userProperties:*` to the node's extras; what JSON cannot hold is a warning."""
-    for attribute in prim.GetAuthoredPropertiesInNamespace("userProperties"):
-        if not isinstance(attribute, Usd.Attribute) or not attribute.HasAuthoredValue():
-            continue
-        plain = plain_value(attribute.Get(context.time))
-        if plain is None:
-            message = f"'{attribute.GetName()}' of type {attribute.GetTypeName()} is not carried"
-            context.ledger.warn("attribute-dropped", prim, message)
-            continue
-        name = attribute.GetName().partition(":")[2]
-        node.extras.setdefault("userProperties", {})[name] = plain
 
 
 def read_display(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.scene import Array
@@ -39,10 +39,12 @@ class Context:
     """First and last time code that the stage states, or that `--frames` keeps."""
     dome_radiance: list[float] | None = None
     """What all dome lights without a texture send from everywhere, RGB in nits."""
+    visited: str = "/"
+    """Path of the prim that is converted now."""
+    boxes: UsdGeom.BBoxCache | None = None
+    """Bounds of prims at `time`, made when the first transform needs them."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
-    held: bool = False
-    """Whether the stage holds values between time samples instead of interpolating them."""
 
     def seconds(self, code: float) -> float:
         """Seconds in the file of a time code of the stage."""
@@ -53,7 +55,7 @@ class Context:
         near = [code for code in codes if abs(code) <= MAX_CODE]
         if len(near) < len(codes):
             message = f"time samples beyond ±{MAX_CODE:g} were dropped"
-            self.ledger.warn("time-sample-dropped", "/", message)
+            self.ledger.warn("time-sample-dropped", self.visited, message)
             codes = near
         frames = self.options.frames
         if frames is None or not codes:

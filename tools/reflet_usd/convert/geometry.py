@@ -17,6 +17,7 @@ from reflet_usd.convert.attributes import (
     read_primvars,
 )
 from reflet_usd.convert.context import Context, authored, source_path
+from reflet_usd.convert.extras import is_custom
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
@@ -243,7 +244,9 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
     animated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()
-        if not attribute.GetName().startswith(_STILL) and attribute.ValueMightBeTimeVarying()
+        if not attribute.GetName().startswith(_STILL)
+        and attribute.ValueMightBeTimeVarying()
+        and not is_custom(prim, attribute.GetName())
     ]
     owners = [(p.GetAttr(), str(p.GetName())) for p in inherited_primvars(prim)]
     animated += [
@@ -255,9 +258,13 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
     if velocities and velocities.HasAuthoredValue():
         message = "velocities are not carried, points are interpolated"
         context.ledger.warn("velocities-dropped", prim, message)
-    if animated:
-        message = f"animated {', '.join(sorted(animated))} stay at their first value"
-        context.ledger.warn("geometry-animation-frozen", prim, message)
+    primvars = [name for name in animated if name.startswith("primvars:")]
+    shape = [name for name in animated if name not in primvars]
+    lost = {"geometry-animation-frozen": shape, "primvar-animation-frozen": primvars}
+    for warning, names in lost.items():
+        if names:
+            message = f"animated {', '.join(sorted(names))} stay at their first value"
+            context.ledger.warn(warning, prim, message)
 
 
 def is_surface(prim: Usd.Prim) -> bool:

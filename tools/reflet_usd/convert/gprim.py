@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, authored
+from reflet_usd.convert.context import Context, authored, in_float32
 from reflet_usd.convert.normals import unit_rows
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primvars import Topology
@@ -57,7 +57,7 @@ def cube_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
     """A Cube as six quads; None where its size is not finite."""
     size = float(authored(prim, "size", context.time, 2.0)) * context.meters_per_unit
     _warn_size(context, prim, "size", size)
-    if not math.isfinite(size):
+    if not in_float32(np.array(size)):
         context.ledger.warn("points-non-finite", prim, "the Cube has a size that is not finite")
         return None
     corners = np.array(_CUBE_CORNERS, dtype=np.int64)
@@ -103,7 +103,7 @@ def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | N
             radii = _end_radii(size, 1.0, kind == "Cylinder_1")
         _add_frustum(shape, size("height", 2.0), *radii)
     points, normals = np.concatenate(shape.points), np.concatenate(shape.normals)
-    if not np.isfinite(points).all():
+    if not in_float32(points).all():
         context.ledger.warn("points-non-finite", prim, f"the {kind} has a size that is not finite")
         return None
     if kind not in ("Sphere", "Plane"):
@@ -139,9 +139,10 @@ def _add_plane(shape: _Quads, width: float, length: float, axis: str) -> None:
     points[:, first], points[:, second] = corners.T
     normal = np.zeros(3)
     normal["XYZ".index(axis) if axis in ("X", "Y", "Z") else 2] = 1.0
-    winding = np.cross(points[1] - points[0], points[2] - points[0])
-    if winding @ normal < 0.0:
+    if axis == "Y" or axis == "X":  # the second side runs before the first
         points = points[::-1].copy()
+    # One negative side turns the face over, as a negative size turns a cube inside out.
+    normal *= math.copysign(1.0, width) * math.copysign(1.0, length)
     shape.append(points, np.array([[0, 1, 2, 3]]), np.tile(normal, (4, 1)))
 
 

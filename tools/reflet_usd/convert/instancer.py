@@ -11,22 +11,26 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.animation import set_visibility
 from reflet_usd.convert.context import Context, authored, in_float32, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.instance_motion import InstanceMotion
 from reflet_usd.convert.instancing import (
     add_gpu_instances,
     decompose_many,
     trs_matrices,
+    unit_quaternions,
 )
+from reflet_usd.convert.raw_trs import RawTrs, Tracks
 from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.types import ConvertError
-from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
+from reflet_usd.convert.xform import place
 
 PrototypeNode = Callable[[Usd.Prim], Node]
 # More instances of one prototype than this are written as EXT_mesh_gpu_instancing.
 MAX_INSTANCE_NODES = 4096
+# An instance that shears needs two nodes, which the extension has not; beyond this many, each is
+# placed without its shear.
+MAX_SHEARED_NODES = 20_000
 MAX_NODES = 4_000_000
 _FROZEN = ("protoIndices", "ids")
-# Matrices that normalization changes by no more than this are equal in single precision.
-_NORMALIZED = 1e-6
 _GROUPS = ("", "Xform", "Scope")
 
 
@@ -94,7 +98,7 @@ class Instancers:
             return
         self.context.ledger.carry(prim)
         self._warn_primvars(prim)
-        tracks = self._animation(prim, instances)
+        motion = self._motion(prim, instances)
         for index, target in enumerate(targets):
             chosen = np.flatnonzero(instances.prototypes == index)
             prototype_prim = self.context.stage.GetPrimAtPath(target)
@@ -107,11 +111,11 @@ class Instancers:
                 self.context.ledger.skip_subtree("prototype-unused", prototype_prim, message)
                 continue
             prototype = self._prototype(prototype_prim)
-            moves = bool(tracks) or instances.changing(chosen).any()
+            moves = motion is not None or instances.changing(chosen).any()
             many = len(chosen) > MAX_INSTANCE_NODES and not moves
             if many and self._add_to_gpu(prim, node, prototype, instances, chosen):
                 continue
-            self._add_nodes(prim, node, prototype, instances, chosen, tracks)
+            self._add_nodes(prim, node, prototype, instances, chosen, motion)
 
     def _prototype(self, prim: Usd.Prim) -> Node:
         path = str(prim.GetPath())
@@ -123,13 +127,15 @@ class Instancers:
         self, prim: Usd.Prim, node: Node, prototype: Node, instances: Instances, chosen: Array
     ) -> bool:
         exact = decompose_many(instances.matrices(chosen))
+        if exact is None and len(chosen) <= MAX_SHEARED_NODES:
+            return False
         transforms = exact or instances.transforms(chosen)
         if not add_gpu_instances(self.writer, node, prototype, transforms):
             return False
         if exact is None:
             off = np.abs(instances.matrices(chosen) - trs_matrices(*transforms)).max()
             message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
-            self.context.ledger.warn("instance-rotation-normalized", prim, message)
+            self.context.ledger.warn("instance-rotation-normalized", prim, message, float(off))
         return True
 
     def _add_nodes(
@@ -139,7 +145,7 @@ class Instancers:
         prototype: Node,
         instances: Instances,
         chosen: Array,
-        tracks: dict[str, tuple[Array, Array]],
+        motion: InstanceMotion | None,
     ) -> None:
         size = len(prototype.walk())
         self._node_count += size * len(chosen)
@@ -156,20 +162,9 @@ class Instancers:
             if instances.changing(np.array([row]))[0]:
                 shown = instances.visible[:, row]
                 set_visibility(instance, instances.visible_times, shown)
-            if not tracks:
-                outer = place(instance, matrix)
-                sheared += outer is not instance
-                node.add(outer)
-                continue
-            translation, rotation, scale = (
-                part[0] for part in instances.transforms(np.array([row]))
-            )
-            assign(node.add(instance), Trs(translation, rotation, scale))
-            for path, (times, values) in tracks.items():
-                keys = values[:, number]
-                if path == "rotation":
-                    keys = align_hemispheres(unit_quaternions(keys))
-                instance.add_track(path, times, keys, self.context.held)
+            outer = place(instance, matrix) if motion is None else motion.apply(instance, number)
+            sheared += outer is not instance
+            node.add(outer)
         if sheared:
             message = f"{sheared} instances shear (quaternions not of length 1), two nodes each"
             self.context.ledger.warn("shear-split", prim, message)
@@ -214,11 +209,27 @@ class Instancers:
             masks[:, numbers],
         )
 
-    def _animation(self, prim: Usd.Prim, instances: Instances) -> dict[str, tuple[Array, Array]]:
-        """Per path the key times and (keys, instances, components); empty where frozen."""
+    def _motion(self, prim: Usd.Prim, instances: Instances) -> InstanceMotion | None:
+        tracks = self._tracks(prim, instances)
+        if not tracks:
+            return None
+        parts = {
+            "translation": instances.translations,
+            "rotation": instances.quaternions,
+            "scale": instances.scales,
+        }
+        count = int(instances.numbers.max(initial=-1)) + 1
+        everything = {}
+        for path, rows in parts.items():
+            everything[path] = np.zeros((count, rows.shape[1]))
+            everything[path][instances.numbers] = rows
+        return InstanceMotion(self.context, prim, RawTrs(tracks, everything))
+
+    def _tracks(self, prim: Usd.Prim, instances: Instances) -> Tracks:
+        """Per path the key codes and (keys, instances, components); empty where frozen."""
         context = self.context
         varying = [n for n in _FROZEN if prim.GetAttribute(n).ValueMightBeTimeVarying()]
-        tracks: dict[str, tuple[Array, Array]] = {}
+        tracks: Tracks = {}
         count = int(instances.numbers.max(initial=-1)) + 1
         for path in ("translation", "rotation", "scale"):
             codes = sorted({c for name in _NAMES[path] for c in _samples(prim, name)})
@@ -234,30 +245,13 @@ class Instancers:
             if not in_float32(stacked).all():
                 varying.append(path)
                 continue
-            times = np.array([context.seconds(code) for code in codes])
-            tracks[path] = (times, stacked)
+            tracks[path] = (codes, stacked)
         if varying:
             message = f"animated {', '.join(varying)} stay at their first value"
             context.ledger.warn("instancer-animation-frozen", prim, message)
             if set(varying) & set(_FROZEN):
                 return {}
-        if tracks:
-            self._warn_normalized(prim, instances, tracks)
         return tracks
-
-    def _warn_normalized(
-        self, prim: Usd.Prim, instances: Instances, tracks: dict[str, tuple[Array, Array]]
-    ) -> None:
-        """glTF's animated rotations have length 1, those of half floats rarely do."""
-        quaternions = instances.quaternions
-        if "rotation" in tracks:
-            quaternions = tracks["rotation"][1][:, instances.numbers].reshape(-1, 4)
-        places, ones = np.zeros((len(quaternions), 3)), np.ones((len(quaternions), 3))
-        unit = trs_matrices(places, unit_quaternions(quaternions), ones)
-        off = np.abs(trs_matrices(places, quaternions, ones) - unit).max(initial=0.0)
-        if off > _NORMALIZED:
-            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
-            self.context.ledger.warn("instance-rotation-normalized", prim, message)
 
     def _masks(self, prim: Usd.Prim, count: int) -> tuple[list[float], Array]:
         """Codes of `invisibleIds`, and (codes, count) which instances are seen from each on."""
@@ -316,11 +310,3 @@ def _values(context: Context, prim: Usd.Prim, path: str, time: Usd.TimeCode) -> 
         values = np.array(value, dtype=np.float64).reshape(-1, 3)
         return values * context.meters_per_unit if path == "translation" else values
     return np.zeros((0, 3))
-
-
-def unit_quaternions(value: object) -> Array:
-    """A VtQuatArray as unit rows (x, y, z, w); those without length become the identity."""
-    rows = np.array(value, dtype=np.float64).reshape(-1, 4)
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    usable = np.isfinite(lengths) & (lengths > 0.0)
-    return np.where(usable, rows / np.where(usable, lengths, 1.0), (0.0, 0.0, 0.0, 1.0))

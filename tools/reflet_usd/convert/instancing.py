@@ -115,3 +115,11 @@ def quaternions(m: Array) -> Array:
     q[rows, 0], q[rows, 1] = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0]
     q[rows, 2], q[rows, 3] = r[:, 1, 0] - r[:, 0, 1], 1.0 + trace[rows]
     return q / np.linalg.norm(q, axis=1, keepdims=True)
+
+
+def unit_quaternions(value: object) -> Array:
+    """A VtQuatArray as unit rows (x, y, z, w); those without length become the identity."""
+    rows = np.array(value, dtype=np.float64).reshape(-1, 4)
+    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+    usable = np.isfinite(lengths) & (lengths > 0.0)
+    return np.where(usable, rows / np.where(usable, lengths, 1.0), (0.0, 0.0, 0.0, 1.0))

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from reflet_usd.convert.reach import Reach
 from reflet_usd.convert.samples import before, is_jump
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.shear import follow
@@ -22,7 +23,7 @@ EXACT_DEPTH = 3
 SAMPLED_DEPTH = 12
 # Halving a step must shrink the deviation to this share, else more keys do not help.
 USEFUL_SHRINKAGE = 0.7
-MAX_SAMPLES = 20_000
+MAX_SAMPLES = 6_000
 # Where in a step the parts of the next instant are looked up.
 _AHEAD = 1e-3
 _PROBES = (0.25, 0.5, 0.75)
@@ -116,18 +117,18 @@ def _same(first: Pose, last: Pose) -> bool:
     )
 
 
-def exact_keys(evaluate: Evaluate, codes: list[float], fit: Fit) -> Keys | None:
+def exact_keys(evaluate: Evaluate, codes: list[float], fit: Fit, reach: Reach) -> Keys | None:
     """Keys between which glTF stays within float32's reach of USD, or None."""
-    return _Refiner(evaluate, fit, EXACT_TOLERANCE, EXACT_DEPTH, strict=True).run(codes)
+    return _Refiner(evaluate, fit, reach, EXACT_TOLERANCE, EXACT_DEPTH, strict=True).run(codes)
 
 
-def sampled_keys(evaluate: Evaluate, codes: list[float]) -> Keys:
+def sampled_keys(evaluate: Evaluate, codes: list[float], reach: Reach) -> Keys:
     """Keys halved until close enough: one node, or two where one cannot follow."""
     tolerance, depth = SAMPLED_TOLERANCE, SAMPLED_DEPTH
-    one = _Refiner(evaluate, OneNode(evaluate, nearest=True), tolerance, depth).run(codes)
+    one = _Refiner(evaluate, OneNode(evaluate, nearest=True), reach, tolerance, depth).run(codes)
     if one is not None and one.deviation <= tolerance:
         return one
-    two = _Refiner(evaluate, TwoNodes(evaluate), tolerance, depth).run(codes)
+    two = _Refiner(evaluate, TwoNodes(evaluate), reach, tolerance, depth).run(codes)
     assert one is not None and two is not None  # only strict refinement gives up
     return two if two.deviation < USEFUL_SHRINKAGE * one.deviation else one
 
@@ -138,6 +139,7 @@ class _Refiner:
 
     evaluate: Evaluate
     fit: Fit
+    shows: Reach
     tolerance: float
     depth: int
     strict: bool = False
@@ -203,7 +205,7 @@ class _Refiner:
         return halves < USEFUL_SHRINKAGE * error
 
     def _deviation(self, a: float, b: float, first: Pose, last: Pose) -> float:
-        """The worst deviation between two keys, as a share of the matrix's size."""
+        """The worst deviation between two keys, as a share of the matrix's and scene's size."""
         worst = 0.0
         for share in _PROBES:
             shown = np.eye(4)
@@ -213,7 +215,8 @@ class _Refiner:
             difference = np.abs(shown - matrix)
             size = max(float(np.abs(matrix[:3, :3]).max()), 1e-30)
             linear, place = float(difference[:3, :3].max()), float(difference[:3, 3].max())
-            worst = max(worst, linear / size, place / self.reach)
+            shown_off = self.shows.corner(linear, place)
+            worst = max(worst, linear / size, place / self.reach, shown_off)
         return worst
 
 

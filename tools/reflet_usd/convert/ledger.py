@@ -16,9 +16,9 @@ class Ledger:
         self._skipped: list[str] = []
         self._by_prim: dict[str, list[Warning]] = defaultdict(list)
 
-    def warn(self, name: str, prim: object, message: str) -> None:
+    def warn(self, name: str, prim: object, message: str, deviation: float | None = None) -> None:
         """Record that `prim` (a prim or a path) is not carried as authored."""
-        entry = Warning(name, _path_text(prim), message)
+        entry = Warning(name, _path_text(prim), message, deviation)
         if entry not in self._warnings:
             self._warnings[entry] = None
             self._by_prim[entry.prim].append(entry)
@@ -26,7 +26,7 @@ class Ledger:
     def repeat(self, first: object, other: object) -> None:
         """Warn for `other` as for `first`: both share what was converted once."""
         for entry in list(self._by_prim[_path_text(first)]):
-            self.warn(entry.name, other, entry.message)
+            self.warn(entry.name, other, entry.message, entry.deviation)
 
     def skip_subtree(self, name: str, prim: object, message: str) -> None:
         """Warn once for `prim` and account for every prim below it."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.scene import Array, Node
 
@@ -71,6 +71,9 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
     brightest = float(source.color.max())
     entry["color"] = (source.color / brightest if brightest > 0.0 else source.color).tolist()
     entry["intensity"] *= brightest
+    if not in_float32(np.array(entry["intensity"])):
+        context.ledger.warn("light-invalid", prim, "its intensity is not finite, taken as 0")
+        entry["intensity"] = 0.0
     entry["name"] = prim.GetName()
     entry["extras"] = {**entry.get("extras", {}), "prim": str(prim.GetPath())}
     node.light = writer.add("lights", entry)
@@ -85,7 +88,8 @@ def _emission(context: Context, prim: Usd.Prim) -> _Source:
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
     # glTF's one factor; equal ones for diffuse and specular reflection scale the whole light.
     diffuse = float(light_value(context, prim, "diffuse", 1.0))
-    radiance = intensity * 2.0 ** min(exposure, 100.0) * diffuse
+    with np.errstate(over="ignore"):
+        radiance = intensity * float(np.exp2(np.float64(exposure))) * diffuse
     if not math.isfinite(radiance) or not np.isfinite(color).all():
         context.ledger.warn("light-invalid", prim, "its emission is not finite, taken as 0")
         radiance, color = 0.0, np.ones(3)
@@ -108,7 +112,11 @@ def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, An
     scale = context.meters_per_unit * _world_scale(prim, context.time)
 
     def meters(name: str, fallback: float) -> float:
-        return abs(float(light_value(context, prim, name, fallback))) * scale
+        length = abs(float(light_value(context, prim, name, fallback))) * scale
+        if not in_float32(np.array(length)):
+            context.ledger.warn("light-invalid", prim, f"its {name} is not finite, taken as 0")
+            return 0.0
+        return length
 
     if kind == "DistantLight":
         angle = math.radians(float(light_value(context, prim, "angle", 0.53)))

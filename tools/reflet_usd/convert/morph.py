@@ -75,7 +75,7 @@ class PointKeys:
         """Let the weights run through the keys."""
         weights = np.vstack([np.zeros(len(self._keys) - 1), np.eye(len(self._keys) - 1)])
         times = np.array([self.context.seconds(code) for code in self._codes])
-        node.add_track("weights", times, weights, self.context.held)
+        node.add_track("weights", times, weights)
 
 
 def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKeys | None:

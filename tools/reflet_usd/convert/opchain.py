@@ -8,8 +8,10 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
+from reflet_usd.convert.keys import OneNode, exact_keys
+from reflet_usd.convert.reach import Reach
 from reflet_usd.convert.scene import Array, Node
-from reflet_usd.convert.xform import align_hemispheres, column_matrix, place
+from reflet_usd.convert.xform import align_hemispheres, column_matrix, place, quaternion
 
 # glTF turns the short way between keys, so no step may reach half a turn.
 MAX_STEP_DEG = 120.0
@@ -126,16 +128,11 @@ def _simple_link(
     context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
 ) -> list[Node] | None:
     """A translation, scale or quaternion whose authored keys are glTF's keys."""
+    if op.GetOpType() == _Op.TypeOrient:
+        return _orienting_link(context, name, op, codes)
     values = [op.Get(Usd.TimeCode(code)) for code in codes]
     sign = -1.0 if op.IsInverseOp() else 1.0
-    if op.GetOpType() == _Op.TypeOrient:
-        path = "rotation"
-        rows = np.array([(*value.GetImaginary(), value.GetReal()) for value in values])
-        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-        if not (lengths > 0.0).all():
-            return None
-        rows = align_hemispheres(rows / lengths * (sign, sign, sign, 1.0))
-    elif op.GetOpType() == _Op.TypeTranslate:
+    if op.GetOpType() == _Op.TypeTranslate:
         path, rows = "translation", np.array(values) * (sign * context.meters_per_unit)
     else:
         path, rows = "scale", np.array(values, dtype=np.float64)
@@ -145,4 +142,27 @@ def _simple_link(
     setattr(node, path, rows[0].copy())
     times = np.array([context.seconds(code) for code in codes])
     node.add_track(path, times, rows)
+    return [node]
+
+
+def _orienting_link(
+    context: Context, name: str, op: UsdGeom.XformOp, codes: list[float]
+) -> list[Node] | None:
+    """A quaternion by USD's own matrices, which take its angle from the real part alone."""
+
+    def evaluate(code: float) -> Array:
+        return column_matrix(op.GetOpTransform(Usd.TimeCode(code)), 1.0)
+
+    if not all(np.isfinite(evaluate(code)).all() for code in codes):
+        return None
+    rotations = [quaternion(evaluate(code)[:3, :3]) for code in codes]
+    # Between keys of half floats USD rounds to half floats, which glTF need not follow.
+    if str(op.GetTypeName()) != "quath":
+        keys = exact_keys(evaluate, codes, OneNode(evaluate), Reach())
+        if keys is None:
+            return None
+        codes, rotations = keys.codes, [pose[0].rotation for pose in keys.poses]
+    rows = align_hemispheres(np.array(rotations))
+    node = Node(name, rotation=rows[0].copy())
+    node.add_track("rotation", np.array([context.seconds(code) for code in codes]), rows)
     return [node]

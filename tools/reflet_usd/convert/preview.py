@@ -230,9 +230,10 @@ class PreviewMaterial:
                 message = f"'emissiveColor' {tuple(emitted.tolist())} is below 0, clamped"
                 self._warn("material-value-clamped", message)
         else:
-            scale, bias = np.array(read.scale[:3]), np.array(read.bias[:3])
-            as_factor = not bias.any() and (scale >= 0.0).all() and len(read.channels) == 3
-            color = scale if as_factor else np.ones(3)
+            scale, bias = np.array(read.scale), np.array(read.bias)  # one channel may be alpha
+            plain = not bias[:3].any() and (scale[:3] >= 0.0).all()
+            as_factor = plain and len(read.channels) == 3
+            color = scale[:3] if as_factor else np.ones(3)
             channels: list[Channel | None] = [
                 Channel(
                     read,

@@ -15,7 +15,8 @@ from reflet_usd.convert.scene import Array, Node
 from reflet_usd.convert.surface import Surface
 from reflet_usd.convert.xform import column_matrix
 
-_WEIGHT_TOLERANCE = 1e-3
+# USD takes weights as they are, glTF wants a sum of 1: closer than this they are the same points.
+_WEIGHT_TOLERANCE = 2e-6
 
 
 class Deformation:
@@ -98,14 +99,17 @@ class Deformation:
             value = attribute.Get(time)
             values = [] if value is None else [float(weight) for weight in value]
             chosen = [values[c] if 0 <= c < len(values) else 0.0 for c in columns]
-            return [weight if np.isfinite(weight) else 0.0 for weight in chosen]
+            if not in_float32(np.array(chosen)).all():
+                message = "weights of blend shapes are not finite, taken as 0"
+                self.context.ledger.warn("points-non-finite", self.prim, message)
+            return [weight if in_float32(np.array(weight)) else 0.0 for weight in chosen]
 
         node.weights = weights(self.context.time)
         codes = self.context.codes_in_range(sorted(attribute.GetTimeSamples()))
         if len(codes) > 1:
             times = np.array([self.context.seconds(code) for code in codes])
             values = np.array([weights(Usd.TimeCode(code)) for code in codes])
-            node.add_track("weights", times, values, self.context.held)
+            node.add_track("weights", times, values)
 
     def _read_influences(self, point_count: int) -> tuple[Array, Array] | None:
         """Joints and weights (N, 4 n) in the skeleton's joint order, weights summing to 1."""
@@ -129,8 +133,9 @@ class Deformation:
         joints, weights = self._in_skeleton_order(joints, weights)
         weights = np.where(np.isfinite(weights) & (weights > 0.0), weights, 0.0)
         totals = weights.sum(axis=1)
-        if (np.abs(totals - 1.0) > _WEIGHT_TOLERANCE).any():
-            message = "some weights do not sum to 1 and were normalized"
+        off = float(np.abs(totals - 1.0).max(initial=0.0))
+        if off > _WEIGHT_TOLERANCE:
+            message = f"weights that sum to other than 1 (by up to {off:.1e}) were normalized"
             warn("weights-normalized", self.prim, message)
         weights[totals <= 0.0, 0] = 1.0
         return _packed(joints, weights)

@@ -191,7 +191,6 @@ def _read_time(context: Context) -> None:
         context.ledger.warn("time-rate-invalid", "/", message)
         rate = FALLBACK_CODES_PER_SECOND
     context.codes_per_second = float(rate)
-    context.held = stage.GetInterpolationType() == Usd.InterpolationTypeHeld
     if context.options.frames is not None:
         context.stated_codes = context.options.frames
         context.time_origin = context.options.frames[0]

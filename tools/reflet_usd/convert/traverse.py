@@ -9,10 +9,10 @@ import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdLux
 
 from reflet_usd.convert.animation import add_visibility_track, transform_node
-from reflet_usd.convert.attributes import keep_custom_attributes
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
@@ -103,6 +103,7 @@ class Traversal:
     def _visit(self, prim: Usd.Prim, tree: Tree) -> bool:
         """Place one prim; False where its children are not walked."""
         self._visited += 1
+        self.context.visited = str(prim.GetPath())
         self._report_progress()
         if self._visited > MAX_PRIMS:
             message = f"the composed stage has more than {MAX_PRIMS} prims"
@@ -128,6 +129,7 @@ class Traversal:
     def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
         type_name = prim.GetTypeName()
         if type_name in _PLACELESS:
+            keep_custom_properties(self.context, prim, None)
             return True
         # A hidden skeleton still moves what it is bound to.
         if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
@@ -149,7 +151,7 @@ class Traversal:
             tree.root.add(outer)
         else:
             tree.parent_of(prim).add(outer)
-        keep_custom_attributes(self.context, prim, node)
+        keep_custom_properties(self.context, prim, node)
         if prim.IsA(UsdGeom.Imageable):
             add_visibility_track(self.context, prim, node)
             if self._has_other_purpose(prim, tree):

@@ -45,6 +45,12 @@ class Warning:
     name: str
     prim: str
     message: str
+    deviation: float | None = field(default=None, compare=False)
+    """How far the file is at most from the stage, as a share; None where that is not known."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, without what is not known."""
+        return {key: value for key, value in asdict(self).items() if value is not None}
 
 
 @dataclass
@@ -69,7 +75,7 @@ class ConvertResult:
     def to_json(self) -> dict[str, Any]:
         """The sidecar's content, plain data."""
         return {
-            "warnings": [asdict(warning) for warning in self.warnings],
+            "warnings": [warning.to_json() for warning in self.warnings],
             "ledger": self.ledger,
             "info": self.info,
             "files": self.files,

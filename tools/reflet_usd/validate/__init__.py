@@ -1,8 +1,8 @@
 """The command `reflet-usd validate`: is a glTF file valid, and does it show what the stage shows.
 
 The output is re-read by pygltflib and trimesh, the stage is evaluated by usd-core; no code of
-the converter takes part. Exit codes: 0 all right, 1 the check itself could not run, 2 wrong
-usage, 3 the file is invalid or deviates silently.
+the converter takes part. Exit codes: 0 all right, 1 the check itself could not run (also where
+usd-core does not open the stage), 2 wrong usage, 3 the file is invalid or deviates silently.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ def run(args: argparse.Namespace) -> int:
         print(f"{error}\n(or compare only, with --no-khronos)", file=sys.stderr)
         return EXIT_INTERNAL
     except StageError as error:
-        print(error, file=sys.stderr)
-        return EXIT_DEVIATES
+        print(f"{error} [stage-unreadable]", file=sys.stderr)
+        return EXIT_INTERNAL
     except Exception as error:  # a blunder of the check says nothing about the file
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(frame.filename).name}:{frame.lineno}"

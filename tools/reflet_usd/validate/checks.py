@@ -22,7 +22,12 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = ("*-animation-frozen", "*-animation-dropped")
+_FROZEN = (
+    "geometry-animation-frozen",
+    "instancer-animation-frozen",
+    "points-animation-frozen",
+    "skeleton-animation-dropped",
+)
 _BROKEN = (
     "curves-invalid",
     "index-out-of-range",
@@ -31,6 +36,7 @@ _BROKEN = (
     "prim-damaged",
     "topology-invalid",
     "transform-non-finite",
+    "transform-projective",
 )
 _ABSENT = (
     *_BROKEN,
@@ -53,11 +59,13 @@ _ABSENT = (
 _SHAPE = (
     *_FROZEN,
     *_BROKEN,
-    "animation-resampled",
     "curves-approximated",
     "face-degenerate",
+    "time-sample-dropped",
     "velocities-dropped",
 )
+_PLACED = ("animation-resampled", "instance-rotation-normalized")
+"""Places that deviate by what the warning states, and nothing else of the prim."""
 _PRIMVAR = ("primvar-*", "instance-primvar-dropped")
 _SKIN = ("skinning-*", "skeleton-*", "joint-*", "blend-shape-*", "inbetween-dropped", "weights-*")
 _MATERIAL = (
@@ -79,14 +87,14 @@ _MATERIAL = (
 )
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN)),
-    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _SHAPE),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN, *_SKIN)),
+    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", (*_SHAPE, *_PLACED)),
     "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference", _SHAPE),
-    "area": Bar("surface area", 1e-5, "relative", _SHAPE),
-    "winding": Bar("area vector and signed volume", 1e-5, "relative", _SHAPE),
-    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", _SHAPE),
-    "normals": Bar("normals", 0.5, "degrees", (*_SHAPE, *_PRIMVAR, "normal-*")),
+    "area": Bar("surface area", 1e-5, "relative", (*_SHAPE, *_PLACED)),
+    "winding": Bar("area vector and signed volume", 1e-5, "relative", (*_SHAPE, *_PLACED)),
+    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", (*_SHAPE, *_PLACED)),
+    "normals": Bar("normals", 0.5, "degrees", (*_SHAPE, *_PLACED, *_PRIMVAR, "normal-*")),
     "uvs": Bar(
         "texture coordinates",
         1e-5,
@@ -103,8 +111,9 @@ BARS: dict[str, Bar] = {
         "world matrices",
         1e-5,
         "relative",
-        ("animation-resampled", "transform-non-finite", *_FROZEN),
+        ("time-sample-dropped", "transform-non-finite", "transform-projective", *_PLACED, *_FROZEN),
     ),
+    "joints": Bar("world matrices of joints", 1e-5, "relative", (*_SKIN, *_FROZEN)),
     "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
     "lights": Bar(
         "light intensities and places",
@@ -113,9 +122,15 @@ BARS: dict[str, Bar] = {
         ("light-animation-frozen", "light-invalid", "cone-clamped", "area-light-approximated"),
     ),
     "inputs": Bar("inputs of lights and cameras that glTF lacks", 0, "lost"),
-    "skinning": Bar("skinned and morphed corners", 1e-4, "of the diagonal", (*_SKIN, *_FROZEN)),
+    "skinning": Bar(
+        "skinned and morphed corners", 1e-5, "of the diagonal", (*_SKIN, *_FROZEN, *_BROKEN)
+    ),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
+
+
+_ADD_UP = 4.0
+"""Three entries of a matrix and its place add up in a corner."""
 
 
 @dataclasses.dataclass
@@ -170,11 +185,15 @@ class Check:
 class Checks:
     """Collects values of all checks against their bars and the sidecar's warnings."""
 
-    def __init__(self, warnings: Iterable[dict[str, str]]) -> None:
+    def __init__(self, warnings: Iterable[dict[str, Any]]) -> None:
         self.checks = {name: Check(name, bar) for name, bar in BARS.items()}
-        self._warnings: dict[str, list[str]] = {}
+        self.related: dict[str, tuple[str, ...]] = {}
+        """By prim the other prims that it is made of: a skinned mesh's skeleton and animation."""
+        self._warnings: dict[str, list[tuple[str, float]]] = {}
         for warning in warnings:
-            self._warnings.setdefault(warning["prim"], []).append(warning["name"])
+            reach = warning.get("deviation")
+            entry = (warning["name"], math.inf if reach is None else _ADD_UP * float(reach))
+            self._warnings.setdefault(warning["prim"], []).append(entry)
 
     def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
         """Record an input that cannot be in the output; only one of `warnings` excuses that."""
@@ -200,7 +219,9 @@ class Checks:
             value = math.inf
         declared = None
         if value > check.bar.limit + slack:
-            declared = self.excuse(prim, check.bar.excuses if excuses is None else excuses)
+            names = check.bar.excuses if excuses is None else excuses
+            share = math.radians(value) if check.bar.unit == "degrees" else value
+            declared = self.excuse(prim, names, share)
             check.declared += declared is not None
             check.silent += declared is None
             if len(check.findings) < _MAX_FINDINGS:
@@ -208,15 +229,26 @@ class Checks:
         if declared is None and value > check.worst:
             check.worst, check.worst_prim = value, prim
 
-    def excuse(self, prim: str, names: tuple[str, ...]) -> str | None:
-        """The warning on the prim, above or below it, whose name fits one of the patterns."""
+    def excuse(self, prim: str, names: tuple[str, ...], value: float = 0.0) -> str | None:
+        """The warning on the prim, one related, above or below it, that fits one of the patterns.
+
+        One that states how far the file deviates excuses no more than that.
+        """
+        for other in self.related.get(prim, ()):
+            declared = self._excuse(other, names, value)
+            if declared:
+                return declared
+        return self._excuse(prim, names, value)
+
+    def _excuse(self, prim: str, names: tuple[str, ...], value: float) -> str | None:
         for path, found in self._warnings.items():
             above = prim == path or prim.startswith(path + "/")
             if path == "/":
                 continue  # a warning at the root speaks of no single prim
             if above or path.startswith(prim + "/"):
-                for name in found:
-                    if any(fnmatch.fnmatchcase(name, pattern) for pattern in names):
+                for name, reach in found:
+                    fits = any(fnmatch.fnmatchcase(name, pattern) for pattern in names)
+                    if fits and value <= reach:
                         return name
         return None
 

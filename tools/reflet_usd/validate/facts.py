@@ -38,6 +38,10 @@ class Corners:
     """Sum of the faces' area vectors: does not depend on the triangulation, turns with winding."""
     volume_range: tuple[float, float] = (0.0, 0.0)
     """Signed volume of the cones from `center` to the faces, cubic meters; turns with winding."""
+    optional_measures: tuple[float, Array, float] = dataclasses.field(
+        default_factory=lambda: (0.0, np.zeros(3), 0.0)
+    )
+    """Area, area vector and volume of the faces that may be dropped."""
     center: Array = dataclasses.field(default_factory=lambda: np.zeros(3))
     """(3,) a point among the corners."""
     normals: Array | None = None
@@ -128,8 +132,12 @@ class Scene:
 
 
 def transform_points(points: Array, matrix: Array) -> Array:
-    """Row-vector transform of (n, 3) points by a (4, 4) matrix."""
-    return points @ matrix[:3, :3] + matrix[3, :3]
+    """Row-vector transform of (n, 3) points by a (4, 4) matrix, divided by w as USD does."""
+    moved = points @ matrix[:3, :3] + matrix[3, :3]
+    if np.array_equal(matrix[:, 3], (0.0, 0.0, 0.0, 1.0)):
+        return moved
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(moved / (points @ matrix[:3, 3] + matrix[3, 3])[:, None])
 
 
 def bounds_of(scenes: Mapping[str, Corners]) -> tuple[Array, Array] | None:

@@ -35,13 +35,16 @@ class OutputReader:
             inside = above if above in self.instancers else None
             self.keys[node] = inside or self.prims[node]
 
-    def scene(self, seconds: float | None) -> Scene:
-        """Everything the file shows at `seconds` (None: as stored, no animation applied)."""
+    def scene(self, seconds: float | None, hidden: bool = False) -> Scene:
+        """Everything the file shows at `seconds` (None: as stored, no animation applied).
+
+        `hidden` also takes what KHR_node_visibility hides.
+        """
         pose = self.poser.pose(seconds)
         scene = Scene(matrices=self.matrices(pose))
         pieces: dict[str, list[_Piece]] = {}
         for index in self.poser.order:
-            if index in pose.hidden:
+            if index in pose.hidden and not hidden:
                 continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:
@@ -61,6 +64,16 @@ class OutputReader:
         for index in self.poser.order:
             if self.file.prim_of(self.file.nodes[index]):
                 result.setdefault(self.prims[index], []).append(pose.worlds[index])
+        return result
+
+    def joints(self, pose: Pose) -> dict[str, dict[str, list[Array]]]:
+        """World matrices of the joints, by the prim they are below and their name."""
+        result: dict[str, dict[str, list[Array]]] = {}
+        for index in self.poser.order:
+            extras = getattr(self.file.nodes[index], "extras", None) or {}
+            if "joint" in extras:
+                found = result.setdefault(self.prims[index], {})
+                found.setdefault(str(extras["joint"]), []).append(pose.worlds[index])
         return result
 
     def _pieces(self, index: int, pose: Pose) -> list[_Piece]:

@@ -19,6 +19,7 @@ from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
 
 if TYPE_CHECKING:
+    from .usd_skel import JointTruth
     from .usd_truth import TruthReader
 
 _GEOMETRY_TIMES = 5
@@ -39,6 +40,8 @@ class Proof:
     """Why a third-party reader could not read the file; empty when it could."""
     facts: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts and the world box of the output, as the third-party reader sees them."""
+    about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """Counts of what the stage holds, as usd-core sees it."""
     times: int = 0
     """At how many times, besides rest, the animation was compared."""
 
@@ -56,6 +59,7 @@ class Proof:
             "khronos": dataclasses.asdict(self.khronos) if self.khronos else None,
             "unreadable": self.unreadable,
             "facts": self.facts,
+            "stage": self.about_stage,
             "times": self.times,
             "checks": [check.to_json() for check in self.checks],
             "warnings": self.warnings,
@@ -111,6 +115,8 @@ def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: P
         ),
         "animated_nodes": len(reader.poser.animated_nodes()),
     }
+    if "KHR_node_visibility" in (file.gltf.extensionsUsed or []):
+        box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh knows nothing of it
     if box is not None:
         _second_reader(file, box, checks)
 
@@ -128,7 +134,7 @@ def _compare(
     from pxr import Usd
 
     from .material_compare import compare_materials
-    from .usd_skel import bake, skin_times
+    from .usd_skel import JointTruth, bake, keyed_skeletons, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
@@ -136,7 +142,9 @@ def _compare(
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
     skin_codes = skin_times(truth.stage)
-    skinned = bake(truth.stage)
+    joints = JointTruth(truth)
+    proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
+    skinned = checks.related = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))
     frames = settings.get("frames")
@@ -148,25 +156,27 @@ def _compare(
     comparer.geometry(rest, stored)
     comparer.other(rest, stored)
     comparer.matrices(rest, stored, "at rest")
+    comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
     uses = compare_materials(checks, truth.stage, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    proof.times = _compare_moving(comparer, reader, output, skin_codes, frames)
+    proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
 
 
 def _compare_moving(
     comparer: SceneComparer,
     reader: TruthReader,
     output: OutputReader,
+    joints: JointTruth,
     skin_codes: list[float],
     frames: Any,
 ) -> int:
     """Compare at keys and between them; returns at how many times."""
     from pxr import Usd
 
-    from .usd_stage import codes_between, keyed_only, sample_codes
+    from .usd_stage import codes_between, codes_in_splines, keyed_only, sample_codes
 
     truth = reader.truth
     codes = sorted({*sample_codes(truth.stage), *skin_codes})
@@ -175,6 +185,10 @@ def _compare_moving(
     if len(codes) < 2 and not between:
         return 0
     keyed = keyed_only(truth.stage)
+    for inner, outermost in reader.outermost.items():
+        for key in outermost if inner in keyed.prims else ():
+            own = keyed.prims[inner]
+            keyed.prims[key] = keyed.prims.get(key, own) & own
     baked = {key: set(skin_codes) for key in comparer.skinned}  # UsdSkel bakes at these
     for code in sorted({*_spread(codes, _GEOMETRY_TIMES), *between}):
         at = f"at time code {code:g}"
@@ -182,17 +196,22 @@ def _compare_moving(
         moved, shown = reader.scene(Usd.TimeCode(code)), output.scene(seconds)
         for key in _without_key(keyed.normals, code) & moved.corners.keys():
             moved.corners[key].normals = None
-        comparer.geometry(moved, shown, _without_key({**keyed.prims, **baked}, code))
+        drawn = moved.corners.keys() | moved.surfaces.keys()
+        unsure = keyed.between(code, drawn) | _without_key(baked, code)
+        comparer.geometry(moved, shown, unsure)
         comparer.cameras(moved, shown, at)
         comparer.lights(moved, shown, at)
     halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
-    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between})
+    curved = _spread(_within(codes_in_splines(truth.stage), frames), _MATRIX_TIMES)
+    chosen = sorted({*_spread(sorted({*codes, *halfway}), _MATRIX_TIMES), *between, *curved})
     for code in chosen:
         seconds = (code - truth.time_origin) / truth.codes_per_second
-        output_matrices = output.matrices(output.poser.pose(seconds))
-        comparer.matrices_of(
-            reader.matrices(Usd.TimeCode(code)), output_matrices, f"at time code {code:g}"
-        )
+        time, pose, at = Usd.TimeCode(code), output.poser.pose(seconds), f"at time code {code:g}"
+        expected = reader.matrices(time)
+        unsure = keyed.between(code, expected)
+        placed = {prim: found for prim, found in expected.items() if prim not in unsure}
+        comparer.matrices_of(placed, output.matrices(pose), at)
+        comparer.joints(joints.matrices(time), output.joints(pose), at)
     return len(chosen)
 
 

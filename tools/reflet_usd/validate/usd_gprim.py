@@ -122,5 +122,5 @@ def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices
         [material] if material else [],
         True,
         bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(time)),
-        undefined,
+        undefined_colors=undefined,
     )

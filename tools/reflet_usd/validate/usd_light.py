@@ -80,9 +80,9 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
 
 def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
     light = UsdLux.LightAPI(prim) if prim.HasAPI(UsdLux.LightAPI) else UsdLux.SphereLight(prim)
-    level = float(light.GetIntensityAttr().Get(time)) * 2.0 ** float(
-        light.GetExposureAttr().Get(time)
-    )
+    with np.errstate(over="ignore"):
+        gain = float(np.exp2(np.float64(light.GetExposureAttr().Get(time))))
+    level = float(light.GetIntensityAttr().Get(time)) * gain
     color = np.array(light.GetColorAttr().Get(time), dtype=np.float64)
     if light.GetEnableColorTemperatureAttr().Get(time):
         kelvin = float(light.GetColorTemperatureAttr().Get(time))

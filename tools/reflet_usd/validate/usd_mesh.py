@@ -33,6 +33,8 @@ class LocalMesh:
     flat_shaded: bool
     """Whether each corner's normal is that of its face."""
     double_sided: bool
+    optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
+    """(faces,) corners of each face that may be dropped."""
     undefined_colors: bool = False
     """Whether it has display colors on parts whose order USD does not define."""
 
@@ -64,6 +66,7 @@ def read_mesh(
         paths,
         scheme == "none" and normals is None,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
+        corners.optional_counts,
     )
 
 
@@ -83,6 +86,7 @@ class CornerMap:
     optional_triangles: int
     totals: dict[str, int]
     """How many elements a primvar of each interpolation must have."""
+    optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
 
     @classmethod
     def whole(cls, faces: Indices, points: int) -> CornerMap:
@@ -124,9 +128,10 @@ def _usable_corners(
     optional = drawn & _is_degenerate(counts, indices, points, drawn)
     required = drawn & ~optional
     keep = np.flatnonzero(required[face])
+    loose = np.flatnonzero(optional[face])
     if mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
         keep = _reversed_faces(keep, counts[required])
-    loose = np.flatnonzero(optional[face])
+        loose = _reversed_faces(loose, counts[optional])
     totals = {
         "uniform": len(counts),
         "faceVarying": len(indices),
@@ -141,6 +146,7 @@ def _usable_corners(
         loose,
         int((counts[optional] - 2).sum()),
         totals,
+        counts[optional],
     )
 
 
@@ -227,11 +233,14 @@ def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array
 
 
 def array_of(value: Any, dtype: type, width: int = 1) -> Any:
-    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing is authored."""
+    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing fits."""
     shape = (0,) if width == 1 else (0, width)
     if value is None:
         return np.zeros(shape, dtype)
-    array: Any = np.asarray(value, dtype=dtype)
+    try:
+        array: Any = np.asarray(value, dtype=dtype)
+    except (TypeError, ValueError):  # authored with another type
+        return np.zeros(shape, dtype)
     if array.ndim == 0 or (width > 1 and array.ndim == 1):
         array = array.reshape(1, -1) if width > 1 else array.reshape(1)
     return array if array.size else np.zeros(shape, dtype)

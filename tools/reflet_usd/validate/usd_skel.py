@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from pxr import Gf, Usd, UsdSkel
+from pxr import Gf, Usd, UsdGeom, UsdSkel
+
+from .facts import Array
+from .usd_stage import TruthStage
 
 
 def skin_times(stage: Usd.Stage) -> list[float]:
@@ -15,15 +18,82 @@ def skin_times(stage: Usd.Stage) -> list[float]:
     return sorted(codes)
 
 
-def bake(stage: Usd.Stage) -> frozenset[str]:
-    """Replace skinning and blend shapes by points at all times; returns the changed prims.
+class JointTruth:
+    """World matrices of joints by UsdSkel's own evaluation, at any time, keys or not.
+
+    Made before `bake`, which takes the bindings away.
+    """
+
+    def __init__(self, truth: TruthStage) -> None:
+        self._truth = truth
+        self._cache = UsdSkel.Cache()
+        self._queries: dict[str, UsdSkel.SkeletonQuery] = {}
+        self._scale_keys: dict[str, list[float]] = {}
+        prims = iter(_prims(truth.stage))
+        for prim in prims:
+            if prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+            elif prim.IsA(UsdSkel.Root):
+                self._cache.Populate(UsdSkel.Root(prim), Usd.TraverseInstanceProxies())
+            elif prim.IsA(UsdSkel.Skeleton):
+                query = self._cache.GetSkelQuery(UsdSkel.Skeleton(prim))
+                if query and len(query.GetJointOrder()):
+                    self._queries[str(prim.GetPath())] = query
+                    self._scale_keys[str(prim.GetPath())] = _scale_keys(query)
+
+    def matrices(self, time: Usd.TimeCode) -> dict[str, dict[str, Array]]:
+        """By skeleton and joint; skeletons that USD cannot pose are left out.
+
+        So are those with moving scales between these scales' keys: they are half floats, and USD
+        rounds what it interpolates to half floats.
+        """
+        xforms = UsdGeom.XformCache(time)
+        result: dict[str, dict[str, Array]] = {}
+        for path, query in self._queries.items():
+            keys = self._scale_keys[path]
+            inside = keys and not time.IsEarliestTime() and keys[0] < time.GetValue() < keys[-1]
+            if inside and time.GetValue() not in keys:
+                continue
+            world = xforms.GetLocalToWorldTransform(self._truth.stage.GetPrimAtPath(path))
+            names = [str(name) for name in query.GetJointOrder()]
+            poses = query.ComputeJointSkelTransforms(time)
+            result[path] = {
+                name: self._truth.node_world(pose * world)
+                for name, pose in zip(names, poses, strict=False)
+            }
+        return result
+
+
+def _scale_keys(query: UsdSkel.SkeletonQuery) -> list[float]:
+    animation = query.GetAnimQuery()
+    if not animation:
+        return []
+    attribute = UsdSkel.Animation(animation.GetPrim()).GetScalesAttr()
+    codes = list(attribute.GetTimeSamples())
+    still = all(attribute.Get(code) == attribute.Get(codes[0]) for code in codes)
+    return [] if still else codes
+
+
+def keyed_skeletons(stage: Usd.Stage) -> int:
+    """How many SkelAnimation prims have two time samples or more of any attribute."""
+    return sum(
+        any(attribute.GetNumTimeSamples() > 1 for attribute in prim.GetAttributes())
+        for prim in _prims(stage)
+        if prim.IsA(UsdSkel.Animation)
+    )
+
+
+def bake(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
+    """Replace skinning and blend shapes by points at all times.
+
+    Returns the changed prims with the paths of the skeleton and animation that move them.
 
     Writes into the stage's session layer only. Native instances that hold skeletons are made
     ordinary prims first, because baking cannot edit what is shared; their paths stay.
     """
     roots = [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]
     if not roots:
-        return frozenset()
+        return {}
     codes = skin_times(stage)
     interval = Gf.Interval(codes[0], codes[-1]) if codes else Gf.Interval.GetFullInterval()
     with Usd.EditContext(stage, stage.GetSessionLayer()):
@@ -53,18 +123,23 @@ def _split_instances(stage: Usd.Stage, path: object) -> None:
         prim = stage.GetPrimAtPath(path)
 
 
-def _skinned_prims(stage: Usd.Stage) -> frozenset[str]:
+def _skinned_prims(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
     cache = UsdSkel.Cache()
-    found = set()
+    found = {}
     for prim in _prims(stage):
         if prim.IsA(UsdSkel.Root):
             root = UsdSkel.Root(prim)
             cache.Populate(root, Usd.TraverseInstanceProxies())
             for binding in cache.ComputeSkelBindings(root, Usd.TraverseInstanceProxies()):
+                movers = [binding.GetSkeleton().GetPrim()]
+                query = cache.GetSkelQuery(binding.GetSkeleton())
+                if query and query.GetAnimQuery():
+                    movers.append(query.GetAnimQuery().GetPrim())
+                paths = tuple(str(prim.GetPath()) for prim in movers)
                 for target in binding.GetSkinningTargets():
                     if target.HasJointInfluences() or target.HasBlendShapes():
-                        found.add(str(target.GetPrim().GetPath()))
-    return frozenset(found)
+                        found[str(target.GetPrim().GetPath())] = paths
+    return found
 
 
 def _prims(stage: Usd.Stage) -> Usd.PrimRange:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
+_SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
+_HALF_TYPES = ("half", "half3", "quath")
 _MAX_CODE = 1e9
 """Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -35,7 +38,7 @@ class TruthStage:
 
     def world(self, matrix: Gf.Matrix4d) -> Array:
         """A USD local-to-world matrix as one to glTF's world in meters, scale included."""
-        result = np.array(matrix, dtype=np.float64) * 1.0
+        result = _without_w(matrix)
         result[:, :3] *= self.meters_per_unit
         if self.z_up:
             result[:, :3] = result[:, :3] @ _Z_UP_TO_Y_UP
@@ -43,7 +46,7 @@ class TruthStage:
 
     def node_world(self, matrix: Gf.Matrix4d) -> Array:
         """The same where lengths are already meters: only the translation is scaled."""
-        result = np.array(matrix, dtype=np.float64) * 1.0
+        result = _without_w(matrix)
         result[3, :3] *= self.meters_per_unit
         if self.z_up:
             result[:, :3] = result[:, :3] @ _Z_UP_TO_Y_UP
@@ -52,6 +55,15 @@ class TruthStage:
     def code_of(self, seconds: float) -> float:
         """The time code that is shown at `seconds` of the output."""
         return self.time_origin + seconds * self.codes_per_second
+
+
+def _without_w(matrix: Gf.Matrix4d) -> Array:
+    """The matrix with a constant w divided out; one with perspective stays as it is."""
+    result = np.array(matrix, dtype=np.float64)
+    w = float(result[3, 3])
+    if not result[:3, 3].any() and w not in (0.0, 1.0):
+        result /= w
+    return result
 
 
 def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
@@ -113,6 +125,21 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
     return np.linspace(low, high, count + 2)[1:-1].tolist() if low < high else []
 
 
+def codes_in_splines(stage: Usd.Stage) -> list[float]:
+    """Codes within the segments of every spline, at uneven places: curves may meet a line halfway.
+
+    Where splines have more segments than can be looked at, evenly chosen ones.
+    """
+    codes: set[float] = set()
+    for attribute in _placed_attributes(stage):
+        if attribute.HasSpline():
+            spline = attribute.GetSpline()
+            knots = [float(code) for code in spline.GetKnotsWithInnerLoopsBaked()]
+            for first, last in itertools.pairwise(sorted(knots)):
+                codes.update(first + (last - first) * share for share in _SPLINE_PROBES)
+    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+
+
 @dataclasses.dataclass
 class KeyedOnly:
     """What has an exact value at its own keys only: their time codes by prim path."""
@@ -121,11 +148,22 @@ class KeyedOnly:
     """Instancers with moving orientations, which USD interpolates in half precision."""
     normals: dict[str, set[float]]
     """Meshes whose normals follow their points: glTF blends the normals themselves."""
+    subtrees: dict[str, set[float]]
+    """Prims with half-precision xformOps; all that is below them moves along."""
+
+    def between(self, code: float, keys: Iterable[str]) -> frozenset[str]:
+        """Which of the prims `keys` stand for are between keys at `code`."""
+        moving = [path for path, own in self.subtrees.items() if code not in own]
+        found = {prim for prim, own in self.prims.items() if code not in own}
+        for key in keys if moving else ():
+            if any(key == path or key.startswith(path + "/") for path in moving):
+                found.add(key)
+        return frozenset(found)
 
 
 def keyed_only(stage: Usd.Stage) -> KeyedOnly:
     """What must not be compared between its keys."""
-    result = KeyedOnly({}, {})
+    result = KeyedOnly({}, {}, {})
     moving = {
         "orientations": result.prims,
         "points": result.normals,
@@ -139,7 +177,15 @@ def keyed_only(stage: Usd.Stage) -> KeyedOnly:
             if attribute and attribute.ValueMightBeTimeVarying():
                 path = str(prim.GetPath())
                 found.setdefault(path, set()).update(attribute.GetTimeSamples())
+        for op in UsdGeom.Xformable(prim).GetOrderedXformOps() if _is_placed(prim) else ():
+            if str(op.GetTypeName()) in _HALF_TYPES and op.MightBeTimeVarying():
+                own = result.subtrees.setdefault(str(prim.GetPath()), set())
+                own.update(op.GetTimeSamples())
     return result
+
+
+def _is_placed(prim: Usd.Prim) -> bool:
+    return bool(prim.IsA(UsdGeom.Xformable))
 
 
 def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:

@@ -26,6 +26,8 @@ class TruthReader:
         self.cages = cages
         """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
+        self.outermost: dict[str, set[str]] = {}
+        """Of the scene read last, as `StageWalk` has them."""
         self.skipped: dict[str, str] = {}
 
     def scene(self, time: Usd.TimeCode) -> Scene:
@@ -68,6 +70,7 @@ class TruthReader:
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
         self.instancers, self.skipped = walk.instancers, walk.skipped
+        self.outermost = walk.outermost
         scene.matrices = self.matrices(time)
         return scene
 
@@ -116,6 +119,8 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
         faces = measure(world, mesh.counts, center)
         result.triangles += int((mesh.counts - 2).sum())
         result.optional_triangles += mesh.optional_triangles
+        if len(mesh.optional_counts):
+            _add_optional(result, mesh, matrix, sign)
         area += faces.area_range
         result.vector_area = result.vector_area + sign * faces.vector_area
         ends = sign * np.array(faces.volume_range)
@@ -135,6 +140,17 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     result.normals = np.vstack(normals) if known else None
     _merge_attributes(result, [mesh for mesh, _ in placed])
     return result
+
+
+def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) -> None:
+    corners = transform_points(mesh.optional_positions, matrix)
+    faces = measure(corners, mesh.optional_counts, result.center)
+    area, vector, volume = result.optional_measures
+    result.optional_measures = (
+        area + faces.area_range[1],
+        vector + sign * faces.vector_area,
+        volume + sign * faces.volume_range[0],
+    )
 
 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 _MAX_INSTANCER_DEPTH = 8
+_PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 
 
 @dataclasses.dataclass
@@ -32,6 +33,8 @@ class StageWalk:
         self.xforms = UsdGeom.XformCache(time)
         self.instancers: list[str] = []
         """Paths of the outermost instancers that were met."""
+        self.outermost: dict[str, set[str]] = {}
+        """By path of each instancer within another's prototype, the outermost ones around it."""
         self.skipped: dict[str, str] = {}
         """Drawable prims left out, by path: `invisible` or their purpose."""
 
@@ -101,6 +104,7 @@ class StageWalk:
             for prim, relative in parts.get(int(index), ()):
                 place = relative * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
+                    self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
                     yield from self._instances(prim, key, place, depth + 1)
                 else:
                     yield Placement(prim, key, place)
@@ -109,8 +113,10 @@ class StageWalk:
         """A number where the earliest time is meant: velocities reach back to minus infinity."""
         if not self.time.IsEarliestTime():
             return self.time
-        samples = schema.GetPositionsAttr().GetTimeSamples()
-        return Usd.TimeCode(samples[0]) if samples else Usd.TimeCode.Default()
+        prim = schema.GetPrim()
+        samples = [prim.GetAttribute(name).GetTimeSamples() for name in _PLACING]
+        first = min((codes[0] for codes in samples if codes), default=None)
+        return Usd.TimeCode.Default() if first is None else Usd.TimeCode(first)
 
     def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d]]:
         """Drawn prims below a prototype, with their transform to the prototype's root."""

@@ -1,0 +1,60 @@
+"""Owns the processes that a command started in threads, so that a signal can end them at once."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Iterator
+
+Process = subprocess.Popen[bytes]
+
+
+class StoppedError(Exception):
+    """The command is ending: nothing new is begun."""
+
+
+class Children:
+    """Processes that run in sessions of their own, with whatever they started."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._running: set[Process] = set()
+        self._stopped = False
+
+    @contextlib.contextmanager
+    def started(self, command: list[str], **options: object) -> Iterator[Process]:
+        """A process that has ended when the block has; raises StoppedError after `stop`."""
+        with self._lock:
+            if self._stopped:
+                raise StoppedError
+            child: Process = subprocess.Popen(command, start_new_session=True, **options)  # type: ignore[call-overload]
+            self._running.add(child)
+        try:
+            yield child
+        finally:
+            end(child)
+            with self._lock:
+                self._running.discard(child)
+
+    def stop(self) -> None:
+        """End all that run and begin no more; the threads that wait for them wake up."""
+        with self._lock:
+            self._stopped = True
+            for child in self._running:
+                if child.poll() is None:
+                    _kill(child)
+
+
+def end(child: Process) -> None:
+    """End the child and whatever it started."""
+    if child.poll() is None:
+        _kill(child)
+        child.wait()
+
+
+def _kill(child: Process) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGKILL)

@@ -1,0 +1,113 @@
+"""What of a prim no schema knows: custom properties, kept in the node's extras."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Usd
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.scene import Node
+
+# Read elsewhere, each by the rules of what it belongs to.
+_KNOWN = (
+    "collection",
+    "extent",
+    "extentsHint",
+    "inbetweens",
+    "info",
+    "inputs",
+    "light",
+    "material",
+    "outputs",
+    "primvars",
+    "skel",
+    "xformOp",
+)
+_USER = "userProperties"
+_MAX_VALUES = 64
+
+
+def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) -> None:
+    """Properties outside all schemas to the node's extras; what stays behind is one warning.
+
+    Those of `userProperties:` go by their own names to `extras.userProperties`, others to
+    `extras.attributes`. Prims without a node keep none.
+    """
+    dropped, frozen = [], []
+    for item in _custom_properties(prim):
+        name = str(item.GetName())
+        value = None
+        if node is not None:
+            value = _value(context, item)
+        if value is None:
+            dropped.append(name)
+            continue
+        if isinstance(item, Usd.Attribute) and item.ValueMightBeTimeVarying():
+            frozen.append(name)
+        group, _, tail = name.partition(":")
+        place, key = (group, tail) if group == _USER and tail else ("attributes", name)
+        assert node is not None
+        node.extras.setdefault(place, {})[key] = value
+    parts = []
+    if dropped:
+        parts.append(f"{_listed(dropped)} not carried")
+    if frozen:
+        parts.append(f"{_listed(frozen)} carried with the first value only")
+    if parts:
+        context.ledger.warn("attribute-dropped", prim, "; ".join(parts))
+
+
+def is_custom(prim: Usd.Prim, name: str) -> bool:
+    """Whether no schema of `prim` knows the property, so that it cannot change what is drawn."""
+    if name.partition(":")[0] in _KNOWN:
+        return False
+    return bool(prim.GetPrimDefinition().GetSpecType(name) == Sdf.SpecTypeUnknown)
+
+
+def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
+    for item in prim.GetAuthoredProperties():
+        if not is_custom(prim, str(item.GetName())):
+            continue
+        if isinstance(item, Usd.Attribute) and not item.HasAuthoredValue():
+            continue
+        yield item
+
+
+def _value(context: Context, item: Usd.Property) -> Any:
+    if isinstance(item, Usd.Relationship):
+        targets = item.GetTargets()
+        return [str(path) for path in targets] if len(targets) <= _MAX_VALUES else None
+    assert isinstance(item, Usd.Attribute)
+    return plain_value(item.Get(context.time))
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:8])
+    rest = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return f"{shown}{rest} {'is' if len(names) == 1 else 'are'}"
+
+
+def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:
+    """`value` as JSON data, or None where it is not plain or longer than `limit`."""
+    if isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return value if np.isfinite(value) else None
+    if isinstance(value, Sdf.AssetPath):
+        return value.path
+    if isinstance(value, Sdf.TimeCode):
+        value = value.GetValue()
+    if isinstance(value, (Gf.Quath, Gf.Quatf, Gf.Quatd)):
+        value = (*value.GetImaginary(), value.GetReal())
+    try:
+        array = np.array(value)
+    except (TypeError, ValueError):
+        return None
+    if array.dtype.kind in "biuf" and array.size <= limit and np.isfinite(array).all():
+        return array.tolist()
+    if array.dtype.kind in "US" and array.size <= limit:
+        return [str(entry) for entry in array.ravel()]
+    return None

@@ -1,0 +1,56 @@
+"""How far a deviation of a transform shows: lever arm and scene size, as USD bounds them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Gf, Tf, Usd, UsdGeom
+
+from reflet_usd.convert.context import Context
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What turns deviations of a matrix into those of corners, as a share of the scene."""
+
+    lever: float = 0.0
+    """How far the farthest corner is from the origin, in the space the matrix is applied to."""
+    unit: float = math.inf
+    """The scene's diagonal in the space the matrix leads to, the same unit as translations."""
+
+    def corner(self, linear: float, place: float) -> float:
+        """How far a corner moves where the matrix's entries are off by this much."""
+        return (linear * self.lever + place) / self.unit
+
+
+def reach_of(context: Context, prim: Usd.Prim, above: Gf.Matrix4d, own: bool = True) -> Reach:
+    """The reach of a matrix that places `prim` below `above`, its parent space in the world.
+
+    `own=False` where the matrix places only a part, which may be anywhere in the scene.
+    """
+    try:
+        cache = _boxes(context)
+        scene = cache.ComputeWorldBound(prim.GetStage().GetPseudoRoot()).ComputeAlignedRange()
+        local = cache.ComputeUntransformedBound(prim).ComputeAlignedRange()
+    except Tf.ErrorException:  # a damaged prim has no bounds
+        return Reach()
+    scale = float(np.abs(np.array(above)[:3, :3]).max())
+    if scene.IsEmpty() or not math.isfinite(scale) or scale <= 0.0:
+        return Reach()
+    size = scene.GetSize().GetLength()
+    unit = size * context.meters_per_unit / scale
+    lever = unit
+    if own:
+        corners = np.array([local.GetMin(), local.GetMax()]) if not local.IsEmpty() else np.zeros(1)
+        lever = float(np.linalg.norm(np.abs(corners).max(axis=0))) * context.meters_per_unit
+    if not math.isfinite(unit) or unit <= 0.0 or not math.isfinite(lever):
+        return Reach()
+    return Reach(lever, unit)
+
+
+def _boxes(context: Context) -> UsdGeom.BBoxCache:
+    if context.boxes is None:
+        context.boxes = UsdGeom.BBoxCache(context.time, list(context.options.purpose))
+    return context.boxes
