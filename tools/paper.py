@@ -3,6 +3,7 @@
 
     tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
     tools/paper.py page OUT                    # tables between the page's marks, and the charts
+    tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
 Tables come from the samples.csv of each run by sums of this file's own, not by the report's, so
 that either checks the other. Sentences around them are a person's: read them again.
@@ -17,6 +18,7 @@ import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterable
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -57,6 +59,34 @@ def measure(out: pathlib.Path, assets: pathlib.Path) -> None:
             command += ["--assets", assets]
         print(f"== {name}", flush=True)
         subprocess.run([*command, "-o", out / name], check=True)
+
+
+def pictures(assets: pathlib.Path) -> None:
+    """The floor of Fig. 1's scene, where stripes and prolonged reflections are seen."""
+    scene = ROOT / "scenes" / "paper" / "sponza.toml"
+    thresholds = ["0.005", "0.025", "0.065"]
+    shots = [("rt", "0.025", "")]
+    shots += [("ssr", t, "") for t in thresholds]
+    shots += [("hybrid", "0.025", "")]
+    shots += [("hybrid", t, "source") for t in thresholds]
+    cells = []
+    with tempfile.TemporaryDirectory() as folder:
+        for index, (method, t, aov) in enumerate(shots):
+            out = pathlib.Path(folder) / f"{index}.png"
+            command: list[str | pathlib.Path] = [ROOT / "target" / "release" / "reflet", "render"]
+            command += [scene, "--assets", assets]
+            command += ["--size", "1280x720", "--method", method, "-o", out]
+            command += ["--set", f"reflection.threshold_u={t}", *(["--aov", aov] if aov else [])]
+            subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+            shown = out.with_suffix(f".{aov}.png") if aov else out
+            what = "rt" if method == "rt" else f"{method}, T = {t} U"
+            cells.append(f"{what}{', sources' if aov else ''}={shown}")
+        sheet = [ROOT / ".venv" / "bin" / "python", ROOT / "tools" / "sheet.py"]
+        floor = ["--crop", "320", "390", "860", "720"]
+        out = ROOT / "docs" / "images" / "paper-fig1.png"
+        subprocess.run(
+            [*sheet, out, "--columns", "4", "--width", "480", *floor, *cells], check=True
+        )
 
 
 def number(row: Row, column: str) -> float | None:
@@ -369,12 +399,16 @@ def main() -> None:
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="run what OUT lacks")
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
+    drawing = commands.add_parser("pictures", help="render the floor with three thresholds")
+    drawing.add_argument("--assets", type=pathlib.Path, required=True)
     writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
     for command in (measuring, writing):
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments = parser.parse_args()
     if arguments.command == "measure":
         measure(arguments.out, arguments.assets)
+    elif arguments.command == "pictures":
+        pictures(arguments.assets)
     else:
         page(arguments.out)
 

@@ -14,9 +14,17 @@ GAP = 6
 TEXT_HEIGHT = 14
 
 
-def sheet(cells: list[tuple[str, Path]], columns: int, width: int) -> Image.Image:
-    """The pictures row by row, each `width` pixels wide, with its caption above."""
-    pictures = [_scaled(path, width) for _, path in cells]
+def sheet(
+    cells: list[tuple[str, Path]],
+    columns: int,
+    width: int,
+    crop: tuple[int, int, int, int] | None = None,
+) -> Image.Image:
+    """The pictures row by row, each `width` pixels wide, with its caption above.
+
+    `crop` is the part of each that is shown: left, top, right and bottom in its pixels.
+    """
+    pictures = [_scaled(path, width, crop) for _, path in cells]
     height = max(picture.height for picture in pictures)
     rows = -(-len(cells) // columns)
     step_x, step_y = width + GAP, height + TEXT_HEIGHT + GAP
@@ -30,8 +38,8 @@ def sheet(cells: list[tuple[str, Path]], columns: int, width: int) -> Image.Imag
     return out
 
 
-def _scaled(path: Path, width: int) -> Image.Image:
-    picture = Image.open(path).convert("RGB")
+def _scaled(path: Path, width: int, crop: tuple[int, int, int, int] | None) -> Image.Image:
+    picture = Image.open(path).convert("RGB").crop(crop)
     height = round(picture.height * width / picture.width)
     return picture.resize((width, height), Image.Resampling.LANCZOS)
 
@@ -41,6 +49,13 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--columns", type=int, default=4)
     parser.add_argument("--width", type=int, default=320, help="of each picture, pixels")
+    parser.add_argument(
+        "--crop",
+        type=int,
+        nargs=4,
+        metavar=("LEFT", "TOP", "RIGHT", "BOTTOM"),
+        help="show this part of each picture, pixels",
+    )
     parser.add_argument("cells", nargs="+", help="CAPTION=PICTURE")
     arguments = parser.parse_args()
     cells = []
@@ -49,7 +64,8 @@ def main() -> None:
         if not sign:
             parser.error(f"{cell}: expected CAPTION=PICTURE")
         cells.append((caption, Path(path)))
-    sheet(cells, arguments.columns, arguments.width).save(arguments.out, optimize=True)
+    crop = tuple(arguments.crop) if arguments.crop else None
+    sheet(cells, arguments.columns, arguments.width, crop).save(arguments.out, optimize=True)
 
 
 if __name__ == "__main__":
