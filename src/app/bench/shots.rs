@@ -122,11 +122,11 @@ impl<'a> Studio<'a> {
 
     fn figure(&mut self, shot: &Shot, reference: Option<&View>) -> Result<Figure, AppError> {
         let settings = shot.settings();
-        let label = format!(
-            "{}, T = {} U",
-            method_name(settings.method),
-            settings.threshold_u
-        );
+        let method = method_name(settings.method);
+        let label = match settings.method {
+            Method::Rt => method.to_owned(), // it has no T
+            _ => format!("{method}, T = {} U", settings.threshold_u),
+        };
         let (caption, size, rgba) = match shot {
             Shot::Picture(_) => {
                 let picture = self.render(&settings, &[])?;
