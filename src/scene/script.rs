@@ -8,6 +8,7 @@ mod context;
 mod engine;
 mod error;
 mod locate;
+mod set;
 mod sources;
 
 use std::{

@@ -6,6 +6,7 @@ mod common;
 mod bad;
 mod docs;
 mod hostile;
+mod moving;
 mod schema;
 mod set;
 mod shipped;
