@@ -19,7 +19,7 @@ use crate::{
     gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
     render::{Redone, RenderError, Renderer, stats::FrameStats},
     scene::{
-        desc::{CameraDesc, Method, SceneDesc},
+        desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         trail::Trail,
     },
@@ -235,6 +235,12 @@ impl Live {
     /// The scene as written.
     pub fn desc(&self) -> &SceneDesc {
         &self.desc
+    }
+
+    /// The frames of the scene as it is on disk, also while it waits for one that can be posed.
+    pub fn timeline(&self) -> Option<&TimelineDesc> {
+        let waiting = self.waiting.as_ref().map(Waiting::desc);
+        waiting.unwrap_or(&self.desc).timeline.as_ref()
     }
 
     /// The scene as loaded, at the frame that is shown.

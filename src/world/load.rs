@@ -117,15 +117,7 @@ enum Source {
 
 /// An error at a place in the scene text.
 fn error_at(name: &'static str, at: &Span, message: impl Into<String>) -> Diagnostic {
-    Diagnostic {
-        severity: Severity::Error,
-        name,
-        message: message.into(),
-        span: at.clone(),
-        file: None,
-        help: None,
-        related: None,
-    }
+    Diagnostic::at(name, at.clone(), message)
 }
 
 /// `did you mean "…"?` where a name is close.
@@ -252,11 +244,8 @@ impl<'a> Loader<'a> {
                 Some(self.loaded.len() - 1)
             }
             Err(errors) => {
-                self.errors
-                    .extend(errors.into_iter().map(|error| Diagnostic {
-                        related: Some((named_at.clone(), "named here".into())),
-                        ..error
-                    }));
+                let named = |error: Diagnostic| error.related(named_at.clone(), "named here");
+                self.errors.extend(errors.into_iter().map(named));
                 None
             }
         }

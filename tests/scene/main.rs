@@ -7,6 +7,7 @@ mod bad;
 mod docs;
 mod hostile;
 mod moving;
+mod returned;
 mod schema;
 mod set;
 mod shipped;

@@ -113,7 +113,18 @@ fn parameters_keep_their_kind() {
     ] {
         read_with(&text, &[&format!("params.{set}")]);
     }
+    // A float stays one however it is set, and whatever was set before.
+    for sets in [&["speed=2"][..], &["speed=2", "speed=2.5"], &["speed=0x10"]] {
+        let sets: Vec<_> = sets.iter().map(|set| format!("params.{set}")).collect();
+        let sets: Vec<_> = sets.iter().map(String::as_str).collect();
+        let speed = read_with(&text, &sets).params.remove(1).value;
+        assert!(
+            matches!(speed, ParamValue::Number(_)),
+            "{sets:?}: {speed:?}"
+        );
+    }
     for (set, says) in [
+        ("count=3.5", "`count` is a whole number, not a number"),
         (
             "count=abc",
             "`count` is a whole number, not a text\n --> --set:1:14",

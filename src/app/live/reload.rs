@@ -50,6 +50,13 @@ pub(super) struct Waiting {
     keeps_edits: bool,
 }
 
+impl Waiting {
+    /// As it is on disk.
+    pub(super) fn desc(&self) -> &SceneDesc {
+        &self.read.desc
+    }
+}
+
 /// Why a scene is not taken over.
 enum Refused {
     /// It is wrong in itself; or the renderer refuses it, and no diagnostic says so.

@@ -1,8 +1,11 @@
 //! Where messages are collected while a scene is read, and what turns byte ranges into places.
 
-use std::{ops::Range, path::Path, sync::Arc};
+use std::{collections::HashSet, ops::Range, path::Path, sync::Arc};
 
-use crate::scene::diagnostic::{Diagnostic, Severity, Source, Span};
+use crate::scene::{
+    diagnostic::{Diagnostic, Severity, Source, Span},
+    script::Script,
+};
 
 /// Errors kept per run; a file with more than these is not a scene with mistakes but something else.
 const MOST: usize = 100;
@@ -19,15 +22,51 @@ pub struct Report {
     surplus: Option<Diagnostic>,
     left_out: usize,
     errors: usize,
+    /// Where values begin that are floats, though they are written as integers.
+    floats: HashSet<usize>,
 }
 
 impl Report {
     /// Adds a text and returns the position where it begins.
     pub fn add_source(&mut self, path: &Path, text: &str) -> usize {
+        self.add(Source {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            returned: None,
+        })
+    }
+
+    /// Adds what a script returned and returns the position where it begins.
+    pub fn add_returned(&mut self, script: &Script, text: &str) -> usize {
+        self.add(Source {
+            path: script.name().into(),
+            text: text.to_owned(),
+            returned: Some(script.returned()),
+        })
+    }
+
+    fn add(&mut self, source: Source) -> usize {
         let base = self.end();
-        let (path, text) = (path.to_owned(), text.to_owned());
-        self.sources.push((base, Arc::new(Source { path, text })));
+        self.sources.push((base, Arc::new(source)));
         base
+    }
+
+    /// Notes that the value that begins here is a float, though it is written as an integer.
+    pub fn keep_float(&mut self, start: usize) {
+        self.floats.insert(start);
+    }
+
+    /// Whether the value that begins here is a float in any case.
+    pub fn is_float(&self, start: usize) -> bool {
+        self.floats.contains(&start)
+    }
+
+    /// For reading the same values without telling what is wrong.
+    pub fn unheard(&self) -> Self {
+        Self {
+            floats: self.floats.clone(),
+            ..Self::default()
+        }
     }
 
     /// The first position after all texts; one is left between two, so that ends are unambiguous.
@@ -77,12 +116,14 @@ impl Report {
         at: &Range<usize>,
         message: impl Into<String>,
     ) -> &mut Diagnostic {
-        let diagnostic = Diagnostic::at(name, self.span(at), message);
         self.errors += 1;
         if self.is_full() {
+            // Nobody reads it, and finding its place may cost much.
             self.left_out += 1;
+            let diagnostic = Diagnostic::at(name, Span::default(), message);
             return self.surplus.insert(diagnostic);
         }
+        let diagnostic = Diagnostic::at(name, self.span(at), message);
         self.list.push(diagnostic);
         let last = self.list.len() - 1;
         &mut self.list[last]
@@ -102,8 +143,9 @@ impl Report {
     pub fn finish(mut self) -> (Vec<Diagnostic>, bool) {
         let order = |d: &Diagnostic| {
             let source = d.span.source.as_ref();
-            let index =
-                source.and_then(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            let index = source.map(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            // Scripts come last.
+            let index = index.map(|index| index.unwrap_or(usize::MAX));
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);

@@ -163,7 +163,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "print(value); debug(value)",
         gives: "(); ()",
-        text: "Writes a line to standard error; `debug` says where it stands.",
+        text: "Writes a line to standard error, with the file and the line that it is written in; `debug` puts texts in quotes.",
         example: "print(`frame ${ctx.frame}`); true",
         register: |_| {},
     },
