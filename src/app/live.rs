@@ -140,12 +140,12 @@ impl Live {
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
-        let (trail, scripts) = (Trail::default(), Trail::default());
+        let scripts = Trail::default();
         let read = reload::read(&origin, &Tuned::default(), &scripts, 0);
         let read = read.map_err(AppError::Scene)?;
         let state = read.pose().map_err(AppError::Scene)?;
-        let options = super::scene::load_options(&origin.from, &trail);
-        let (mut world, kept) = load::load_kept(&read.desc, &options).map_err(AppError::Scene)?;
+        let loaded = load::load_kept(&read.desc, &read.options);
+        let (mut world, kept) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
             world.apply(state).map_err(AppError::Scene)?;
         }
@@ -167,7 +167,7 @@ impl Live {
             kept,
             renderer,
             wishes,
-            trail,
+            trail: read.options.trail,
             scripts,
             read_since,
             declared: read.declared,
