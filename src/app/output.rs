@@ -11,7 +11,7 @@ use exr::prelude::{
     SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
 };
 
-use super::{aov, error::AppError, fingerprint::KEYWORD};
+use super::{aov, error::AppError, film, fingerprint::KEYWORD};
 use crate::{
     files::{Temporary, folder_of},
     render::{Picture, Plane, PlaneData, aov::Aov},
@@ -47,7 +47,8 @@ impl Output {
             Some("exr") => Format::Exr,
             _ => {
                 return usage(format!(
-                    "--output {shown}: the name must end in .png or .exr"
+                    "--output {shown}: the name must end in .png or .exr, or for a film in {}",
+                    film::endings()
                 ));
             }
         };

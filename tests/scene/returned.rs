@@ -121,16 +121,53 @@ fn many_mistakes_of_a_long_script_take_no_long_time() {
          fn setup(ctx) {{ let all = []; for i in 0..80 {{ all += part(250 * i); }} #{{ instances: all }} }}\n"
     );
     let messages = messages("many", &script);
+    // The others are counted.
+    assert_eq!(messages.len(), 2, "{}", messages.join("\n"));
     assert!(
-        messages.len() > 50 && messages.len() < 200,
+        messages[0].contains("(and 99 more like it)"),
         "{}",
-        messages.len()
+        messages[0]
+    );
+    assert!(
+        messages[1].contains("19900 more messages"),
+        "{}",
+        messages[1]
     );
     assert!(
         messages[0].contains("setup() returned instances[0].model = \"m0\""),
         "{}",
         messages[0]
     );
+}
+
+#[test]
+fn parameters_cannot_be_set_by_a_script() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-params");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let pose = |line: &str| {
+        let script = format!("fn frame(ctx) {{\n    {line}\n}}\n");
+        fs::write(folder.join("walk.rhai"), script).expect("written");
+        let (desc, _) = parse::parse(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
+        Motion::new(&desc).pose(0)
+    };
+    for line in [
+        "ctx.params.speed = 3.0;",
+        "ctx.params.more = 1;",
+        "ctx.params = #{};",
+    ] {
+        let errors = pose(line).expect_err(line);
+        let error = errors[0].to_string();
+        let says =
+            error.contains("`ctx.params` is what the scene says") && error.contains("rhai:2:");
+        assert!(says, "{line}: {error}");
+    }
+    for line in [
+        "for name in ctx.params.keys() { print(name); }",
+        "if !(\"speed\" in ctx.params) || ctx.params.len() != 1 { throw \"no\"; }",
+        "let p = ctx.params; p.speed = 3.0;",
+    ] {
+        pose(line).unwrap_or_else(|errors| panic!("{line}: {}", errors[0]));
+    }
 }
 
 #[test]

@@ -139,6 +139,28 @@ impl Report {
         self.list.retain(keep);
     }
 
+    /// What a loop of a script has returned wrong again and again is told once.
+    fn merge_repeated(&mut self) {
+        let mut times: Vec<usize> = Vec::new();
+        let mut kept: Vec<Diagnostic> = Vec::new();
+        for next in self.list.drain(..) {
+            let is_own = |s: &Arc<Source>| self.sources.iter().any(|(_, t)| Arc::ptr_eq(s, t));
+            let in_script = next.span.source.as_ref().is_some_and(|s| !is_own(s));
+            let alike = |d: &Diagnostic| d.name == next.name && d.span == next.span;
+            match kept.iter().position(alike).filter(|_| in_script) {
+                Some(first) => times[first] += 1,
+                None => {
+                    kept.push(next);
+                    times.push(0);
+                }
+            }
+        }
+        for (diagnostic, more) in kept.iter_mut().zip(times).filter(|(_, more)| *more > 0) {
+            diagnostic.message += &format!(" (and {more} more like it)");
+        }
+        self.list = kept;
+    }
+
     /// All messages in the order of the text, file first; true if there were errors.
     pub fn finish(mut self) -> (Vec<Diagnostic>, bool) {
         let order = |d: &Diagnostic| {
@@ -149,6 +171,7 @@ impl Report {
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);
+        self.merge_repeated();
         let failed = self.errors > 0;
         if self.left_out > 0 {
             let message = format!("{} more messages are not shown", self.left_out);

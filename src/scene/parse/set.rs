@@ -153,12 +153,16 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
         && let Some(declared) = table.get(last.name.as_str())
         && !fits(declared, &value, report)
     {
-        let [own, other] = [declared, &value].map(|node| kind(node.get_ref()));
-        let message = format!("{} is {own}, not {other}", suggest::key(&last.name));
-        let error = report.error("wrong-type", &value.span(), message);
-        if let (DeValue::Integer(_), DeValue::Float(_)) = (declared.get_ref(), value.get_ref()) {
-            error.help = Some("a number that is written with a point takes any".into());
-        }
+        let (own, key) = (kind(declared.get_ref()), suggest::key(&last.name));
+        let (other, help) = match (declared.get_ref(), value.get_ref()) {
+            (DeValue::Integer(i), DeValue::Float(x)) => {
+                let help = format!("declared as {i}.0 in `[params]` it takes any number");
+                (x.to_string(), Some(help))
+            }
+            (_, other) => (kind(other), None),
+        };
+        let message = format!("{key} is {own}, not {other}");
+        report.error("wrong-type", &value.span(), message).help = help;
     } else if let DeValue::Table(table) = node.get_mut() {
         keep_kind(table.get(last.name.as_str()), above, &value, report);
         // Removed first, so that the key's position is the option's.

@@ -6,6 +6,7 @@ use rhai::{Dynamic, Map};
 use super::{
     super::context::{Context, position},
     Entry,
+    value::fail,
 };
 
 pub static CALL: &[Entry] = &[
@@ -53,6 +54,12 @@ pub static CALL: &[Entry] = &[
         example: "ctx.params.count == 31",
         register: |e| {
             e.register_get("params", |c: &mut Context| c.call.params.clone());
+            // Rhai writes back what a method was called on, changed or not.
+            e.register_set("params", |c: &mut Context, new: Map| {
+                let same = format!("{new:?}") == format!("{:?}", c.call.params);
+                let why = "`ctx.params` is what the scene says, and cannot be set";
+                if same { Ok(()) } else { fail(why.to_owned()) }
+            });
         },
     },
 ];
