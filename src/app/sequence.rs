@@ -5,7 +5,7 @@ use std::{path::Path, sync::Mutex, thread, time::Instant};
 
 use super::{
     cli::RenderArgs,
-    encoder::{Encoders, Failures, Rendered, Target},
+    encoder::{Encoders, Failures, Outcome, Rendered, Target},
     error::{AppError, print_diagnostics},
     film::{Film, is_film},
     fingerprint,
@@ -144,7 +144,7 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
     let motion = Motion::new(&desc);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
-    let mut failures = thread::scope(|scope| {
+    let failures = thread::scope(|scope| {
         let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
         for (index, frame, mark) in wanted {
@@ -177,6 +177,24 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
         failures
     });
     let outcome = encoders.finish();
+    judge(outcome, &target, failures, asked, frames.0.len())?;
+    if let Target::Film(film) = target {
+        let film = film.into_inner();
+        let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
+        eprintln!("wrote {}", film.finish()?.display());
+    }
+    Ok(())
+}
+
+/// Whether every frame has its file; `failures` are those that could not be rendered, `asked` those
+/// that were to be, of `total`.
+fn judge(
+    outcome: Outcome,
+    target: &Target,
+    mut failures: Failures,
+    asked: Vec<u32>,
+    total: usize,
+) -> Result<(), AppError> {
     failures.extend(outcome.failures);
     failures.sort();
     if let Some(why) = outcome.full {
@@ -188,18 +206,13 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
         missing.sort_unstable();
         return Err(AppError::Unwritten { why, missing });
     }
-    if stop::is_wanted() && outcome.done < frames.0.len() {
-        return Err(stopped(&target, outcome.done, frames.0.len(), failures));
+    if stop::is_wanted() && outcome.done < total {
+        return Err(stopped(target, outcome.done, total, failures));
     }
-    if !failures.is_empty() {
-        return Err(AppError::Frames(failures));
+    match failures.is_empty() {
+        true => Ok(()),
+        false => Err(AppError::Frames(failures)),
     }
-    if let Target::Film(film) = target {
-        let film = film.into_inner();
-        let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
-        eprintln!("wrote {}", film.finish()?.display());
-    }
-    Ok(())
 }
 
 /// What a stopped command says.

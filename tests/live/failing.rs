@@ -76,18 +76,18 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     };
     session.live.pose(12);
     let good = session.picture();
-    let failing = "fn frame(ctx) { if ctx.frame < 50 { throw \"too early\"; } }";
+    let failing = "fn frame(ctx) { if ctx.frame < 42 { throw \"too early\"; } }";
     let text = fs::read_to_string(&session.scene).expect("readable");
-    fs::write(&session.scene, text.replace("end = 40", "end = 60")).expect("written");
+    fs::write(&session.scene, text.replace("end = 40", "end = 41")).expect("written");
     session.live.reload(&[Change::Scene].into());
     let script = SCRIPT.replace("fn frame(ctx) {", &failing.replace("} }", "}"));
     let end = |session: &Session| session.live.timeline().map(|t| t.end);
-    assert_eq!(end(&session), Some(60));
+    assert_eq!(end(&session), Some(41));
     fs::write(&session.scene, text.replace("end = 40", "end = 80")).expect("written");
     assert!(!session.save_script(&script).ok);
     assert_eq!(
         session.live.desc().timeline.as_ref().map(|t| t.end),
-        Some(60)
+        Some(41)
     );
     assert_eq!(
         end(&session),
@@ -96,8 +96,8 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     );
     assert!(session.picture() == good);
     // The only good frames are those that the shown scene does not have.
-    assert!(session.live.pose(70) && session.live.problems.is_empty());
-    assert_eq!((session.live.posed_frame(), end(&session)), (70, Some(80)));
+    assert!(session.live.pose(48) && session.live.problems.is_empty());
+    assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
 }
 
 #[test]

@@ -5,8 +5,8 @@ use toml::de::DeTable;
 use super::Names;
 use crate::scene::{
     desc::{
-        At, Entry, LightKind, LightMotionDesc, MaterialDesc, MaterialMotionDesc, ModelSource,
-        PlacementDesc, SceneDesc, TrackDesc, Tracks,
+        At, Entry, LightKind, LightMotionDesc, MaterialDesc, MaterialMotionDesc, ModelMotionDesc,
+        ModelSource, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
     motion::{
@@ -67,39 +67,43 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
         }
     }
     for entry in &motion.models {
-        let model = scene.models.iter().find(|m| m.name == entry.name);
-        if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
-            let message = "this model is a shape, which has no materials of its own";
-            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
-                .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
-                .related(model.at.clone(), "the model is here");
-            report.push(error);
-        }
-        for material in &entry.value.materials {
-            check_tracks(
-                scene,
-                &material.value.tracks,
-                &MATERIAL,
-                &material.at,
-                report,
-            );
-            let of = FileMaterial {
-                model: &entry.name,
-                material: &material.name,
-            };
-            let path = || {
-                let [model, name] = [of.model, of.material].map(suggest::clip);
-                let name = if name == "*" { "\"*\"".into() } else { name };
-                format!("model.{model}.material.{name}")
-            };
-            check_material(&written(scene, &of), material, path, report);
-        }
+        check_model(scene, entry, report);
     }
     if (!motion.is_empty() || scene.plays()) && scene.timeline.is_none() && report.errors() == 0 {
         let first = first_motion(scene).unwrap_or_default();
         let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
         let warning = Diagnostic::at("no-timeline", first, message);
         report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+    }
+}
+
+fn check_model(scene: &SceneDesc, entry: &Entry<ModelMotionDesc>, report: &mut Report) {
+    let model = scene.models.iter().find(|m| m.name == entry.name);
+    if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
+        let message = "this model is a shape, which has no materials of its own";
+        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+            .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
+            .related(model.at.clone(), "the model is here");
+        report.push(error);
+    }
+    for material in &entry.value.materials {
+        check_tracks(
+            scene,
+            &material.value.tracks,
+            &MATERIAL,
+            &material.at,
+            report,
+        );
+        let of = FileMaterial {
+            model: &entry.name,
+            material: &material.name,
+        };
+        let path = || {
+            let [model, name] = [of.model, of.material].map(suggest::clip);
+            let name = if name == "*" { "\"*\"".into() } else { name };
+            format!("model.{model}.material.{name}")
+        };
+        check_material(&written(scene, &of), material, path, report);
     }
 }
 
