@@ -36,7 +36,7 @@ pub fn is_model(path: &Path) -> bool {
 
 /// A scene for looking at one model. All of its animations play once where none moves what another
 /// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers and the
-/// even light of its domes.
+/// even light of its domes. A glTF file is read here once: `options` keep it for the load.
 ///
 /// # Errors
 /// A stage that cannot be converted. What is wrong with a glTF file is said when it is loaded.
@@ -63,7 +63,7 @@ pub fn scene_around(
         );
     }
     text.push_str(SUN);
-    match playable.dome_radiance {
+    match playable.stage.dome_radiance {
         // A stage that says what its sky sends is not given another.
         Some(sky) => {
             let _ = write!(
@@ -87,7 +87,7 @@ fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, 
     let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.trail);
     let path = sandbox.resolve(folder, name)?;
     if !usd::is_stage(&path) {
-        return gltf::playable(&path, &sandbox);
+        return Ok(options.ahead.read(&path, &sandbox));
     }
     let glb = usd::convert(&path, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
@@ -121,7 +121,7 @@ struct Film {
 }
 
 fn film(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> Film {
-    if let Some(stage) = playable.stage
+    if let Some(stage) = playable.stage.time
         && asked_fps.is_none_or(|fps| fps == stage.rate)
         && stage.rate > 0.0
         && stage.rate <= 1000.0
@@ -160,7 +160,7 @@ fn fps_of(overrides: &[String]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::world::gltf::StageTime;
+    use crate::world::gltf::{Stage, StageTime};
 
     #[test]
     fn films_are_as_long_as_their_animation() {
@@ -181,8 +181,11 @@ mod tests {
             end_time_code: None,
         };
         let of = |stage| Playable {
-            stage: Some(stage),
-            ..Playable::default()
+            stage: Stage {
+                time: Some(stage),
+                dome_radiance: None,
+            },
+            clips: Vec::new(),
         };
         let f32_end = f64::from(49.0_f32 / 30.0);
         assert_eq!(frames(f32_end, &of(stage), None), (30.0, [101.0, 150.0]));

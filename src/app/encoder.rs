@@ -2,6 +2,7 @@
 //! and writes it, while the next ones render.
 
 use std::{
+    collections::HashSet,
     path::PathBuf,
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -56,6 +57,22 @@ pub struct Encoders<'a> {
     target: &'a Target,
     progress: Mutex<Progress>,
     failures: Mutex<Failures>,
+    /// Why the disk takes no more.
+    full: Mutex<Option<String>>,
+    /// Frames that were written.
+    written: Mutex<HashSet<u32>>,
+}
+
+/// How it went.
+pub struct Outcome {
+    /// Frames that have their file.
+    pub done: usize,
+    /// Frames that were written now.
+    pub written: HashSet<u32>,
+    /// Frames that could not be encoded or written.
+    pub failures: Failures,
+    /// Why the disk takes no more; nothing was written after that.
+    pub full: Option<String>,
 }
 
 impl<'a> Encoders<'a> {
@@ -66,6 +83,8 @@ impl<'a> Encoders<'a> {
             target,
             progress: Mutex::new(progress),
             failures: Mutex::default(),
+            full: Mutex::default(),
+            written: Mutex::default(),
         }
     }
 
@@ -94,14 +113,24 @@ impl<'a> Encoders<'a> {
         lock(&self.progress).failed(frame, why);
     }
 
-    /// How many frames were written, and which were not.
-    pub fn finish(self) -> (usize, Failures) {
-        let progress = self.progress.into_inner();
-        let failures = self.failures.into_inner();
-        (
-            progress.unwrap_or_else(PoisonError::into_inner).written(),
-            failures.unwrap_or_else(PoisonError::into_inner),
-        )
+    /// Whether the disk takes no more frames.
+    pub fn is_full(&self) -> bool {
+        lock(&self.full).is_some()
+    }
+
+    /// How it went.
+    pub fn finish(self) -> Outcome {
+        fn inner<T>(mutex: Mutex<T>) -> T {
+            mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
+        }
+        let progress = inner(self.progress);
+        progress.end();
+        Outcome {
+            done: progress.written(),
+            written: inner(self.written),
+            failures: inner(self.failures),
+            full: inner(self.full),
+        }
     }
 
     /// Waits for a frame and writes it; whether another may follow.
@@ -109,12 +138,21 @@ impl<'a> Encoders<'a> {
         let Ok(rendered) = lock(queue).recv() else {
             return false;
         };
+        if self.is_full() {
+            return false;
+        }
         let (frame, started) = (rendered.frame, rendered.started);
         match self.write(rendered) {
             Ok((verb, path)) => {
+                lock(&self.written).insert(frame);
                 let seconds = started.elapsed().as_secs_f64();
                 lock(&self.progress).done(frame, verb, &path, seconds);
                 true
+            }
+            Err(AppError::Disk(why)) => {
+                self.failed(frame, &why);
+                lock(&self.full).get_or_insert(why);
+                false
             }
             Err(error) => {
                 let why = error.to_string();

@@ -1,7 +1,12 @@
 //! How a command fails: what people read, and the exit code that scripts read.
 
-use std::{fmt, io::IsTerminal as _};
+use std::{
+    fmt,
+    io::{self, IsTerminal as _},
+    path::Path,
+};
 
+use super::frames::spans;
 use crate::{
     gpu::{GpuError, ShaderError},
     scene::diagnostic::{Diagnostic, render_all},
@@ -25,7 +30,17 @@ pub enum AppError {
     Gpu(GpuError),
     /// Some frames of a film have no picture: exit code 5.
     Frames(Vec<(u32, String)>),
-    /// Anything else, such as a full disk: exit code 1.
+    /// The disk takes no more, and a film was ended by that: what was to be written, why not, and
+    /// the frames without a file. Exit code 5.
+    Unwritten {
+        /// File and reason.
+        why: String,
+        /// Frames without a file.
+        missing: Vec<u32>,
+    },
+    /// A full disk or one that cannot be written to: exit code 1.
+    Disk(String),
+    /// Anything else: exit code 1.
     Internal(String),
 }
 
@@ -36,20 +51,31 @@ impl AppError {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
-            Self::Frames(_) => 5,
+            Self::Frames(_) | Self::Unwritten { .. } => 5,
             Self::Threshold => 6,
             Self::Interrupted(_) => super::stop::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
             // The scene, or the picture that it asks for, is too large.
             Self::Gpu(GpuError::Limit { .. }) => 3,
-            Self::Gpu(_) | Self::Internal(_) => 1,
+            Self::Gpu(_) | Self::Disk(_) | Self::Internal(_) => 1,
         }
     }
 
     /// Writes the message to standard error.
     pub fn print(&self) {
         match self {
-            Self::Usage(text) | Self::Internal(text) => eprintln!("error: {text}"),
+            Self::Usage(text) | Self::Disk(text) | Self::Internal(text) => {
+                eprintln!("error: {text}");
+            }
+            Self::Unwritten { why, missing } => {
+                let (is, frames) = match missing.len() {
+                    1 => ("is", "1 frame".to_owned()),
+                    n => ("are", format!("{n} frames")),
+                };
+                let list = spans(missing);
+                eprintln!("error: {why}");
+                eprintln!("{frames} {is} missing: {list}; make room and add --resume to go on");
+            }
             Self::Interrupted(text) => eprintln!("{text}"),
             Self::Gpu(error) => eprintln!("error: {error}"),
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
@@ -66,6 +92,16 @@ impl AppError {
         }
     }
 
+    /// A file that cannot be written: whether others may still be depends on why.
+    pub fn unwritten(path: &Path, error: &io::Error) -> Self {
+        use io::ErrorKind::{QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+        let text = format!("cannot write {}: {error}", path.display());
+        match error.kind() {
+            StorageFull | QuotaExceeded | ReadOnlyFilesystem => Self::Disk(text),
+            _ => Self::Internal(text),
+        }
+    }
+
     /// A shader of a folder that the user named is the user's to mend; a built-in one is a bug.
     pub fn from_user_shader(error: &ShaderError) -> Self {
         Self::Usage(format!("--shaders: {error}"))
@@ -76,7 +112,11 @@ impl AppError {
 impl fmt::Display for AppError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(text) | Self::Internal(text) | Self::Interrupted(text) => f.write_str(text),
+            Self::Usage(text)
+            | Self::Disk(text)
+            | Self::Internal(text)
+            | Self::Interrupted(text) => f.write_str(text),
+            Self::Unwritten { why, .. } => f.write_str(why),
             Self::Gpu(error) => error.fmt(f),
             Self::Scene(all) | Self::Picture(all) => {
                 f.write_str(all.first().map_or("", |first| first.message.as_str()))

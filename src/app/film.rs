@@ -46,6 +46,12 @@ pub fn is_film(path: &Path) -> bool {
     ending == "apng" || CONTAINERS.iter().any(|c| c.0 == ending)
 }
 
+/// What names of films end in, in words.
+pub fn endings() -> String {
+    let others: Vec<_> = CONTAINERS.iter().map(|c| format!(".{}", c.0)).collect();
+    format!(".apng, or with ffmpeg in {}", others.join(", "))
+}
+
 fn ending(path: &Path) -> String {
     let ending = path.extension().and_then(|e| e.to_str());
     ending.unwrap_or_default().to_ascii_lowercase()

@@ -61,6 +61,18 @@ impl FrameList {
     }
 }
 
+/// Frames in rising order as `--frames` takes them, such as `1,3,5-9`.
+pub fn spans(frames: &[u32]) -> String {
+    let follows = |a: &u32, b: &u32| a + 1 == *b;
+    let part = |run: &[u32]| match run {
+        [] => String::new(),
+        [only] => only.to_string(),
+        [first, .., last] => format!("{first}-{last}"),
+    };
+    let parts: Vec<_> = frames.chunk_by(follows).map(part).collect();
+    parts.join(",")
+}
+
 /// First frame, last frame and step of one part.
 fn range(part: &str) -> Result<[u32; 3], String> {
     let number = |text: &str| {
@@ -172,6 +184,24 @@ mod tests {
     fn frames(text: &str) -> Vec<u32> {
         let list = FrameList::parse(text, &TIMELINE);
         list.unwrap_or_else(|e| panic!("{text}: {e:?}")).0
+    }
+
+    #[test]
+    fn frames_that_are_written_out_are_read_back() {
+        let timeline = TimelineDesc {
+            fps: 24.0,
+            start: 0,
+            end: 99,
+        };
+        for (frames, text) in [
+            (vec![7], "7"),
+            (vec![0, 1, 2, 5, 7, 8], "0-2,5,7-8"),
+            (vec![1, 3, 5], "1,3,5"),
+        ] {
+            assert_eq!(spans(&frames), text);
+            let read = FrameList::parse(text, &timeline).expect("is right");
+            assert_eq!(read, FrameList(frames));
+        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::{
     gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
     render::{Redone, RenderError, Renderer, stats::FrameStats},
     scene::{
-        desc::{CameraDesc, Method, SceneDesc},
+        desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         trail::Trail,
     },
@@ -140,12 +140,12 @@ impl Live {
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
-        let (trail, scripts) = (Trail::default(), Trail::default());
+        let scripts = Trail::default();
         let read = reload::read(&origin, &Tuned::default(), &scripts, 0);
         let read = read.map_err(AppError::Scene)?;
         let state = read.pose().map_err(AppError::Scene)?;
-        let options = super::scene::load_options(&origin.from, &trail);
-        let (mut world, kept) = load::load_kept(&read.desc, &options).map_err(AppError::Scene)?;
+        let loaded = load::load_kept(&read.desc, &read.options);
+        let (mut world, kept) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
             world.apply(state).map_err(AppError::Scene)?;
         }
@@ -167,7 +167,7 @@ impl Live {
             kept,
             renderer,
             wishes,
-            trail,
+            trail: read.options.trail,
             scripts,
             read_since,
             declared: read.declared,
@@ -235,6 +235,12 @@ impl Live {
     /// The scene as written.
     pub fn desc(&self) -> &SceneDesc {
         &self.desc
+    }
+
+    /// The frames of the scene as it is on disk, also while it waits for one that can be posed.
+    pub fn timeline(&self) -> Option<&TimelineDesc> {
+        let waiting = self.waiting.as_ref().map(Waiting::desc);
+        waiting.unwrap_or(&self.desc).timeline.as_ref()
     }
 
     /// The scene as loaded, at the frame that is shown.

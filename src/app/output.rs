@@ -11,7 +11,7 @@ use exr::prelude::{
     SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
 };
 
-use super::{aov, error::AppError, fingerprint::KEYWORD};
+use super::{aov, error::AppError, film, fingerprint::KEYWORD};
 use crate::{
     files::{Temporary, folder_of},
     render::{Picture, Plane, PlaneData, aov::Aov},
@@ -47,7 +47,8 @@ impl Output {
             Some("exr") => Format::Exr,
             _ => {
                 return usage(format!(
-                    "--output {shown}: the name must end in .png or .exr"
+                    "--output {shown}: the name must end in .png or .exr, or for a film in {}",
+                    film::endings()
                 ));
             }
         };
@@ -80,7 +81,7 @@ impl Output {
     /// disk. Returns what was written.
     ///
     /// # Errors
-    /// [`AppError::Internal`] naming the file; nothing new is left behind.
+    /// [`AppError::Disk`] or [`AppError::Internal`] naming the file; nothing new is left behind.
     pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, AppError> {
         self.write_marked(picture, None)
     }
@@ -110,20 +111,18 @@ impl Output {
         }
         let mut finished = Vec::new();
         for (path, bytes) in files {
-            let failed = |error: &dyn std::fmt::Display| {
+            let bytes = bytes.map_err(|error| {
                 AppError::Internal(format!("cannot write {}: {error}", path.display()))
-            };
-            let bytes = bytes.map_err(|error| failed(&error))?;
+            })?;
             let temporary = Temporary::create(&path)
                 .and_then(|temporary| temporary.fill(&bytes))
-                .map_err(|error| failed(&error))?;
+                .map_err(|error| AppError::unwritten(&path, &error))?;
             finished.push((path, temporary));
         }
         let mut written = Vec::new();
         for (path, temporary) in finished {
-            temporary.rename_to(&path).map_err(|error| {
-                AppError::Internal(format!("cannot write {}: {error}", path.display()))
-            })?;
+            let renamed = temporary.rename_to(&path);
+            renamed.map_err(|error| AppError::unwritten(&path, &error))?;
             written.push(path);
         }
         Ok(written)

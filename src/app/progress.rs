@@ -93,6 +93,14 @@ impl Progress {
         let _ = stderr().flush(); // only the bar is late then
     }
 
+    /// Ends the line of a bar that is not full.
+    pub fn end(&self) {
+        let is_open = (1..self.total).contains(&self.written());
+        if is_open && matches!(self.form, ProgressForm::Bar) {
+            eprintln!();
+        }
+    }
+
     /// Tells a reader of JSON that a frame has no picture; people read it at the end.
     pub fn failed(&self, frame: u32, why: &str) {
         if matches!(self.form, ProgressForm::Json) {

@@ -51,13 +51,14 @@ pub fn load_scene(
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
     let overrides = [from.set.as_slice(), overrides].concat();
-    let (text, file) = source(path, from, &overrides).map_err(AppError::Scene)?;
+    let options = load_options(from, &Trail::default());
+    let (text, file) = source(path, &options, &overrides).map_err(AppError::Scene)?;
     let read = parse::parse(&text, &file, &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
         || "the built-in atrium".to_owned(),
         |path| path.display().to_string(),
     );
-    load_desc(name, text, overrides, read, from)
+    load_desc(name, text, overrides, read, &options)
 }
 
 /// Loads a scene whose text is at hand; `file` is what messages call it.
@@ -67,7 +68,8 @@ pub fn load_scene(
 pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
     let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
     let name = file.display().to_string();
-    load_desc(name, text.to_owned(), from.set.clone(), read, from)
+    let options = load_options(from, &Trail::default());
+    load_desc(name, text.to_owned(), from.set.clone(), read, &options)
 }
 
 fn load_desc(
@@ -75,12 +77,12 @@ fn load_desc(
     text: String,
     overrides: Vec<String>,
     (desc, mut warnings): (SceneDesc, Vec<Diagnostic>),
-    from: &SceneArgs,
+    options: &LoadOptions,
 ) -> Result<LoadedScene, AppError> {
     for line in desc.script.iter().flat_map(|s| s.setup_log()) {
         eprintln!("{line}");
     }
-    let world = load::load(&desc, &load_options(from, &Trail::default()))
+    let world = load::load(&desc, options)
         .map_err(|errors| AppError::Scene(warnings.iter().cloned().chain(errors).collect()))?;
     warnings.extend(world.warnings.iter().cloned());
     print_diagnostics(&warnings);
@@ -95,18 +97,18 @@ fn load_desc(
 }
 
 /// The scene's text, and what messages call it: the file's, one around a model, or the built-in
-/// atrium's.
+/// atrium's. A model is read for that, and `options` keep it for the load.
 ///
 /// # Errors
 /// As [`parse::read`], and a stage that cannot be converted.
 pub fn source(
     path: Option<&Path>,
-    from: &SceneArgs,
+    options: &LoadOptions,
     overrides: &[String],
 ) -> Result<(String, PathBuf), Vec<Diagnostic>> {
     match path {
         Some(path) if is_model(path) => {
-            let text = scene_around(path, &load_options(from, &Trail::default()), overrides);
+            let text = scene_around(path, options, overrides);
             Ok((text.map_err(|error| vec![*error])?, path.to_owned()))
         }
         Some(path) => Ok((parse::read(path)?, path.to_owned())),

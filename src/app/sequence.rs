@@ -5,7 +5,7 @@ use std::{path::Path, sync::Mutex, thread, time::Instant};
 
 use super::{
     cli::RenderArgs,
-    encoder::{Encoders, Failures, Rendered, Target},
+    encoder::{Encoders, Failures, Outcome, Rendered, Target},
     error::{AppError, print_diagnostics},
     film::{Film, is_film},
     fingerprint,
@@ -110,7 +110,8 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 /// Renders the frames.
 ///
 /// # Errors
-/// [`AppError::Frames`] with those that failed; the others are there.
+/// [`AppError::Frames`] with those that failed; the others are there. [`AppError::Unwritten`] as soon
+/// as the disk takes no more.
 pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &studio.loaded, &studio.gpu)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
@@ -142,11 +143,12 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
     let desc = studio.loaded.desc.clone();
     let motion = Motion::new(&desc);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
-    let mut failures = thread::scope(|scope| {
+    let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
+    let failures = thread::scope(|scope| {
         let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
         for (index, frame, mark) in wanted {
-            if stop::is_wanted() {
+            if stop::is_wanted() || encoders.is_full() {
                 break;
             }
             let started = Instant::now();
@@ -174,21 +176,43 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
         }
         failures
     });
-    let (done, unwritten) = encoders.finish();
-    failures.extend(unwritten);
-    failures.sort();
-    if stop::is_wanted() && done < frames.0.len() {
-        return Err(stopped(&target, done, frames.0.len(), failures));
-    }
-    if !failures.is_empty() {
-        return Err(AppError::Frames(failures));
-    }
+    let outcome = encoders.finish();
+    judge(outcome, &target, failures, asked, frames.0.len())?;
     if let Target::Film(film) = target {
         let film = film.into_inner();
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
         eprintln!("wrote {}", film.finish()?.display());
     }
     Ok(())
+}
+
+/// Whether every frame has its file; `failures` are those that could not be rendered, `asked` those
+/// that were to be, of `total`.
+fn judge(
+    outcome: Outcome,
+    target: &Target,
+    mut failures: Failures,
+    asked: Vec<u32>,
+    total: usize,
+) -> Result<(), AppError> {
+    failures.extend(outcome.failures);
+    failures.sort();
+    if let Some(why) = outcome.full {
+        if !failures.is_empty() {
+            AppError::Frames(failures).print();
+        }
+        let mut missing = asked;
+        missing.retain(|frame| !outcome.written.contains(frame));
+        missing.sort_unstable();
+        return Err(AppError::Unwritten { why, missing });
+    }
+    if stop::is_wanted() && outcome.done < total {
+        return Err(stopped(target, outcome.done, total, failures));
+    }
+    match failures.is_empty() {
+        true => Ok(()),
+        false => Err(AppError::Frames(failures)),
+    }
 }
 
 /// What a stopped command says.

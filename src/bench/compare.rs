@@ -37,7 +37,8 @@ pub struct CompareArgs {
     /// Write |A − B| as a PNG, its contrast enlarged (the factor is printed).
     #[arg(long, value_name = "PNG")]
     pub difference: Option<PathBuf>,
-    /// Write the FLIP error as a PNG heat map, black is 0 and light yellow 1.
+    /// Write the FLIP error as a PNG heat map: black is 0 (the same), through purple and orange, to
+    /// light yellow, 1 (as different as can be seen); the scale is always 0 to 1.
     #[arg(long, value_name = "PNG")]
     pub flip_map: Option<PathBuf>,
     /// Exit with 6 when the mean FLIP of the frame, or inside the mask, is above this (0 to 1).

@@ -115,6 +115,7 @@ fn gpu_light(light: &Light) -> GpuLight {
             intensity_cd,
             inner_deg,
             outer_deg,
+            ..
         } => {
             out.kind = 1;
             out.position = position.to_array();

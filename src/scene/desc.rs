@@ -18,8 +18,8 @@ pub use self::{
     motion::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
         LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
-        NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, ParamValue, TimelineDesc,
-        TrackDesc,
+        NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, PairKeyDesc,
+        PairOscillateDesc, PairTrackDesc, ParamValue, TimelineDesc, TrackDesc, Tracks,
     },
 };
 use super::{diagnostic::Span, script::Script};
@@ -138,6 +138,8 @@ pub struct MaterialDesc {
     pub normal_texture: Option<At<String>>,
     /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made. Default 1.
     pub normal_scale: Option<f32>,
+    /// Strength of the file's occlusion map, 0 to 1: how much it darkens the environment's light. Default 1, or the glTF value.
+    pub occlusion_strength: Option<f32>,
     /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
     pub emission: Option<Vec3>,
     /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.

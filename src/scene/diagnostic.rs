@@ -11,6 +11,8 @@ use std::{
     sync::Arc,
 };
 
+use super::script::Returned;
+
 /// A text file that messages point into.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Source {
@@ -18,6 +20,8 @@ pub struct Source {
     pub path: PathBuf,
     /// Its whole text.
     pub text: String,
+    /// For text that has no file because a script returned it: where messages point instead.
+    pub returned: Option<Returned>,
 }
 
 /// A range of bytes in a [`Source`]; the default span points nowhere.
@@ -79,13 +83,31 @@ impl Source {
     }
 }
 
+impl Span {
+    /// Where messages point: into a script for what that returned.
+    pub fn shown(self) -> Self {
+        self.in_script().map_or(self, |(span, _)| span)
+    }
+
+    /// For a place in what a script returned: where in the script that is, and what it is called.
+    fn in_script(&self) -> Option<(Self, String)> {
+        let source = self.source.as_ref()?;
+        let returned = source.returned.as_ref()?;
+        Some(returned.explain(&source.text, &self.range))
+    }
+}
+
 impl Diagnostic {
-    /// An error at a place in a text.
+    /// An error at a place in a text; what a script returned is named, and its place is the script.
     pub fn at(name: &'static str, span: Span, message: impl Into<String>) -> Self {
+        let (span, message) = match span.in_script() {
+            Some((span, entry)) => (span, format!("{entry}: {}", message.into())),
+            None => (span, message.into()),
+        };
         Self {
             severity: Severity::Error,
             name,
-            message: message.into(),
+            message,
             span,
             file: None,
             help: None,
@@ -101,7 +123,7 @@ impl Diagnostic {
 
     /// The same message with a second place and what is there.
     pub fn related(mut self, span: Span, note: impl Into<String>) -> Self {
-        self.related = Some((span, note.into()));
+        self.related = Some((span.shown(), note.into()));
         self
     }
 

@@ -2,6 +2,7 @@
 
 mod clock;
 mod material;
+pub mod number;
 mod parts;
 mod track;
 
@@ -9,14 +10,13 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
-pub use self::material::{FileMaterial, MaterialChange, file_materials};
-pub use self::parts::{Kind, LightParts, wrong_with_camera};
-use self::track::Track;
+pub use self::material::{FileMaterial, MaterialChange, Values, file_materials, written};
+pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
+use self::{number::Field, track::Track};
 use super::{
     desc::{
-        AnimationDesc, CameraDesc, CameraMotionDesc, Entry, InstanceDesc, InstanceMotionDesc,
-        LightDesc, LightMotionDesc, MaterialDesc, MaterialMotionDesc, PlacementDesc, SceneDesc,
-        TrackDesc,
+        AnimationDesc, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LightDesc,
+        MaterialDesc, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
 };
@@ -57,6 +57,8 @@ pub struct Names {
     pub materials: HashMap<String, usize>,
     /// Of [`file_materials`], by model and material.
     pub file_materials: HashMap<(String, String), usize>,
+    /// What the scene's tables say of each of those.
+    pub written: Vec<MaterialDesc>,
     /// Which instances may move.
     pub dynamic: Vec<bool>,
     /// Which instances play animations.
@@ -71,6 +73,7 @@ impl Names {
             names.map(|(i, e)| (e.name.clone(), i)).collect()
         }
         let named = desc.instances.iter().enumerate();
+        let of_files = file_materials(desc);
         Self {
             cameras: entries(&desc.cameras),
             instances: named
@@ -78,9 +81,10 @@ impl Names {
                 .collect(),
             lights: entries(&desc.lights),
             materials: entries(&desc.materials),
-            file_materials: (file_materials(desc).into_iter().enumerate())
+            file_materials: (of_files.iter().enumerate())
                 .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
                 .collect(),
+            written: of_files.iter().map(|m| written(desc, m)).collect(),
             dynamic: moving(desc),
             playing: desc
                 .instances
@@ -144,10 +148,30 @@ pub struct Motion<'a> {
     rest: FrameState,
     names: std::sync::Arc<Names>,
     instances: Vec<(usize, [Option<Track<'a>>; 3])>,
-    cameras: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
-    lights: Vec<(usize, &'a Span, [Option<Track<'a>>; 4])>,
-    materials: Vec<(usize, material::Tracks<'a>)>,
-    file_materials: Vec<(usize, material::Tracks<'a>)>,
+    cameras: Vec<Moved<'a>>,
+    lights: Vec<Moved<'a>>,
+    materials: Vec<Moved<'a>>,
+    file_materials: Vec<Moved<'a>>,
+}
+
+/// Something that tracks move, by its index.
+#[derive(Debug)]
+struct Moved<'a> {
+    index: usize,
+    at: &'a Span,
+    /// With the index of the [`Field`] that each changes.
+    tracks: Vec<(usize, Track<'a>)>,
+}
+
+impl Moved<'_> {
+    /// Sets what moves of `to`, which is at rest.
+    fn pose<T>(&self, to: &mut T, fields: &[Field<T>], time_s: f64, instances: &[Affine3A]) {
+        for (field, track) in &self.tracks {
+            let field = &fields[*field];
+            let rest = (field.get)(to).unwrap_or(Vec3::ZERO);
+            field.put_clamped(to, track.at(time_s, rest, instances));
+        }
+    }
 }
 
 impl<'a> Motion<'a> {
@@ -175,37 +199,39 @@ impl<'a> Motion<'a> {
             let tracks = [&m.translation, &m.rotation_deg, &m.scale].map(track);
             Some((*names.instances.get(&e.name)?, tracks))
         };
-        let camera = |e: &'a Entry<CameraMotionDesc>| {
-            let m = &e.value;
-            let tracks = [&m.eye, &m.target, &m.up, &m.fov_deg].map(track);
-            Some((*names.cameras.get(&e.name)?, &e.at, tracks))
+        let moved = |index, at, tracks: &'a Tracks| Moved {
+            index,
+            at,
+            tracks: tracks
+                .iter()
+                .map(|(field, t)| (*field, Track::new(t, find)))
+                .collect(),
         };
-        let light = |e: &'a Entry<LightMotionDesc>| {
-            let m = &e.value;
-            // A light has one of the intensities.
-            let intensity = if m.intensity_cd.is_some() {
-                &m.intensity_cd
-            } else {
-                &m.intensity_lux
-            };
-            let tracks = [&m.position, &m.direction, intensity, &m.color].map(track);
-            Some((*names.lights.get(&e.name)?, &e.at, tracks))
-        };
-        let material = |e: &'a Entry<MaterialMotionDesc>| {
-            Some((*names.materials.get(&e.name)?, material::tracks(&e.value)))
-        };
+        let cameras = motion.cameras.iter().filter_map(|e| {
+            let index = *names.cameras.get(&e.name)?;
+            Some(moved(index, &e.at, &e.value.tracks))
+        });
+        let lights = motion.lights.iter().filter_map(|e| {
+            let index = *names.lights.get(&e.name)?;
+            Some(moved(index, &e.at, &e.value.tracks))
+        });
+        let materials = motion.materials.iter().filter_map(|e| {
+            let index = *names.materials.get(&e.name)?;
+            Some(moved(index, &e.at, &e.value.tracks))
+        });
         let of_files = motion.models.iter().flat_map(|model| {
             let materials = model.value.materials.iter();
-            materials.map(|e| ((model.name.clone(), e.name.clone()), &e.value))
+            materials.map(|e| ((model.name.clone(), e.name.clone()), e))
         });
-        let of_files = of_files.filter_map(|(key, motion)| {
-            Some((*names.file_materials.get(&key)?, material::tracks(motion)))
+        let of_files = of_files.filter_map(|(key, e)| {
+            let index = *names.file_materials.get(&key)?;
+            Some(moved(index, &e.at, &e.value.tracks))
         });
         Self {
             instances: motion.instances.iter().filter_map(instance).collect(),
-            cameras: motion.cameras.iter().filter_map(camera).collect(),
-            lights: motion.lights.iter().filter_map(light).collect(),
-            materials: motion.materials.iter().filter_map(material).collect(),
+            cameras: cameras.collect(),
+            lights: lights.collect(),
+            materials: materials.collect(),
             file_materials: of_files.collect(),
             rest,
             names: std::sync::Arc::new(names),
@@ -237,11 +263,13 @@ impl<'a> Motion<'a> {
         for (index, tracks) in &self.instances {
             state.instances[*index] = self.instance(*index, tracks, state.time_s);
         }
-        for (index, tracks) in &self.materials {
-            material::pose(&mut state.materials[*index], tracks, state.time_s);
+        for moved in &self.materials {
+            let material = &mut state.materials[moved.index];
+            material::pose(material, &moved.tracks, state.time_s);
         }
-        for (index, tracks) in &self.file_materials {
-            state.file_materials[*index] = material::change(tracks, state.time_s);
+        for moved in &self.file_materials {
+            let change = material::change(&moved.tracks, state.time_s);
+            state.file_materials[moved.index] = change;
         }
         self.follow(&mut state, |_, _| true);
         if let Some(script) = &self.desc.script {
@@ -287,37 +315,20 @@ impl<'a> Motion<'a> {
     /// Moves cameras and lights, which may follow instances.
     fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
         let (time_s, instances) = (state.time_s, &state.instances);
-        let set = |slot: &mut Vec3, track: &Option<Track>, rest: Vec3| {
-            if let Some(track) = track {
-                *slot = track.at(time_s, rest, instances);
-            }
-        };
-        for (index, _, [eye, target, up, fov]) in &self.cameras {
-            if !wanted(Kind::Camera, *index) {
-                continue;
-            }
-            let (camera, rest) = (&mut state.cameras[*index], &self.rest.cameras[*index]);
-            set(&mut camera.eye, eye, rest.eye);
-            set(&mut camera.target, target, rest.target);
-            set(&mut camera.up, up, rest.up);
-            if let Some(fov) = fov {
-                camera.fov_deg = fov.number_at(time_s, rest.fov_deg).clamp(1.0, 170.0);
+        for moved in &self.cameras {
+            if wanted(Kind::Camera, moved.index) {
+                let camera = &mut state.cameras[moved.index];
+                camera.clone_from(&self.rest.cameras[moved.index]);
+                moved.pose(camera, &number::CAMERA, time_s, instances);
             }
         }
-        for (index, _, [position, direction, intensity, color]) in &self.lights {
-            if !wanted(Kind::Light, *index) {
-                continue;
+        for moved in &self.lights {
+            if wanted(Kind::Light, moved.index) {
+                let light = &mut state.lights[moved.index];
+                *light = self.rest.lights[moved.index];
+                moved.pose(light, &number::LIGHT, time_s, instances);
+                number::settle(light);
             }
-            let (light, rest) = (&mut state.lights[*index], &self.rest.lights[*index]);
-            let (mut now, old) = (LightParts::of(&rest.kind), LightParts::of(&rest.kind));
-            set(&mut now.position, position, old.position);
-            set(&mut now.direction, direction, old.direction);
-            if let Some(track) = intensity {
-                now.intensity = track.number_at(time_s, old.intensity).max(0.0);
-            }
-            now.put(&mut light.kind);
-            set(&mut light.color, color, rest.color);
-            light.color = light.color.max(Vec3::ZERO);
         }
     }
 
@@ -327,20 +338,16 @@ impl<'a> Motion<'a> {
         let mut refuse = |at: &Span, message: String| {
             errors.push(Diagnostic::at("bad-pose", at.clone(), message));
         };
-        for (index, at, _) in &self.cameras {
+        for Moved { index, at, .. } in &self.cameras {
             if let Some(wrong) = wrong_with_camera(&state.cameras[*index]) {
                 let name = &self.desc.cameras[*index].name;
                 refuse(at, format!("in frame {frame}, camera \"{name}\" {wrong}"));
             }
         }
-        for (index, at, _) in &self.lights {
-            let parts = LightParts::of(&state.lights[*index].kind);
-            if !parts.position.is_finite() || parts.direction.try_normalize().is_none() {
+        for Moved { index, at, .. } in &self.lights {
+            if let Some(wrong) = wrong_with_light(&state.lights[*index]) {
                 let name = &self.desc.lights[*index].name;
-                refuse(
-                    at,
-                    format!("in frame {frame}, light \"{name}\" has no direction"),
-                );
+                refuse(at, format!("in frame {frame}, light \"{name}\" {wrong}"));
             }
         }
         if errors.is_empty() {

@@ -4,7 +4,7 @@
 mod names;
 mod notes;
 mod params;
-mod range;
+pub mod range;
 mod read;
 mod report;
 mod script;
@@ -88,6 +88,7 @@ fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
     let source = Source {
         path: path.to_owned(),
         text,
+        returned: None,
     };
     let span = Span {
         source: Some(source.into()),

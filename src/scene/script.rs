@@ -8,6 +8,8 @@ mod context;
 mod engine;
 mod error;
 mod locate;
+mod returned;
+mod set;
 mod sources;
 
 use std::{
@@ -32,6 +34,8 @@ use super::{
     motion::{FrameState, Kind, Names},
     trail::Trail,
 };
+
+pub use self::returned::Returned;
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
@@ -200,6 +204,12 @@ impl Script {
             Box::new(Diagnostic::at("script-result", start, message))
         })?;
         Ok(text)
+    }
+
+    /// What mistakes of the text that [`Script::setup`] gave are explained by.
+    pub fn returned(&self) -> Returned {
+        let Compiled { sources, name, .. } = &*self.0;
+        Returned::new(sources.all(), sources.start_of_function(name, "setup"))
     }
 
     /// Calls `frame` on a posed scene: the scene as it leaves it, and which cameras and lights it

@@ -37,7 +37,7 @@ mod skin;
 mod transform;
 pub(super) mod uri;
 
-pub use animation::{Clip, Playable, StageTime, playable};
+pub use animation::{Clip, Playable, Stage, StageTime, playable};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
 pub use uri::Sandbox;
@@ -61,10 +61,22 @@ pub struct Model {
     pub rig: Arc<Rig>,
     /// What can move them.
     pub clips: Vec<Clip>,
+    /// The USD stage that it was converted from.
+    pub stage: Stage,
     /// Named, counted warnings.
     pub warnings: Vec<Diagnostic>,
     /// The file and the buffers that it names.
     pub files: Vec<PathBuf>,
+}
+
+impl Model {
+    /// What it can play.
+    pub fn playable(&self) -> Playable {
+        Playable {
+            clips: self.clips.clone(),
+            stage: self.stage,
+        }
+    }
 }
 
 /// Something that hangs on a node.
@@ -222,6 +234,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     reference::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
+    model.stage = Stage::of(&root);
     model.clips = animation::read(&root, &data);
     for fault in model
         .clips

@@ -18,6 +18,7 @@ use crate::scene::{
     trail::Trail,
 };
 
+mod ahead;
 mod camera;
 mod copies;
 mod extras;
@@ -30,6 +31,7 @@ mod place;
 mod stand;
 mod tangent;
 
+pub use ahead::Ahead;
 pub(super) use copies::invertible;
 pub use kept::Kept;
 
@@ -46,6 +48,8 @@ pub struct LoadOptions {
     pub max_file_bytes: u64,
     /// Where it is noted what was looked for.
     pub trail: Trail,
+    /// What was read already.
+    pub ahead: Ahead,
 }
 
 impl Default for LoadOptions {
@@ -56,6 +60,7 @@ impl Default for LoadOptions {
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
             trail: Trail::default(),
+            ahead: Ahead::default(),
         }
     }
 }
@@ -117,15 +122,7 @@ enum Source {
 
 /// An error at a place in the scene text.
 fn error_at(name: &'static str, at: &Span, message: impl Into<String>) -> Diagnostic {
-    Diagnostic {
-        severity: Severity::Error,
-        name,
-        message: message.into(),
-        span: at.clone(),
-        file: None,
-        help: None,
-        related: None,
-    }
+    Diagnostic::at(name, at.clone(), message)
 }
 
 /// `did you mean "…"?` where a name is close.
@@ -242,7 +239,8 @@ impl<'a> Loader<'a> {
         let read = if usd::is_stage(path) {
             self.read_stage(path)
         } else {
-            read_guarded(path, &self.sandbox)
+            let ready = self.options.ahead.take(path);
+            ready.map_or_else(|| read_guarded(path, &self.sandbox), Ok)
         };
         match read {
             Ok(model) => {
@@ -252,11 +250,8 @@ impl<'a> Loader<'a> {
                 Some(self.loaded.len() - 1)
             }
             Err(errors) => {
-                self.errors
-                    .extend(errors.into_iter().map(|error| Diagnostic {
-                        related: Some((named_at.clone(), "named here".into())),
-                        ..error
-                    }));
+                let named = |error: Diagnostic| error.related(named_at.clone(), "named here");
+                self.errors.extend(errors.into_iter().map(named));
                 None
             }
         }

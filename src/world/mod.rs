@@ -122,6 +122,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Strength of the normal map.
     pub normal_scale: f32,
+    /// Texture repetitions along u and v, on top of each texture's own transform.
+    pub uv_scale: [f32; 2],
     /// Strength of the occlusion map, 0 to 1; darkens the environment's light, not that of lamps.
     pub occlusion_strength: f32,
     /// Cut-out threshold; `None` is opaque.
@@ -154,6 +156,7 @@ impl Default for Material {
             reflectivity: 0.04,
             emission: Vec3::ZERO,
             normal_scale: 1.0,
+            uv_scale: [1.0; 2],
             occlusion_strength: 1.0,
             alpha_cutoff: None,
             double_sided: false,
@@ -170,7 +173,7 @@ impl Default for Material {
 
 impl Material {
     /// Base color, metallic-roughness, normal, occlusion and emission textures, in the order in
-    /// which the shaders know them.
+    /// which the shaders know them, with `uv_scale` in their transforms.
     pub fn slots(&self) -> [Option<TextureRef>; 5] {
         [
             self.base_color_texture,
@@ -179,6 +182,13 @@ impl Material {
             self.occlusion_texture,
             self.emission_texture,
         ]
+        .map(|slot| {
+            slot.map(|mut slot| {
+                slot.transform[0] *= self.uv_scale[0];
+                slot.transform[1] *= self.uv_scale[1];
+                slot
+            })
+        })
     }
 }
 

@@ -300,6 +300,9 @@ impl Material {
             metallic: Some(self.metallic),
             roughness: Some(self.roughness),
             normal_scale: Some(self.normal_scale),
+            occlusion_strength: Some(self.occlusion_strength),
+            uv_scale: Some(self.uv_scale),
+            alpha_cutoff: self.alpha_cutoff,
             emission: Some(self.emission),
             emission_strength: Some(1.0),
             reflectivity: Some(self.reflectivity),
@@ -309,7 +312,7 @@ impl Material {
 
     /// Sets the numbers that motion may change, where `desc` says them.
     fn set_numbers(&mut self, desc: &MaterialDesc) {
-        fn set(slot: &mut f32, value: Option<f32>) {
+        fn set<T>(slot: &mut T, value: Option<T>) {
             if let Some(value) = value {
                 *slot = value;
             }
@@ -320,6 +323,10 @@ impl Material {
         set(&mut self.metallic, desc.metallic);
         set(&mut self.roughness, desc.roughness);
         set(&mut self.normal_scale, desc.normal_scale);
+        set(&mut self.occlusion_strength, desc.occlusion_strength);
+        set(&mut self.uv_scale, desc.uv_scale);
+        self.alpha_cutoff = desc.alpha_cutoff.or(self.alpha_cutoff);
+        self.checker = desc.checker.or(self.checker);
         set(&mut self.reflectivity, desc.reflectivity);
         if let Some(emission) = desc.emission {
             self.emission = emission;

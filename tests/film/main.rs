@@ -4,6 +4,7 @@
 mod checked;
 #[path = "../common/mod.rs"]
 mod common;
+mod full;
 mod places;
 #[cfg(unix)]
 mod stopped;

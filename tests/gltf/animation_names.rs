@@ -1,7 +1,14 @@
 //! Animations of glTF files: their names, what is wrong with broken ones, and what is left out.
 
 use glam::{Affine3A, Quat, Vec3};
-use reflet::{scene::desc::InstanceDesc, world::gltf};
+use reflet::{
+    app::scene::source,
+    scene::{desc::InstanceDesc, parse},
+    world::{
+        gltf,
+        load::{self, LoadOptions},
+    },
+};
 use serde_json::{Value, json};
 
 use crate::{
@@ -239,17 +246,34 @@ fn a_file_tells_what_it_can_play() {
         })
         .collect();
     assert_eq!(found, [("drive", 2.0), ("spin", 1.0), ("turn", 1.0)]);
-    assert_eq!(playable.stage, None);
+    assert_eq!(playable.stage.time, None);
     let mut doc = cart();
     doc.json["scenes"][0]["extras"] = json!({"usd": {"timeCodesPerSecond": 30, "timeOrigin": 101,
         "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y", "domeRadiance": [1, 0.5, 0]}});
     folder.write("m.glb", doc.glb());
     let playable = gltf::playable(&path, &sandbox).expect("it can be read");
-    assert_eq!(playable.dome_radiance, Some([1.0, 0.5, 0.0]));
-    let stage = playable.stage.expect("it was a stage");
+    assert_eq!(playable.stage.dome_radiance, Some([1.0, 0.5, 0.0]));
+    let stage = playable.stage.time.expect("it was a stage");
     assert_eq!((stage.rate, stage.origin), (30.0, 101.0));
     assert_eq!(
         (stage.start_time_code, stage.end_time_code),
         (None, Some(150.0))
     );
+}
+
+/// Its timeline and its geometry are of one content, and it is read once.
+#[test]
+fn a_model_that_was_read_for_its_timeline_is_not_read_again() {
+    let folder = Folder::new();
+    let path = folder.write("m.glb", cart().glb());
+    let options = LoadOptions::default();
+    let (text, name) = source(Some(&path), &options, &[]).expect("it can be read");
+    assert!(text.contains("[timeline]"), "{text}");
+    let (desc, _) = parse::parse(&text, &name, &[]).expect("it is a scene");
+    folder.write("m.glb", "something else by now");
+    let world = load::load(&desc, &options).expect("it was read before");
+    assert!(!world.meshes.is_empty() && !world.moving.players.is_empty());
+    assert_eq!(world.files, [path.canonicalize().expect("it is there")]);
+    let errors = load::load(&desc, &options).expect_err("now it is read");
+    assert!(errors[0].file.is_some(), "{}", errors[0]);
 }

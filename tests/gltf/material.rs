@@ -130,6 +130,7 @@ fn overrides_apply_star_first_then_name_then_instance() {
     let star = MaterialDesc {
         roughness: Some(0.5),
         metallic: Some(0.5),
+        occlusion_strength: Some(0.25),
         uv_scale: Some([2.0, 2.0]),
         ..MaterialDesc::default()
     };
@@ -165,9 +166,10 @@ fn overrides_apply_star_first_then_name_then_instance() {
     );
     let [plain, white] = [0, 1].map(|i| &world.materials[world.instances[i].material]);
     assert_eq!((plain.roughness, plain.metallic), (0.1, 0.5));
+    assert_eq!(plain.occlusion_strength, 0.25);
     assert_eq!(plain.reflection, ReflectionMode::Mirror);
     assert_eq!(plain.emission, Vec3::new(2.0, 1.0, 0.0));
-    let rows = plain.base_color_texture.expect("texture").transform;
+    let rows = plain.slots()[0].expect("texture").transform;
     assert_eq!(rows, [Vec3::X * 3.0, Vec3::Y * 4.0]);
     assert_eq!(
         (white.base_color, white.roughness),

@@ -67,6 +67,7 @@ fn lights_and_cameras_of_files_are_placed() {
         intensity_cd,
         inner_deg,
         outer_deg,
+        ..
     } = lamp.desc.kind
     else {
         panic!("{lamp:?}")

@@ -70,6 +70,37 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
 }
 
 #[test]
+fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    session.live.pose(12);
+    let good = session.picture();
+    let failing = "fn frame(ctx) { if ctx.frame < 42 { throw \"too early\"; } }";
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    fs::write(&session.scene, text.replace("end = 40", "end = 41")).expect("written");
+    session.live.reload(&[Change::Scene].into());
+    let script = SCRIPT.replace("fn frame(ctx) {", &failing.replace("} }", "}"));
+    let end = |session: &Session| session.live.timeline().map(|t| t.end);
+    assert_eq!(end(&session), Some(41));
+    fs::write(&session.scene, text.replace("end = 40", "end = 80")).expect("written");
+    assert!(!session.save_script(&script).ok);
+    assert_eq!(
+        session.live.desc().timeline.as_ref().map(|t| t.end),
+        Some(41)
+    );
+    assert_eq!(
+        end(&session),
+        Some(80),
+        "what is offered is what is on disk"
+    );
+    assert!(session.picture() == good);
+    // The only good frames are those that the shown scene does not have.
+    assert!(session.live.pose(48) && session.live.problems.is_empty());
+    assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
+}
+
+#[test]
 fn parameters_outlive_a_save_that_fails() {
     let Some(mut session) = Session::new() else {
         return;

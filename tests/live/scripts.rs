@@ -196,7 +196,7 @@ fn broken_then_good_keeps_the_last_picture() {
         let (broken, line) = match round % 4 {
             0 => (SCRIPT.replace("fn setup(ctx) {", "fn setup(ctx {"), 2),
             1 => (SCRIPT.replace("`box${i}`, path", "`bax${i}`, path"), 11),
-            2 => (SCRIPT.replace("model: \"box\"", "modle: \"box\""), 3),
+            2 => (SCRIPT.replace("model: \"box\"", "modle: \"box\""), 5),
             _ => (SCRIPT.replace("parts/path", "parts/gone"), 1),
         };
         assert!(!session.save_script(&broken).ok, "round {round}");

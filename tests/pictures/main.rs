@@ -12,5 +12,6 @@ mod kit;
 mod lamp;
 mod material;
 mod mesh;
+mod moving;
 mod oracle;
 mod ray_list;

@@ -6,6 +6,8 @@ mod common;
 mod bad;
 mod docs;
 mod hostile;
+mod moving;
+mod returned;
 mod schema;
 mod set;
 mod shipped;

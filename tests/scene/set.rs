@@ -113,12 +113,26 @@ fn parameters_keep_their_kind() {
     ] {
         read_with(&text, &[&format!("params.{set}")]);
     }
+    // A float stays one however it is set, and whatever was set before.
+    for sets in [&["speed=2"][..], &["speed=2", "speed=2.5"], &["speed=0x10"]] {
+        let sets: Vec<_> = sets.iter().map(|set| format!("params.{set}")).collect();
+        let sets: Vec<_> = sets.iter().map(String::as_str).collect();
+        let params = read_with(&text, &sets).params;
+        let speed = params.iter().find(|p| p.name == "speed").map(|p| &p.value);
+        let is_float = matches!(speed, Some(ParamValue::Number(_)));
+        assert!(is_float, "{sets:?}: {speed:?}");
+    }
     for (set, says) in [
+        ("count=3.5", "`count` is a whole number, not 3.5"),
+        (
+            "count=3.5",
+            "declared as 3.0 in `[params]` it takes any number",
+        ),
         (
             "count=abc",
             "`count` is a whole number, not a text\n --> --set:1:14",
         ),
-        ("count=1.5", "not a number"),
+        ("count=1.5", "not 1.5"),
         ("speed=true", "`speed` is a number, not true or false"),
         ("on=1", "`on` is true or false, not a whole number"),
         ("word=1", "`word` is a text, not a whole number"),

@@ -7,7 +7,7 @@ use std::{
 
 use crate::common::shared_folder;
 use reflet::{
-    scene::{diagnostic::Diagnostic, parse},
+    scene::{diagnostic::Diagnostic, motion::Motion, parse},
     world::load::{self, LoadOptions},
 };
 
@@ -68,4 +68,30 @@ fn the_scene_in_the_readme_loads() {
     assert!(warnings.is_empty(), "{}", said(&warnings));
     let world = load::load(&desc, &LoadOptions::default());
     assert!(world.is_ok());
+}
+
+#[test]
+fn the_script_in_the_readme_poses_its_scene() {
+    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let block = |fence: &str| {
+        let (_, after) = readme.split_once(fence).expect("a block");
+        after.split_once("```").expect("its end").0
+    };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("hop.rhai"), block("```rust\n")).expect("written");
+    let scene = block("```toml\n");
+    let text = format!("script = \"hop.rhai\"\n{scene}\n[timeline]\nend = 47\n");
+    let (desc, warnings) = parse::parse(&text, &folder.join("scene.toml"), &[])
+        .unwrap_or_else(|e| panic!("{}", said(&e)));
+    assert!(warnings.is_empty(), "{}", said(&warnings));
+    let motion = Motion::new(&desc);
+    let [first, later] = [0, 7].map(|frame| {
+        motion
+            .pose(frame)
+            .unwrap_or_else(|e| panic!("{}", said(&e)))
+    });
+    assert_eq!(first.instances.len(), 4);
+    assert_ne!(first.instances[3], later.instances[3]);
+    assert_ne!(first.materials, later.materials);
 }

@@ -56,6 +56,7 @@ fn every_material_key_arrives() {
         metallic_roughness_texture = "mr.png"
         normal_texture = "n.png"
         normal_scale = 0.6
+        occlusion_strength = 0.9
         emission = [1, 2, 3]
         emission_strength = 4
         emission_texture = "e.png"
@@ -76,6 +77,7 @@ fn every_material_key_arrives() {
     assert_eq!(text(&all.metallic_roughness_texture), "mr.png");
     assert_eq!(text(&all.normal_texture), "n.png");
     assert_eq!(all.normal_scale, Some(0.6));
+    assert_eq!(all.occlusion_strength, Some(0.9));
     assert_eq!(all.emission, Some(Vec3::new(1.0, 2.0, 3.0)));
     assert_eq!(all.emission_strength, Some(4.0));
     assert_eq!(text(&all.emission_texture), "e.png");
@@ -285,6 +287,7 @@ fn lights_have_the_keys_of_their_kind() {
     let beam = common(LightKind::Spot {
         position: Vec3::new(1.0, 2.0, 3.0),
         direction: Vec3::NEG_Y,
+        target: Some(Vec3::new(1.0, 0.0, 3.0)),
         intensity_cd: 5.0,
         inner_deg: 10.0,
         outer_deg: 20.0,

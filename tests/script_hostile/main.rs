@@ -113,7 +113,7 @@ const FRAMES: &[(&str, &str)] = &[
         "ctx.material(\"paint\", #{ roughness: \"smooth\" })",
         "must be a number",
     ),
-    ("ctx.light(\"lamp\", #{ intensity_cd: -1 })", "0 to"),
+    ("ctx.light(\"lamp\", #{ intensity_cd: -1 })", "0 or more"),
     (
         "ctx.camera(\"main\", #{ eye: [0, 0, 0], target: [0, 0, 0] })",
         "same place",

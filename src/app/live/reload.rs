@@ -18,7 +18,10 @@ use crate::{
         parse,
         trail::Trail,
     },
-    world::{World, load},
+    world::{
+        World,
+        load::{self, LoadOptions},
+    },
 };
 
 /// A scene as it is on disk, and which frame is wanted; nothing is posed or loaded yet.
@@ -31,6 +34,8 @@ pub(super) struct Read {
     pub(super) tuned: Tuned,
     /// The wanted frame, moved into the timeline.
     pub(super) frame: u32,
+    /// For loading: what was read and looked for already.
+    pub(super) options: LoadOptions,
 }
 
 impl Read {
@@ -48,6 +53,13 @@ pub(super) struct Waiting {
     from_files: bool,
     /// Whether edits of materials outlive it.
     keeps_edits: bool,
+}
+
+impl Waiting {
+    /// As it is on disk.
+    pub(super) fn desc(&self) -> &SceneDesc {
+        &self.read.desc
+    }
 }
 
 /// Why a scene is not taken over.
@@ -72,7 +84,8 @@ pub(super) fn read(
     scripts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let (text, name) = source(origin.path.as_deref(), &origin.from, &origin.from.set)?;
+    let options = load_options(&origin.from, &Trail::default());
+    let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
     let declared = parse::params(&text, &origin.from.set);
     let declared: Option<Declared> =
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
@@ -89,6 +102,7 @@ pub(super) fn read(
         declared: declared.unwrap_or_default(),
         tuned,
         frame,
+        options,
     })
 }
 
@@ -264,10 +278,10 @@ impl Live {
             Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
-        let mut options = load_options(&self.origin.from, &self.trail);
         let relaid = if from_files {
             None
         } else {
+            let options = load_options(&self.origin.from, &self.trail);
             self.kept.relay(&self.world, &read.desc, &options)?
         };
         let wanted = options_of(&read.desc, self.wishes);
@@ -280,9 +294,8 @@ impl Live {
         } else {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
-            self.trail = Trail::default();
-            options.trail = self.trail.clone();
-            let (mut world, kept) = load::load_kept(&read.desc, &options)?;
+            self.trail = read.options.trail.clone();
+            let (mut world, kept) = load::load_kept(&read.desc, &read.options)?;
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }

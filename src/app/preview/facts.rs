@@ -170,7 +170,7 @@ impl Facts {
         }
         let dropped = live.renderer().plan().dropped.iter();
         Self {
-            timeline: live.desc().timeline.clone(),
+            timeline: live.timeline().cloned(),
             declared: live.declared().clone(),
             log: live.log().cloned().collect(),
             cameras: (world.cameras.iter())

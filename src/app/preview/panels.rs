@@ -292,6 +292,9 @@ pub fn judged(ui: &mut Ui, judged: Option<&Judged>, is_old: bool, choice: &mut C
                     }
                 });
             ui.checkbox(&mut choice.heat, "show where (FLIP)");
+            if choice.heat {
+                plot::heat_scale(ui);
+            }
             if is_old {
                 ui.weak("of an earlier view; X compares again");
             }

@@ -295,3 +295,11 @@ fn what_a_script_prints_is_listed() {
     click(&mut harness, "Script output");
     assert!(harness.query_by_label("three figures").is_some());
 }
+
+#[test]
+fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
+    let harness = Harness::new_ui(super::plot::heat_scale);
+    for text in ["0: the same", "FLIP 0.5", "1: most"] {
+        harness.get_by_label(text);
+    }
+}

@@ -2,10 +2,13 @@
 
 use eframe::egui::{self, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
 
-use crate::render::{
-    cause::{Cause, Source},
-    passes,
-    stats::Share,
+use crate::{
+    bench::metric::flip,
+    render::{
+        cause::{Cause, Source},
+        passes,
+        stats::Share,
+    },
 };
 
 /// Columns of a chart over time.
@@ -109,5 +112,25 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
             ui.painter().rect_filled(dot, 2.0, source_color(share.name));
             ui.label(egui::RichText::new(format!("{} {:.1}  ", share.name, share.percent)).small());
         }
+    });
+}
+
+/// The scale of a FLIP map: its colors from 0 to 1, and what the ends mean.
+pub fn heat_scale(ui: &mut Ui) {
+    const STEPS: usize = 128;
+    let width = ui.available_width();
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 12.0), Sense::hover());
+    let values: Vec<f32> = (0..STEPS).map(|i| i as f32 / (STEPS - 1) as f32).collect();
+    let x = |i: usize| rect.left() + rect.width() * i as f32 / STEPS as f32;
+    for (i, color) in flip::heat(&values).chunks_exact(3).enumerate() {
+        let part = Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range());
+        let color = rgb([color[0], color[1], color[2]]);
+        ui.painter().rect_filled(part, 0.0, color);
+    }
+    ui.columns(3, |columns| {
+        columns[0].small("0: the same");
+        columns[1].vertical_centered(|ui| ui.small("FLIP 0.5"));
+        let right = egui::Layout::right_to_left(egui::Align::Min);
+        columns[2].with_layout(right, |ui| ui.small("1: most"));
     });
 }

@@ -19,6 +19,7 @@ impl Window {
                 Ok(Report::Tuned(reload)) => {
                     let ms = reload.took.as_secs_f64() * 1e3;
                     self.note = if reload.ok {
+                        self.judged = None;
                         format!("the parameters took {ms:.0} ms")
                     } else {
                         "these parameters do not work".to_owned()
@@ -27,6 +28,8 @@ impl Window {
                 Ok(Report::Reloaded(reload, ms)) => {
                     let cpu = reload.took.as_secs_f64() * 1e3;
                     self.note = if reload.ok {
+                        // Its map would hide what the save has changed.
+                        self.judged = None;
                         format!(
                             "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
                         )

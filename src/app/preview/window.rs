@@ -173,6 +173,7 @@ impl Window {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
                     }
+                    self.judged = None;
                     self.ask(Task::Edit(edit));
                 }
                 Wish::Tune(tuned) => {

@@ -28,9 +28,11 @@ pub enum LightKind {
     Spot {
         /// Where it stands, meters.
         position: Vec3,
-        /// - `direction`: direction of the beam, of any length but 0.
-        /// - `target`: a point that the beam's middle meets, meters; in place of `direction`.
+        /// Direction of the beam, of any length but 0.
         direction: Vec3,
+        /// A point that the beam's middle meets, meters, wherever the light moves; in place of
+        /// `direction`.
+        target: Option<Vec3>,
         /// Luminous intensity in the middle of the beam, candela, 0 or more.
         intensity_cd: f32,
         /// Half angle that is fully lit, degrees, 0 to `outer_deg`. Default 0.

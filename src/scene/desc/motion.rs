@@ -43,17 +43,19 @@ impl MotionDesc {
     }
 }
 
+/// Which of a table of [`Field`](crate::scene::motion::number::Field)s, and how it changes.
+pub type Tracks = Vec<(usize, TrackDesc)>;
+
 /// `[motion.camera.NAME]`
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraMotionDesc {
-    /// Track of the position, meters.
-    pub eye: Option<TrackDesc>,
-    /// Track of the point looked at, meters; `{ follow = { instance = "car" } }` looks at an instance.
-    pub target: Option<TrackDesc>,
-    /// Track of the direction that is up in the picture.
-    pub up: Option<TrackDesc>,
-    /// Track of the vertical field of view, degrees, 1 to 170.
-    pub fov_deg: Option<TrackDesc>,
+    /// - `eye`: track of the position, meters.
+    /// - `target`: track of the point looked at, meters; `{ follow = { instance = "car" } }` looks
+    ///   at an instance.
+    /// - `up`: track of the direction that is up in the picture.
+    /// - `fov_deg`: track of the vertical field of view, degrees, 1 to 170.
+    /// - `near_m`: track of the nearest visible distance, meters, above 0.
+    pub tracks: Tracks,
 }
 
 /// `[motion.instance.NAME]`: of an instance that is placed by `translation`, `rotation_deg` or
@@ -72,36 +74,37 @@ pub struct InstanceMotionDesc {
 /// `[motion.light.NAME]`: only what the light's `kind` has.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightMotionDesc {
-    /// Track of where it stands, meters.
-    pub position: Option<TrackDesc>,
-    /// Track of the direction in which it shines, of any length but 0.
-    pub direction: Option<TrackDesc>,
-    /// Track of the luminous intensity, candela, 0 or more.
-    pub intensity_cd: Option<TrackDesc>,
-    /// Track of the illuminance of a directional light, lux, 0 or more.
-    pub intensity_lux: Option<TrackDesc>,
-    /// Track of the linear color, 0 or more.
-    pub color: Option<TrackDesc>,
+    /// - `position`: track of where it stands, meters.
+    /// - `direction`: track of the direction in which it shines, of any length but 0.
+    /// - `target`: track of the point that a spot's middle meets, meters; in place of `direction`.
+    /// - `intensity_cd`: track of the luminous intensity, candela, 0 or more.
+    /// - `intensity_lux`: track of the illuminance of a directional light, lux, 0 or more.
+    /// - `color`: track of the linear color, 0 or more.
+    /// - `inner_deg`: track of the half angle of a spot that is fully lit, degrees, 0 to
+    ///   `outer_deg`.
+    /// - `outer_deg`: track of the half angle where a spot ends, degrees, above 0 and below 90.
+    pub tracks: Tracks,
 }
 
 /// `[motion.material.NAME]`: numbers of a `[material.NAME]`, wherever it is used. What a track
 /// reaches beyond a number's range is cut off there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialMotionDesc {
-    /// Track of the linear base color, 0 to 1.
-    pub base_color: Option<TrackDesc>,
-    /// Track of the metalness, 0 to 1.
-    pub metallic: Option<TrackDesc>,
-    /// Track of the perceptual roughness, 0 to 1.
-    pub roughness: Option<TrackDesc>,
-    /// Track of the strength of the normal map, 0 to 4.
-    pub normal_scale: Option<TrackDesc>,
-    /// Track of the linear emitted color, 0 or more.
-    pub emission: Option<TrackDesc>,
-    /// Track of the factor on `emission`, 0 or more.
-    pub emission_strength: Option<TrackDesc>,
-    /// Track of the specular reflectance at normal incidence, 0 to 1.
-    pub reflectivity: Option<TrackDesc>,
+    /// - `base_color`: track of the linear base color, 0 to 1.
+    /// - `metallic`: track of the metalness, 0 to 1.
+    /// - `roughness`: track of the perceptual roughness, 0 to 1.
+    /// - `normal_scale`: track of the strength of the normal map, 0 to 4.
+    /// - `occlusion_strength`: track of the strength of the file's occlusion map, 0 to 1.
+    /// - `emission`: track of the linear emitted color, 0 or more.
+    /// - `emission_strength`: track of the factor on `emission`, 0 or more.
+    /// - `uv_scale`: track of the texture repetitions, two numbers.
+    /// - `alpha_cutoff`: track of the alpha below which it is cut out, 0 to 1; the material's own
+    ///   table must have an `alpha_cutoff`, which may be 0.
+    /// - `reflectivity`: track of the specular reflectance at normal incidence, 0 to 1.
+    /// - `checker_a`: track of the first color of its `checker`, 0 to 1.
+    /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
+    /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
+    pub tracks: Tracks,
 }
 
 /// `[motion.model.NAME]`: of a model with a `file`.
@@ -172,12 +175,16 @@ pub struct TrackDesc {
 /// `rate` and `oscillate` are then added to it.
 pub struct NumberTrackDesc;
 
+/// `uv_scale = { … }`, a track of two numbers: `keys` replace the value of the thing's own table;
+/// `rate` and `oscillate` are then added to it.
+pub struct PairTrackDesc;
+
 /// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyDesc {
     /// When, seconds; later than the key before.
     pub at_s: f32,
-    /// The value then. A track of one number keeps it three times.
+    /// The value then.
     pub value: Vec3,
     /// How time passes from here to the next key. Default `"none"`.
     pub ease: Ease,
@@ -193,6 +200,9 @@ pub struct KeyDesc {
 
 /// `keys = [{ at_s = 0, value = 0.5 }, …]`, in the order of time.
 pub struct NumberKeyDesc;
+
+/// `keys = [{ at_s = 0, value = [1, 1] }, …]`, in the order of time.
+pub struct PairKeyDesc;
 
 /// `follow = { instance = "car", offset = [0, 1, 0] }`
 #[derive(Clone, Debug, PartialEq)]
@@ -229,6 +239,9 @@ pub struct OscillateDesc {
 
 /// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
 pub struct NumberOscillateDesc;
+
+/// `oscillate = { amplitude = [0.2, 0], period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
+pub struct PairOscillateDesc;
 
 /// A parameter of the scene's script.
 #[derive(Clone, Debug, PartialEq)]

@@ -63,6 +63,7 @@ mod tests {
         let source = Arc::new(Source {
             path: "a.toml".into(),
             text,
+            returned: None,
         });
         let span = |range| Span {
             source: Some(Arc::clone(&source)),

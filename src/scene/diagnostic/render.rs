@@ -190,6 +190,7 @@ mod tests {
         let source = Source {
             path: "a.toml".into(),
             text: text.to_owned(),
+            returned: None,
         };
         let span = Span {
             source: Some(Arc::new(source)),

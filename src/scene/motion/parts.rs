@@ -1,8 +1,9 @@
-//! Cameras and lights by their numbers, and what makes them useless.
+//! What makes cameras and lights useless.
 
 use glam::Vec3;
 
-use crate::scene::desc::{CameraDesc, LightKind};
+use super::number::{LIGHT, direction};
+use crate::scene::desc::{CameraDesc, LightDesc};
 
 /// What a script has set, so that tracks leave it alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,66 +29,15 @@ pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
     (forward.cross(up).length() < 1e-6).then_some("looks along its `up`")
 }
 
-/// The numbers of all kinds of lights.
-#[derive(Clone, Copy, Debug)]
-pub struct LightParts {
-    /// Zero for directional lights.
-    pub position: Vec3,
-    /// Down for point lights.
-    pub direction: Vec3,
-    /// Candela or lux.
-    pub intensity: f32,
-}
-
-impl LightParts {
-    /// What a light has of them.
-    pub fn of(kind: &LightKind) -> Self {
-        let (position, direction, intensity) = match *kind {
-            LightKind::Point {
-                position,
-                intensity_cd,
-            } => (position, Vec3::NEG_Y, intensity_cd),
-            LightKind::Spot {
-                position,
-                direction,
-                intensity_cd,
-                ..
-            } => (position, direction, intensity_cd),
-            LightKind::Directional {
-                direction,
-                intensity_lux,
-            } => (Vec3::ZERO, direction, intensity_lux),
-        };
-        Self {
-            position,
-            direction,
-            intensity,
-        }
+/// Why a light could not shine.
+pub fn wrong_with_light(light: &LightDesc) -> Option<&'static str> {
+    let usable = |v: Option<Vec3>| v.is_none_or(Vec3::is_finite);
+    let direction = direction(light);
+    let stands = LIGHT.iter().all(|field| usable((field.get)(light)));
+    if !stands {
+        return Some("has a number that is not finite");
     }
-
-    /// Writes back what this kind of light has.
-    pub fn put(self, kind: &mut LightKind) {
-        match kind {
-            LightKind::Point {
-                position,
-                intensity_cd,
-            } => (*position, *intensity_cd) = (self.position, self.intensity),
-            LightKind::Spot {
-                position,
-                direction,
-                intensity_cd,
-                ..
-            } => {
-                (*position, *intensity_cd) = (self.position, self.intensity);
-                *direction = self.direction.try_normalize().unwrap_or(Vec3::ZERO);
-            }
-            LightKind::Directional {
-                direction,
-                intensity_lux,
-            } => {
-                *intensity_lux = self.intensity;
-                *direction = self.direction.try_normalize().unwrap_or(Vec3::ZERO);
-            }
-        }
-    }
+    direction
+        .is_some_and(|d| d == Vec3::ZERO)
+        .then_some("has no direction")
 }

@@ -60,11 +60,6 @@ impl<'a> Track<'a> {
         }
         value.as_vec3()
     }
-
-    /// The same for a track of one number.
-    pub fn number_at(&self, time_s: f64, base: f32) -> f32 {
-        self.at(time_s, Vec3::splat(base), &[]).x
-    }
 }
 
 fn on_orbit(orbit: &OrbitDesc, position: DVec3, time_s: f64) -> DVec3 {

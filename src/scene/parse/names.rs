@@ -69,7 +69,7 @@ impl<'a> Names<'a> {
             }
             if let Some(meant) = suggest::nearest(&to.value, self.first.iter().copied()) {
                 let note = format!("{} is defined here", suggest::text(meant));
-                error.related = Some((report.span(&self.places[meant]), note));
+                error.related = Some((report.span(&self.places[meant]).shown(), note));
             }
         }
         report.push(error);

@@ -42,7 +42,8 @@ fn value(node: &Node, key: &str, report: &mut Report) -> Option<ParamValue> {
     match node.get_ref() {
         DeValue::Integer(_) | DeValue::Float(_) => {
             let x = number(node, key, report)?;
-            let whole = matches!(node.get_ref(), DeValue::Integer(_));
+            let whole = matches!(node.get_ref(), DeValue::Integer(_))
+                && !report.is_float(node.span().start);
             Some(if whole {
                 ParamValue::Integer(x as i64)
             } else {

@@ -72,6 +72,14 @@ impl Range {
         low && high
     }
 
+    /// The nearest number that is one of them; 1e-5 away from an end that is not.
+    pub fn clamp(&self, x: f32) -> f32 {
+        let inside = |end: f64, open: bool, by: f64| if open { end + by } else { end };
+        let min = inside(self.min, self.above_min, 1e-5);
+        let max = inside(self.max, self.below_max, -1e-5);
+        x.clamp(min as f32, max as f32)
+    }
+
     /// In words, such as `1 to 170` or `above 0`; empty for any number.
     pub fn words(&self) -> String {
         let low = self.min > -LIMIT;

@@ -120,6 +120,7 @@ impl Section for MaterialDesc {
             metallic_roughness_texture: t.find("metallic_roughness_texture", ANY),
             normal_texture: t.find("normal_texture", ANY),
             normal_scale: t.find("normal_scale", range(0.0, 4.0)),
+            occlusion_strength: t.find("occlusion_strength", UNIT),
             emission: t.find("emission", FROM_0),
             emission_strength: t.find("emission_strength", FROM_0),
             emission_texture: t.find("emission_texture", ANY),

@@ -1,8 +1,11 @@
 //! Where messages are collected while a scene is read, and what turns byte ranges into places.
 
-use std::{ops::Range, path::Path, sync::Arc};
+use std::{collections::HashSet, ops::Range, path::Path, sync::Arc};
 
-use crate::scene::diagnostic::{Diagnostic, Severity, Source, Span};
+use crate::scene::{
+    diagnostic::{Diagnostic, Severity, Source, Span},
+    script::Script,
+};
 
 /// Errors kept per run; a file with more than these is not a scene with mistakes but something else.
 const MOST: usize = 100;
@@ -19,15 +22,51 @@ pub struct Report {
     surplus: Option<Diagnostic>,
     left_out: usize,
     errors: usize,
+    /// Where values begin that are floats, though they are written as integers.
+    floats: HashSet<usize>,
 }
 
 impl Report {
     /// Adds a text and returns the position where it begins.
     pub fn add_source(&mut self, path: &Path, text: &str) -> usize {
+        self.add(Source {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            returned: None,
+        })
+    }
+
+    /// Adds what a script returned and returns the position where it begins.
+    pub fn add_returned(&mut self, script: &Script, text: &str) -> usize {
+        self.add(Source {
+            path: script.name().into(),
+            text: text.to_owned(),
+            returned: Some(script.returned()),
+        })
+    }
+
+    fn add(&mut self, source: Source) -> usize {
         let base = self.end();
-        let (path, text) = (path.to_owned(), text.to_owned());
-        self.sources.push((base, Arc::new(Source { path, text })));
+        self.sources.push((base, Arc::new(source)));
         base
+    }
+
+    /// Notes that the value that begins here is a float, though it is written as an integer.
+    pub fn keep_float(&mut self, start: usize) {
+        self.floats.insert(start);
+    }
+
+    /// Whether the value that begins here is a float in any case.
+    pub fn is_float(&self, start: usize) -> bool {
+        self.floats.contains(&start)
+    }
+
+    /// For reading the same values without telling what is wrong.
+    pub fn unheard(&self) -> Self {
+        Self {
+            floats: self.floats.clone(),
+            ..Self::default()
+        }
     }
 
     /// The first position after all texts; one is left between two, so that ends are unambiguous.
@@ -77,12 +116,14 @@ impl Report {
         at: &Range<usize>,
         message: impl Into<String>,
     ) -> &mut Diagnostic {
-        let diagnostic = Diagnostic::at(name, self.span(at), message);
         self.errors += 1;
         if self.is_full() {
+            // Nobody reads it, and finding its place may cost much.
             self.left_out += 1;
+            let diagnostic = Diagnostic::at(name, Span::default(), message);
             return self.surplus.insert(diagnostic);
         }
+        let diagnostic = Diagnostic::at(name, self.span(at), message);
         self.list.push(diagnostic);
         let last = self.list.len() - 1;
         &mut self.list[last]
@@ -98,15 +139,39 @@ impl Report {
         self.list.retain(keep);
     }
 
+    /// What a loop of a script has returned wrong again and again is told once.
+    fn merge_repeated(&mut self) {
+        let mut times: Vec<usize> = Vec::new();
+        let mut kept: Vec<Diagnostic> = Vec::new();
+        for next in self.list.drain(..) {
+            let is_own = |s: &Arc<Source>| self.sources.iter().any(|(_, t)| Arc::ptr_eq(s, t));
+            let in_script = next.span.source.as_ref().is_some_and(|s| !is_own(s));
+            let alike = |d: &Diagnostic| d.name == next.name && d.span == next.span;
+            match kept.iter().position(alike).filter(|_| in_script) {
+                Some(first) => times[first] += 1,
+                None => {
+                    kept.push(next);
+                    times.push(0);
+                }
+            }
+        }
+        for (diagnostic, more) in kept.iter_mut().zip(times).filter(|(_, more)| *more > 0) {
+            diagnostic.message += &format!(" (and {more} more like it)");
+        }
+        self.list = kept;
+    }
+
     /// All messages in the order of the text, file first; true if there were errors.
     pub fn finish(mut self) -> (Vec<Diagnostic>, bool) {
         let order = |d: &Diagnostic| {
             let source = d.span.source.as_ref();
-            let index =
-                source.and_then(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            let index = source.map(|s| self.sources.iter().position(|(_, t)| Arc::ptr_eq(s, t)));
+            // Scripts come last.
+            let index = index.map(|index| index.unwrap_or(usize::MAX));
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);
+        self.merge_repeated();
         let failed = self.errors > 0;
         if self.left_out > 0 {
             let message = format!("{} more messages are not shown", self.left_out);

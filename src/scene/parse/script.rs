@@ -52,7 +52,7 @@ pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) ->
         }
     };
     // Mistakes of these tables are reported when the whole scene is read.
-    let mut unheard = Report::default();
+    let mut unheard = report.unheard();
     let table = |key| root.get(key).and_then(|node| node.get_ref().as_table());
     let timeline: Option<TimelineDesc> =
         table("timeline").and_then(|t| Table::read(&mut unheard, t, Place::default()));
@@ -62,8 +62,7 @@ pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) ->
     }
     match script.setup(&values, timeline.as_ref()) {
         Ok(additions) => {
-            let name = format!("setup() of {}", script.name());
-            let base = report.add_source(Path::new(&name), &additions);
+            let base = report.add_returned(&script, &additions);
             Scripted {
                 script: Some(script),
                 additions,

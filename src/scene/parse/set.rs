@@ -151,12 +151,20 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
     } else if let (DeValue::Table(table), [params]) = (node.get_mut(), above)
         && params.name == "params"
         && let Some(declared) = table.get(last.name.as_str())
-        && !fits(declared.get_ref(), value.get_ref())
+        && !fits(declared, &value, report)
     {
-        let [own, other] = [declared, &value].map(|node| kind(node.get_ref()));
-        let message = format!("{} is {own}, not {other}", suggest::key(&last.name));
-        report.error("wrong-type", &value.span(), message);
+        let (own, key) = (kind(declared.get_ref()), suggest::key(&last.name));
+        let (other, help) = match (declared.get_ref(), value.get_ref()) {
+            (DeValue::Integer(i), DeValue::Float(x)) => {
+                let help = format!("declared as {i}.0 in `[params]` it takes any number");
+                (x.to_string(), Some(help))
+            }
+            (_, other) => (kind(other), None),
+        };
+        let message = format!("{key} is {own}, not {other}");
+        report.error("wrong-type", &value.span(), message).help = help;
     } else if let DeValue::Table(table) = node.get_mut() {
+        keep_kind(table.get(last.name.as_str()), above, &value, report);
         // Removed first, so that the key's position is the option's.
         table.remove(last.name.as_str());
         table.insert(
@@ -168,10 +176,23 @@ fn put<'i>(root: &mut Node<'i>, path: &[Segment], value: Node<'i>, report: &mut 
     }
 }
 
+/// A parameter that is declared as a float stays one, also where it is set to 3.
+fn keep_kind(declared: Option<&Node>, above: &[Segment], value: &Node, report: &mut Report) {
+    let is_param = matches!(above, [params] if params.name == "params");
+    let is_float = |declared: &Node| {
+        matches!(declared.get_ref(), DeValue::Float(_)) || report.is_float(declared.span().start)
+    };
+    if is_param && declared.is_some_and(is_float) {
+        report.keep_float(value.span().start);
+    }
+}
+
 /// Whether a parameter keeps its kind; a list also its length, as each place may have its meaning.
-fn fits(declared: &DeValue, value: &DeValue) -> bool {
-    match (declared, value) {
+fn fits(declared: &Node, value: &Node, report: &Report) -> bool {
+    match (declared.get_ref(), value.get_ref()) {
         (DeValue::Float(_), DeValue::Integer(_)) => true,
+        // Set to 3 before, it is a float all the same.
+        (DeValue::Integer(_), DeValue::Float(_)) => report.is_float(declared.span().start),
         (DeValue::Array(a), DeValue::Array(b)) => a.len() == b.len(),
         (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
     }

@@ -259,7 +259,7 @@ impl<'r, 'i> Table<'r, 'i> {
             [(first, first_at), rest @ ..] => {
                 for (key, at) in rest {
                     let message = format!("`{key}` cannot be combined with `{first}`");
-                    let other = self.report.span(first_at);
+                    let other = self.report.span(first_at).shown();
                     let error = self.report.error("conflicting-keys", at, message);
                     error.help = Some(format!("remove `{key}` or `{first}`"));
                     error.related = Some((other, format!("`{first}` is here")));

@@ -16,6 +16,12 @@ const TABLES: [(&str, &str, bool); 5] = [
     ("instances", "instance", true),
 ];
 
+/// What `setup` calls a table of the scene.
+pub fn plural(table: &str) -> String {
+    let known = TABLES.iter().find(|(_, own, _)| *own == table);
+    known.map_or(table, |(key, ..)| key).to_owned()
+}
+
 /// The returned map as scene text; nothing for `()`.
 ///
 /// # Errors

@@ -8,10 +8,17 @@ use std::{
 use glam::{Affine3A, DMat4, DVec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
-use super::api::value::{color, fail, number, rotation, scale, vector};
+use super::{
+    api::value::{fail, number, rotation, scale, vector},
+    set::{material_values, refuse_lacking, values},
+};
 use crate::scene::{
-    desc::{Entry, LightKind, MaterialDesc, ParamValue, TimelineDesc},
-    motion::{FrameState, Kind, LightParts, Names, wrong_with_camera},
+    desc::{Entry, LightKind, ParamValue, TimelineDesc},
+    motion::{
+        FrameState, Kind, Names,
+        number::{CAMERA, LIGHT, MATERIAL, settle},
+        wrong_with_camera, wrong_with_light,
+    },
     parse::suggest,
 };
 
@@ -231,15 +238,8 @@ impl Context {
         let index = self.find("camera", name, |n| &n.cameras)?;
         let mut scene = self.scene();
         let mut camera = scene.state.cameras[index].clone();
-        for (key, value) in keys {
-            let point = || Ok::<_, Box<EvalAltResult>>(vector(value, key)?.as_vec3());
-            match key.as_str() {
-                "eye" => camera.eye = point()?,
-                "target" => camera.target = point()?,
-                "up" => camera.up = point()?,
-                "fov_deg" => camera.fov_deg = ranged(value, key, 1.0, 170.0)?,
-                _ => return unknown(key, "a camera", &["eye", "target", "up", "fov_deg"]),
-            }
+        for (field, value) in values(&CAMERA, keys, "a camera", |_| true)? {
+            (field.put)(&mut camera, value);
         }
         if let Some(wrong) = wrong_with_camera(&camera) {
             return fail(format!("camera {} {wrong}", suggest::text(name)));
@@ -254,39 +254,30 @@ impl Context {
         let index = self.find("light", name, |n| &n.lights)?;
         let mut scene = self.scene();
         let mut light = scene.state.lights[index];
-        let mut parts = LightParts::of(&light.kind);
-        let (word, known): (_, &[&str]) = match light.kind {
-            LightKind::Point { .. } => ("a point light", &["position", "intensity_cd", "color"]),
-            LightKind::Spot { .. } => (
-                "a spot light",
-                &["position", "direction", "target", "intensity_cd", "color"],
-            ),
-            LightKind::Directional { .. } => (
-                "a directional light",
-                &["direction", "intensity_lux", "color"],
-            ),
+        let word = match light.kind {
+            LightKind::Point { .. } => "a point light",
+            LightKind::Spot { .. } => "a spot light",
+            LightKind::Directional { .. } => "a directional light",
         };
-        if let Some(key) = keys.keys().find(|key| !known.contains(&key.as_str())) {
-            return unknown(key, word, known);
+        let old = light;
+        for (field, value) in values(&LIGHT, keys, word, |f| (f.get)(&old).is_some())? {
+            (field.put)(&mut light, value);
         }
-        for (key, value) in keys {
-            match key.as_str() {
-                "position" => parts.position = vector(value, key)?.as_vec3(),
-                "direction" => parts.direction = vector(value, key)?.as_vec3(),
-                "color" => light.color = color(value, key, f64::from(f32::MAX))?,
-                "intensity_cd" | "intensity_lux" => {
-                    parts.intensity = ranged(value, key, 0.0, 1e12)?;
-                }
-                _ => {}
-            }
+        if let LightKind::Spot {
+            inner_deg,
+            outer_deg,
+            ..
+        } = light.kind
+            && inner_deg > outer_deg
+        {
+            return fail(format!(
+                "`inner_deg` must be 0 to `outer_deg`: {inner_deg} is more than {outer_deg}"
+            ));
         }
-        if let Some(target) = keys.get("target") {
-            parts.direction = vector(target, "target")?.as_vec3() - parts.position;
+        settle(&mut light);
+        if let Some(wrong) = wrong_with_light(&light) {
+            return fail(format!("light {} {wrong}", suggest::text(name)));
         }
-        if parts.direction.try_normalize().is_none() {
-            return fail(format!("light {} has no direction", suggest::text(name)));
-        }
-        parts.put(&mut light.kind);
         scene.state.lights[index] = light;
         scene.touched.insert((Kind::Light, index));
         Ok(())
@@ -298,7 +289,14 @@ impl Context {
         let values = material_values(keys)?;
         let mut scene = self.scene();
         let material = &mut scene.state.materials[index];
-        *material = material.overlaid(&values);
+        refuse_lacking(&values, material, || {
+            format!("material.{}", suggest::clip(name))
+        })?;
+        for (field, value) in MATERIAL.iter().zip(values) {
+            if let Some(value) = value {
+                (field.put)(material, value);
+            }
+        }
         Ok(())
     }
 
@@ -323,53 +321,13 @@ impl Context {
             return fail(format!("the scene has no table `[model.{path}]`; {hint}"));
         };
         let values = material_values(keys)?;
+        refuse_lacking(&values, &self.names()?.written[index], || {
+            let [model, name] = [model, name].map(suggest::clip);
+            format!("model.{model}.material.{name}")
+        })?;
         self.scene().state.file_materials[index].put(&values);
         Ok(())
     }
-}
-
-fn material_values(keys: &Map) -> Result<MaterialDesc> {
-    const KEYS: &[&str] = &[
-        "base_color",
-        "metallic",
-        "roughness",
-        "normal_scale",
-        "emission",
-        "emission_strength",
-        "reflectivity",
-    ];
-    let mut material = MaterialDesc::default();
-    for (key, value) in keys {
-        match key.as_str() {
-            "base_color" => material.base_color = Some(color(value, key, 1.0)?),
-            "metallic" => material.metallic = Some(ranged(value, key, 0.0, 1.0)?),
-            "roughness" => material.roughness = Some(ranged(value, key, 0.0, 1.0)?),
-            "normal_scale" => material.normal_scale = Some(ranged(value, key, 0.0, 4.0)?),
-            "emission" => material.emission = Some(color(value, key, 1e12)?),
-            "emission_strength" => {
-                material.emission_strength = Some(ranged(value, key, 0.0, 1e12)?);
-            }
-            "reflectivity" => material.reflectivity = Some(ranged(value, key, 0.0, 1.0)?),
-            _ => return unknown(key, "a material", KEYS),
-        }
-    }
-    Ok(material)
-}
-
-fn unknown<T>(key: &str, of: &str, known: &[&str]) -> Result<T> {
-    let hint = suggest::hint(key, known, suggest::key, "there are");
-    fail(format!(
-        "{of} has no {} that can be set; {hint}",
-        suggest::key(key)
-    ))
-}
-
-fn ranged(value: &Dynamic, key: &str, least: f64, most: f64) -> Result<f32> {
-    let x = number(value, key)?;
-    if !(least..=most).contains(&x) {
-        return fail(format!("`{key}` must be {least} to {most}, not {x}"));
-    }
-    Ok(x as f32)
 }
 
 /// Where a matrix puts the origin.

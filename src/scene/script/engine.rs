@@ -9,7 +9,8 @@ use std::{
 };
 
 use rhai::{
-    Dynamic, Engine,
+    Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map, NativeCallContext, Position,
+    Variant,
     packages::{
         ArithmeticPackage, BasicArrayPackage, BasicFnPackage, BasicIteratorPackage,
         BasicMapPackage, BasicMathPackage, BasicStringPackage, LogicPackage, MoreStringPackage,
@@ -129,12 +130,35 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.set_max_variables(VARIABLES);
     engine.on_progress(progress);
     engine.on_print(|text| print(text.to_owned()));
-    engine.on_debug(|text, source, at| {
-        print(format!("{}:{at:?}: {text}", source.unwrap_or_default()));
-    });
+    engine.on_debug(|text, source, at| print(placed(source, at, text)));
+    register_print::<ImmutableString>(&mut engine);
+    register_print::<char>(&mut engine);
+    register_print::<bool>(&mut engine);
+    register_print::<()>(&mut engine);
+    register_print::<f64>(&mut engine);
+    register_print::<Array>(&mut engine);
+    register_print::<Map>(&mut engine);
+    register_print::<Dynamic>(&mut engine);
     engine.set_module_resolver(Resolver(Arc::clone(sources)));
     api::register(&mut engine);
     engine
+}
+
+/// A line with the place that it comes from.
+fn placed(file: Option<&str>, at: Position, text: &str) -> String {
+    let (file, line) = (file.unwrap_or_default(), at.line().unwrap_or(0));
+    format!("{file}:{line}: {text}")
+}
+
+/// `print` of a type, in place of Rhai's own, which does not say where it was called.
+fn register_print<T: Variant + Clone>(engine: &mut Engine) {
+    engine.register_fn(
+        "print",
+        |context: NativeCallContext, value: T| -> Result<ImmutableString, Box<EvalAltResult>> {
+            let text: ImmutableString = context.call_native_fn("to_string", (value,))?;
+            Ok(placed(context.call_source(), context.call_position(), &text).into())
+        },
+    );
 }
 
 fn progress(operations: u64) -> Option<Dynamic> {

@@ -75,6 +75,7 @@ impl Sources {
         let source = Source {
             path: name.into(),
             text: text.to_owned(),
+            returned: None,
         };
         self.state().texts.push((name.to_owned(), Arc::new(source)));
     }
@@ -135,6 +136,12 @@ impl Sources {
         texts
             .map(|(name, s)| (name.clone(), s.text.clone()))
             .collect()
+    }
+
+    /// All texts, the script's own first.
+    pub fn all(&self) -> Vec<Arc<Source>> {
+        let state = self.state();
+        state.texts.iter().map(|(_, s)| Arc::clone(s)).collect()
     }
 
     /// Paths of the files.

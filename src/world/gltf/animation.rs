@@ -39,10 +39,31 @@ fn fault(text: impl Into<String>) -> Fault {
 pub struct Playable {
     /// Its animations.
     pub clips: Vec<Clip>,
-    /// The time of the USD stage that it was converted from.
-    pub stage: Option<StageTime>,
-    /// What dome lights of that stage send from everywhere, nits.
+    /// The USD stage that it was converted from.
+    pub stage: Stage,
+}
+
+/// What the converter says of a stage; nothing where the file comes from none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stage {
+    /// Its time.
+    pub time: Option<StageTime>,
+    /// What its dome lights send from everywhere, nits.
     pub dome_radiance: Option<[f32; 3]>,
+}
+
+impl Stage {
+    /// Of a file's scene.
+    pub fn of(root: &Root) -> Self {
+        let scene = root.scenes.get(root.scene.unwrap_or(0));
+        let usd = scene.and_then(|scene| scene.extras.get("usd"));
+        Self {
+            time: usd.and_then(|usd| StageTime::deserialize(usd).ok()),
+            dome_radiance: usd
+                .and_then(|usd| <[f32; 3]>::deserialize(usd.get("domeRadiance")?).ok())
+                .filter(|radiance| radiance.iter().all(|v| v.is_finite() && *v >= 0.0)),
+        }
+    }
 }
 
 /// How the seconds of a converted file relate to the time codes of its stage.
@@ -67,17 +88,11 @@ pub struct StageTime {
 /// A file that cannot be read, or whose buffers cannot.
 pub fn playable(path: &Path, sandbox: &Sandbox) -> Result<Playable, Fault> {
     let (root, binary) = container::open(sandbox.read(path)?)?;
-    let scene = root.scenes.get(root.scene.unwrap_or(0));
-    let usd = scene.and_then(|scene| scene.extras.get("usd"));
-    let stage = usd.and_then(|usd| StageTime::deserialize(usd).ok());
-    let dome_radiance = usd
-        .and_then(|usd| <[f32; 3]>::deserialize(usd.get("domeRadiance")?).ok())
-        .filter(|radiance| radiance.iter().all(|v| v.is_finite() && *v >= 0.0));
+    let stage = Stage::of(&root);
     if root.animations.is_empty() {
         return Ok(Playable {
             clips: Vec::new(),
             stage,
-            dome_radiance,
         });
     }
     let folder = path.parent().unwrap_or(Path::new("."));
@@ -86,7 +101,6 @@ pub fn playable(path: &Path, sandbox: &Sandbox) -> Result<Playable, Fault> {
     Ok(Playable {
         clips: read(&root, &data),
         stage,
-        dome_radiance,
     })
 }
 

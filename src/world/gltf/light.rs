@@ -40,6 +40,7 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
             LightKind::Spot {
                 position,
                 direction,
+                target: None,
                 intensity_cd: intensity,
                 inner_deg,
                 outer_deg,

@@ -129,6 +129,8 @@ impl Loader<'_> {
         set(&mut material.metallic, desc.metallic);
         set(&mut material.roughness, desc.roughness);
         set(&mut material.normal_scale, desc.normal_scale);
+        set(&mut material.occlusion_strength, desc.occlusion_strength);
+        set(&mut material.uv_scale, desc.uv_scale);
         set(&mut material.emission, desc.emission);
         set(&mut material.double_sided, desc.double_sided);
         set(&mut material.reflection, desc.reflection);
@@ -153,12 +155,6 @@ impl Loader<'_> {
         );
         texture(&mut material.normal_texture, &desc.normal_texture, false);
         texture(&mut material.emission_texture, &desc.emission_texture, true);
-        if let Some([u, v]) = desc.uv_scale {
-            for texture in slots(material).into_iter().flatten() {
-                texture.transform[0] *= u;
-                texture.transform[1] *= v;
-            }
-        }
     }
 
     /// An image file that the scene text names.

@@ -12,10 +12,10 @@ use crate::{
         cli::SceneArgs,
         error::AppError,
         live::Origin,
-        scene::{asset_folders, source},
+        scene::{asset_folders, load_options, source},
     },
     gpu::ShaderLibrary,
-    scene::{desc::SceneDesc, parse},
+    scene::{desc::SceneDesc, parse, trail::Trail},
 };
 
 /// What is edited.
@@ -114,7 +114,8 @@ impl SceneCopy {
                 ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
             }
         };
-        let (text, name) = source(path, from, &from.set).map_err(AppError::Scene)?;
+        let options = load_options(from, &Trail::default());
+        let (text, name) = source(path, &options, &from.set).map_err(AppError::Scene)?;
         let (desc, _) = parse::parse(&text, &name, &from.set).map_err(AppError::Scene)?;
         let folder = Folder::new()?;
         let below = desc.folder.display().to_string();

@@ -5,9 +5,15 @@ use toml::de::DeTable;
 use super::Names;
 use crate::scene::{
     desc::{
-        At, Entry, LightKind, MaterialMotionDesc, ModelSource, PlacementDesc, SceneDesc, TrackDesc,
+        At, Entry, LightKind, LightMotionDesc, MaterialDesc, MaterialMotionDesc, ModelMotionDesc,
+        ModelSource, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
+    motion::{
+        FileMaterial,
+        number::{CAMERA, Field, Form, LIGHT, MATERIAL},
+        written,
+    },
     parse::{report::Report, suggest},
 };
 
@@ -47,35 +53,57 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
         }
     }
     for entry in &motion.cameras {
-        let m = &entry.value;
-        for follow in [&m.eye, &m.target, &m.up].into_iter().filter_map(followed) {
-            refer_instance(scene, &follow.value, &follow.at, report);
-        }
+        check_tracks(scene, &entry.value.tracks, &CAMERA, &entry.at, report);
     }
     for entry in &motion.lights {
+        check_tracks(scene, &entry.value.tracks, &LIGHT, &entry.at, report);
         check_light(scene, entry, report);
     }
     for entry in &motion.materials {
-        check_material(entry, report);
+        check_tracks(scene, &entry.value.tracks, &MATERIAL, &entry.at, report);
+        if let Some(material) = scene.materials.iter().find(|m| m.name == entry.name) {
+            let path = || format!("material.{}", suggest::clip(&entry.name));
+            check_material(&material.value, entry, path, report);
+        }
     }
     for entry in &motion.models {
-        let model = scene.models.iter().find(|m| m.name == entry.name);
-        if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
-            let message = "this model is a shape, which has no materials of its own";
-            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
-                .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
-                .related(model.at.clone(), "the model is here");
-            report.push(error);
-        }
-        for material in &entry.value.materials {
-            check_material(material, report);
-        }
+        check_model(scene, entry, report);
     }
     if (!motion.is_empty() || scene.plays()) && scene.timeline.is_none() && report.errors() == 0 {
         let first = first_motion(scene).unwrap_or_default();
         let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
         let warning = Diagnostic::at("no-timeline", first, message);
         report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+    }
+}
+
+fn check_model(scene: &SceneDesc, entry: &Entry<ModelMotionDesc>, report: &mut Report) {
+    let model = scene.models.iter().find(|m| m.name == entry.name);
+    if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
+        let message = "this model is a shape, which has no materials of its own";
+        let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
+            .help("write `[motion.material.NAME]` with the name of its `[material.NAME]`")
+            .related(model.at.clone(), "the model is here");
+        report.push(error);
+    }
+    for material in &entry.value.materials {
+        check_tracks(
+            scene,
+            &material.value.tracks,
+            &MATERIAL,
+            &material.at,
+            report,
+        );
+        let of = FileMaterial {
+            model: &entry.name,
+            material: &material.name,
+        };
+        let path = || {
+            let [model, name] = [of.model, of.material].map(suggest::clip);
+            let name = if name == "*" { "\"*\"".into() } else { name };
+            format!("model.{model}.material.{name}")
+        };
+        check_material(&written(scene, &of), material, path, report);
     }
 }
 
@@ -94,8 +122,8 @@ fn first_motion(scene: &SceneDesc) -> Option<Span> {
     all.min_by_key(|at| at.range.start).cloned()
 }
 
-fn followed(track: &Option<TrackDesc>) -> Option<&At<String>> {
-    Some(&track.as_ref()?.follow.as_ref()?.instance)
+fn followed(track: &TrackDesc) -> Option<&At<String>> {
+    Some(&track.follow.as_ref()?.instance)
 }
 
 fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
@@ -127,51 +155,56 @@ fn refer_instance(scene: &SceneDesc, name: &str, at: &Span, report: &mut Report)
     report.push(Diagnostic::at("dangling-name", at.clone(), message).help(help));
 }
 
-fn check_light(
+/// Checks what tracks follow.
+fn check_tracks<T>(
     scene: &SceneDesc,
-    entry: &Entry<crate::scene::desc::LightMotionDesc>,
+    tracks: &Tracks,
+    fields: &[Field<T>],
+    at: &Span,
     report: &mut Report,
 ) {
-    let m = &entry.value;
-    for follow in [&m.position, &m.direction, &m.color]
-        .into_iter()
-        .filter_map(followed)
-    {
-        refer_instance(scene, &follow.value, &follow.at, report);
+    for (field, track) in tracks {
+        if fields[*field].form != Form::Color {
+            if let Some(follow) = followed(track) {
+                refer_instance(scene, &follow.value, &follow.at, report);
+            }
+        } else if track.follow.is_some() || track.orbit.is_some() {
+            let message = "a color is no position: `follow` and `orbit` do not go with it";
+            report.push(Diagnostic::at("wrong-motion", at.clone(), message));
+        }
     }
+}
+
+fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut Report) {
     let Some(light) = scene.lights.iter().find(|l| l.name == entry.name) else {
         return;
     };
-    let (kind, lacks): (_, &[(&str, bool)]) = match light.value.kind {
-        LightKind::Point { .. } => (
-            "point",
-            &[
-                ("direction", m.direction.is_some()),
-                ("intensity_lux", m.intensity_lux.is_some()),
-            ],
-        ),
-        LightKind::Spot { .. } => ("spot", &[("intensity_lux", m.intensity_lux.is_some())]),
-        LightKind::Directional { .. } => (
-            "directional",
-            &[
-                ("position", m.position.is_some()),
-                ("intensity_cd", m.intensity_cd.is_some()),
-            ],
-        ),
+    let kind = match light.value.kind {
+        LightKind::Point { .. } => "point",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Directional { .. } => "directional",
     };
-    for (key, _) in lacks.iter().filter(|(_, written)| *written) {
-        let message = format!("`{key}` does not go with a {kind} light");
+    let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
+    for field in fields.filter(|field| (field.get)(&light.value).is_none()) {
+        let message = format!("`{}` does not go with a {kind} light", field.key);
         let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
         report.push(error.related(light.at.clone(), "the light is here"));
     }
 }
 
-fn check_material(entry: &Entry<MaterialMotionDesc>, report: &mut Report) {
-    let m = &entry.value;
-    for track in [&m.base_color, &m.emission].into_iter().flatten() {
-        if track.follow.is_some() || track.orbit.is_some() {
-            let message = "a color is no position: `follow` and `orbit` do not go with it";
-            report.push(Diagnostic::at("wrong-motion", entry.at.clone(), message));
+/// What moves only where a material's table, at `path`, has it at rest.
+fn check_material(
+    rest: &MaterialDesc,
+    entry: &Entry<MaterialMotionDesc>,
+    path: impl Fn() -> String,
+    report: &mut Report,
+) {
+    for (field, _) in &entry.value.tracks {
+        let field = &MATERIAL[*field];
+        if let Some(lacking) = field.lacks(rest) {
+            let message = format!("`{}` moves, but `[{}]` has none", field.key, path());
+            let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
+            report.push(error.help(format!("write `{lacking}` in `[{}]`", path())));
         }
     }
 }

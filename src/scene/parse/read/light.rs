@@ -67,6 +67,7 @@ fn spot_light(t: &mut Table) -> Option<LightKind> {
     Some(LightKind::Spot {
         position: position?,
         direction: direction?,
+        target,
         intensity_cd: intensity_cd?,
         inner_deg,
         outer_deg,

@@ -5,8 +5,9 @@ use glam::Vec3;
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
+    motion::number::{self, Field, Form, Lanes},
     parse::{
-        range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
+        range::{ABOVE_0, ANY, Range, range},
         table::{Section, Table},
         value::Value,
     },
@@ -66,12 +67,8 @@ impl Section for CameraMotionDesc {
     const HEADING: &'static str = "[motion.camera.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        Some(Self {
-            eye: track::<Vec3>(t, "eye", ANY),
-            target: track::<Vec3>(t, "target", ANY),
-            up: track::<Vec3>(t, "up", ANY),
-            fov_deg: track::<f32>(t, "fov_deg", range(1.0, 170.0)),
-        })
+        let tracks = tracks(t, &number::CAMERA);
+        Some(Self { tracks })
     }
 }
 
@@ -93,13 +90,9 @@ impl Section for LightMotionDesc {
     const HEADING: &'static str = "[motion.light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        Some(Self {
-            position: track::<Vec3>(t, "position", ANY),
-            direction: track::<Vec3>(t, "direction", ANY),
-            intensity_cd: track::<f32>(t, "intensity_cd", FROM_0),
-            intensity_lux: track::<f32>(t, "intensity_lux", FROM_0),
-            color: track::<Vec3>(t, "color", FROM_0),
-        })
+        t.one_of(false, &[&["direction"], &["target"]]);
+        let tracks = tracks(t, &number::LIGHT);
+        Some(Self { tracks })
     }
 }
 
@@ -108,20 +101,27 @@ impl Section for MaterialMotionDesc {
     const HEADING: &'static str = "[motion.material.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        Some(Self {
-            base_color: track::<Vec3>(t, "base_color", UNIT),
-            metallic: track::<f32>(t, "metallic", UNIT),
-            roughness: track::<f32>(t, "roughness", UNIT),
-            normal_scale: track::<f32>(t, "normal_scale", range(0.0, 4.0)),
-            emission: track::<Vec3>(t, "emission", FROM_0),
-            emission_strength: track::<f32>(t, "emission_strength", FROM_0),
-            reflectivity: track::<f32>(t, "reflectivity", UNIT),
-        })
+        let tracks = tracks(t, &number::MATERIAL);
+        Some(Self { tracks })
     }
 }
 
-/// What a track moves: one number or three.
-trait Lane: Value {
+/// The tracks of what may change.
+fn tracks<T>(t: &mut Table, fields: &[Field<T>]) -> Tracks {
+    let read = |field: &Field<T>| match field.form {
+        Form::Number => track::<f32>(t, field.key, field.range),
+        Form::Pair => track::<[f32; 2]>(t, field.key, field.range),
+        Form::Color | Form::Vector => track::<Vec3>(t, field.key, field.range),
+    };
+    let all: Vec<_> = fields.iter().map(read).collect();
+    let written = all.into_iter().enumerate();
+    written
+        .filter_map(|(field, track)| Some((field, track?)))
+        .collect()
+}
+
+/// What a track moves: one number, two or three.
+trait Lane: Value + Lanes {
     const TRACK: &'static str;
     const TRACK_HEADING: &'static str;
     const KEY: &'static str;
@@ -130,7 +130,6 @@ trait Lane: Value {
     const SWING_HEADING: &'static str;
     /// Whether it may be a position.
     const IS_VECTOR: bool;
-    fn lanes(self) -> Vec3;
 }
 
 impl Lane for Vec3 {
@@ -141,9 +140,16 @@ impl Lane for Vec3 {
     const SWING: &'static str = "OscillateDesc";
     const SWING_HEADING: &'static str = "oscillate = { amplitude = […], … }";
     const IS_VECTOR: bool = true;
-    fn lanes(self) -> Vec3 {
-        self
-    }
+}
+
+impl Lane for [f32; 2] {
+    const TRACK: &'static str = "PairTrackDesc";
+    const TRACK_HEADING: &'static str = "uv_scale = { … }";
+    const KEY: &'static str = "PairKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = […, …] }, …]";
+    const SWING: &'static str = "PairOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = […, …], … }";
+    const IS_VECTOR: bool = false;
 }
 
 impl Lane for f32 {
@@ -154,9 +160,6 @@ impl Lane for f32 {
     const SWING: &'static str = "NumberOscillateDesc";
     const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
     const IS_VECTOR: bool = false;
-    fn lanes(self) -> Vec3 {
-        Vec3::splat(self)
-    }
 }
 
 /// A track whose lanes are `L`s.
@@ -208,7 +211,7 @@ impl<L: Lane> Section for TrackOf<L> {
                 None
             },
             orbit: if L::IS_VECTOR { t.table("orbit") } else { None },
-            rate: t.find::<L>("rate", ANY).map(Lane::lanes),
+            rate: t.find::<L>("rate", ANY).map(Lanes::lanes),
             oscillate: t
                 .table::<SwingOf<L>>("oscillate")
                 .map(|SwingOf(swing, _)| swing),
@@ -281,8 +284,8 @@ impl<L: Lane> Section for KeyOf<L> {
             at_s: at_s?,
             value: value?.lanes(),
             ease,
-            handle_in: handle_in.map(Lane::lanes),
-            handle_out: handle_out.map(Lane::lanes),
+            handle_in: handle_in.map(Lanes::lanes),
+            handle_out: handle_out.map(Lanes::lanes),
             at,
         };
         Some(Self(key, std::marker::PhantomData))

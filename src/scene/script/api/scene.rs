@@ -6,6 +6,7 @@ use rhai::{Dynamic, Map};
 use super::{
     super::context::{Context, position},
     Entry,
+    value::fail,
 };
 
 pub static CALL: &[Entry] = &[
@@ -53,6 +54,12 @@ pub static CALL: &[Entry] = &[
         example: "ctx.params.count == 31",
         register: |e| {
             e.register_get("params", |c: &mut Context| c.call.params.clone());
+            // Rhai writes back what a method was called on, changed or not.
+            e.register_set("params", |c: &mut Context, new: Map| {
+                let same = format!("{new:?}") == format!("{:?}", c.call.params);
+                let why = "`ctx.params` is what the scene says, and cannot be set";
+                if same { Ok(()) } else { fail(why.to_owned()) }
+            });
         },
     },
 ];
@@ -116,7 +123,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
-        text: "Sets any of `eye`, `target`, `up` and `fov_deg` of a camera.",
+        text: "Sets any of `eye`, `target`, `up`, `fov_deg` and `near_m` of a camera.",
         example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
         register: |e| {
             e.register_fn("camera", |c: &mut Context, name: &str, keys: Map| {
@@ -127,7 +134,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.light(name, #{ … })",
         gives: "()",
-        text: "Sets any of `position`, `direction`, `target` (of a spot), `intensity_cd`, `intensity_lux` and `color` that the light's kind has.",
+        text: "Sets any of `position`, `direction`, `target` (of a spot), `intensity_cd`, `intensity_lux`, `color`, `inner_deg` and `outer_deg` that the light's kind has.",
         example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
         register: |e| {
             e.register_fn("light", |c: &mut Context, name: &str, keys: Map| {
@@ -138,7 +145,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.material(name, #{ … })",
         gives: "()",
-        text: "Sets any of `base_color`, `metallic`, `roughness`, `normal_scale`, `emission`, `emission_strength` and `reflectivity` of a `[material.NAME]`.",
+        text: "Sets any of `base_color`, `metallic`, `roughness`, `normal_scale`, `occlusion_strength`, `emission`, `emission_strength`, `uv_scale`, `alpha_cutoff`, `reflectivity`, `checker_a`, `checker_b` (its colors) and `checker_size_m` of a `[material.NAME]`. Of `alpha_cutoff` and the checker's, its table must have one at rest.",
         example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
         register: |e| {
             e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {
@@ -163,7 +170,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "print(value); debug(value)",
         gives: "(); ()",
-        text: "Writes a line to standard error; `debug` says where it stands.",
+        text: "Writes a line to standard error, with the file and the line that it is written in; `debug` puts texts in quotes.",
         example: "print(`frame ${ctx.frame}`); true",
         register: |_| {},
     },

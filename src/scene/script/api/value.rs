@@ -1,6 +1,6 @@
 //! Types that scripts have beside Rhai's own, and what stands for a number, a vector or a rotation.
 
-use glam::{DMat4, DQuat, DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Engine, EvalAltResult};
 
 use crate::scene::motion::turned;
@@ -74,15 +74,15 @@ pub fn vector(value: &Dynamic, what: &str) -> Result<DVec3> {
     }
 }
 
-/// A linear color with each part 0 to `most`.
-pub fn color(value: &Dynamic, what: &str, most: f64) -> Result<Vec3> {
-    let v = vector(value, what)?;
-    if v.to_array().iter().any(|x| !(0.0..=most).contains(x)) {
-        return fail(format!(
-            "`{what}` must be 0 to {most} in each part, not {v}"
-        ));
+/// An array of two numbers; finite.
+pub fn pair(value: &Dynamic, what: &str) -> Result<[f64; 2]> {
+    match value.read_lock::<Array>().filter(|list| list.len() == 2) {
+        Some(list) => Ok([number(&list[0], what)?, number(&list[1], what)?]),
+        None => fail(format!(
+            "`{what}` must be two numbers, not {}",
+            named(value)
+        )),
     }
-    Ok(v.as_vec3())
 }
 
 /// A quaternion, or degrees about X, then Y, then Z.

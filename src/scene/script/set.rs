@@ -1,0 +1,100 @@
+//! What a script sets of cameras, lights and materials: keys that are there, values in their ranges.
+
+use glam::{DVec3, Vec3};
+use rhai::{Dynamic, EvalAltResult, Map};
+
+use super::api::value::{fail, number, pair, vector};
+use crate::scene::{
+    desc::MaterialDesc,
+    motion::{
+        Values,
+        number::{Field, Form, MATERIAL},
+    },
+    parse::{
+        range::{LIMIT, Range},
+        suggest,
+    },
+};
+
+type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
+
+/// What `keys` set of `fields`; `of` is what has them, `has` whether this one has a field.
+pub fn values<T>(
+    fields: &'static [Field<T>],
+    keys: &Map,
+    of: &str,
+    has: impl Fn(&Field<T>) -> bool,
+) -> Result<Vec<(&'static Field<T>, Vec3)>> {
+    let known = || fields.iter().filter(|field| has(field));
+    let mut found = Vec::new();
+    for (key, value) in keys {
+        let Some(field) = known().find(|field| field.key == key.as_str()) else {
+            let known: Vec<_> = known().map(|field| field.key).collect();
+            let hint = suggest::hint(key, &known, suggest::key, "there are");
+            let key = suggest::key(key);
+            return fail(format!("{of} has no {key} that can be set; {hint}"));
+        };
+        found.push((field, lanes(value, key, field.form, &field.range)?));
+    }
+    Ok(found)
+}
+
+/// Values of a material by the place of their fields.
+pub fn material_values(keys: &Map) -> Result<Values> {
+    let set = values(&MATERIAL, keys, "a material", |_| true)?;
+    let value = |field: &Field<MaterialDesc>| {
+        let of_field = set.iter().find(|(set, _)| set.key == field.key);
+        of_field.map(|(_, value)| *value)
+    };
+    Ok(MATERIAL.each_ref().map(value))
+}
+
+/// Refuses what a material's table, here at `path`, must have before it can be set.
+pub fn refuse_lacking(
+    values: &Values,
+    rest: &MaterialDesc,
+    path: impl Fn() -> String,
+) -> Result<()> {
+    for (field, _) in MATERIAL.iter().zip(values).filter(|(_, v)| v.is_some()) {
+        if let Some(lacking) = field.lacks(rest) {
+            return fail(format!(
+                "`{}` cannot be set, because `[{}]` has none; write `{lacking}` there",
+                field.key,
+                path()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of a value, each in its range.
+fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> {
+    let (numbers, lanes) = match form {
+        Form::Number => {
+            let x = number(value, key)?;
+            (vec![x], DVec3::splat(x))
+        }
+        Form::Pair => {
+            let [x, y] = pair(value, key)?;
+            (vec![x, y], DVec3::new(x, y, 0.0))
+        }
+        Form::Color | Form::Vector => {
+            let v = vector(value, &format!("`{key}`"))?;
+            (v.to_array().to_vec(), v)
+        }
+    };
+    let outside = |x: &&f64| !range.contains(**x) || !range.contains(f64::from(**x as f32));
+    if let Some(x) = numbers.iter().find(outside) {
+        let words = match range.words() {
+            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
+            words => words,
+        };
+        let each = if numbers.len() > 1 {
+            " in each part"
+        } else {
+            ""
+        };
+        return fail(format!("`{key}` must be {words}{each}, not {x}"));
+    }
+    Ok(lanes.as_vec3())
+}

@@ -1,0 +1,92 @@
+//! A disk that is full: the film ends there, says which frames are missing, and goes on later. The
+//! disk is a small one of the test's own; says `SKIPPED` where the system gives none.
+
+use std::{fs, process::Command};
+
+use crate::{common::gpu_or_skip, folder, pictures};
+
+/// Runs a line of shell with an empty disk of so many KiB at `disk`; `None` where that cannot be.
+fn with_disk(folder: &std::path::Path, kib: u32, line: &str) -> Option<(i32, String)> {
+    let mount = format!("mkdir -p disk && mount -t tmpfs -o size={kib}k none disk");
+    let run = |line: &str| {
+        let shell = Command::new("unshare")
+            .args(["-rm", "sh", "-c", line])
+            .current_dir(folder)
+            .output();
+        shell.map(|out| {
+            let text = String::from_utf8_lossy(&out.stderr).into_owned();
+            (out.status.code().unwrap_or(-1), text)
+        })
+    };
+    if !matches!(run(&mount), Ok((0, _))) {
+        eprintln!("SKIPPED: no disk can be mounted here");
+        return None;
+    }
+    run(&format!("{mount} && {line}")).ok()
+}
+
+#[test]
+fn a_full_disk_ends_a_film_and_says_what_is_missing() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("full");
+    let reflet = env!("CARGO_BIN_EXE_reflet");
+    let film = "render scene.toml --set timeline.end=39 -o disk/f.##.png";
+    let line = format!("{reflet} {film}; code=$?; cp disk/*.png .; ls -A disk >&2; exit $code");
+    let Some((code, text)) = with_disk(&folder, 64, &line) else {
+        return;
+    };
+    assert_eq!(code, 5, "{text}");
+    let written = pictures(&folder).len();
+    assert!((1..40).contains(&written), "{written} written: {text}");
+    let count = |part: &str| text.matches(part).count();
+    assert_eq!(count("error: cannot write disk/f."), 1, "{text}");
+    assert_eq!(count("No space left on device"), 1, "{text}");
+    let missing = format!("{} frames are missing: ", 40 - written);
+    assert!(text.contains(&missing), "{missing}: {text}");
+    assert!(
+        text.contains("make room and add --resume to go on"),
+        "{text}"
+    );
+    assert!(!text.contains(".tmp"), "a half written file stays: {text}");
+    // What is missing can be asked for as it is told.
+    let list = text
+        .split(&missing)
+        .nth(1)
+        .and_then(|rest| rest.split(';').next());
+    let list = list.expect("a list");
+    let rest = [
+        "-o",
+        "f.##.png",
+        "--set",
+        "timeline.end=39",
+        "--frames",
+        list,
+    ];
+    crate::render(&folder, &rest, 0);
+    assert_eq!(pictures(&folder).len(), 40);
+}
+
+#[test]
+fn a_full_disk_leaves_no_picture() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("full-one");
+    let reflet = env!("CARGO_BIN_EXE_reflet");
+    let fill = "head -c 60000 /dev/zero > disk/filler";
+    let line = format!(
+        "{fill}; {reflet} render scene.toml --size 400x300 -o disk/f.png; code=$?; ls -A disk >&2; exit $code"
+    );
+    let Some((code, text)) = with_disk(&folder, 64, &line) else {
+        return;
+    };
+    assert_eq!(code, 1, "{text}");
+    assert!(
+        text.contains("error: cannot write disk/f.png: No space left"),
+        "{text}"
+    );
+    assert!(text.ends_with("filler\n"), "{text}");
+    assert!(fs::read_dir(folder.join("disk")).is_ok_and(|mut d| d.next().is_none()));
+}

@@ -1,0 +1,217 @@
+//! What moves shows the same as a scene that is written so: every number of materials, and spots
+//! and cameras, by a track and by a script.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use reflet::{
+    render::Picture,
+    scene::{desc::SceneDesc, motion::Motion, parse},
+    world::{World, load},
+};
+
+use crate::kit::{assert_color, color, gpu, renderer};
+
+/// A wall with a checker and one with pictures of an alpha that grows to the right, under a spot.
+const SCENE: &str = r#"
+version = 1
+timeline = { fps = 2, end = 4 }
+[camera.main]
+eye = [0, 0, 6]
+[image]
+size = [48, 24]
+tone_map = "none"
+[environment]
+color = [0.2, 0.3, 0.4]
+[material.board]
+checker = { colors = [[0.9, 0.2, 0.1], [0.1, 0.2, 0.9]], size_m = 1.5 }
+roughness = 0.6
+[material.leaf]
+base_color_texture = "leaf.png"
+normal_texture = "leaf.png"
+alpha_cutoff = 0
+emission = [0.2, 0.1, 0]
+[model.board]
+shape = { kind = "plane", size = [3, 3] }
+material = "board"
+[model.leaf]
+shape = { kind = "plane", size = [3, 3] }
+material = "leaf"
+[[instance]]
+model = "board"
+translation = [-1.6, 0, 0]
+rotation_deg = [90, 0, 0]
+[[instance]]
+model = "leaf"
+translation = [1.6, 0, 0]
+rotation_deg = [90, 0, 0]
+[light.spot]
+kind = "spot"
+position = [0, 0, 4]
+target = [0.5, 0, 0]
+intensity_cd = 60
+outer_deg = 40
+"#;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let pixel = |x: u32, y: u32| {
+        let [u, v] = [x, y].map(|i| (i * 16) as u8);
+        image::Rgba([255 - u / 2, 128 + v / 4, 220, u])
+    };
+    let leaf = image::RgbaImage::from_fn(16, 16, pixel);
+    leaf.save(folder.join("leaf.png"))
+        .expect("the image can be written");
+    folder
+}
+
+fn read(folder: &Path, text: &str, set: &[String]) -> (SceneDesc, World) {
+    let read = parse::parse(text, &folder.join("scene.toml"), set);
+    let (desc, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let world = load::load(&desc, &load::LoadOptions::default());
+    (desc, world.unwrap_or_else(|errors| panic!("{errors:?}")))
+}
+
+/// A frame, after another one with the same renderer.
+fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option<[Picture; 2]> {
+    let gpu = gpu()?;
+    let (desc, mut world) = read(folder, text, set);
+    let motion = Motion::new(&desc);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    Some(wanted.map(|frame| {
+        let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
+        world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
+        renderer.update(gpu, &world);
+        let camera = &world.cameras[0].value;
+        let picture = renderer.picture(gpu, &world, camera, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}"))
+    }))
+}
+
+/// Largest difference of a channel.
+fn difference(a: &Picture, b: &Picture) -> f32 {
+    let all = (0..a.size[1]).flat_map(|y| (0..a.size[0]).map(move |x| (x, y)));
+    let of = |(x, y)| {
+        let (a, b) = (color(a, x, y), color(b, x, y));
+        (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max)
+    };
+    all.map(of).fold(0.0, f32::max)
+}
+
+/// Kind, name, key in motion, what is set in a still scene, the value in each.
+const MOVES: [[&str; 5]; 19] = [
+    [
+        "material",
+        "board",
+        "base_color",
+        "base_color",
+        "[0.1, 0.9, 0.2]",
+    ],
+    ["material", "board", "metallic", "metallic", "0.8"],
+    ["material", "board", "roughness", "roughness", "0.3"],
+    ["material", "board", "reflectivity", "reflectivity", "0.9"],
+    [
+        "material",
+        "board",
+        "checker_size_m",
+        "checker.size_m",
+        "0.4",
+    ],
+    [
+        "material",
+        "board",
+        "checker_a",
+        "checker.colors.0",
+        "[0.1, 0.9, 0.2]",
+    ],
+    [
+        "material",
+        "board",
+        "checker_b",
+        "checker.colors.1",
+        "[0.1, 0.9, 0.2]",
+    ],
+    ["material", "leaf", "alpha_cutoff", "alpha_cutoff", "0.5"],
+    ["material", "leaf", "uv_scale", "uv_scale", "[2.0, -1.5]"],
+    ["material", "leaf", "normal_scale", "normal_scale", "0.0"],
+    [
+        "material",
+        "leaf",
+        "emission",
+        "emission",
+        "[0.1, 0.0, 0.6]",
+    ],
+    [
+        "material",
+        "leaf",
+        "emission_strength",
+        "emission_strength",
+        "3.0",
+    ],
+    ["light", "spot", "target", "target", "[-1.5, 0.4, 0.0]"],
+    ["light", "spot", "position", "position", "[1.0, 0.5, 3.0]"],
+    ["light", "spot", "inner_deg", "inner_deg", "30.0"],
+    ["light", "spot", "outer_deg", "outer_deg", "15.0"],
+    ["light", "spot", "color", "color", "[1.0, 0.5, 0.1]"],
+    ["light", "spot", "intensity_cd", "intensity_cd", "20.0"],
+    ["camera", "main", "near_m", "near_m", "6.5"],
+];
+
+#[test]
+fn what_moves_shows_what_a_scene_written_so_shows() {
+    let folder = folder("numbers");
+    for [kind, name, key, path, value] in MOVES {
+        let set = [format!("{kind}.{name}.{path}={value}")];
+        let Some([still, _]) = frames(&folder, SCENE, &set, [0, 0]) else {
+            return;
+        };
+        let Some([before, _]) = frames(&folder, SCENE, &[], [0, 0]) else {
+            return;
+        };
+        let keys = format!("{{ curve = \"step\", keys = [{{ at_s = 1, value = {value} }}] }}");
+        let track = format!("{SCENE}[motion.{kind}.{name}]\n{key} = {keys}\n");
+        let frame =
+            format!("if ctx.frame > 1 {{ ctx.{kind}(\"{name}\", #{{ {key}: {value} }}); }}");
+        let script = format!("fn frame(ctx) {{ {frame} }}");
+        fs::write(folder.join("move.rhai"), script).expect("the script can be written");
+        let script = format!("script = \"move.rhai\"\n{SCENE}");
+        for (by, text) in [("track", track), ("script", script)] {
+            let Some([_, after]) = frames(&folder, &text, &[], [0, 2]) else {
+                return;
+            };
+            let (far, near) = (difference(&before, &after), difference(&still, &after));
+            assert!(far > 0.01, "{key} by a {by} changes nothing: {far}");
+            assert!(
+                near < 1e-3,
+                "{key} by a {by} is not as it is written: {near}"
+            );
+        }
+    }
+}
+
+#[test]
+fn leaves_that_are_cut_away_over_time_are_there_again_in_the_first_frame() {
+    let folder = folder("cutoff");
+    let keys = "{ keys = [{ at_s = 0, value = 0 }, { at_s = 2, value = 1 }] }";
+    let text = format!("{SCENE}[motion.material.leaf]\nalpha_cutoff = {keys}\n");
+    let Some([alone, _]) = frames(&folder, &text, &[], [0, 0]) else {
+        return;
+    };
+    let Some([gone, again]) = frames(&folder, &text, &[], [4, 0]) else {
+        return;
+    };
+    assert_eq!(
+        alone.color, again.color,
+        "a frame depends on those before it"
+    );
+    // Behind what is cut away stands the environment.
+    let behind = [0.2, 0.3, 0.4];
+    assert_color(&gone, 29, 12, behind, 1e-3);
+    let before = color(&alone, 29, 12);
+    let far = (0..3).any(|i| (before[i] - behind[i]).abs() > 0.05);
+    assert!(far, "{before:?}");
+}

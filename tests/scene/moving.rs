@@ -1,0 +1,328 @@
+//! Every number that may change, by a track and by a script: one walk over the table of them.
+
+use std::{fs, path::Path};
+
+use glam::Vec3;
+use reflet::scene::{
+    desc::SceneDesc,
+    motion::{
+        FrameState, Motion,
+        number::{CAMERA, Field, Form, LIGHT, MATERIAL},
+    },
+    parse,
+};
+
+const SCENE: &str = "
+version = 1
+timeline = { fps = 2, end = 8 }
+[camera.main]
+[material.board]
+alpha_cutoff = 0.25
+checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }
+[model.ball]
+shape = { kind = \"sphere\" }
+material = \"board\"
+[[instance]]
+name = \"ball\"
+model = \"ball\"
+translation = [1, 2, 3]
+dynamic = true
+[light.point]
+kind = \"point\"
+position = [0, 3, 0]
+intensity_cd = 10
+[light.spot]
+kind = \"spot\"
+position = [0, 3, 0]
+direction = [0, -1, 0]
+intensity_cd = 10
+[light.sun]
+kind = \"directional\"
+direction = [0, -1, 0]
+intensity_lux = 2
+[light.beam]
+kind = \"spot\"
+position = [4, 4, 0]
+target = [4, 0, 0]
+intensity_cd = 10
+";
+
+fn read(text: &str) -> Result<SceneDesc, String> {
+    let read = parse::parse(text, Path::new("scene.toml"), &[]);
+    read.map(|(desc, _)| desc)
+        .map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
+}
+
+fn pose(text: &str, frame: u32) -> Result<FrameState, String> {
+    let desc = read(text)?;
+    let posed = Motion::new(&desc).pose(frame);
+    posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
+}
+
+/// The same scene with a script beside it.
+fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("moving-{name}"));
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let script = format!("fn frame(ctx) {{ {frame} }}");
+    fs::write(folder.join("move.rhai"), script).expect("the script can be written");
+    let text = format!("script = \"move.rhai\"\n{SCENE}");
+    let read = parse::parse(&text, &folder.join("scene.toml"), &[]);
+    let (desc, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let posed = Motion::new(&desc).pose(0);
+    posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
+}
+
+/// Two values of a field in its range, and one beyond where there is one.
+fn samples<T>(field: &Field<T>) -> ([Vec3; 2], Option<Vec3>) {
+    let (min, max) = (field.range.min.max(-8.0), field.range.max.min(64.0));
+    let at = |share: f64| Vec3::splat((min + share * (max - min)) as f32);
+    let values = match field.form {
+        Form::Vector => [Vec3::new(3.0, 5.0, 7.0), Vec3::new(2.0, -4.0, 1.0)],
+        Form::Pair => [Vec3::new(2.0, -3.0, 0.0), Vec3::new(0.5, 4.0, 0.0)],
+        Form::Number | Form::Color => [at(0.25), at(0.5)],
+    };
+    let beyond = (field.range.min > -1e12).then(|| Vec3::splat(field.range.min as f32 - 1.0));
+    (values, beyond)
+}
+
+/// A value as scene text and scripts have it.
+fn written(form: Form, v: Vec3) -> String {
+    match form {
+        Form::Number => format!("{:?}", v.x),
+        Form::Pair => format!("[{:?}, {:?}]", v.x, v.y),
+        Form::Color | Form::Vector => format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z),
+    }
+}
+
+/// What `get` finds is the value; directions are kept without their length.
+fn assert_is<T>(field: &Field<T>, thing: &T, value: Vec3) {
+    let found = (field.get)(thing).unwrap_or_else(|| panic!("no {}", field.key));
+    let wanted = match field.key {
+        "direction" => value.normalize(),
+        _ => value,
+    };
+    let near = found.distance(wanted) < 1e-5 * wanted.length().max(1.0);
+    assert!(near, "{}: {found} is not {wanted}", field.key);
+}
+
+/// Moves a field by keys and by a script, past its range and where it should not be.
+fn walk<T>(kind: &str, name: &str, field: &Field<T>, of: impl Fn(&FrameState) -> &T) {
+    let key = field.key;
+    let ([a, b], beyond) = samples(field);
+    let [from, to] = [a, b].map(|v| written(field.form, v));
+    let moved = |track: String| format!("{SCENE}[motion.{kind}.{name}]\n{key} = {track}\n");
+    let keys =
+        format!("{{ keys = [{{ at_s = 0, value = {from} }}, {{ at_s = 2, value = {to} }}] }}");
+    let text = moved(keys.clone());
+    for (frame, value) in [(0, a), (4, b)] {
+        let state = pose(&text, frame).unwrap_or_else(|e| panic!("{e}"));
+        assert_is(field, of(&state), value);
+    }
+    if key != "direction" {
+        let state = pose(&text, 2).unwrap_or_else(|e| panic!("{e}"));
+        assert_is(field, of(&state), a.midpoint(b));
+    }
+    let file = format!("{kind}-{name}-{key}");
+    let state = scripted(
+        &file,
+        &format!("ctx.{kind}(\"{name}\", #{{ {key}: {from} }});"),
+    );
+    assert_is(field, of(&state.unwrap_or_else(|e| panic!("{e}"))), a);
+    if let Some(beyond) = beyond {
+        let wrong = written(field.form, beyond);
+        let message = format!("`{key}` must be {}", field.range.words());
+        let error = scripted(
+            &file,
+            &format!("ctx.{kind}(\"{name}\", #{{ {key}: {wrong} }});"),
+        );
+        let error = error.expect_err("beyond its range");
+        assert!(error.contains(&message), "{error}");
+        let error = pose(&moved(keys.replace(&to, &wrong)), 0).expect_err("beyond its range");
+        let in_key = format!("`value` of `{key}` must be {}", field.range.words());
+        assert!(
+            error.contains(&in_key) && error.contains("scene.toml:"),
+            "{error}"
+        );
+        // What a rate reaches is cut off instead.
+        let rate = written(field.form, Vec3::splat(-1e9));
+        let state = pose(&moved(format!("{{ rate = {rate} }}")), 8);
+        let state = state.unwrap_or_else(|e| panic!("{e}"));
+        assert_is(field, of(&state), Vec3::splat(field.range.clamp(-1e9)));
+    }
+    let slip = moved(keys).replace(&format!("\n{key} ="), &format!("\n{key}x ="));
+    let error = pose(&slip, 0).expect_err("an unknown key");
+    assert!(error.contains(&format!("did you mean `{key}`?")), "{error}");
+    let slip = format!("ctx.{kind}(\"{name}\", #{{ {key}x: {from} }});");
+    let error = scripted(&file, &slip).expect_err("an unknown key");
+    assert!(error.contains(&format!("did you mean `{key}`?")), "{error}");
+}
+
+#[test]
+fn every_number_of_a_material_moves() {
+    for field in &MATERIAL {
+        walk("material", "board", field, |state| &state.materials[0]);
+    }
+}
+
+#[test]
+fn every_number_of_a_camera_moves() {
+    for field in &CAMERA {
+        walk("camera", "main", field, |state| &state.cameras[0]);
+    }
+}
+
+#[test]
+fn every_number_of_a_light_moves_if_its_kind_has_it() {
+    let desc = read(SCENE).expect("the scene is right");
+    for field in &LIGHT {
+        let mut moved = 0;
+        for (index, light) in desc.lights.iter().enumerate() {
+            if light.name == "beam" {
+                continue;
+            }
+            if (field.get)(&light.value).is_some() {
+                moved += 1;
+                walk("light", &light.name, field, |state| &state.lights[index]);
+                continue;
+            }
+            let value = written(field.form, Vec3::ONE);
+            let (name, key) = (&light.name, field.key);
+            let text = format!("{SCENE}[motion.light.{name}]\n{key} = {{ rate = {value} }}\n");
+            let error = pose(&text, 0).expect_err("it has none");
+            assert!(
+                error.contains(&format!("`{key}` does not go with a")),
+                "{error}"
+            );
+            let script = format!("ctx.light(\"{name}\", #{{ {key}: {value} }});");
+            let error = scripted("light-without", &script).expect_err("it has none");
+            assert!(error.contains("that can be set"), "{error}");
+        }
+        assert!(moved > 0, "{}", field.key);
+    }
+}
+
+#[test]
+fn a_spot_keeps_its_target_wherever_it_goes() {
+    let aim = |state: &FrameState, light: usize| {
+        let direction = LIGHT
+            .iter()
+            .find(|f| f.key == "direction")
+            .expect("is there");
+        (direction.get)(&state.lights[light]).expect("a spot has one")
+    };
+    // Its own table's target, while it moves.
+    let text = format!("{SCENE}[motion.light.beam]\nposition = {{ rate = [-4, 0, 0] }}\n");
+    let state = pose(&text, 4).expect("is right");
+    let expected = Vec3::new(8.0, -4.0, 0.0).normalize();
+    assert!(aim(&state, 3).distance(expected) < 1e-6);
+    // A target that is an instance, as the script has placed it.
+    let text =
+        format!("{SCENE}[motion.light.spot]\ntarget = {{ follow = {{ instance = \"ball\" }} }}\n");
+    let state = pose(&text, 0).expect("is right");
+    assert!(aim(&state, 1).distance(Vec3::new(1.0, -1.0, 3.0).normalize()) < 1e-6);
+    // A direction takes its place, and a target where it stands is none.
+    let state = scripted("aim", "ctx.light(\"beam\", #{ direction: [0, 0, 5] });");
+    assert_eq!(aim(&state.expect("is right"), 3), Vec3::Z);
+    let error = scripted("aim", "ctx.light(\"beam\", #{ target: [4, 4, 0] });");
+    let error = error.expect_err("no direction");
+    assert!(error.contains("light \"beam\" has no direction"), "{error}");
+    let both = "direction = { rate = [1, 0, 0] }\ntarget = { rate = [1, 0, 0] }\n";
+    let error = pose(&format!("{SCENE}[motion.light.spot]\n{both}"), 0).expect_err("both");
+    assert!(
+        error.contains("`target` cannot be combined with `direction`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_lit_part_of_a_cone_is_no_wider_than_the_cone() {
+    let text = format!("{SCENE}[motion.light.spot]\ninner_deg = {{ rate = 20 }}\n");
+    let inner = LIGHT
+        .iter()
+        .find(|f| f.key == "inner_deg")
+        .expect("is there");
+    let state = pose(&text, 8).expect("is right");
+    assert_is(inner, &state.lights[1], Vec3::splat(45.0));
+    let error = scripted("cone", "ctx.light(\"spot\", #{ inner_deg: 50 });");
+    let error = error.expect_err("wider than the cone");
+    assert!(
+        error.contains("`inner_deg` must be 0 to `outer_deg`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_a_surface_is_made_without_cannot_move() {
+    for (key, value, lacking) in [
+        ("alpha_cutoff", "0.5", "write `alpha_cutoff = 0`"),
+        ("checker_size_m", "0.5", "write `checker = { colors ="),
+        ("checker_b", "[0, 0, 1]", "write `checker = { colors ="),
+    ] {
+        let scene = SCENE.replace("alpha_cutoff = 0.25\n", "");
+        let scene = scene.replace("checker = {", "#");
+        let text = format!("{scene}[motion.material.board]\n{key} = {{ rate = {value} }}\n");
+        let error = pose(&text, 0).expect_err("there is none");
+        assert!(
+            error.contains(&format!("`{key}` moves, but `[material.board]` has none")),
+            "{error}"
+        );
+        assert!(error.contains(lacking), "{error}");
+        // Of a file: its own table says so, or that of all of them.
+        let model = "[model.tree]\nfile = \"tree.glb\"\n";
+        let motion = format!("[motion.model.tree.material.leaf]\n{key} = {{ rate = {value} }}\n");
+        let error = pose(&format!("{SCENE}{model}{motion}"), 0).expect_err("there is none");
+        assert!(
+            error.contains("`[model.tree.material.leaf]` has none"),
+            "{error}"
+        );
+        let rest =
+            "alpha_cutoff = 0.5\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
+        for name in ["leaf", "\"*\""] {
+            let table = format!("[model.tree.material.{name}]\n{rest}");
+            pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");
+        }
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("moving-lacking");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let script = "fn frame(ctx) { ctx.material(\"plain\", #{ alpha_cutoff: 0.5 }); }";
+    fs::write(folder.join("move.rhai"), script).expect("the script can be written");
+    let text = format!("script = \"move.rhai\"\n{SCENE}[material.plain]\n");
+    let (desc, _) = parse::parse(&text, &folder.join("scene.toml"), &[]).expect("is right");
+    let errors = Motion::new(&desc).pose(0).expect_err("it is not cut out");
+    let error = errors[0].to_string();
+    let message = "`alpha_cutoff` cannot be set, because `[material.plain]` has none";
+    assert!(
+        error.contains(message) && error.contains("move.rhai:1:"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_color_follows_no_instance() {
+    let text =
+        format!("{SCENE}[motion.light.sun]\ncolor = {{ follow = {{ instance = \"ball\" }} }}\n");
+    let error = pose(&text, 0).expect_err("a color");
+    assert!(error.contains("a color is no position"), "{error}");
+}
+
+#[test]
+fn the_reference_of_scripts_lists_every_number() {
+    let manual = reflet::scene::script::api::manual();
+    let entry = |lead: &str| {
+        let line = manual.lines().find(|line| line.starts_with(lead));
+        line.unwrap_or_else(|| panic!("no {lead}")).to_owned()
+    };
+    let of_cameras = CAMERA.each_ref().map(|field| field.key);
+    let of_lights = LIGHT.each_ref().map(|field| field.key);
+    let of_materials = MATERIAL.each_ref().map(|field| field.key);
+    for (lead, keys) in [
+        ("| `ctx.camera(", of_cameras.as_slice()),
+        ("| `ctx.light(", of_lights.as_slice()),
+        ("| `ctx.material(name", of_materials.as_slice()),
+    ] {
+        let entry = entry(lead);
+        for key in keys {
+            assert!(entry.contains(&format!("`{key}`")), "{lead} has no {key}");
+        }
+    }
+}

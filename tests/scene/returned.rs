@@ -1,0 +1,209 @@
+//! Mistakes in what `setup` returns: named by their entry, and placed in the script.
+
+use std::{fs, path::Path};
+
+use reflet::scene::{motion::Motion, parse};
+
+const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
+                     timeline = { end = 10 }\n";
+
+/// All messages about a scene with this script.
+fn messages(name: &str, script: &str) -> Vec<String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("returned-{name}"));
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
+    let read = parse::parse(SCENE, &folder.join("scene.toml"), &[]);
+    let errors = read.expect_err("it is wrong");
+    errors.iter().map(|e| e.to_string()).collect()
+}
+
+/// The only message has each of these.
+fn assert_says(name: &str, script: &str, says: &[&str]) {
+    let messages = messages(name, script);
+    let text = messages.join("\n");
+    assert_eq!(messages.len(), 1, "{text}");
+    for part in says {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+    assert!(
+        !text.contains("| [material."),
+        "the generated text shows:\n{text}"
+    );
+}
+
+#[test]
+fn a_wrong_value_is_named_and_placed() {
+    let script = "fn setup(ctx) {\n    #{\n        materials: #{\n            gold: #{ metallic: 1, \
+                  roughness: \"x\" },\n            tin: #{ roughness: 0.2 },\n        },\n    }\n}\n";
+    assert_says(
+        "value",
+        script,
+        &[
+            "setup() returned materials.gold.roughness = \"x\": `roughness` must be a number",
+            "walk.rhai:4:",
+            "gold: #{ metallic: 1, roughness: \"x\" }",
+        ],
+    );
+}
+
+#[test]
+fn an_unknown_key_says_what_was_meant() {
+    let script = "// roughnes: not here\nfn setup(ctx) {\n    let all = #{};\n    \
+                  all.gold = #{ roughnes: 0.5 };\n    #{ materials: all }\n}\n";
+    assert_says(
+        "key",
+        script,
+        &[
+            "setup() returned materials.gold.roughnes = 0.5: `roughnes` is not a key",
+            "did you mean `roughness`?",
+            "walk.rhai:4:",
+        ],
+    );
+}
+
+#[test]
+fn what_is_built_by_a_loop_is_counted() {
+    let script = "fn setup(ctx) {\n    let all = [];\n    for i in 0..4 {\n        let ball = \
+                  #{ name: `b${i}`, model: \"ball\" };\n        \
+                  if i == 2 { ball.scale = 0; }\n        all.push(ball);\n    }\n    \
+                  #{ instances: all, models: #{ ball: #{ shape: #{ kind: \"box\" } } } }\n}\n";
+    assert_says(
+        "list",
+        script,
+        &["setup() returned instances[2].scale = 0: ", "walk.rhai:5:"],
+    );
+    // Names that lead nowhere, here of a model that every one of them has.
+    let script = script.replace("scale = 0", "model = \"bal\"");
+    assert_says(
+        "name",
+        &script,
+        &[
+            "setup() returned instances[2].model = \"bal\": no model is named \"bal\"",
+            "did you mean \"ball\"?",
+            "walk.rhai:",
+        ],
+    );
+}
+
+#[test]
+fn what_is_missing_is_placed_at_the_map_that_lacks_it() {
+    let script = "fn tiles() { #{ colors: [[1, 1, 1], [0, 0, 0]] } }\nfn setup(ctx) {\n    \
+                  #{ materials: #{ floor: #{ checker: tiles() } } }\n}\n";
+    assert_says(
+        "missing",
+        script,
+        &[
+            "setup() returned materials.floor.checker: `size_m` is missing",
+            "walk.rhai:3:",
+        ],
+    );
+}
+
+#[test]
+fn where_the_place_cannot_be_told_it_is_setup() {
+    let script = "\n\nfn setup(ctx) {\n    let m = #{};\n    m[\"rough\" + \"ness\"] = 3;\n    \
+                  let all = #{};\n    all[\"go\" + \"ld\"] = m;\n    #{ materials: all }\n}\n";
+    assert_says(
+        "computed",
+        script,
+        &[
+            "setup() returned materials.gold.roughness = 3: ",
+            "walk.rhai:3:1",
+        ],
+    );
+}
+
+#[test]
+fn many_mistakes_of_a_long_script_take_no_long_time() {
+    let names: String = (0..500).map(|i| format!("// filler: {i}\n")).collect();
+    let script = format!(
+        "{names}fn part(a) {{ let l = []; for i in a..a + 250 {{ l.push(#{{ model: `m${{i}}` }}); }} l }}\n\
+         fn setup(ctx) {{ let all = []; for i in 0..80 {{ all += part(250 * i); }} #{{ instances: all }} }}\n"
+    );
+    let messages = messages("many", &script);
+    // The others are counted.
+    assert_eq!(messages.len(), 2, "{}", messages.join("\n"));
+    assert!(
+        messages[0].contains("(and 99 more like it)"),
+        "{}",
+        messages[0]
+    );
+    assert!(
+        messages[1].contains("19900 more messages"),
+        "{}",
+        messages[1]
+    );
+    assert!(
+        messages[0].contains("setup() returned instances[0].model = \"m0\""),
+        "{}",
+        messages[0]
+    );
+}
+
+#[test]
+fn parameters_cannot_be_set_by_a_script() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-params");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let pose = |line: &str| {
+        let script = format!("fn frame(ctx) {{\n    {line}\n}}\n");
+        fs::write(folder.join("walk.rhai"), script).expect("written");
+        let (desc, _) = parse::parse(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
+        Motion::new(&desc).pose(0)
+    };
+    for line in [
+        "ctx.params.speed = 3.0;",
+        "ctx.params.more = 1;",
+        "ctx.params = #{};",
+    ] {
+        let errors = pose(line).expect_err(line);
+        let error = errors[0].to_string();
+        let says =
+            error.contains("`ctx.params` is what the scene says") && error.contains("rhai:2:");
+        assert!(says, "{line}: {error}");
+    }
+    for line in [
+        "for name in ctx.params.keys() { print(name); }",
+        "if !(\"speed\" in ctx.params) || ctx.params.len() != 1 { throw \"no\"; }",
+        "let p = ctx.params; p.speed = 3.0;",
+    ] {
+        pose(line).unwrap_or_else(|errors| panic!("{line}: {}", errors[0]));
+    }
+}
+
+#[test]
+fn printed_lines_say_where_they_come_from() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-print");
+    fs::create_dir_all(folder.join("parts")).expect("temporary folder");
+    fs::write(
+        folder.join("parts/say.rhai"),
+        "\nfn it(x) { print(x); x }\n",
+    )
+    .expect("written");
+    let script = "import \"parts/say\" as say;\nfn frame(ctx) {\n    print(`frame ${ctx.frame}`);\n    \
+                  print(3); print(2.5); print(true); print('c'); print(());\n    \
+                  print([1, \"a\"]); print(#{ a: 1 }); print(vec3(1, 2, 3));\n    \
+                  debug(\"a\");\n    say::it(7);\n}\n";
+    fs::write(folder.join("walk.rhai"), script).expect("written");
+    let (desc, _) = parse::parse(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
+    let log = Motion::new(&desc).pose(4).expect("it runs").log;
+    let lines: Vec<_> = (log.iter())
+        .map(|line| {
+            line.rsplit_once('/')
+                .map_or(line.as_str(), |(_, line)| line)
+        })
+        .collect();
+    let expected = [
+        "walk.rhai:3: frame 4",
+        "walk.rhai:4: 3",
+        "walk.rhai:4: 2.5",
+        "walk.rhai:4: true",
+        "walk.rhai:4: c",
+        "walk.rhai:4: ",
+        "walk.rhai:5: [1, \"a\"]",
+        "walk.rhai:5: #{\"a\": 1}",
+        "walk.rhai:5: vec3(1, 2, 3)",
+        "walk.rhai:6: \"a\"",
+        "say.rhai:2: 7",
+    ];
+    assert_eq!(lines, expected);
+}
