@@ -20,7 +20,7 @@ use crate::{
             page::{Gallery, page},
             sections,
         },
-        run::{Bench, BenchError, Outcome, Protocol, Stock, Subject, Turn, Watch},
+        run::{Bench, BenchError, Protocol, Reel, Stock, Subject, Turn, Watch as _},
         sample::Sample,
         write::write_whole,
     },
@@ -35,11 +35,11 @@ pub mod progress;
 pub mod reload;
 mod settings;
 pub mod shots;
+mod timeline;
 pub mod walk;
 
 use args::{BenchArgs, Experiment, RunArgs};
-use progress::{Part, Progress};
-use walk::Walk;
+use progress::Progress;
 
 /// What became of a last line without a line break.
 const TORN: &str = "the last line of the table was cut off";
@@ -75,10 +75,10 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
 
 fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
     let mut protocol = protocol(args)?;
-    let subjects = subjects(args)?;
+    let mut reels = reels(args)?;
     let gpu = open_gpu(&args.run)?;
     protocol.count |= gpu.is_software();
-    run(&gpu, &args.run, &protocol, &subjects)
+    run(&gpu, &args.run, &protocol, &mut reels)
 }
 
 /// The adapter that the arguments name, after the folder that they name is known to be one.
@@ -123,20 +123,20 @@ fn checked(knob: Knob, values: &[f64]) -> Result<Vec<f64>, AppError> {
     Ok(kept)
 }
 
-fn subjects(args: &BenchArgs) -> Result<Vec<Subject>, AppError> {
+fn reels(args: &BenchArgs) -> Result<Vec<Reel>, AppError> {
     let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
     if paths.is_empty() {
         paths.push(None);
     }
     let load = |path: Option<&Path>| {
         let loaded = load_scene(path, &args.from, &[])?;
-        let text = loaded.text.clone();
         let mut name = loaded.name.clone();
         if !args.from.set.is_empty() {
             // Changed scenes must not share a chart with unchanged ones.
             name = format!("{name} with {}", args.from.set.join(", "));
         }
-        subject(loaded, name, &text, &args.from.set, args.camera.as_deref())
+        let (camera, list) = (args.camera.as_deref(), args.timeline.as_deref());
+        timeline::reel(loaded, name, camera, list)
     };
     paths.into_iter().map(load).collect()
 }
@@ -148,15 +148,18 @@ fn subjects(args: &BenchArgs) -> Result<Vec<Subject>, AppError> {
 pub fn subject(
     loaded: LoadedScene,
     name: String,
-    text: &str,
-    overrides: &[String],
     camera: Option<&str>,
 ) -> Result<Subject, AppError> {
     let chosen = &loaded.world.cameras[choose_camera(&loaded, camera)?];
     let (camera_name, camera) = (chosen.name.clone(), chosen.value.clone());
-    let mut content = overrides
-        .iter()
-        .fold(Hash::default().with(text), |h, o| h.with(o));
+    let mut content = Hash::default().with(&loaded.text);
+    for setting in &loaded.overrides {
+        content = content.with(setting);
+    }
+    for (name, text) in loaded.desc.script.iter().flat_map(|s| s.texts()) {
+        let name = Path::new(&name).file_name().unwrap_or_default();
+        content = content.with(name.as_encoded_bytes()).with(text);
+    }
     for path in &loaded.world.files {
         let bytes = fs::read(path).map_err(|error| {
             AppError::Internal(format!("{} cannot be read again: {error}", path.display()))
@@ -172,11 +175,11 @@ pub fn subject(
         world: loaded.world,
         content: content.value(),
         frame: 0,
-        motion: None,
+        motion: false,
     })
 }
 
-/// Measures the subjects into the folder, and gives all samples that it then holds.
+/// Measures scenes into the folder, and gives all samples that it then holds.
 ///
 /// # Errors
 /// A folder that cannot be written to, what the renderer refuses.
@@ -184,51 +187,7 @@ pub fn run(
     gpu: &Gpu,
     args: &RunArgs,
     protocol: &Protocol,
-    subjects: &[Subject],
-) -> Result<Vec<Sample>, AppError> {
-    let scenes: Vec<&str> = subjects.iter().map(|s| s.name.as_str()).collect();
-    run_with(gpu, args, protocol, &scenes, |bench, log, watch| {
-        bench.run(subjects, log, watch)
-    })
-}
-
-/// Measures every `every`-th frame of a walk, one after another: each takes over the renderers of
-/// the one before.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_walk(
-    gpu: &Gpu,
-    args: &RunArgs,
-    protocol: &Protocol,
-    walk: &mut Walk,
-    every: u32,
-) -> Result<Vec<Sample>, AppError> {
-    let scene = walk.at(0).name.clone();
-    run_with(gpu, args, protocol, &[&scene], |bench, log, watch| {
-        let mut sum = Outcome::default();
-        let frames = (0..walk::FRAMES).step_by(every as usize);
-        let mut part = Part::of(watch, frames.len());
-        for frame in frames {
-            part.begin(format!("walk frame {frame}"));
-            let outcome = bench.run(std::slice::from_ref(walk.at(frame)), log, &mut part)?;
-            sum.measured += outcome.measured;
-            sum.skipped += outcome.skipped;
-            sum.interrupted |= outcome.interrupted || part.is_stopped();
-            if sum.interrupted {
-                break;
-            }
-        }
-        Ok(sum)
-    })
-}
-
-fn run_with(
-    gpu: &Gpu,
-    args: &RunArgs,
-    protocol: &Protocol,
-    scenes: &[&str],
-    measure: impl FnOnce(&Bench, &mut Log, &mut dyn Watch) -> Result<Outcome, BenchError>,
+    reels: &mut [Reel],
 ) -> Result<Vec<Sample>, AppError> {
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
@@ -249,8 +208,10 @@ fn run_with(
     if log.was_torn() {
         progress.note(&format!("{TORN} and is measured again"));
     }
-    let outcome = measure(&bench, &mut log, &mut progress).map_err(|error| match error {
+    let outcome = bench.run(reels, &mut log, &mut progress);
+    let outcome = outcome.map_err(|error| match error {
         BenchError::File(diagnostic) => AppError::Picture(vec![*diagnostic]),
+        BenchError::Scene(diagnostics) => AppError::Scene(diagnostics),
         BenchError::Render(RenderError::Gpu(error)) => AppError::Gpu(error),
         BenchError::Render(RenderError::Scene(diagnostic)) => AppError::Scene(vec![*diagnostic]),
     })?;
@@ -261,7 +222,8 @@ fn run_with(
         );
         progress.note(&text);
     }
-    let json = settings::json(protocol, scenes, &host, &outcome, log.samples())?;
+    let scenes: Vec<&str> = reels.iter().map(Reel::name).collect();
+    let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
     write(&args.output.join("bench.json"), &json)?;
     if outcome.interrupted {
         let held = log.samples().len();

@@ -33,7 +33,7 @@ pub enum Command {
     /// Judge a picture against a reference
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
-    Bench(BenchArgs),
+    Bench(Box<BenchArgs>),
     /// Print the JSON Schema of scene text, for editors
     Schema,
     /// Print the manual of scene text, as Markdown

@@ -1,4 +1,4 @@
-//! Which frames: `--frames` and `--shard`, and the name of each frame's file.
+//! Which frames: `--frames`, `--timeline` and `--shard`, and the name of each frame's file.
 
 use std::path::{Path, PathBuf};
 
@@ -19,13 +19,13 @@ pub struct Shard {
 }
 
 impl FrameList {
-    /// Reads `--frames`: `all`, or numbers and ranges with commas between, such as `0-949`,
+    /// Reads what `option` says: `all`, or numbers and ranges with commas between, such as `0-949`,
     /// `1-20:2` or `1,3,5-9`; every frame must be one of the timeline's.
     ///
     /// # Errors
     /// [`AppError::Usage`] saying which part is wrong.
-    pub fn parse(text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
-        let usage = |why: String| AppError::Usage(format!("--frames {text}: {why}"));
+    pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
+        let usage = |why: String| AppError::Usage(format!("{option} {text}: {why}"));
         let mut frames = Vec::new();
         if text.trim() == "all" {
             frames.extend(timeline.start..=timeline.end);
@@ -182,7 +182,7 @@ mod tests {
     };
 
     fn frames(text: &str) -> Vec<u32> {
-        let list = FrameList::parse(text, &TIMELINE);
+        let list = FrameList::parse("--frames", text, &TIMELINE);
         list.unwrap_or_else(|e| panic!("{text}: {e:?}")).0
     }
 
@@ -228,7 +228,7 @@ mod tests {
             ("1,3,2-4", "frame 3 is there twice"),
             ("0-99999999999", "is not a frame number"),
         ] {
-            match FrameList::parse(text, &TIMELINE) {
+            match FrameList::parse("--frames", text, &TIMELINE) {
                 Err(AppError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),
                 other => panic!("{text}: {other:?}"),
             }

@@ -42,7 +42,11 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
                 .to_owned(),
         ));
     };
-    let all = FrameList::parse(args.frames.as_deref().unwrap_or("all"), timeline)?;
+    let all = FrameList::parse(
+        "--frames",
+        args.frames.as_deref().unwrap_or("all"),
+        timeline,
+    )?;
     let frames = all.shard(args.shard);
     let in_one_file = is_film(&args.output);
     if in_one_file && (args.resume || args.shard.is_some()) {

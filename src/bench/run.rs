@@ -1,4 +1,4 @@
-//! Scenes × methods × settings × sizes × repetitions → samples, appended to the table as they come.
+//! Scenes × frames × methods × settings × sizes × repetitions → samples, appended to the table as they come.
 
 use std::{cell::RefCell, fmt, path::Path, time::Instant};
 
@@ -20,6 +20,11 @@ use crate::{
 
 mod block;
 mod flicker;
+mod reel;
+mod work;
+
+pub use reel::{Mover, Reel};
+pub use work::{Steps, Task, Work};
 
 use flicker::{Flicker, Since};
 
@@ -41,13 +46,12 @@ pub struct Subject {
     pub reflection: ReflectionDesc,
     /// Its picture settings; the size is the protocol's.
     pub image: ImageDesc,
-    /// Hash of the scene text, its overrides and every file it names.
+    /// Hash of the scene text, its overrides, its script and every file it names.
     pub content: u64,
     /// Frame of an animation, 0 for a still scene.
     pub frame: u32,
-    /// What the frames of one animation have in common: they share renderers, which take over
-    /// moved instances. None for a still scene.
-    pub motion: Option<u64>,
+    /// Whether it is one frame of several, which share renderers: they take over moved instances.
+    pub motion: bool,
 }
 
 /// What is measured of each scene.
@@ -82,11 +86,15 @@ pub enum Turn {
 
 /// Who watches the run, and may stop it.
 pub trait Watch {
-    /// `done` of `total` frames are behind; `what` is next.
-    fn step(&mut self, what: &str, done: usize, total: usize);
+    /// What there is to do, before anything is begun.
+    fn plan(&mut self, work: Work);
+    /// `what` is next.
+    fn begin(&mut self, what: &str);
+    /// What was begun last is done: one step, whose picture has this size.
+    fn did(&mut self, task: Task, size: [u32; 2]);
     /// Something worth telling.
     fn note(&mut self, text: &str);
-    /// Whether to stop after the current frame.
+    /// Whether to stop after the current step.
     fn is_stopped(&self) -> bool;
 }
 
@@ -108,6 +116,8 @@ pub enum BenchError {
     Render(RenderError),
     /// A file cannot be read or written, or holds something else.
     File(Box<Diagnostic>),
+    /// A frame cannot be posed.
+    Scene(Vec<Diagnostic>),
 }
 
 impl fmt::Display for BenchError {
@@ -115,6 +125,10 @@ impl fmt::Display for BenchError {
         match self {
             Self::Render(error) => error.fmt(f),
             Self::File(diagnostic) => f.write_str(&diagnostic.message),
+            Self::Scene(diagnostics) => {
+                let first = diagnostics.first().map(|d| d.message.as_str());
+                f.write_str(first.unwrap_or("a frame cannot be posed"))
+            }
         }
     }
 }
@@ -144,8 +158,16 @@ pub struct Bench<'a> {
 /// Renderers and pictures kept between the frames of an animation.
 #[derive(Debug, Default)]
 pub struct Stock {
-    renderers: RefCell<Vec<(u64, [u32; 2], Ready)>>,
+    renderers: RefCell<Vec<([u32; 2], Ready)>>,
     flicker: Flicker,
+}
+
+impl Stock {
+    /// Forgets an animation after its last frame.
+    fn clear(&self) {
+        self.renderers.borrow_mut().clear();
+        self.flicker.clear();
+    }
 }
 
 /// A renderer that shows its subject.
@@ -205,32 +227,47 @@ impl Protocol {
 }
 
 impl Bench<'_> {
-    /// Measures every subject into `log`. Frames that the log holds under the same fingerprint
-    /// are not measured again.
+    /// Measures every frame of every reel into `log`. Frames that the log holds under the same
+    /// fingerprint are not measured again.
     ///
     /// # Errors
     /// What the renderer or the disk refuses; samples taken until then are in the log.
     pub fn run(
         &self,
-        subjects: &[Subject],
+        reels: &mut [Reel],
         log: &mut Log,
         watch: &mut dyn Watch,
     ) -> Result<Outcome, BenchError> {
-        let blocks = block::blocks(self, subjects);
-        let missing = blocks.iter().map(|block| block.missing(self, log));
-        let total = missing.sum();
-        let planned: usize = blocks.iter().map(|b| b.variants.len()).sum();
+        let (mut work, mut total, mut planned) = (Work::default(), 0, 0);
+        for reel in reels.iter_mut() {
+            for index in 0..reel.len() {
+                for block in block::blocks(self, reel.seen(index)) {
+                    block.plan(self, log, &mut work);
+                    total += block.missing(self, log);
+                    planned += block.variants.len() * self.protocol.frames as usize;
+                }
+            }
+        }
         let mut outcome = Outcome {
-            skipped: planned * self.protocol.frames as usize - total,
+            skipped: planned - total,
             ..Outcome::default()
         };
-        for block in &blocks {
-            if watch.is_stopped() {
-                break;
+        watch.plan(work);
+        for reel in reels {
+            for index in 0..reel.len() {
+                let subject = reel.posed(index).map_err(BenchError::Scene)?;
+                for block in block::blocks(self, subject) {
+                    if !watch.is_stopped() {
+                        block.measure(self, log, watch, &mut outcome)?;
+                    }
+                }
+                if watch.is_stopped() {
+                    outcome.interrupted = outcome.measured < total;
+                    return Ok(outcome);
+                }
             }
-            block.measure(self, log, watch, total, &mut outcome)?;
+            self.stock.clear();
         }
-        outcome.interrupted = watch.is_stopped() && outcome.measured < total;
         Ok(outcome)
     }
 
@@ -242,16 +279,15 @@ impl Bench<'_> {
         size: [u32; 2],
     ) -> Result<Ready, BenchError> {
         let mut stock = self.stock.renderers.borrow_mut();
-        let fits = |(motion, its_size, ready): &(u64, [u32; 2], Ready)| {
-            Some(*motion) == subject.motion && *its_size == size && ready.method == method
-        };
-        let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).2);
+        let fits =
+            |(its_size, ready): &([u32; 2], Ready)| *its_size == size && ready.method == method;
+        let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).1);
         let mut renderer = match kept {
             Some(ready) => ready.renderer,
             None => self.renderer(subject, method, size)?,
         };
         let started = Instant::now();
-        let update_ms = subject.motion.map(|_| {
+        let update_ms = subject.motion.then(|| {
             renderer.update(self.gpu, &subject.world);
             started.elapsed().as_secs_f64() * 1e3
         });
@@ -264,9 +300,9 @@ impl Bench<'_> {
 
     /// Keeps renderers for the next frame, if there may be one.
     fn put_back(&self, subject: &Subject, size: [u32; 2], ready: Vec<Ready>) {
-        if let Some(motion) = subject.motion {
+        if subject.motion {
             let mut stock = self.stock.renderers.borrow_mut();
-            stock.extend(ready.into_iter().map(|ready| (motion, size, ready)));
+            stock.extend(ready.into_iter().map(|ready| (size, ready)));
         }
     }
 

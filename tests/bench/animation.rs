@@ -120,3 +120,32 @@ fn the_temporal_error_is_that_of_pairs_which_all_settings_have() {
                 apart).";
     assert!(words.contains(part), "{words}");
 }
+
+#[test]
+fn each_setting_has_a_line_of_its_own_over_the_frames() {
+    let mut rows = Vec::new();
+    for frame in [0, 8, 16] {
+        for steps in [16.0, 128.0] {
+            rows.push(sample("ssr", steps, 5.0, 0.1));
+        }
+        rows.push(sample("rt", 3.0, 10.0, 0.0));
+        for row in rows.iter_mut().rev().take(3) {
+            row.fingerprint += &frame.to_string();
+            row.frame = frame;
+        }
+    }
+    let sections = report::sections(&rows).expect("drawn");
+    let charts = &sections[0].charts;
+    let svg = charts.iter().find(|c| c.name == "course-1-ssim.svg");
+    let svg = &svg.expect("a chart").svg;
+    let lines = svg.split("<polyline").filter(|l| {
+        l.split_once("/>")
+            .is_some_and(|(line, _)| line.contains("stroke-width=\"2\""))
+    });
+    assert_eq!(lines.count(), 3, "{svg}");
+    for name in ["ssr, steps = 16, frame 8: ", "ssr, steps = 128, frame 8: "] {
+        assert_eq!(svg.matches(name).count(), 1, "{name}");
+    }
+    assert!(svg.contains("<title>rt, frame 8: "), "{svg}");
+    assert_eq!(svg.matches(">ssr</text>").count(), 1, "{svg}");
+}

@@ -6,6 +6,7 @@ mod common;
 mod made_up;
 mod sentences;
 mod tables;
+mod timeline;
 
 use std::{
     collections::HashSet,

@@ -39,6 +39,11 @@ pub struct BenchArgs {
     /// Sizes such as 640x360,1280x720; without any, the scene's own
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
     pub sizes: Vec<[u32; 2]>,
+    /// Frames of the scenes' timeline to pose and measure, each with every setting and size: all, or
+    /// a list such as 0-95:8 or 1,3,5-9; without it, the first. How often each is timed, --frames
+    /// says
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub timeline: Option<String>,
     /// Which camera of the scenes; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -46,7 +51,7 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub run: RunArgs,
     /// Draw the report of this table of samples and measure nothing
-    #[arg(long, value_name = "CSV", conflicts_with_all = ["scenes", "resume"])]
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["scenes", "resume", "timeline"])]
     pub samples: Option<PathBuf>,
     /// Print the cheapest setting that meets a bound as a [reflection] block: "ssim>=0.98",
     /// "psnr>=40", "flip<=0.01", "relmse<=0.001" or "ms<=4"
@@ -57,10 +62,11 @@ pub struct BenchArgs {
 /// How frames are measured and where samples go.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
-    /// Timed frames of each setting, 1 to 100000; from 20 on, percentiles are reported
+    /// How often each setting is timed, 1 to 100000; from 20 on, percentiles are reported. Of which
+    /// frames of an animation, --timeline says, or --every for a paper's walk
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: u32,
-    /// Untimed frames before them, 1 to 1000
+    /// Untimed frames of each setting before them, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub warm_up: u32,
     /// Count march steps, traversals, visited nodes and tested triangles in one more frame of each

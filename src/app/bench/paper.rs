@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::{
     args::{PaperArgs, PaperExperiment},
-    open_gpu, report, run, run_walk,
+    open_gpu, report, run,
     shots::{Shot, gallery},
-    subject,
-    walk::{self, Walk},
+    subject, walk,
 };
 use crate::{
     app::{
@@ -18,7 +17,7 @@ use crate::{
     },
     bench::{
         knob::Knob,
-        run::{Protocol, Subject, Turn},
+        run::{Protocol, Reel, Subject, Turn},
     },
     scene::desc::{Method, ReflectionDesc},
 };
@@ -123,27 +122,22 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
         count: args.run.counters,
         split_trace: args.run.split_trace || args.figure == PaperExperiment::Scenario1,
     };
-    let subjects = stage.subjects(&args.assets)?;
+    let is_walk = args.figure == PaperExperiment::Scenario2;
+    let reel = |subject| match is_walk {
+        true => walk::reel(subject, stage.place == SPONZA, args.every),
+        false => Ok(Reel::still(subject)),
+    };
+    let subjects = stage.subjects(&args.assets)?.into_iter();
+    let mut reels = subjects.map(reel).collect::<Result<Vec<_>, _>>()?;
     let gpu = open_gpu(&args.run)?;
     protocol.count |= gpu.is_software();
+    let samples = run(&gpu, &args.run, &protocol, &mut reels)?;
     let mut galleries = Vec::new();
-    let mut show = |subject: &Subject| {
+    for reel in &mut reels {
+        let subject = reel.at(walk::FRAMES / 4).map_err(AppError::Scene)?;
         let shots = shots(args.figure, &subject.reflection);
         galleries.push(gallery(&gpu, subject, protocol.sizes[0], &shots)?);
-        Ok::<_, AppError>(())
-    };
-    let samples = if args.figure == PaperExperiment::Scenario2 {
-        let subject = subjects.into_iter().next();
-        let subject = subject.ok_or_else(|| AppError::Internal("no scene".to_owned()))?;
-        let mut walk = Walk::new(subject, stage.place == SPONZA);
-        let samples = run_walk(&gpu, &args.run, &protocol, &mut walk, args.every)?;
-        show(walk.at(walk::FRAMES / 4))?;
-        samples
-    } else {
-        let samples = run(&gpu, &args.run, &protocol, &subjects)?;
-        subjects.iter().try_for_each(show)?;
-        samples
-    };
+    }
     let title = match args.figure {
         PaperExperiment::Fig1 => "The paper's Fig. 1: the threshold T",
         PaperExperiment::Scenario1 => "The paper's Scenario 1: where the time goes",
@@ -275,7 +269,7 @@ impl Stage {
             };
             let loaded = load_text(self.text, Path::new(self.file), &from)?;
             let name = format!("{what} ({})", self.place);
-            subject(loaded, name, self.text, changes, None)
+            subject(loaded, name, None)
         };
         self.cases.iter().map(load).collect()
     }

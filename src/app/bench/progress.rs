@@ -6,7 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::{app::stop, bench::run::Watch};
+use crate::{
+    app::stop,
+    bench::run::{Steps, Task, Watch, Work},
+};
 
 /// Between plain lines.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
@@ -15,9 +18,9 @@ const PLAIN_EVERY: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub struct Progress {
     is_terminal: bool,
-    started: Instant,
-    /// What was behind at the first step, such as frames of an earlier run.
-    first: Option<usize>,
+    estimate: Estimate,
+    /// When the present step began.
+    begun: Instant,
     told: Option<Instant>,
 }
 
@@ -27,20 +30,38 @@ impl Progress {
         stop::listen();
         Self {
             is_terminal: stderr().is_terminal(),
-            started: Instant::now(),
-            first: None,
+            estimate: Estimate::default(),
+            begun: Instant::now(),
             told: None,
         }
     }
 
-    fn remaining(&mut self, done: usize, total: usize) -> String {
-        let first = *self.first.get_or_insert(done);
-        if done <= first {
-            return String::new();
+    fn show(&mut self, what: &str) {
+        let (done, total) = (self.estimate.done.count(), self.estimate.planned.count());
+        let is_finished = done == total;
+        let soon = self.told.is_some_and(|told| told.elapsed() < PLAIN_EVERY);
+        if !self.is_terminal && soon && !is_finished {
+            return;
         }
-        let each = self.started.elapsed().as_secs_f64() / (done - first) as f64;
-        let seconds = (each * (total - done.min(total)) as f64).round() as u64;
-        format!(", about {}:{:02} left", seconds / 60, seconds % 60)
+        self.told = Some(Instant::now());
+        let left = self.estimate.left_s().filter(|_| !is_finished);
+        let left = left.map(|seconds| {
+            let seconds = seconds.round() as u64;
+            format!(", about {}:{:02} left", seconds / 60, seconds % 60)
+        });
+        let mut text = format!("{done} of {total} steps{}", left.unwrap_or_default());
+        if !what.is_empty() {
+            text = format!("{text}: {what}");
+        }
+        let mut out = stderr().lock();
+        // A closed standard error must not stop the measuring.
+        let _ = if self.is_terminal {
+            let end = if is_finished { "\n" } else { "" };
+            let cut: String = text.chars().take(110).collect();
+            write!(out, "\r\x1b[2K{cut}{end}").and_then(|()| out.flush())
+        } else {
+            writeln!(out, "{text}")
+        };
     }
 }
 
@@ -51,27 +72,21 @@ impl Default for Progress {
 }
 
 impl Watch for Progress {
-    fn step(&mut self, what: &str, done: usize, total: usize) {
-        let finished = done == total;
-        let soon = self.told.is_some_and(|told| told.elapsed() < PLAIN_EVERY);
-        if !self.is_terminal && soon && !finished {
-            return;
+    fn plan(&mut self, work: Work) {
+        self.estimate.planned = work;
+    }
+
+    fn begin(&mut self, what: &str) {
+        self.show(what);
+        self.begun = Instant::now();
+    }
+
+    fn did(&mut self, task: Task, size: [u32; 2]) {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        self.estimate.did(task, size, seconds);
+        if self.estimate.done.count() == self.estimate.planned.count() {
+            self.show("");
         }
-        self.told = Some(Instant::now());
-        let left = self.remaining(done, total);
-        let mut text = format!("{done} of {total} frames{left}");
-        if !what.is_empty() {
-            text = format!("{text}: {what}");
-        }
-        let mut out = stderr().lock();
-        // A closed standard error must not stop the measuring.
-        let _ = if self.is_terminal {
-            let end = if finished { "\n" } else { "" };
-            let cut: String = text.chars().take(110).collect();
-            write!(out, "\r\x1b[2K{cut}{end}").and_then(|()| out.flush())
-        } else {
-            writeln!(out, "{text}")
-        };
     }
 
     fn note(&mut self, text: &str) {
@@ -84,53 +99,35 @@ impl Watch for Progress {
     }
 }
 
-/// Progress of a run of which the inner work knows only one part at a time. Parts count alike.
-pub struct Part<'a> {
-    whole: &'a mut dyn Watch,
-    parts: usize,
-    /// Parts that were begun.
-    begun: usize,
-    name: String,
-    /// The longest part so far: one that was measured before has nothing left.
-    longest: usize,
+/// How long the rest will take: pixels of each kind of step at the speed of those that are done.
+/// Kinds of which none is done are taken to be as fast as the fastest.
+#[derive(Debug, Default)]
+struct Estimate {
+    planned: Work,
+    done: Work,
+    /// Of each kind.
+    seconds: [f64; 4],
 }
 
-impl<'a> Part<'a> {
-    /// So many parts.
-    pub fn of(whole: &'a mut dyn Watch, parts: usize) -> Self {
-        Self {
-            whole,
-            parts,
-            begun: 0,
-            name: String::new(),
-            longest: 0,
-        }
+impl Estimate {
+    fn did(&mut self, task: Task, size: [u32; 2], seconds: f64) {
+        self.done.add(task, 1, size);
+        self.seconds[task as usize] += seconds;
     }
 
-    /// The next one.
-    pub fn begin(&mut self, name: String) {
-        self.begun += 1;
-        self.name = name;
-    }
-}
-
-impl Watch for Part<'_> {
-    fn step(&mut self, what: &str, done: usize, total: usize) {
-        self.longest = self.longest.max(total);
-        let before = (self.begun - 1) * self.longest + (self.longest - total);
-        let what = match what {
-            "" => self.name.clone(),
-            what => format!("{}, {what}", self.name),
+    /// None before the first step.
+    fn left_s(&self) -> Option<f64> {
+        let done = self.done.kinds();
+        let per_pixel =
+            |kind: usize| (done[kind].count > 0).then(|| self.seconds[kind] / done[kind].pixels);
+        let fastest = (0..done.len())
+            .filter_map(per_pixel)
+            .min_by(f64::total_cmp)?;
+        let of = |(kind, planned): (usize, Steps)| {
+            let pixels = (planned.pixels - done[kind].pixels).max(0.0);
+            pixels * per_pixel(kind).unwrap_or(fastest)
         };
-        (self.whole).step(&what, before + done, self.parts * self.longest);
-    }
-
-    fn note(&mut self, text: &str) {
-        self.whole.note(text);
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.whole.is_stopped()
+        Some(self.planned.kinds().into_iter().enumerate().map(of).sum())
     }
 }
 
@@ -138,42 +135,23 @@ impl Watch for Part<'_> {
 mod tests {
     use super::*;
 
-    struct Heard(Vec<(String, usize, usize)>);
-
-    impl Watch for Heard {
-        fn step(&mut self, what: &str, done: usize, total: usize) {
-            self.0.push((what.to_owned(), done, total));
-        }
-
-        fn note(&mut self, _: &str) {}
-
-        fn is_stopped(&self) -> bool {
-            false
-        }
-    }
-
     #[test]
-    fn parts_add_up_to_the_whole() {
-        let mut heard = Heard(Vec::new());
-        let mut part = Part::of(&mut heard, 3);
-        for (name, total) in [("a", 4), ("b", 1), ("c", 4)] {
-            part.begin(name.to_owned());
-            part.step("rt", 0, total);
-            part.step("", total, total);
-        }
-        let heard: Vec<_> = heard
-            .0
-            .iter()
-            .map(|(w, d, t)| (w.as_str(), *d, *t))
-            .collect();
-        let expected = [
-            ("a, rt", 0, 12),
-            ("a", 4, 12),
-            ("b, rt", 7, 12), // three of its four were measured before
-            ("b", 8, 12),
-            ("c, rt", 8, 12),
-            ("c", 12, 12),
-        ];
-        assert_eq!(heard, expected);
+    fn slow_steps_at_the_start_do_not_multiply_by_the_quick_ones_that_follow() {
+        let (small, large) = ([10, 10], [20, 20]);
+        let mut estimate = Estimate::default();
+        estimate.planned.add(Task::Reference, 1, small);
+        estimate.planned.add(Task::Judge, 3, small);
+        estimate.planned.add(Task::Frame, 100, small);
+        estimate.planned.add(Task::Frame, 100, large);
+        assert_eq!(estimate.left_s(), None);
+        estimate.did(Task::Reference, small, 4.0);
+        estimate.did(Task::Judge, small, 9.0);
+        estimate.did(Task::Frame, small, 1.0);
+        // Two more are judged; larger frames take four times as long.
+        let expected = 2.0 * 9.0 + 99.0 + 400.0;
+        assert_eq!(estimate.left_s(), Some(expected));
+        estimate.planned.add(Task::Count, 2, small);
+        assert_eq!(estimate.left_s(), Some(expected + 2.0));
+        assert_eq!((estimate.done.count(), estimate.planned.count()), (3, 206));
     }
 }

@@ -5,7 +5,11 @@ use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec3};
 
-use crate::{bench::run::Subject, scene::desc::LightKind};
+use crate::{
+    app::error::AppError,
+    bench::run::{Reel, Subject},
+    scene::desc::LightKind,
+};
 
 /// Frames of the paper's walk.
 pub const FRAMES: u32 = 950;
@@ -31,23 +35,35 @@ const SWAYS: f32 = 5.0;
 /// Rounds of the light during the walk.
 const ROUNDS: f32 = 3.0;
 
-/// A scene whose camera, dynamic instances and first light move.
-#[derive(Debug)]
-pub struct Walk {
-    subject: Subject,
+/// How a scene's camera, dynamic instances and first light move.
+struct Walk {
     at_rest: Vec<Affine3A>,
     /// Position of the first light, or its direction, at rest.
     light: Vec3,
     /// Corners of the camera's path.
     path: Vec<Vec3>,
+    /// Where the camera looks from wherever it is; along the path where there is none.
+    aim: Option<Vec3>,
     unit_m: f32,
 }
 
+/// Every `every`-th frame of the walk through a loaded scene. In Sponza the camera follows a path
+/// through the hall, elsewhere it circles around where it stands.
+///
+/// # Errors
+/// As [`Reel::moving`].
+pub fn reel(subject: Subject, in_sponza: bool, every: u32) -> Result<Reel, AppError> {
+    let walk = Walk::new(&subject, in_sponza);
+    let frames: Vec<u32> = (0..FRAMES).step_by(every as usize).collect();
+    let mover = move |subject: &mut Subject, frame| {
+        walk.put(subject, frame);
+        Ok(())
+    };
+    Reel::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
+}
+
 impl Walk {
-    /// Takes over a loaded scene. In Sponza the camera follows a path through the hall, elsewhere
-    /// it circles around where it stands.
-    pub fn new(mut subject: Subject, in_sponza: bool) -> Self {
-        subject.motion = Some(subject.content);
+    fn new(subject: &Subject, in_sponza: bool) -> Self {
         let unit_m = subject.world.unit_m();
         let eye = subject.camera.eye;
         let path = if in_sponza {
@@ -72,17 +88,16 @@ impl Walk {
                 .map(|i| i.world_from_object)
                 .collect(),
             light: light.unwrap_or_default(),
+            aim: (!in_sponza).then_some(subject.camera.target - eye),
             path,
             unit_m,
-            subject,
         }
     }
 
-    /// The scene at a frame.
-    pub fn at(&mut self, frame: u32) -> &Subject {
+    /// Poses the scene at a frame.
+    fn put(&self, subject: &mut Subject, frame: u32) {
         let t = frame as f32 / FRAMES as f32;
         let sway = SWAY_U * self.unit_m * (TAU * SWAYS * t).sin();
-        let subject = &mut self.subject;
         for (instance, at_rest) in subject.world.instances.iter_mut().zip(&self.at_rest) {
             if instance.dynamic {
                 instance.world_from_object = Affine3A::from_translation(Vec3::Z * sway) * *at_rest;
@@ -100,15 +115,12 @@ impl Walk {
                 }
             }
         }
-        let aim = subject.camera.target - subject.camera.eye;
-        subject.camera.eye = catmull_rom(&self.path, t);
-        subject.camera.target = if self.path.len() == PATH.len() {
-            catmull_rom(&self.path, (t + 0.04).fract())
-        } else {
-            subject.camera.eye + aim
+        let eye = catmull_rom(&self.path, t);
+        subject.camera.eye = eye;
+        subject.camera.target = match self.aim {
+            Some(aim) => eye + aim,
+            None => catmull_rom(&self.path, (t + 0.04).fract()),
         };
-        subject.frame = frame;
-        subject
     }
 }
 

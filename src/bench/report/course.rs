@@ -1,5 +1,5 @@
-//! Quantities over a number as SVG, a line per method: time and SSIM over the frames of an
-//! animation, errors over a knob.
+//! Quantities over a number as SVG: time and SSIM over the frames of an animation, a line per
+//! setting; errors over a knob, a line per method.
 
 use std::fmt::Write as _;
 
@@ -23,8 +23,10 @@ impl Course {
     /// How it is read.
     pub const fn caption(self) -> &'static str {
         match self {
-            Self::Milliseconds => "Wall time of each frame that was measured.",
-            Self::Ssim => "SSIM of each frame that was measured against rt: 1 is equal.",
+            Self::Milliseconds => "Wall time of each frame that was measured, a line per setting.",
+            Self::Ssim => {
+                "SSIM of each frame that was measured against rt, a line per setting: 1 is equal."
+            }
             Self::ErrorByKnob => {
                 "What the knob does to the error. A method that it does nothing for is a level line."
             }
@@ -32,9 +34,17 @@ impl Course {
     }
 }
 
+/// Dots in the color of their method.
+struct Line {
+    method: &'static str,
+    /// What a dot says when pointed at.
+    name: String,
+    dots: Vec<(f64, f64)>,
+}
+
 /// Lines and how they are labeled.
 struct Plot {
-    lines: Vec<(&'static str, Vec<(f64, f64)>)>,
+    lines: Vec<Line>,
     x_title: String,
     y_title: &'static str,
     /// Whether x is the logarithm (base 10) of what its labels say.
@@ -65,16 +75,37 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         Course::Milliseconds => Some(point.frame_ms.median),
         _ => point.sample.ssim,
     };
-    let line = |method: &'static str| {
+    let mut lines: Vec<Line> = Vec::new();
+    for method in METHODS {
+        let has_one = group
+            .points
+            .iter()
+            .filter(|p| p.sample.method == method)
+            .count()
+            < 2;
         let of = group.over_frames.iter();
-        let of = of.filter(|(_, point)| point.sample.method == method);
-        let dot = |(frame, point): &(u32, Point)| Some((f64::from(*frame), value(point)?));
-        let mut line: Vec<(f64, f64)> = of.filter_map(dot).collect();
+        for (frame, point) in of.filter(|(_, point)| point.sample.method == method) {
+            let Some(y) = value(point) else { continue };
+            let name = if has_one {
+                method.to_owned()
+            } else {
+                point.label()
+            };
+            let dot = (f64::from(*frame), y);
+            match lines.iter_mut().find(|line| line.name == name) {
+                Some(line) => line.dots.push(dot),
+                None => lines.push(Line {
+                    method,
+                    name,
+                    dots: vec![dot],
+                }),
+            }
+        }
+    }
+    for line in &mut lines {
         // Runs that were resumed with another stride have their frames in another order.
-        line.sort_by(|a, b| a.0.total_cmp(&b.0));
-        (method, line)
-    };
-    let lines = METHODS.map(line).to_vec();
+        line.dots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
     let [low, high] = range(&lines)?;
     let (bottom, top, y_title) = match course {
         Course::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
@@ -110,9 +141,13 @@ fn over_knob(group: &Group) -> Option<Plot> {
             Some(value) => vec![(x(value), error)],
             None => vec![(x(first), error), (x(last), error)],
         };
-        (method, dots.flat_map(ends).collect::<Vec<_>>())
+        Line {
+            method,
+            name: method.to_owned(),
+            dots: dots.flat_map(ends).collect(),
+        }
     };
-    let lines = METHODS.map(line).to_vec();
+    let lines: Vec<Line> = METHODS.map(line).into();
     let [_, high] = range(&lines)?;
     Some(Plot {
         lines,
@@ -129,8 +164,8 @@ fn over_knob(group: &Group) -> Option<Plot> {
 }
 
 /// The smallest and largest value; none of fewer than two dots.
-fn range(lines: &[(&str, Vec<(f64, f64)>)]) -> Option<[f64; 2]> {
-    let values = || lines.iter().flat_map(|(_, line)| line).map(|(_, y)| *y);
+fn range(lines: &[Line]) -> Option<[f64; 2]> {
+    let values = || lines.iter().flat_map(|line| &line.dots).map(|(_, y)| *y);
     let low = values().fold(f64::INFINITY, f64::min);
     let high = values().fold(f64::NEG_INFINITY, f64::max);
     (values().count() > 1).then_some([low, high])
@@ -141,7 +176,7 @@ fn svg(plot: &Plot) -> Result<String, String> {
     let xs = || {
         plot.lines
             .iter()
-            .flat_map(|(_, line)| line)
+            .flat_map(|line| &line.dots)
             .map(|(x, _)| *x)
     };
     let first = xs().fold(f64::INFINITY, f64::min);
@@ -176,15 +211,16 @@ fn svg(plot: &Plot) -> Result<String, String> {
             .axis_desc_style(("sans-serif", 14))
             .draw()
             .map_err(|e| said(&e))?;
-        for (method, line) in plot.lines.iter().filter(|(_, line)| !line.is_empty()) {
-            let stroke = color(method).stroke_width(2);
-            let series = LineSeries::new(line.clone(), stroke).point_size(3);
+        for line in plot.lines.iter().filter(|line| !line.dots.is_empty()) {
+            let stroke = color(line.method).stroke_width(2);
+            let series = LineSeries::new(line.dots.clone(), stroke).point_size(3);
             chart.draw_series(series).map_err(|e| said(&e))?;
         }
         let to_pixels = chart.as_coord_spec();
-        for (method, line) in &plot.lines {
-            for &(x, y) in line {
-                let what = format!("{method}, {} {}: {}", plot.x_title, shown(&x), digits(y));
+        for line in &plot.lines {
+            for &(x, y) in &line.dots {
+                let (x_title, x_shown) = (&plot.x_title, shown(&x));
+                let what = format!("{}, {x_title} {x_shown}: {}", line.name, digits(y));
                 hover(&mut overlay, to_pixels.translate(&(x, y)), &what);
             }
         }
@@ -207,8 +243,9 @@ fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
 
 /// The methods that are drawn, above the chart.
 fn legend(plot: &Plot) -> String {
-    let drawn = plot.lines.iter().filter(|(_, line)| !line.is_empty());
-    let methods: Vec<&str> = drawn.map(|(method, _)| *method).collect();
+    let drawn = plot.lines.iter().filter(|line| !line.dots.is_empty());
+    let mut methods: Vec<&str> = drawn.map(|line| line.method).collect();
+    methods.dedup();
     let mut out = String::new();
     for (index, method) in methods.iter().enumerate() {
         let x = WIDTH - 34 - 90 * (methods.len() - index) as i32;

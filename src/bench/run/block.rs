@@ -16,7 +16,10 @@ use crate::{
     scene::desc::{Method, ToneMap},
 };
 
-use super::{Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Watch, flicker::Since};
+use super::{
+    Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Task, Watch, Work,
+    flicker::Since,
+};
 
 /// Variants of one rendered size: as many renderers as methods serve them all.
 pub(super) struct Block<'a> {
@@ -36,22 +39,20 @@ pub(super) struct Judged {
 /// Passes that find reflections.
 const REFLECTION_PASSES: [&str; 5] = ["ssr", "compact", "arguments", "trace", "blur"];
 
-/// The protocol's variants of every subject and size, those of one scale together.
-pub(super) fn blocks<'a>(bench: &Bench, subjects: &'a [Subject]) -> Vec<Block<'a>> {
+/// The protocol's variants of a subject at every size, those of one scale together.
+pub(super) fn blocks<'a>(bench: &Bench, subject: &'a Subject) -> Vec<Block<'a>> {
     let mut blocks: Vec<Block<'a>> = Vec::new();
-    for subject in subjects {
-        for size in bench.protocol.sizes_of(&subject.image) {
-            let first = blocks.len();
-            for variant in bench.protocol.variants(&subject.reflection) {
-                let same_scale = |b: &&mut Block| b.variants[0].scale == variant.scale;
-                match blocks[first..].iter_mut().find(same_scale) {
-                    Some(block) => block.variants.push(variant),
-                    None => blocks.push(Block {
-                        subject,
-                        size,
-                        variants: vec![variant],
-                    }),
-                }
+    for size in bench.protocol.sizes_of(&subject.image) {
+        let first = blocks.len();
+        for variant in bench.protocol.variants(&subject.reflection) {
+            let same_scale = |b: &&mut Block| b.variants[0].scale == variant.scale;
+            match blocks[first..].iter_mut().find(same_scale) {
+                Some(block) => block.variants.push(variant),
+                None => blocks.push(Block {
+                    subject,
+                    size,
+                    variants: vec![variant],
+                }),
             }
         }
     }
@@ -69,29 +70,48 @@ impl Block<'_> {
         self.variants.iter().map(of).sum()
     }
 
+    /// Adds what [`Block::measure`] will do.
+    pub(super) fn plan(&self, bench: &Bench, log: &Log, work: &mut Work) {
+        let missing = self.missing(bench, log);
+        if missing == 0 {
+            return;
+        }
+        let protocol = bench.protocol;
+        let variants = self.variants.len();
+        let rendered = self.rendered();
+        let warm_up = variants * (protocol.warm_up as usize - 1);
+        work.add(Task::Reference, 1, self.size);
+        work.add(Task::Judge, variants, self.size);
+        if protocol.count {
+            work.add(Task::Count, variants, rendered);
+        }
+        work.add(Task::Frame, warm_up + missing, rendered);
+    }
+
     /// Measures what the log lacks.
     pub(super) fn measure(
         &self,
         bench: &Bench,
         log: &mut Log,
         watch: &mut dyn Watch,
-        total: usize,
         outcome: &mut Outcome,
     ) -> Result<(), BenchError> {
         if self.missing(bench, log) == 0 {
-            bench.stock.flicker.forget(self.subject);
+            bench.stock.flicker.forget(self.size, &self.variants);
             return Ok(());
         }
-        watch.step(&self.label("reference"), outcome.measured, total);
+        watch.begin(&self.label("scene to the GPU"));
         let mut rt = bench.ready(self.subject, Method::Rt, self.size)?;
+        watch.begin(&self.label("reference"));
         let reference = bench.reference(self.subject, &mut rt.renderer)?;
+        watch.did(Task::Reference, self.size);
+        watch.begin(&self.label("scene to the GPU"));
         let mut renderers = self.renderers(bench, rt)?;
         let mut prototypes = Vec::new();
         for variant in &self.variants {
             if watch.is_stopped() {
                 return Ok(());
             }
-            watch.step(&self.label(&variant.label()), outcome.measured, total);
             let ready = of_method(&mut renderers, variant.method);
             prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
         }
@@ -108,7 +128,7 @@ impl Block<'_> {
                 if watch.is_stopped() {
                     return Ok(());
                 }
-                watch.step(&self.label(&variant.label()), outcome.measured, total);
+                watch.begin(&self.label(&variant.label()));
                 let renderer = &mut of_method(&mut renderers, variant.method).renderer;
                 renderer.retune(&variant.reflection);
                 let world = &self.subject.world;
@@ -119,12 +139,11 @@ impl Block<'_> {
                     sample.traverse_ms = renderer.traversal_ms(bench.gpu, world, camera)?;
                 }
                 log.append(sample).map_err(BenchError::File)?;
+                watch.did(Task::Frame, self.rendered());
                 outcome.measured += 1;
             }
         }
-        let rendered = self.variants[0].rendered_size(self.size);
-        bench.put_back(self.subject, rendered, renderers);
-        watch.step("", outcome.measured, total);
+        bench.put_back(self.subject, self.rendered(), renderers);
         Ok(())
     }
 
@@ -139,32 +158,41 @@ impl Block<'_> {
     ) -> Result<Sample, BenchError> {
         let Subject { world, camera, .. } = self.subject;
         let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
+        let label = self.label(&variant.label());
+        let next = |what: &str| format!("{label}, {what}");
+        watch.begin(&next("judged"));
         let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
-        let counts = if bench.protocol.count {
-            Some(renderer.counts(bench.gpu, world, camera)?)
-        } else {
-            None
-        };
-        if bench.protocol.split_trace {
-            renderer.traversal_ms(bench.gpu, world, camera)?;
-        }
-        for _ in 1..bench.protocol.warm_up {
-            renderer.render(bench.gpu, world, camera)?;
-        }
+        watch.did(Task::Judge, self.size);
         if let Some(failure) = &judged.failure {
-            watch.note(&format!("{}: {failure}", self.label(&variant.label())));
+            watch.note(&format!("{label}: {failure}"));
         }
         let mut sample = self.prototype(bench, variant, &judged, renderer.unit_m());
         sample.update_ms = update_ms;
-        if let Some(counts) = &counts {
-            fill_counts(&mut sample, counts);
+        if bench.protocol.count {
+            watch.begin(&next("counted"));
+            fill_counts(&mut sample, &renderer.counts(bench.gpu, world, camera)?);
+            watch.did(Task::Count, self.rendered());
+        }
+        if bench.protocol.split_trace {
+            watch.begin(&next("warm-up"));
+            renderer.traversal_ms(bench.gpu, world, camera)?;
+        }
+        for _ in 1..bench.protocol.warm_up {
+            watch.begin(&next("warm-up"));
+            renderer.render(bench.gpu, world, camera)?;
+            watch.did(Task::Frame, self.rendered());
         }
         Ok(sample)
     }
 
+    /// The size that its variants are rendered at.
+    fn rendered(&self) -> [u32; 2] {
+        self.variants[0].rendered_size(self.size)
+    }
+
     /// One renderer per method; that of the reference serves where it has the right size.
     fn renderers(&self, bench: &Bench, rt: Ready) -> Result<Vec<Ready>, BenchError> {
-        let size = self.variants[0].rendered_size(self.size);
+        let size = self.rendered();
         let mut renderers = Vec::new();
         if size == self.size {
             renderers.push(rt);
@@ -181,7 +209,13 @@ impl Block<'_> {
 
     fn label(&self, what: &str) -> String {
         let [width, height] = self.size;
-        format!("{}, {width} x {height}: {what}", self.subject.name)
+        let Subject { name, frame, .. } = self.subject;
+        let frame = if self.subject.motion {
+            format!(", frame {frame}")
+        } else {
+            String::new()
+        };
+        format!("{name}{frame}, {width} x {height}: {what}")
     }
 
     /// Hash of what decides a sample: content, settings, machine, program.

@@ -10,12 +10,12 @@ use crate::bench::{
 
 use super::{Subject, Variant};
 
-/// The picture and the reference's of the last measured frame, of each animation, size and setting.
+/// The picture and the reference's of the last measured frame, of each size and setting.
 #[derive(Debug, Default)]
 pub struct Flicker(RefCell<HashMap<Key, (u32, Temporal)>>);
 
-/// Animation, size and setting.
-type Key = (u64, [u32; 2], String);
+/// Size and setting.
+type Key = ([u32; 2], String);
 
 /// A change, and the frame since which.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,13 +38,13 @@ impl Flicker {
         view: &View,
         reference: &View,
     ) -> Result<Option<Since>, PictureError> {
-        let Some(motion) = subject.motion else {
+        if !subject.motion {
             return Ok(None);
-        };
+        }
         let pair = Pair::new(&view.display, &reference.display)?;
         let size = [pair.test().width(), pair.test().height()].map(|side| side as u32);
         let mut known = self.0.borrow_mut();
-        let entry = known.entry((motion, size, format!("{variant:?}")));
+        let entry = known.entry((size, format!("{variant:?}")));
         let (frame, temporal) = entry.or_insert_with(|| (subject.frame, Temporal::new()));
         let before = std::mem::replace(frame, subject.frame);
         let change = temporal.push(&pair)?;
@@ -54,9 +54,17 @@ impl Flicker {
         }))
     }
 
-    /// Forgets an animation: a frame is passed over, and what follows it has no frame before.
-    pub(super) fn forget(&self, subject: &Subject) {
+    /// Forgets settings at a size: their frame is passed over, and what follows it has no frame
+    /// before.
+    pub(super) fn forget(&self, size: [u32; 2], variants: &[Variant]) {
         let mut known = self.0.borrow_mut();
-        known.retain(|(motion, ..), _| Some(*motion) != subject.motion);
+        for variant in variants {
+            known.remove(&(size, format!("{variant:?}")));
+        }
+    }
+
+    /// Forgets all.
+    pub(super) fn clear(&self) {
+        self.0.borrow_mut().clear();
     }
 }

@@ -1,0 +1,65 @@
+//! Which frames of a scene `bench` measures, and how they are posed.
+
+use crate::{
+    app::{error::AppError, frames::FrameList, render::choose_camera, scene::LoadedScene},
+    bench::run::{Reel, Subject},
+    scene::motion::Motion,
+};
+
+use super::subject;
+
+/// A loaded scene with the frames that `--timeline` lists; without it, with its first.
+///
+/// # Errors
+/// A list that the scene's timeline does not have, a frame that cannot be posed, no such camera.
+pub fn reel(
+    loaded: LoadedScene,
+    name: String,
+    camera: Option<&str>,
+    list: Option<&str>,
+) -> Result<Reel, AppError> {
+    let frames = frames(&loaded, list)?;
+    let index = choose_camera(&loaded, camera)?;
+    let desc = loaded.desc.clone();
+    let subject = subject(loaded, name, camera)?;
+    let Some(frames) = frames else {
+        return Ok(Reel::still(subject));
+    };
+    let mover = move |subject: &mut Subject, frame| {
+        let state = Motion::new(&desc).pose(frame)?;
+        subject.world.apply(&state)?;
+        subject.camera = subject.world.cameras[index].value.clone();
+        Ok(())
+    };
+    Reel::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
+}
+
+/// None for a scene whose frames are all alike, and of which no list is asked for.
+fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, AppError> {
+    let name = &loaded.name;
+    match (list, &loaded.desc.timeline) {
+        (Some(list), Some(timeline)) => {
+            let frames = FrameList::parse("--timeline", list, timeline)?;
+            Ok(Some(frames.0))
+        }
+        (Some(list), None) => Err(AppError::Usage(format!(
+            "--timeline {list}: {name} has no [timeline], so it has no frames; write `[timeline]` \
+             with `end = 47`, or leave --timeline out"
+        ))),
+        (None, timeline) => {
+            let motion = Motion::new(&loaded.desc);
+            if motion.is_still() {
+                return Ok(None);
+            }
+            if let Some(timeline) = timeline.as_ref().filter(|t| t.end > t.start) {
+                let (start, end) = (timeline.start, timeline.end);
+                let step = (end - start).div_ceil(8);
+                eprintln!(
+                    "note: {name}: of the frames {start} to {end} of its timeline only {start} is \
+                     measured; with --timeline all, or such as {start}-{end}:{step}, others are"
+                );
+            }
+            Ok(Some(vec![motion.first_frame()]))
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! Frames of a scene's timeline: posed, measured one after another, resumed and refused.
+
+use std::{fs, path::Path};
+
+use reflet::bench::sample::Sample;
+
+use crate::{common::gpu_or_skip, exits, folder, samples};
+
+/// Camera, ball and lamp stand at these x; at those of frame 4 all keys are met exactly.
+const AT_FRAME_4: [&str; 3] = ["1", "0.5", "-1"];
+
+const SCRIPT: &str = r#"import "path" as path;
+fn frame(ctx) {
+    if ctx.frame == ctx.params.breaks { throw "it broke"; }
+    ctx.place("ball", vec3(path::x(ctx.t), 0.5, 0));
+    ctx.material("floor", #{ roughness: 0.125 * ctx.t });
+}
+"#;
+
+const MOVES: &str = r#"script = "move.rhai"
+[params]
+breaks = 1000
+[timeline]
+fps = 4
+end = 7
+[motion.camera.main]
+eye = { keys = [{ at_s = 0, value = [0, 1.5, 4] }, { at_s = 1, value = [1, 1.5, 4] }] }
+[motion.light.lamp]
+position = { keys = [{ at_s = 0, value = [2, 3, 1] }, { at_s = 1, value = [-1, 3, 1] }] }
+"#;
+
+/// A ball over a mirror: its camera, ball and lamp at some x, and the floor's roughness.
+fn scene(moves: &str, [eye, ball, lamp]: [&str; 3], roughness: &str) -> String {
+    format!(
+        r#"version = 1
+{moves}
+[camera.main]
+eye = [{eye}, 1.5, 4]
+target = [0, 0.5, 0]
+[light.lamp]
+kind = "point"
+position = [{lamp}, 3, 1]
+intensity_cd = 30
+[environment]
+zenith = [0.3, 0.4, 0.5]
+[material.floor]
+reflectivity = 0.6
+roughness = {roughness}
+reflection = "mirror"
+[material.red]
+base_color = [0.8, 0.1, 0.1]
+[model.floor]
+shape = {{ kind = "plane", size = [8, 8] }}
+material = "floor"
+[model.ball]
+shape = {{ kind = "sphere", radius = 0.5 }}
+material = "red"
+[[instance]]
+model = "floor"
+[[instance]]
+name = "ball"
+model = "ball"
+dynamic = true
+translation = [{ball}, 0.5, 0]
+"#
+    )
+}
+
+fn write_scenes(folder: &Path) {
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("a file");
+    write("move.rhai", SCRIPT);
+    write("path.rhai", "fn x(t) { t / 2 }\n");
+    write("moves.toml", &scene(MOVES, ["0", "0", "2"], "0"));
+    write("stands.toml", &scene("", AT_FRAME_4, "0.125"));
+}
+
+/// `ssr` and `rt` of a scene, each timed once.
+fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let run = [
+        scene,
+        "--sizes",
+        "64x36",
+        "--methods",
+        "ssr,rt",
+        "--knob",
+        "steps",
+        "--values",
+        "64",
+        "--frames",
+        "1",
+        "--warm-up",
+        "1",
+        "--counters",
+        "-o",
+        out,
+    ];
+    [&run[..], more].concat()
+}
+
+/// What a frame's picture and its work are, and nothing of its times.
+fn seen(sample: &Sample) -> impl PartialEq + std::fmt::Debug + use<> {
+    (
+        (sample.method.clone(), sample.unit_m, sample.ssim),
+        (sample.flip, sample.rel_mse, sample.mask_px),
+        (sample.march_steps, sample.visited_nodes, sample.traversals),
+        (sample.reflective_px, sample.rays, sample.false_accepts),
+    )
+}
+
+#[test]
+fn frames_of_a_timeline_are_posed_measured_and_resumed() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("timeline");
+    write_scenes(&folder);
+    let [_, said] = exits(
+        &folder,
+        &run("moves.toml", "out", &["--timeline", "0-4:2"]),
+        0,
+    );
+    assert!(said.contains("Temporal error"), "{said}");
+    assert!(said.contains("2 pairs of frames 2 apart"), "{said}");
+    assert!(!said.contains("note:"), "{said}");
+    let out = folder.join("out");
+    let first = samples(&out);
+    let frames: Vec<_> = first.iter().map(|s| (s.frame, s.since_frame)).collect();
+    let since = [(0, None), (2, Some(0)), (4, Some(2))];
+    assert_eq!(frames, since.map(|frame| [frame; 2]).concat());
+    for pair in first.windows(3) {
+        assert_ne!(seen(&pair[0]), seen(&pair[2]), "frames differ");
+    }
+    for sample in &first[2..] {
+        assert_eq!(sample.status, "ok");
+        assert!(sample.update_ms.is_some() && sample.temporal_change > Some(0.0));
+    }
+    for chart in ["course-1-ms.svg", "course-1-ssim.svg"] {
+        let svg = fs::read_to_string(out.join(chart)).expect("a chart");
+        assert!(svg.contains("<title>ssr, frame 2: "), "{chart}");
+    }
+
+    // Frame 4 is what a scene shows that is written so.
+    exits(&folder, &run("stands.toml", "still", &[]), 0);
+    let still = samples(&folder.join("still"));
+    let [posed, written] = [&first[4..], &still[..]].map(|of| of.iter().map(seen));
+    assert_eq!(posed.collect::<Vec<_>>(), written.collect::<Vec<_>>());
+
+    let resume = ["--timeline", "0-4", "--resume"];
+    let [_, said] = exits(&folder, &run("moves.toml", "out", &resume), 0);
+    assert!(said.contains("6 frames were measured before"), "{said}");
+    let second = samples(&out);
+    assert_eq!((second.len(), &second[..6]), (10, &first[..]));
+    // A file that the script imports is content, too.
+    fs::write(folder.join("path.rhai"), "fn x(t) { t / 4 }\n").expect("a file");
+    let [_, said] = exits(&folder, &run("moves.toml", "out", &resume), 0);
+    assert!(!said.contains("measured before"), "{said}");
+    let third = samples(&out);
+    assert_eq!(third.len(), 20);
+    assert_ne!(third[19].content, first[0].content);
+}
+
+#[test]
+fn without_a_list_the_first_frame_is_posed_and_it_is_said() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("first-frame");
+    write_scenes(&folder);
+    let at_4 = ["--set", "timeline.start=4"];
+    let [_, said] = exits(&folder, &run("moves.toml", "one", &at_4), 0);
+    let note = "of the frames 4 to 7 of its timeline only 4 is measured";
+    assert_eq!(said.matches(note).count(), 1, "{said}");
+    let one = samples(&folder.join("one"));
+    assert!(one.iter().all(|s| s.frame == 4 && s.update_ms.is_none()));
+    let [_, said] = exits(&folder, &run("stands.toml", "still", &[]), 0);
+    assert!(!said.contains("timeline"), "{said}");
+    let still = samples(&folder.join("still"));
+    let [posed, written] = [&one[..], &still[..]].map(|of| of.iter().map(seen));
+    assert_eq!(posed.collect::<Vec<_>>(), written.collect::<Vec<_>>());
+}
+
+#[test]
+fn frames_that_are_not_there_are_refused_before_anything_is_measured() {
+    let folder = folder("bad-frames");
+    write_scenes(&folder);
+    for (scene, more, code, says) in [
+        (
+            "moves.toml",
+            &["--timeline", "5-9"][..],
+            2,
+            "--timeline 5-9: frame 9 is not in the timeline, which has 0 to 7",
+        ),
+        ("moves.toml", &["--timeline", "x"], 2, "--timeline x: "),
+        (
+            "stands.toml",
+            &["--timeline", "0-3"],
+            2,
+            "stands.toml has no [timeline]",
+        ),
+        (
+            "moves.toml",
+            &["--timeline", "0-4", "--set", "params.breaks=3"],
+            3,
+            "in frame 3",
+        ),
+        ("moves.toml", &["--set", "params.breaks=0"], 3, "in frame 0"),
+    ] {
+        let [_, error] = exits(&folder, &run(scene, "bad", more), code);
+        assert!(error.contains(says), "{more:?} says {error}");
+        assert!(!folder.join("bad").exists(), "{more:?}");
+    }
+}
