@@ -40,6 +40,8 @@ pub struct Walk {
     light: Vec3,
     /// Corners of the camera's path.
     path: Vec<Vec3>,
+    /// Whether the camera looks ahead along its path; else it looks where it looked at rest.
+    looks_ahead: bool,
     unit_m: f32,
 }
 
@@ -73,6 +75,7 @@ impl Walk {
                 .collect(),
             light: light.unwrap_or_default(),
             path,
+            looks_ahead: in_sponza,
             unit_m,
             subject,
         }
@@ -102,7 +105,7 @@ impl Walk {
         }
         let aim = subject.camera.target - subject.camera.eye;
         subject.camera.eye = catmull_rom(&self.path, t);
-        subject.camera.target = if self.path.len() == PATH.len() {
+        subject.camera.target = if self.looks_ahead {
             catmull_rom(&self.path, (t + 0.04).fract())
         } else {
             subject.camera.eye + aim
