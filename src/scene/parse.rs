@@ -4,7 +4,7 @@
 mod names;
 mod notes;
 mod params;
-mod range;
+pub mod range;
 mod read;
 mod report;
 mod script;
