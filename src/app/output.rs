@@ -13,7 +13,7 @@ use exr::prelude::{
 
 use super::{aov, error::AppError, fingerprint::KEYWORD};
 use crate::{
-    files::{Temporary, folder_of},
+    files::{Temporary, folder_of, write_together},
     render::{Picture, Plane, PlaneData, aov::Aov},
 };
 
@@ -108,25 +108,18 @@ impl Output {
                 }
             }
         }
-        let mut finished = Vec::new();
-        for (path, bytes) in files {
-            let failed = |error: &dyn std::fmt::Display| {
-                AppError::Internal(format!("cannot write {}: {error}", path.display()))
-            };
-            let bytes = bytes.map_err(|error| failed(&error))?;
-            let temporary = Temporary::create(&path)
-                .and_then(|temporary| temporary.fill(&bytes))
-                .map_err(|error| failed(&error))?;
-            finished.push((path, temporary));
-        }
-        let mut written = Vec::new();
-        for (path, temporary) in finished {
-            temporary.rename_to(&path).map_err(|error| {
-                AppError::Internal(format!("cannot write {}: {error}", path.display()))
-            })?;
-            written.push(path);
-        }
-        Ok(written)
+        let failed = |path: &Path, error: &dyn std::fmt::Display| {
+            AppError::Internal(format!("cannot write {}: {error}", path.display()))
+        };
+        let encoded = files
+            .into_iter()
+            .map(|(path, bytes)| match bytes {
+                Ok(bytes) => Ok((path, bytes)),
+                Err(error) => Err(failed(&path, &error)),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        write_together(&encoded).map_err(|(path, error)| failed(&path, &error))?;
+        Ok(encoded.into_iter().map(|(path, _)| path).collect())
     }
 
     /// The same kind of file under another name beside it, which is not checked again.
