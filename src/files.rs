@@ -1,10 +1,10 @@
-//! Writes files so that they are either whole or not there.
+//! Writes files so that they are either whole or not there; reads only what is a file and ends.
 
 use std::{
     collections::HashSet,
     ffi::{OsStr, OsString},
     fs::{self, File, OpenOptions},
-    io::{self, Write as _},
+    io::{self, Read, Write as _},
     path::{Path, PathBuf},
 };
 
@@ -19,6 +19,51 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     Temporary::create(path)?.fill(bytes)?.rename_to(path)
+}
+
+/// Writes several files, none of which gets its name before all are complete and on the disk.
+///
+/// # Errors
+/// The file that cannot be written, and what the system says; none of them is then new, unless the
+/// last step itself fails.
+pub fn write_together(files: &[(PathBuf, Vec<u8>)]) -> Result<(), (PathBuf, io::Error)> {
+    let mut finished = Vec::new();
+    for (path, bytes) in files {
+        let temporary = Temporary::create(path).and_then(|temporary| temporary.fill(bytes));
+        finished.push((path, temporary.map_err(|error| (path.clone(), error))?));
+    }
+    for (path, temporary) in finished {
+        let renamed = temporary.rename_to(path);
+        renamed.map_err(|error| (path.clone(), error))?;
+    }
+    Ok(())
+}
+
+/// Opens a file to be read, and to be appended to where `appends`. A pipe would block and a device
+/// never end, so the kind is checked before opening.
+///
+/// # Errors
+/// What the system says, and what is no regular file.
+pub fn open_regular(path: &Path, appends: bool) -> io::Result<File> {
+    if !fs::metadata(path)?.is_file() {
+        let message = "it is not a regular file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    OpenOptions::new().read(true).append(appends).open(path)
+}
+
+/// Reads all of a file.
+///
+/// # Errors
+/// What the system says, and a file of more than `most` bytes.
+pub fn read_at_most(file: &File, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let message = format!("it is longer than {} MiB", most >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
 }
 
 /// A file under a hidden name beside its goal; gone unless it is renamed.
@@ -36,6 +81,10 @@ impl Temporary {
     /// # Errors
     /// What the system says.
     pub fn create(goal: &Path) -> std::io::Result<Self> {
+        if goal.is_dir() {
+            let message = "a folder is there";
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, message));
+        }
         let mut name = OsString::from(".");
         name.push(goal.file_name().unwrap_or_default());
         name.push(format!(".{}.tmp", std::process::id()));

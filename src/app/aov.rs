@@ -1,11 +1,14 @@
-//! How intermediate pictures look as PNG: depth as gray, directions and codes as colors.
+//! How intermediate pictures look as PNG: distances as grays from near to far, weights as they are,
+//! directions and codes as colors.
 
-use crate::render::{
-    Plane, PlaneData,
-    cause::{Cause, Source},
+use crate::{
+    math::srgb_from_linear,
+    render::{
+        Plane, PlaneData,
+        cause::{Cause, Source},
+    },
 };
 
-/// Sources by their number in the `source` plane.
 /// A plane as RGBA, 8 bits a channel.
 pub fn view(plane: &Plane) -> Vec<u8> {
     let stride = plane.channels.len().max(1);
@@ -21,6 +24,10 @@ pub fn view(plane: &Plane) -> Vec<u8> {
             }
         })),
         PlaneData::F32(values) => match plane.channels {
+            // Weights from 0 to 1, which masks are made of. Rounded up, so that exactly those over
+            // 1/255, which count as reflective, are over 1 here.
+            ["Y"] => opaque(values.iter().map(|weight| [byte_up(*weight); 3])),
+            // Meters have no largest value.
             [_] => opaque(grays(values).into_iter().map(|gray| [gray; 3])),
             ["X", "Y", "Z"] => opaque(
                 values
@@ -29,7 +36,7 @@ pub fn view(plane: &Plane) -> Vec<u8> {
             ),
             channels => {
                 let encode = if *channels == ["R", "G", "B"] {
-                    srgb
+                    srgb_from_linear
                 } else {
                     |v| v
                 };
@@ -71,18 +78,13 @@ fn grays(values: &[f32]) -> Vec<u8> {
         .collect()
 }
 
+fn byte_up(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0).ceil() as u8
+}
+
 fn byte(value: f32) -> u8 {
     // A NaN becomes 0 in the cast.
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
-}
-
-/// The sRGB transfer function, IEC 61966-2-1.
-fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
 }
 
 #[cfg(test)]
@@ -133,6 +135,15 @@ mod tests {
         let view = view(&plane("depth", &["Z"], depth));
         let reds: Vec<u8> = view.iter().step_by(4).copied().collect();
         assert_eq!(reds, [255, 128, 0, 0, 0]);
+    }
+
+    #[test]
+    fn reflectance_is_written_as_it_is() {
+        let over = f32::from_bits((1.0_f32 / 255.0).to_bits() + 1);
+        let weights = PlaneData::F32(vec![0.2, 0.0, 1.0 / 255.0, over, 0.04, 1.0, 1.5]);
+        let view = view(&plane("reflectance", &["Y"], weights));
+        let reds: Vec<u8> = view.iter().step_by(4).copied().collect();
+        assert_eq!(reds, [51, 0, 1, 2, 11, 255, 255]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! `bench`: scenes are measured into a folder, which then holds the samples and their report.
 
-use std::{fs, path::Path};
+use std::{fs, io, path::Path};
 
 use super::{
     error::AppError,
@@ -22,8 +22,8 @@ use crate::{
         },
         run::{Bench, BenchError, Protocol, Reel, Stock, Subject, Turn, Watch as _},
         sample::Sample,
-        write::write_whole,
     },
+    files::write_whole,
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::RenderError,
     scene::{desc::Method, diagnostic::Diagnostic},
@@ -55,8 +55,8 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
         None => {
             let samples = match &args.samples {
                 Some(path) => {
-                    create_folder(&args.run.output)?;
                     let (samples, is_torn) = log::read(path).map_err(|d| of_file(*d))?;
+                    create_folder(&args.run.output)?;
                     if is_torn {
                         eprintln!("note: {}: {TORN} and left out", path.display());
                     }
@@ -83,10 +83,16 @@ fn measure(args: &BenchArgs) -> Result<Vec<Sample>, AppError> {
 
 /// The adapter that the arguments name, after the folder that they name is known to be one.
 fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
+    let is_new = !args.output.exists();
     create_folder(&args.output)?;
-    Ok(Gpu::new(&GpuOptions {
-        adapter_filter: args.adapter.clone(),
-    })?)
+    let adapter_filter = args.adapter.clone();
+    Gpu::new(&GpuOptions { adapter_filter }).map_err(|error| {
+        if is_new {
+            // Nothing was measured into it; nobody is helped by a second message.
+            let _ = fs::remove_dir(&args.output);
+        }
+        error.into()
+    })
 }
 
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
@@ -301,8 +307,15 @@ fn create_folder(folder: &Path) -> Result<(), AppError> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), AppError> {
-    write_whole(path, bytes)
-        .map_err(|error| AppError::Internal(format!("cannot write {}: {error}", path.display())))
+    write_whole(path, bytes).map_err(|error| match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            AppError::Internal(format!("cannot write {}: {error}", path.display()))
+        }
+        _ => AppError::Usage(format!(
+            "--output: cannot write {}: {error}",
+            path.display()
+        )),
+    })
 }
 
 fn of_file(diagnostic: Diagnostic) -> AppError {

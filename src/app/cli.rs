@@ -95,7 +95,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub samples: Option<u32>,
     /// Intermediate pictures to write too, such as depth,normal,source,cause: layers of an EXR,
-    /// or OUT.NAME.png beside a PNG
+    /// or OUT.NAME.png beside a PNG, in which distances run from white (near) to black, and
+    /// reflectance from 0 to 255, as `compare --mask` takes it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub aov: Vec<String>,
     /// Read the shaders from a folder instead of the built-in ones

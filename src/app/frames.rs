@@ -199,7 +199,7 @@ mod tests {
             (vec![1, 3, 5], "1,3,5"),
         ] {
             assert_eq!(spans(&frames), text);
-            let read = FrameList::parse(text, &timeline).expect("is right");
+            let read = FrameList::parse("--frames", text, &timeline).expect("is right");
             assert_eq!(read, FrameList(frames));
         }
     }

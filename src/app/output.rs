@@ -13,7 +13,7 @@ use exr::prelude::{
 
 use super::{aov, error::AppError, film, fingerprint::KEYWORD};
 use crate::{
-    files::{Temporary, folder_of},
+    files::{Temporary, folder_of, write_together},
     render::{Picture, Plane, PlaneData, aov::Aov},
 };
 
@@ -109,23 +109,16 @@ impl Output {
                 }
             }
         }
-        let mut finished = Vec::new();
-        for (path, bytes) in files {
-            let bytes = bytes.map_err(|error| {
-                AppError::Internal(format!("cannot write {}: {error}", path.display()))
-            })?;
-            let temporary = Temporary::create(&path)
-                .and_then(|temporary| temporary.fill(&bytes))
-                .map_err(|error| AppError::unwritten(&path, &error))?;
-            finished.push((path, temporary));
-        }
-        let mut written = Vec::new();
-        for (path, temporary) in finished {
-            let renamed = temporary.rename_to(&path);
-            renamed.map_err(|error| AppError::unwritten(&path, &error))?;
-            written.push(path);
-        }
-        Ok(written)
+        let encoded = files.into_iter().map(|(path, bytes)| match bytes {
+            Ok(bytes) => Ok((path, bytes)),
+            Err(error) => Err(AppError::Internal(format!(
+                "cannot write {}: {error}",
+                path.display()
+            ))),
+        });
+        let encoded = encoded.collect::<Result<Vec<_>, _>>()?;
+        write_together(&encoded).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
+        Ok(encoded.into_iter().map(|(path, _)| path).collect())
     }
 
     /// The same kind of file under another name beside it, which is not checked again.

@@ -31,12 +31,13 @@ pub struct Bound {
     pub limit: f64,
 }
 
-const QUANTITIES: [(&str, Quantity, &str); 5] = [
-    ("ssim", Quantity::Ssim, ">="),
-    ("psnr", Quantity::Psnr, ">="),
-    ("flip", Quantity::Flip, "<="),
-    ("relmse", Quantity::RelMse, "<="),
-    ("ms", Quantity::Ms, "<="),
+/// Name, what it bounds, on which side, and the largest limit that means something.
+const QUANTITIES: [(&str, Quantity, &str, f64); 5] = [
+    ("ssim", Quantity::Ssim, ">=", 1.0),
+    ("psnr", Quantity::Psnr, ">=", f64::MAX),
+    ("flip", Quantity::Flip, "<=", 1.0),
+    ("relmse", Quantity::RelMse, "<=", f64::MAX),
+    ("ms", Quantity::Ms, "<=", f64::MAX),
 ];
 
 impl Bound {
@@ -54,7 +55,7 @@ impl Bound {
             return Err(format!("expected {forms}"));
         };
         let name = name.trim().to_ascii_lowercase();
-        let Some((_, quantity, right)) = QUANTITIES.iter().find(|(known, ..)| *known == name)
+        let Some((_, quantity, right, most)) = QUANTITIES.iter().find(|(known, ..)| *known == name)
         else {
             return Err(format!("\"{name}\" cannot be bounded; expected {forms}"));
         };
@@ -64,8 +65,14 @@ impl Bound {
             ));
         }
         let limit = limit.trim().parse::<f64>().ok();
-        let limit = limit.filter(|l| l.is_finite() && *l >= 0.0);
-        let limit = limit.ok_or(format!("after {sign} expected a number that is 0 or more"))?;
+        let limit = limit.filter(|l| (0.0..=*most).contains(l)).ok_or_else(|| {
+            let range = if *most == 1.0 {
+                "from 0 to 1"
+            } else {
+                "that is 0 or more"
+            };
+            format!("after {sign} expected a number {range}")
+        })?;
         Ok(Self {
             quantity: *quantity,
             limit,
@@ -92,12 +99,20 @@ impl Bound {
     }
 }
 
-/// The chosen point of a group: under a bound of error the fastest, under one of time the one with
+/// The chosen point of a group, by its values inside the mask where they are scored in all settings,
+/// else by those of the frame. Under a bound of error the fastest, under one of time the one with
 /// the least FLIP. Either is on the front of what was bounded.
 ///
 /// # Errors
-/// A sentence with the closest point when none meets the bound.
+/// A sentence with the closest point when none meets the bound, or why nothing can be bounded.
 pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> {
+    if bound.quantity == Quantity::Psnr && group.points.iter().any(|p| p.is_mean) {
+        return Err(
+            "of an animation PSNR has no mean, since it is infinite in frames that are equal; bound \
+             ssim, flip or relmse instead"
+                .to_owned(),
+        );
+    }
     let values = group.points.iter();
     let known: Vec<(&Point, [f64; 2])> = values
         .filter_map(|p| bound.value(p, group.masked).map(|v| (p, v)))
@@ -129,23 +144,35 @@ pub fn choose<'a>(group: &'a Group, bound: &Bound) -> Result<&'a Point, String> 
         let closest = known.iter().min_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
         let (point, [value, _]) = closest.expect("not empty");
         format!(
-            "no setting meets the bound; the closest is {} with {}",
+            "no setting meets the bound{}; the closest is {} with {}",
+            match bound.quantity {
+                Quantity::Ms => String::new(),
+                _ => format!(" {}", region(group.masked)),
+            },
             point.label(),
             digits(value.abs())
         )
     })
 }
 
-/// The point's settings as scene text, with what they were measured to give.
-pub fn block(point: &Point, masked: bool) -> String {
-    let s = &point.sample;
-    let region = if masked {
+/// Where errors are taken.
+const fn region(masked: bool) -> &'static str {
+    if masked {
         "in reflections"
     } else {
         "of the frame"
-    };
+    }
+}
+
+/// The point's settings as scene text, with what they were measured to give.
+pub fn block(point: &Point, masked: bool) -> String {
+    let s = &point.sample;
     let error = |metric| point.error(metric, masked).map_or("?".to_owned(), digits);
-    let ssim = if masked { s.mask_ssim } else { s.ssim };
+    let (ssim, psnr_db) = if masked {
+        (s.mask_ssim, s.mask_psnr_db)
+    } else {
+        (s.ssim, s.psnr_db)
+    };
     let mut text = String::new();
     // Writing to a string cannot fail.
     let mut line = |line: String| {
@@ -160,10 +187,13 @@ pub fn block(point: &Point, masked: bool) -> String {
         digits(point.ms.median)
     ));
     line(format!(
-        "# SSIM {} and FLIP {} {region} against rt with {} bounces",
+        "# {} against rt with {} bounces: SSIM {}, FLIP {}, relMSE {}{}",
+        region(masked),
+        s.reference_bounces,
         ssim.map_or("?".to_owned(), |v| format!("{v:.4}")),
         error(Metric::Flip),
-        s.reference_bounces
+        error(Metric::RelMse),
+        psnr_db.map_or(String::new(), |v| format!(", PSNR {} dB", digits(v)))
     ));
     line("[reflection]".to_owned());
     line(format!("method = \"{}\"", s.method));
@@ -204,6 +234,9 @@ mod tests {
             ("ms>=4", "write ms<="),
             ("ms<=fast", "expected a number"),
             ("flip<=NaN", "expected a number"),
+            ("flip<=1.01", "expected a number from 0 to 1"),
+            ("ssim>=1.5", "expected a number from 0 to 1"),
+            ("psnr>=-1", "expected a number that is 0 or more"),
         ] {
             let error = Bound::parse(text).expect_err(text);
             assert!(error.contains(says), "{text}: {error}");

@@ -12,11 +12,14 @@ use super::{
         mask::{MIN_AREA_PX, Mask},
     },
     picture::{Encoding, Pair, Picture, PictureError},
-    read::{Reading, read_picture},
+    read::{Reading, read_mask, read_picture},
     table::{Comparison, MaskReport, MaskScores},
-    write::write_png,
+    write::{encode_png, unwritable},
 };
-use crate::scene::diagnostic::Diagnostic;
+use crate::{
+    files::{Temporary, write_together},
+    scene::diagnostic::Diagnostic,
+};
 
 /// Judges a picture against a reference.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,8 +30,10 @@ pub struct CompareArgs {
     /// What it should be, of the same size.
     #[arg(value_name = "B")]
     pub reference: PathBuf,
-    /// A picture of the same size whose values are Fresnel-weighted reflectance (255 or 1.0 is
-    /// all): pixels over 1/255, less 5 pixels at every edge, are scored apart.
+    /// A gray picture of the same size whose values are Fresnel-weighted reflectance (255 or 1.0 is
+    /// all): pixels over 1/255, less 5 pixels at every edge, are scored apart. `render --aov
+    /// reflectance` writes it: OUT.reflectance.png beside a PNG, the channel reflectance.Y in an
+    /// OpenEXR file, which is taken before its colors.
     #[arg(long, value_name = "M")]
     pub mask: Option<PathBuf>,
     /// Print JSON instead of a table.
@@ -69,8 +74,9 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
     let reference = read_picture(&args.reference)?;
     let pair = Pair::new(&test.picture, &reference.picture)
         .map_err(|e| size_error(e, &args.test, &args.reference))?;
+    let mut notes = notes(&test, &reference);
     let mask = match &args.mask {
-        Some(path) => Some(read_mask(path, &args.reference, &reference.picture)?),
+        Some(path) => Some(mask_of(path, args, &reference.picture, &mut notes)?),
         None => None,
     };
     let maps = Maps::of(&pair);
@@ -86,20 +92,25 @@ pub fn compare(args: &CompareArgs) -> Result<Comparison, Box<Diagnostic>> {
         frame,
         mask,
         difference_gain: None,
-        notes: notes(&test, &reference),
+        notes,
     };
     write_pictures(args, &pair, &maps, &mut comparison)?;
     Ok(comparison)
 }
 
 /// The reflective pixels of a mask picture, eroded.
-fn read_mask(
+fn mask_of(
     path: &Path,
-    reference_path: &Path,
+    args: &CompareArgs,
     reference: &Picture,
+    notes: &mut Vec<String>,
 ) -> Result<Mask, Box<Diagnostic>> {
-    let picture = read_picture(path)?.picture;
-    Pair::new(&picture, reference).map_err(|e| size_error(e, path, reference_path))?;
+    let Reading {
+        picture,
+        notes: of_mask,
+    } = read_mask(path)?;
+    notes.extend(of_mask);
+    Pair::new(&picture, reference).map_err(|e| size_error(e, path, &args.reference))?;
     Mask::reflective(picture.width(), picture.height(), &picture.weights()).map_err(|e| {
         file_error(
             "bad-pixels",
@@ -210,7 +221,8 @@ fn notes(test: &Reading, reference: &Reading) -> Vec<String> {
     notes
 }
 
-/// Refuses outputs that are no PNG, replace an input, or each other, before any work is done.
+/// Refuses outputs that are no PNG, cannot be written, or replace an input or each other, before
+/// any work is done.
 fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
     let outputs = [&args.difference, &args.flip_map];
     let inputs = [Some(&args.test), Some(&args.reference), args.mask.as_ref()];
@@ -232,6 +244,9 @@ fn check_outputs(args: &CompareArgs) -> Result<(), Box<Diagnostic>> {
                 "choose another name",
             );
         }
+        // Creating a file is the only test of permissions that means anything.
+        Temporary::create(path)
+            .map_err(|e| unwritable(path, &format!("cannot be written: {e}")))?;
     }
     match outputs {
         [Some(a), Some(b)] if real(a) == real(b) => {
@@ -261,15 +276,22 @@ fn write_pictures(
     comparison: &mut Comparison,
 ) -> Result<(), Box<Diagnostic>> {
     let (width, height) = (comparison.width, comparison.height);
+    let mut files = Vec::new();
+    let mut add = |path: &Path, rgb| {
+        let png = encode_png(width, height, rgb).map_err(|why| unwritable(path, &why))?;
+        files.push((path.to_owned(), png));
+        Ok::<_, Box<Diagnostic>>(())
+    };
     if let Some(path) = &args.difference {
         let (gain, rgb) = difference_picture(pair);
-        write_png(path, width, height, rgb)?;
+        add(path, rgb)?;
         comparison.difference_gain = Some(gain);
     }
     if let Some(path) = &args.flip_map {
-        write_png(path, width, height, flip::heat(&maps.flip))?;
+        add(path, flip::heat(&maps.flip))?;
     }
-    Ok(())
+    write_together(&files)
+        .map_err(|(path, e)| unwritable(&path, &format!("cannot be written: {e}")))
 }
 
 /// |test − reference| of the display values times a gain, as RGB bytes. The gain is the largest

@@ -1,9 +1,12 @@
 //! What a bench turns: the settings that trade time for accuracy, and the variants they make.
 
-use crate::scene::desc::{Method, ReflectionDesc};
+use crate::scene::{
+    desc::{Method, ReflectionDesc},
+    parse::range::{BOUNCES, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
+};
 
 /// Most steps that a scene may ask for.
-pub const MAX_STEPS: u32 = 4096;
+pub const MAX_STEPS: u32 = STEPS.max as u32;
 
 /// A setting that trades time for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,24 +108,29 @@ impl Knob {
     /// # Errors
     /// A sentence with the range.
     pub fn check(self, value: f64) -> Result<(), String> {
-        let whole = value.fract() == 0.0;
-        let (ok, range) = match self {
-            Self::ThresholdU => (value >= 0.0, "0 or more"),
-            Self::Steps => (
-                whole && (8.0..=f64::from(MAX_STEPS)).contains(&value),
-                "a whole number from 8 to 4096",
-            ),
-            Self::RayLengthU => (value > 0.0, "above 0"),
-            Self::Bounces => (
-                whole && (1.0..=16.0).contains(&value),
-                "a whole number from 1 to 16",
-            ),
-            Self::Scale => ((0.05..=1.0).contains(&value), "0.05 to 1"),
-        };
-        if ok && value.is_finite() {
-            Ok(())
-        } else {
-            Err(format!("{} = {value}: must be {range}", self.name()))
+        let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
+        let range = self.range();
+        if matches!(self, Self::Steps | Self::Bounces) {
+            return if value.fract() == 0.0 && range.contains(value) {
+                Ok(())
+            } else {
+                Err(refused(&format!(
+                    "a whole number from {} to {}",
+                    range.min, range.max
+                )))
+            };
+        }
+        range.check(value).map_err(|words| refused(&words))
+    }
+
+    /// What a scene may say of the setting.
+    const fn range(self) -> Range {
+        match self {
+            Self::ThresholdU => THRESHOLD_U,
+            Self::Steps => STEPS,
+            Self::RayLengthU => RAY_LENGTH_U,
+            Self::Bounces => BOUNCES,
+            Self::Scale => range(0.05, 1.0),
         }
     }
 
@@ -250,6 +258,16 @@ mod tests {
         }
         let says = Knob::Steps.check(16.5).expect_err("no whole number");
         assert_eq!(says, "steps = 16.5: must be a whole number from 8 to 4096");
-        assert!(Knob::RayLengthU.check(f64::INFINITY).is_err());
+        for (knob, value, says) in [
+            (Knob::RayLengthU, f64::INFINITY, "between -1e12 and 1e12"),
+            (Knob::RayLengthU, 1e-300, "above 0"), // 0 in single precision
+            (Knob::ThresholdU, 1e300, "between -1e12 and 1e12"),
+        ] {
+            let error = knob.check(value).expect_err("out of range");
+            assert_eq!(
+                error,
+                format!("{} = {value:?}: must be {says}", knob.name())
+            );
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::{
     collections::HashMap,
-    fs::{self, File, OpenOptions},
-    io::Write as _,
+    fs::{File, OpenOptions, TryLockError},
+    io::{self, Write as _},
     path::{Path, PathBuf},
 };
 
@@ -11,9 +11,15 @@ use super::{
     file_error,
     sample::{Sample, header, read_samples},
 };
-use crate::scene::diagnostic::Diagnostic;
+use crate::{
+    files::{folder_of, open_regular, read_at_most},
+    scene::diagnostic::Diagnostic,
+};
 
-/// An open table of samples.
+/// Longest table read, bytes: about a million samples.
+pub const MAX_TABLE_BYTES: u64 = 1 << 30;
+
+/// An open table of samples, which no other run can open as long as this one lives.
 #[derive(Debug)]
 pub struct Log {
     path: PathBuf,
@@ -39,10 +45,17 @@ impl Log {
                 "add --resume to measure only what it lacks, or choose another folder with -o",
             ));
         }
-        let file = OpenOptions::new().append(true).create_new(true).open(path);
+        let mut options = OpenOptions::new();
+        let file = options.read(true).append(true).create_new(true).open(path);
+        let file = file.map_err(|e| unwritable(path, &e))?;
+        lock(path, &file)?;
+        Self::start(path, file)
+    }
+
+    fn start(path: &Path, file: File) -> Result<Self, Box<Diagnostic>> {
         let mut log = Self {
             path: path.to_owned(),
-            file: file.map_err(|e| unwritable(path, &e))?,
+            file,
             samples: Vec::new(),
             known: HashMap::new(),
             was_torn: false,
@@ -55,18 +68,19 @@ impl Log {
     /// is removed.
     ///
     /// # Errors
-    /// When the file cannot be read or written, is no table of samples, or has other columns.
+    /// When the file cannot be read or written, is no table of samples, has other columns, or
+    /// another run writes to it.
     pub fn resume(path: &Path) -> Result<Self, Box<Diagnostic>> {
-        let text = match fs::read_to_string(path) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Self::create(path);
-            }
-            read => read.map_err(|e| unreadable(path, &e))?,
+        let file = match open_regular(path, true) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Self::create(path),
+            opened => opened.map_err(|e| unwritable(path, &e))?,
         };
+        lock(path, &file)?;
+        let text = text_of(path, &file)?;
         if !text.contains('\n') && header().starts_with(&text) {
             // Stopped before its header was written: nothing is lost.
-            fs::remove_file(path).map_err(|e| unwritable(path, &e))?;
-            return Self::create(path);
+            file.set_len(0).map_err(|e| unwritable(path, &e))?;
+            return Self::start(path, file);
         }
         let (samples, whole_bytes) = parse(path, &text)?;
         if text.lines().next().map(|line| line.to_owned() + "\n") != Some(header()) {
@@ -77,8 +91,6 @@ impl Log {
                 "measure into another folder with -o",
             ));
         }
-        let file = OpenOptions::new().append(true).open(path);
-        let file = file.map_err(|e| unwritable(path, &e))?;
         file.set_len(whole_bytes as u64)
             .map_err(|e| unwritable(path, &e))?;
         let mut log = Self {
@@ -138,7 +150,8 @@ impl Log {
 /// # Errors
 /// When it cannot be read, is no table of samples, or holds none.
 pub fn read(path: &Path) -> Result<(Vec<Sample>, bool), Box<Diagnostic>> {
-    let text = fs::read_to_string(path).map_err(|e| unreadable(path, &e))?;
+    let file = open_regular(path, false).map_err(|e| unreadable(path, &e))?;
+    let text = text_of(path, &file)?;
     let (samples, whole_bytes) = parse(path, &text)?;
     if samples.is_empty() {
         let message = "this table holds no samples";
@@ -146,6 +159,31 @@ pub fn read(path: &Path) -> Result<(Vec<Sample>, bool), Box<Diagnostic>> {
         return Err(file_error("no-samples", path, message, help));
     }
     Ok((samples, whole_bytes < text.len()))
+}
+
+/// Two runs that append to one table would measure the same frames.
+fn lock(path: &Path, file: &File) -> Result<(), Box<Diagnostic>> {
+    match file.try_lock() {
+        Ok(()) => Ok(()),
+        Err(TryLockError::WouldBlock) => Err(file_error(
+            "samples-in-use",
+            path,
+            format!(
+                "another run measures into the folder {}",
+                folder_of(path).display()
+            ),
+            "wait until it ends, or choose another folder with -o",
+        )),
+        // Some network file systems know no locks; runs there look after themselves.
+        Err(TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => Ok(()),
+        Err(TryLockError::Error(e)) => Err(unwritable(path, &e)),
+    }
+}
+
+fn text_of(path: &Path, file: &File) -> Result<String, Box<Diagnostic>> {
+    let bytes = read_at_most(file, MAX_TABLE_BYTES).map_err(|e| unreadable(path, &e))?;
+    let invalid = |e| unreadable(path, &io::Error::new(io::ErrorKind::InvalidData, e));
+    String::from_utf8(bytes).map_err(invalid)
 }
 
 fn parse(path: &Path, text: &str) -> Result<(Vec<Sample>, usize), Box<Diagnostic>> {

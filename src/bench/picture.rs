@@ -4,6 +4,8 @@ use std::fmt;
 
 use rayon::prelude::*;
 
+use crate::math::{linear_from_srgb, srgb_from_linear};
+
 /// How the numbers of a [`Picture`] relate to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
@@ -160,11 +162,16 @@ impl Picture {
     pub fn display(&self) -> Vec<[f32; 3]> {
         match self.encoding {
             Encoding::Display => self.pixels.clone(),
-            Encoding::Linear => self
-                .pixels
-                .par_iter()
-                .map(|p| p.map(|v| 255.0 * srgb_from_linear(v)))
-                .collect(),
+            Encoding::Linear => {
+                let code = |v: f32| {
+                    if v >= 1.0 {
+                        255.0 // exactly white, which single precision would miss
+                    } else {
+                        255.0 * srgb_from_linear(v)
+                    }
+                };
+                self.pixels.par_iter().map(|p| p.map(code)).collect()
+            }
         }
     }
 
@@ -264,25 +271,5 @@ impl<'a> Pair<'a> {
     /// What it should be.
     pub fn reference(&self) -> &'a Picture {
         self.reference
-    }
-}
-
-/// The sRGB transfer function, IEC 61966-2-1, clamped at 1.
-fn srgb_from_linear(v: f32) -> f32 {
-    if v >= 1.0 {
-        1.0 // exactly white, which single precision would miss
-    } else if v <= 0.003_130_8 {
-        12.92 * v
-    } else {
-        1.055 * v.powf(1.0 / 2.4) - 0.055
-    }
-}
-
-/// The inverse of the sRGB transfer function, IEC 61966-2-1; input and output from 0 to 1.
-fn linear_from_srgb(v: f32) -> f32 {
-    if v <= 0.040_45 {
-        v / 12.92
-    } else {
-        ((v + 0.055) / 1.055).powf(2.4)
     }
 }

@@ -1,10 +1,6 @@
 //! Reads PNG and OpenEXR files as pictures to be judged.
 
-use std::{
-    fs,
-    io::{Cursor, Read},
-    path::Path,
-};
+use std::{io::Cursor, path::Path};
 
 use exr::prelude::{FlatImage, FlatSamples, MetaData, ReadChannels, ReadLayers};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
@@ -13,10 +9,15 @@ use super::{
     file_error,
     picture::{Encoding, Picture},
 };
-use crate::scene::diagnostic::Diagnostic;
+use crate::{
+    files::{open_regular, read_at_most},
+    scene::diagnostic::Diagnostic,
+};
 
 /// Most numbers (pixels × channels of all layers) that are decoded from one file.
 pub const MAX_SAMPLES: usize = 1 << 27;
+/// The channel in which Reflet writes the weights of a mask.
+const REFLECTANCE: &str = "reflectance.Y";
 /// Longest file read, bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
@@ -39,11 +40,48 @@ pub struct Reading {
 /// When the file is missing, not a regular file, too large, of another format, damaged, or holds
 /// NaN, infinite or negative pixels.
 pub fn read_picture(path: &Path) -> Result<Reading, Box<Diagnostic>> {
+    read(path, Role::Picture)
+}
+
+/// Reads weights for a mask: the channel `reflectance.Y` of an OpenEXR file that has it, as
+/// `reflet render --aov reflectance` writes; else a gray picture, whose values count as data (255 or
+/// 1.0 is all). A note says what was taken.
+///
+/// # Errors
+/// As [`read_picture`], and when the picture has colors: it is then no mask.
+pub fn read_mask(path: &Path) -> Result<Reading, Box<Diagnostic>> {
+    let reading = read(path, Role::Mask)?;
+    let picture = &reading.picture;
+    let is_colored = |[r, g, b]: &[f32; 3]| r != g || g != b;
+    let mut colored = (0..).zip(picture.pixels()).filter(|(_, p)| is_colored(p));
+    if let Some((first, _)) = colored.next() {
+        let message = format!(
+            "{} pixels have colors, the first at column {}, row {}: this is a picture, and a mask \
+             holds weights, which are gray",
+            1 + colored.count(),
+            first % picture.width(),
+            first / picture.width()
+        );
+        let help = "render with `--aov reflectance`, and name that OpenEXR file, or beside a PNG \
+                    the file that ends in .reflectance.png";
+        return Err(file_error("colored-mask", path, message, help));
+    }
+    Ok(reading)
+}
+
+/// What a file is read as.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Picture,
+    Mask,
+}
+
+fn read(path: &Path, role: Role) -> Result<Reading, Box<Diagnostic>> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(PNG_MAGIC) {
-        read_png(path, &bytes)
+        read_png(path, &bytes, role)
     } else if bytes.starts_with(EXR_MAGIC) {
-        read_exr(path, &bytes)
+        read_exr(path, &bytes, role)
     } else {
         let message = if bytes.is_empty() {
             "the file is empty; expected a PNG or OpenEXR picture"
@@ -64,35 +102,11 @@ fn unreadable(path: &Path, message: impl Into<String>, help: &str) -> Box<Diagno
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Box<Diagnostic>> {
-    let failed = |e: std::io::Error| {
-        unreadable(
-            path,
-            format!("cannot be read: {e}"),
-            "check the path and its permissions",
-        )
-    };
-    // A pipe would block and a device never end, so the kind is checked before opening.
-    let kind = fs::metadata(path).map_err(failed)?;
-    if !kind.is_file() {
-        return Err(unreadable(
-            path,
-            "not a regular file",
-            "name a .png or .exr file",
-        ));
-    }
-    let mut bytes = Vec::new();
-    let file = fs::File::open(path).map_err(failed)?;
-    file.take(MAX_FILE_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(unreadable(
-            path,
-            "longer than 1 GiB",
-            "compare smaller pictures",
-        ));
-    }
-    Ok(bytes)
+    let bytes = open_regular(path, false).and_then(|file| read_at_most(&file, MAX_FILE_BYTES));
+    bytes.map_err(|e| {
+        let help = "name a .png or .exr file that you may read";
+        unreadable(path, format!("cannot be read: {e}"), help)
+    })
 }
 
 fn too_large(path: &Path, samples: Option<usize>) -> Result<(), Box<Diagnostic>> {
@@ -120,7 +134,7 @@ fn finish(
     Ok(Reading { picture, notes })
 }
 
-fn read_png(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
+fn read_png(path: &Path, bytes: &[u8], role: Role) -> Result<Reading, Box<Diagnostic>> {
     let damaged = |e: image::ImageError| {
         unreadable(
             path,
@@ -146,7 +160,11 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
              black)"
         ));
     }
-    if deep {
+    if role == Role::Mask {
+        notes.push(format!(
+            "{file}: the mask is its gray values, of which 255 is all"
+        ));
+    } else if deep {
         notes.push(format!(
             "{file}: 16 bits; FLIP sees it rounded to 8, the other metrics do not"
         ));
@@ -170,7 +188,7 @@ fn rgba_codes(decoded: DynamicImage, deep: bool) -> Vec<[f32; 4]> {
     }
 }
 
-fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
+fn read_exr(path: &Path, bytes: &[u8], role: Role) -> Result<Reading, Box<Diagnostic>> {
     let damaged = |e: exr::error::Error| {
         unreadable(
             path,
@@ -193,7 +211,12 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
         .from_buffered(Cursor::new(bytes))
         .map_err(damaged)?;
     let channels = named_channels(path, &image)?;
-    let chosen = choose_channels(&channels).map_err(|message| {
+    let weights = channels.iter().position(|(name, _)| name == REFLECTANCE);
+    let chosen = match weights {
+        Some(index) if role == Role::Mask => Ok([index; 3]),
+        _ => choose_channels(&channels),
+    };
+    let chosen = chosen.map_err(|message| {
         let help = "write a file with the channels R, G, B or with one gray channel";
         unreadable(path, message, help)
     })?;
@@ -204,7 +227,17 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Reading, Box<Diagnostic>> {
             pixel[c] = value;
         }
     }
-    let notes = exr_notes(path, &channels);
+    let notes = match role {
+        Role::Picture => exr_notes(path, &channels),
+        Role::Mask => {
+            let mut names = chosen.map(|i| channels[i].0.as_str()).to_vec();
+            names.dedup();
+            let (file, names) = (path.display(), names.join(", "));
+            vec![format!(
+                "{file}: the mask is its channel {names}, of which 1 is all"
+            )]
+        }
+    };
     finish(path, [size.0, size.1], Encoding::Linear, pixels, notes)
 }
 

@@ -1,6 +1,6 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
-use super::sample::Sample;
+use super::{metric::percentile, sample::Sample};
 
 mod group;
 pub mod paired;
@@ -94,12 +94,11 @@ impl Spread {
         if values.is_empty() || values.iter().any(|v| v.is_nan()) {
             return None;
         }
-        values.sort_by(f64::total_cmp);
         Some(Self {
             n: values.len(),
-            median: percentile(&values, 0.5),
+            median: percentile(&mut values, 0.5),
             p5_p95: (values.len() >= MIN_SPREAD_N)
-                .then(|| [0.05, 0.95].map(|p| percentile(&values, p))),
+                .then(|| [0.05, 0.95].map(|p| percentile(&mut values, p))),
         })
     }
 
@@ -124,14 +123,6 @@ pub fn digits(value: f64) -> String {
     }
     let decimals = (2 - magnitude.log10().floor() as i32).max(0);
     format!("{value:.*}", decimals as usize)
-}
-
-/// Interpolated between ranks (definition 7 of Hyndman and Fan 1996); `sorted` is not empty.
-fn percentile(sorted: &[f64], p: f64) -> f64 {
-    let rank = p * (sorted.len() - 1) as f64;
-    let low = sorted[rank.floor() as usize];
-    let high = sorted[rank.ceil() as usize];
-    low + rank.fract() * (high - low)
 }
 
 impl Point {

@@ -4,6 +4,8 @@ mod animation;
 #[path = "../common/mod.rs"]
 mod common;
 mod made_up;
+mod mask;
+mod refused;
 mod sentences;
 mod tables;
 mod timeline;
@@ -136,6 +138,8 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     let json = fs::read_to_string(out.join("bench.json")).expect("settings");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["measured"], 10);
+    assert_eq!(json["turned"][1]["method"], "hybrid");
+    assert_eq!(json["turned"][1]["values"], serde_json::json!([0.001, 0.1]));
     assert_eq!(json["host"]["adapter"], first[0].adapter.as_str());
     let counted = json["counted"].as_array().expect("a list");
     assert_eq!(counted.len(), 5);
@@ -353,6 +357,11 @@ fn bad_input_is_refused_before_anything_is_measured() {
         (&["--frames", "0"], 2, "1..=100000"),
         (&["--sizes", "64"], 2, "WIDTHxHEIGHT"),
         (&["--choose", "speed>=3"], 2, "cannot be bounded"),
+        (
+            &["--knob", "threshold_u", "--values", "1e300"],
+            2,
+            "between -1e12 and 1e12",
+        ),
         (&["--samples", "none.csv"], 2, "cannot be read"),
         (&["--samples", "empty.csv"], 2, "is empty"),
         (&["--samples", "torn.csv"], 2, "the header is cut off"),

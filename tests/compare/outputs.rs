@@ -3,10 +3,12 @@
 use std::{fs, path::PathBuf};
 
 use image::{Rgb, RgbImage};
-use reflet::bench::{
-    compare::difference_picture,
-    picture::{Encoding, Pair, Picture},
-    write::write_whole,
+use reflet::{
+    bench::{
+        compare::difference_picture,
+        picture::{Encoding, Pair, Picture},
+    },
+    files::write_whole,
 };
 
 use crate::files::{Folder, fails, run};
@@ -132,7 +134,16 @@ fn outputs_that_cannot_be_leave_nothing() {
         assert_eq!(name, "bad-output");
         assert!(message.contains(expected), "{message}");
     }
-    // A folder stands where the file should go: the rename fails.
+    // Neither is written when one cannot be.
+    let ok = folder.path("ok.png");
+    for [good, bad] in [
+        ["--difference", "--flip-map"],
+        ["--flip-map", "--difference"],
+    ] {
+        let both = [good, text(&ok), bad, text(&missing)];
+        assert_eq!(fails(&a, &b, &both).0, "unwritable-picture");
+    }
+    // A folder stands where the file should go.
     fs::create_dir(folder.path("taken.png")).expect("a folder");
     let taken = folder.path("taken.png");
     assert_eq!(

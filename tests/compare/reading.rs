@@ -8,7 +8,7 @@ use reflet::bench::{
     read::read_picture,
 };
 
-use crate::files::{Folder, run};
+use crate::files::{Folder, fails, run};
 
 const SIZE: (u32, u32) = (24, 18);
 
@@ -209,6 +209,48 @@ fn open_exr_channels_are_found_or_asked_for() {
     for depth in ["Z", "depth", "layer.ZBack"] {
         let error = read_picture(&make("depth.exr", &[(depth, 0.1)])).expect_err("no light");
         assert!(error.message.contains(depth), "{}", error.message);
+    }
+}
+
+#[test]
+fn a_mask_is_reflectance_or_gray_and_never_colors() {
+    let folder = Folder::new();
+    let [width, height] = [32, 24];
+    let plane = |v: f32| vec![v; width * height];
+    let colors = [("R", 0.9), ("G", 0.8), ("B", 0.7)].map(|(name, v)| (name, plane(v)));
+    let columns = |i: usize| if i % width < 16 { 0.5 } else { 0.0 };
+    let weights: Vec<f32> = (0..width * height).map(columns).collect();
+    let beauty = folder.exr("beauty.exr", [width, height], colors.to_vec());
+    let mut layers = colors.to_vec();
+    layers.push(("reflectance.Y", weights.clone()));
+    layers.push(("depth.Z", plane(9.0)));
+    let layered = folder.exr("layered.exr", [width, height], layers);
+    let gray = folder.exr("gray.exr", [width, height], vec![("Y", weights)]);
+    let bytes = GrayImage::from_fn(32, 24, |x, _| Luma([if x < 16 { 128 } else { 0 }]));
+    let png = folder.png("gray.png", bytes);
+    for (mask, says) in [
+        (&layered, "its channel reflectance.Y,"),
+        (&gray, "its channel Y,"),
+        (&png, "its gray values"),
+    ] {
+        let mask = mask.to_str().expect("Unicode");
+        let found = run(&beauty, &beauty, &["--mask", mask]).expect("compares");
+        assert_eq!(found.mask.as_ref().expect("a mask").area_px, 6 * 14);
+        let note = found.notes.iter().find(|note| note.contains(mask));
+        assert!(note.expect("a note").contains(says), "{note:?}");
+    }
+    let color = folder.png(
+        "color.png",
+        RgbImage::from_fn(32, 24, |x, y| Rgb(color(x, y))),
+    );
+    for mask in [&beauty, &color] {
+        let (name, file, message) = fails(
+            &beauty,
+            &beauty,
+            &["--mask", mask.to_str().expect("Unicode")],
+        );
+        assert_eq!((name, &file), ("colored-mask", mask));
+        assert!(message.contains("which are gray"), "{message}");
     }
 }
 

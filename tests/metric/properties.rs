@@ -1,7 +1,7 @@
 //! What must hold for any pictures, and values known in closed form.
 
 use reflet::bench::{
-    metric::{Maps, flip, ssim::SsimMap},
+    metric::{Maps, flip, mask::Mask, ssim::SsimMap},
     picture::{Encoding, Pair, Picture, PictureError},
 };
 
@@ -106,10 +106,17 @@ fn a_pixel_changes_the_windows_that_cover_it() {
     let mut changed = plane.clone();
     changed[14 * width + 20] += 60.0;
     let map = SsimMap::of_luma(width, height, &plane, &changed).expect("large enough");
-    for (i, value) in map.windows().iter().enumerate() {
-        let (x, y) = (i % (width - 10) + 5, i / (width - 10) + 5);
+    for i in 0..width * height {
+        let (x, y) = (i % width, i / width);
+        let mut weights = vec![0.0; width * height];
+        weights[i] = 1.0;
+        let center = Mask::from_weights(width, height, &weights).expect("finite weights");
+        let value = map.mean(Some(&center));
+        let is_whole = (5..width - 5).contains(&x) && (5..height - 5).contains(&y);
         let covers = x.abs_diff(20) <= 5 && y.abs_diff(14) <= 5;
-        assert_eq!(*value < 1.0, covers, "window around {x}, {y}: {value}");
+        assert_eq!(value.is_some(), is_whole, "window around {x}, {y}");
+        let is_changed = value.is_some_and(|value| value < 1.0);
+        assert_eq!(is_changed, covers, "window around {x}, {y}: {value:?}");
     }
 }
 

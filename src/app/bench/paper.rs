@@ -25,6 +25,9 @@ use crate::{
 /// Size without `--sizes`: what a CPU draws in a second.
 const SIZE: [u32; 2] = [640, 360];
 
+/// Without `--every`: ten frames of the walk.
+const EVERY: u32 = 95;
+
 /// Where the paper's experiments happen.
 const SPONZA: &str = "Sponza";
 
@@ -45,54 +48,57 @@ struct Stage {
     cases: Vec<(String, Vec<String>)>,
 }
 
-/// A surface of Scenario 3: its name, changes to the paper's scene, and to the atrium if it has
-/// the like.
-type Surface = (
-    &'static str,
-    &'static [&'static str],
-    Option<&'static [&'static str]>,
-);
+/// A surface of Scenario 3 and the changes to the scene that show it.
+type Surface = (&'static str, &'static [&'static str]);
 
 const ON_FLOOR: &str = "instance.0.translation=[-4.4, 0.0, 0.0]";
 
-const SURFACES: [Surface; 5] = [
+/// The paper's surfaces, and what the atrium has in their stead.
+const SURFACES: [(Surface, Option<Surface>); 5] = [
     (
-        "ground",
-        &[],
-        Some(&["material.floor.reflection=\"mirror\""]),
+        ("ground", &[]),
+        Some(("ground", &["material.floor.reflection=\"mirror\""])),
     ),
     (
-        "ground with normal map",
-        &["model.surface.file=\"ground_10m_normalmap.glb\""],
+        (
+            "ground with normal map",
+            &["model.surface.file=\"ground_10m_normalmap.glb\""],
+        ),
         None,
     ),
     (
-        "sphere",
-        &[
-            "model.surface.file=\"sphere_25k.glb\"",
-            "instance.0.scale=2.0",
-            ON_FLOOR,
-        ],
-        Some(&["material.chrome.reflection=\"mirror\""]),
+        (
+            "sphere",
+            &[
+                "model.surface.file=\"sphere_25k.glb\"",
+                "instance.0.scale=2.0",
+                ON_FLOOR,
+            ],
+        ),
+        Some(("sphere", &["material.chrome.reflection=\"mirror\""])),
     ),
     (
-        "sphere with normal map",
-        &[
-            "model.surface.file=\"sphere_25k_normalmap.glb\"",
-            "instance.0.scale=2.0",
-            ON_FLOOR,
-        ],
+        (
+            "sphere with normal map",
+            &[
+                "model.surface.file=\"sphere_25k_normalmap.glb\"",
+                "instance.0.scale=2.0",
+                ON_FLOOR,
+            ],
+        ),
         None,
     ),
     (
-        "bunny",
-        &[
-            "model.surface.file=\"bunny_69k.glb\"",
-            "instance.0.scale=2.0",
-            "instance.0.rotation_deg=[0, -90, 0]",
-            ON_FLOOR,
-        ],
-        Some(&["material.brass.reflection=\"mirror\""]),
+        (
+            "bunny",
+            &[
+                "model.surface.file=\"bunny_69k.glb\"",
+                "instance.0.scale=2.0",
+                "instance.0.rotation_deg=[0, -90, 0]",
+                ON_FLOOR,
+            ],
+        ),
+        Some(("brass cone", &["material.brass.reflection=\"mirror\""])),
     ),
 ];
 
@@ -104,6 +110,11 @@ const ATRIUM_REFLECTORS: [&str; 4] = ["floor", "chrome", "brass", "glass_mirror"
 /// # Errors
 /// As `bench`.
 pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
+    if args.every.is_some() && args.figure != PaperExperiment::Scenario2 {
+        return Err(AppError::Usage(
+            "--every: only scenario2 is a walk of frames; leave it out".to_owned(),
+        ));
+    }
     let stage = stage(args.figure, &asset_folders(&args.assets));
     let sizes = if args.sizes.is_empty() {
         vec![SIZE]
@@ -124,7 +135,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let is_walk = args.figure == PaperExperiment::Scenario2;
     let reel = |subject| match is_walk {
-        true => walk::reel(subject, stage.place == SPONZA, args.every),
+        true => walk::reel(subject, stage.place == SPONZA, args.every.unwrap_or(EVERY)),
         false => Ok(Reel::still(subject)),
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
@@ -237,20 +248,24 @@ fn moving(has_models: bool) -> Vec<String> {
 
 fn surfaces(has_models: bool) -> Vec<(String, Vec<String>)> {
     let mut cases = Vec::new();
-    for (name, in_paper, in_atrium) in SURFACES {
-        let changes: Vec<String> = if has_models {
-            in_paper.iter().map(|c| (*c).to_owned()).collect()
-        } else if let Some(changes) = in_atrium {
-            // One reflector at a time, as in the paper.
-            let none = |m: &str| format!("material.{m}.reflection=\"none\"");
-            let others = ATRIUM_REFLECTORS.into_iter().map(none);
-            others
-                .chain(changes.iter().map(|c| (*c).to_owned()))
-                .collect()
+    for (in_paper, in_atrium) in SURFACES {
+        let shown = if has_models {
+            Some(in_paper)
         } else {
+            in_atrium
+        };
+        let Some((name, shows)) = shown else {
+            let name = in_paper.0;
             eprintln!("{name}: the built-in atrium has no such surface, so it is left out");
             continue;
         };
+        let mut changes = Vec::new();
+        if !has_models {
+            // One reflector at a time, as in the paper.
+            let none = |m: &str| format!("material.{m}.reflection=\"none\"");
+            changes.extend(ATRIUM_REFLECTORS.map(none));
+        }
+        changes.extend(shows.iter().map(|c| (*c).to_owned()));
         for length in RAY_LENGTHS {
             let mut changes = changes.clone();
             changes.push(format!("reflection.ray_length_u={length}"));
@@ -338,6 +353,12 @@ mod tests {
                 1
             };
             assert_eq!(subjects.len(), expected);
+            let shows = |name| subjects.iter().any(|s| s.name.contains(name));
+            assert_eq!(
+                (shows("bunny"), shows("brass cone")),
+                (false, expected == 6),
+                "the atrium has no bunny"
+            );
             let moves = subjects[0].world.instances.iter().any(|i| i.dynamic);
             assert_eq!(moves, experiment == PaperExperiment::Scenario2);
         }

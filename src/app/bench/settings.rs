@@ -8,13 +8,14 @@ use crate::{
     app::error::AppError,
     bench::{
         host::Host,
-        knob::method_name,
-        run::{Outcome, Protocol, REFERENCE_BOUNCES, Turn},
+        knob::{Knob, method_name},
+        run::{Outcome, Protocol, REFERENCE_BOUNCES},
         sample::Sample,
         score::{TOLERANCE_RELATIVE, TOLERANCE_U},
         summary::label,
     },
     render::probe::Counts,
+    scene::desc::ReflectionDesc,
 };
 
 /// `bench.json`
@@ -23,8 +24,8 @@ struct Settings<'a> {
     host: &'a Host,
     scenes: &'a [&'a str],
     methods: Vec<&'static str>,
-    knob: String,
-    values: Vec<f64>,
+    /// Of each method, what was turned to which values.
+    turned: Vec<Turned>,
     sizes: &'a [[u32; 2]],
     frames: u32,
     warm_up: u32,
@@ -37,6 +38,34 @@ struct Settings<'a> {
     kept: usize,
     interrupted: bool,
     counted: Vec<Counted<'a>>,
+}
+
+/// What was turned of a method.
+#[derive(Serialize)]
+struct Turned {
+    method: &'static str,
+    /// None where the scene's settings were measured as they are.
+    knob: Option<&'static str>,
+    /// Empty where the knob does nothing for the method.
+    values: Vec<f64>,
+}
+
+/// The knob and the values of each method.
+fn turned(protocol: &Protocol) -> Vec<Turned> {
+    let mut methods: Vec<Turned> = Vec::new();
+    for variant in protocol.variants(&ReflectionDesc::default()) {
+        let method = method_name(variant.method);
+        if methods.last().is_none_or(|last| last.method != method) {
+            methods.push(Turned {
+                method,
+                knob: variant.knob.map(Knob::name),
+                values: Vec::new(),
+            });
+        }
+        let last = methods.last_mut().expect("just added");
+        last.values.extend(variant.value);
+    }
+    methods
 }
 
 /// What the passes of one setting did, all together.
@@ -85,17 +114,11 @@ pub fn json(
     outcome: &Outcome,
     samples: &[Sample],
 ) -> Result<Vec<u8>, AppError> {
-    let (knob, values) = match &protocol.turn {
-        Turn::Nothing => ("none".to_owned(), Vec::new()),
-        Turn::Own => ("each method's own".to_owned(), Vec::new()),
-        Turn::One(knob, values) => (knob.name().to_owned(), values.clone()),
-    };
     let settings = Settings {
         host,
         scenes,
         methods: protocol.methods.iter().map(|m| method_name(*m)).collect(),
-        knob,
-        values,
+        turned: turned(protocol),
         sizes: &protocol.sizes,
         frames: protocol.frames,
         warm_up: protocol.warm_up,
@@ -111,4 +134,38 @@ pub fn json(
     };
     serde_json::to_vec_pretty(&settings)
         .map_err(|error| AppError::Internal(format!("as JSON: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{bench::run::Turn, scene::desc::Method};
+
+    #[test]
+    fn values_are_listed_by_method() {
+        let protocol = |turn| Protocol {
+            methods: vec![Method::Ssr, Method::Rt],
+            turn,
+            sizes: Vec::new(),
+            frames: 1,
+            warm_up: 1,
+            count: false,
+            split_trace: false,
+        };
+        let list = |turn| serde_json::to_value(turned(&protocol(turn))).expect("JSON");
+        assert_eq!(
+            list(Turn::Own),
+            serde_json::json!([
+                { "method": "ssr", "knob": "steps", "values": Knob::Steps.default_values() },
+                { "method": "rt", "knob": "bounces", "values": Knob::Bounces.default_values() },
+            ])
+        );
+        assert_eq!(
+            list(Turn::One(Knob::Steps, vec![8.0])),
+            serde_json::json!([
+                { "method": "ssr", "knob": "steps", "values": [8.0] },
+                { "method": "rt", "knob": "steps", "values": [] },
+            ])
+        );
+    }
 }

@@ -115,10 +115,14 @@ fn mean(values: &[f32]) -> f64 {
 
 /// The value that the share `p` (0 to 1) of `values` does not exceed, interpolated linearly
 /// between ranks (definition 7 of Hyndman and Fan 1996, NumPy's default). Reorders `values`.
-fn percentile(values: &mut [f32], p: f64) -> f64 {
+///
+/// # Panics
+/// When there are no values.
+pub fn percentile<T: Copy + Into<f64>>(values: &mut [T], p: f64) -> f64 {
+    let order = |a: &T, b: &T| (*a).into().total_cmp(&(*b).into());
     let rank = p * (values.len() - 1) as f64;
-    let (_, low, above) = values.select_nth_unstable_by(rank.floor() as usize, f32::total_cmp);
-    let low = f64::from(*low);
-    let high = above.iter().copied().min_by(f32::total_cmp);
-    high.map_or(low, |high| low + rank.fract() * (f64::from(high) - low))
+    let (_, low, above) = values.select_nth_unstable_by(rank.floor() as usize, order);
+    let low: f64 = (*low).into();
+    let high = above.iter().copied().min_by(order);
+    high.map_or(low, |high| low + rank.fract() * (high.into() - low))
 }

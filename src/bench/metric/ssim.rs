@@ -26,7 +26,8 @@ const C2: f64 = (0.03 * RANGE) * (0.03 * RANGE);
 pub struct SsimMap {
     /// Width of the pictures, pixels.
     width: usize,
-    /// One value per window, row by row; `width - 10` a row.
+    /// One value per window, row by row; `width - 10` a row. The window at column x, row y has its
+    /// center at pixel (x + 5, y + 5).
     windows: Vec<f64>,
 }
 
@@ -85,12 +86,6 @@ impl SsimMap {
             }
         }
         (count > 0).then(|| sum / count as f64)
-    }
-
-    /// One value per window, row by row; the window at column x, row y has its center at pixel
-    /// (x + 5, y + 5).
-    pub fn windows(&self) -> &[f64] {
-        &self.windows
     }
 }
 

@@ -2,16 +2,10 @@
 
 use crate::bench::picture::{Pair, PictureError};
 
-/// Sums over a sequence, two frames in memory at a time.
-///
-/// The ratio is mean |Δtest − Δref| over mean |Δref|, where Δ is a frame less the one before,
-/// per channel of display code values.
+/// The changes of a sequence, two frames in memory at a time.
 #[derive(Clone, Debug, Default)]
 pub struct Temporal {
     previous: Option<Frame>,
-    difference: f64,
-    reference: f64,
-    pairs: usize,
 }
 
 /// How one frame changed since the one before it, in display code values (0 to 255).
@@ -55,24 +49,16 @@ impl Temporal {
                     second: previous.size,
                 });
             }
-            let change = change(previous, &frame);
-            self.difference += change.difference;
-            self.reference += change.reference;
-            self.pairs += 1;
-            since = Some(change);
+            since = Some(change(previous, &frame));
         }
         self.previous = Some(frame);
         Ok(since)
     }
-
-    /// The ratio so far; none before two frames. 0 when the test changes exactly as the reference
-    /// does, so also when both stand still; infinite when only the test changes.
-    pub fn ratio(&self) -> Option<f64> {
-        ratio(self.pairs, self.difference, self.reference)
-    }
 }
 
-/// Sums of changes over `pairs` pairs of frames as [`Temporal::ratio`] has them.
+/// Mean |Δtest − Δref| over mean |Δref| of `pairs` pairs of frames, from the sums of their changes;
+/// none without a pair. 0 when the test changes exactly as the reference does, so also when both
+/// stand still; infinite when only the test changes.
 pub fn ratio(pairs: usize, difference: f64, reference: f64) -> Option<f64> {
     match (pairs, difference) {
         (0, _) => None,

@@ -30,6 +30,15 @@ pub const ABOVE_0: Range = Range {
 /// 0 to 1.
 pub const UNIT: Range = range(0.0, 1.0);
 
+/// Of `reflection.ray_length_u`.
+pub const RAY_LENGTH_U: Range = ABOVE_0;
+/// Of `reflection.threshold_u`.
+pub const THRESHOLD_U: Range = FROM_0;
+/// Of `reflection.bounces`.
+pub const BOUNCES: Range = range(1.0, 16.0);
+/// Of `reflection.steps`.
+pub const STEPS: Range = range(8.0, 4096.0);
+
 /// `min` to `max`, both included.
 pub const fn range(min: f64, max: f64) -> Range {
     Range {
@@ -78,6 +87,20 @@ impl Range {
         let min = inside(self.min, self.above_min, 1e-5);
         let max = inside(self.max, self.below_max, -1e-5);
         x.clamp(min as f32, max as f32)
+    }
+
+    /// Checks a number that is kept in single precision: 1e-60 is not above 0 there.
+    ///
+    /// # Errors
+    /// What it must be, in words.
+    pub fn check(&self, x: f64) -> Result<(), String> {
+        if self.contains(x) && self.contains(f64::from(x as f32)) {
+            return Ok(());
+        }
+        Err(match self.words() {
+            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
+            words => words,
+        })
     }
 
     /// In words, such as `1 to 170` or `above 0`; empty for any number.

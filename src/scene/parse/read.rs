@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::{
-    range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
+    range::{ABOVE_0, ANY, BOUNCES, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range},
     table::{Either, Section, Table},
     value::Version,
 };
@@ -259,10 +259,10 @@ impl Section for ReflectionDesc {
         let default = Self::default();
         Some(Self {
             method: t.get("method", ANY, default.method),
-            ray_length_u: t.get("ray_length_u", ABOVE_0, default.ray_length_u),
-            threshold_u: t.get("threshold_u", FROM_0, default.threshold_u),
-            bounces: t.get("bounces", range(1.0, 16.0), default.bounces),
-            steps: t.get("steps", range(8.0, 4096.0), default.steps),
+            ray_length_u: t.get("ray_length_u", RAY_LENGTH_U, default.ray_length_u),
+            threshold_u: t.get("threshold_u", THRESHOLD_U, default.threshold_u),
+            bounces: t.get("bounces", BOUNCES, default.bounces),
+            steps: t.get("steps", STEPS, default.steps),
             roughness_cutoff: t.get("roughness_cutoff", UNIT, default.roughness_cutoff),
             unit_m: t.find("unit_m", ABOVE_0),
             fade: t.get("fade", ANY, default.fade),

@@ -6,7 +6,7 @@ use serde_json::{Value as Json, json};
 use toml::{Spanned, de::DeValue};
 
 use super::{
-    range::{ANY, LIMIT, Range},
+    range::{ANY, Range},
     report::Report,
     suggest,
 };
@@ -89,12 +89,7 @@ fn number(node: &Node, named: &Named, expected: &str, report: &mut Report) -> Op
         report.error("not-finite", &at, message);
         return None;
     }
-    // The value that is kept has 32 bits, and 1e-60 is not above 0 there.
-    if !named.range.contains(x) || !named.range.contains(f64::from(x as f32)) {
-        let words = match named.range.words() {
-            words if words.is_empty() || x.abs() > LIMIT => "between -1e12 and 1e12".into(),
-            words => words,
-        };
+    if let Err(words) = named.range.check(x) {
         let message = format!("`{key}` must be {words}, not {}", digits(node));
         report.error("out-of-range", &at, message);
         return None;
