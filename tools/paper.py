@@ -2,7 +2,7 @@
 """Measures what docs/paper.md sets beside the paper, and writes its tables anew.
 
     tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
-    tools/paper.py page OUT                    # tables between the page's marks, and the charts
+    tools/paper.py page OUT                    # the page's tables and charts, and docs/data
     tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
 Tables come from the samples.csv of each run by sums of this file's own, not by the report's, so
@@ -24,6 +24,7 @@ from collections.abc import Callable, Iterable
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "paper.md"
 CHARTS = ROOT / "docs" / "charts"
+DATA = ROOT / "docs" / "data"
 METHODS = ["ssr", "hybrid", "rt"]
 SMALL = ["--sizes", "320x180"]
 ONCE = ["--frames", "1", "--warm-up", "1"]
@@ -392,6 +393,9 @@ def page(out: pathlib.Path) -> None:
     PAGE.write_text(text)
     for name, (run, drawn) in PICTURES.items():
         shutil.copyfile(out / run / drawn, CHARTS / name)
+    DATA.mkdir(exist_ok=True)
+    for name in RUNS:
+        shutil.copyfile(out / name / "samples.csv", DATA / f"{name}.csv")
 
 
 def main() -> None:
