@@ -8,7 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdLux
 
-from reflet_usd.convert.animation import add_visibility_track, transform_node
+from reflet_usd.convert.animation import (
+    Visibility,
+    add_visibility_track,
+    own_visibility,
+    transform_node,
+)
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
@@ -43,6 +48,8 @@ class Tree:
     contents: dict[str, Node] = field(default_factory=dict)
     """Per prim path the node that takes its children."""
     purposes: dict[str, UsdGeom.Imageable.PurposeInfo] = field(default_factory=dict)
+    visibilities: dict[str, Visibility] = field(default_factory=dict)
+    """Per prim path how it and all above it come and go, where they do."""
 
     def parent_of(self, prim: Usd.Prim) -> Node:
         """The node under which `prim` belongs."""
@@ -152,11 +159,19 @@ class Traversal:
         else:
             tree.parent_of(prim).add(outer)
         keep_custom_properties(self.context, prim, node)
-        if prim.IsA(UsdGeom.Imageable):
-            add_visibility_track(self.context, prim, node)
-            if self._has_other_purpose(prim, tree):
-                return not prim.IsA(UsdGeom.PointInstancer)
+        self._show(prim, tree, node, lifted=skinned or reset)
+        if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
+            return not prim.IsA(UsdGeom.PointInstancer)
         return self._fill(prim, node)
+
+    def _show(self, prim: Usd.Prim, tree: Tree, node: Node, lifted: bool) -> None:
+        """Animated visibility; a node `lifted` to the root takes that of its parents along."""
+        above = tree.visibilities.get(str(prim.GetPath().GetParentPath()))
+        own = own_visibility(self.context, prim) if prim.IsA(UsdGeom.Imageable) else None
+        whole = above if own is None else own.within(above)
+        if whole is not None:
+            tree.visibilities[str(prim.GetPath())] = whole
+        add_visibility_track(self.context, node, whole if lifted else own)
 
     def _is_hidden(self, prim: Usd.Prim) -> bool:
         attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
