@@ -17,6 +17,7 @@ from reflet_usd.convert.animation import (
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -50,6 +51,10 @@ class Tree:
     purposes: dict[str, UsdGeom.Imageable.PurposeInfo] = field(default_factory=dict)
     visibilities: dict[str, Visibility] = field(default_factory=dict)
     """Per prim path how it and all above it come and go, where they do."""
+    levels: dict[str, int] = field(default_factory=dict)
+    """Per prim path the level of its node, the root being the first."""
+    prototype: bool = False
+    """Whether this is an instancer's prototype."""
 
     def parent_of(self, prim: Usd.Prim) -> Node:
         """The node under which `prim` belongs."""
@@ -79,7 +84,9 @@ class Traversal:
         for prim in self.context.stage.GetPseudoRoot().GetFilteredChildren(predicate):
             self._walk(Usd.PrimRange(prim, predicate), tree)
         self._place_lost_skeletons(root)
-        return [root, *tree.unplaced]
+        roots = [root, *tree.unplaced]
+        check_depth(roots)
+        return roots
 
     def _place_lost_skeletons(self, root: Node) -> None:
         """Skeletons below prims that were left out still move what is bound to them."""
@@ -92,7 +99,7 @@ class Traversal:
 
     def prototype_node(self, prim: Usd.Prim) -> Node:
         """An instancer's prototype as a detached tree, its own transform included."""
-        tree = Tree(Node(prim.GetName()))
+        tree = Tree(Node(prim.GetName()), prototype=True)
         # A prototype may sit below an undefined `over`: it need not be defined all the way up.
         predicate = Usd.TraverseInstanceProxies(
             Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
@@ -149,17 +156,25 @@ class Traversal:
             self.skeletons.warn_ignored_binding(prim)
         node, outer, reset = transform_node(self.context, prim)
         skinned = self.skeletons.is_skinned(prim)
-        tree.contents[str(prim.GetPath())] = node
+        path = str(prim.GetPath())
+        tree.contents[path] = node
+        lifted = skinned or reset
+        above = 1 if lifted else tree.levels.get(str(prim.GetPath().GetParentPath()), 1)
+        tree.levels[path] = above + levels_to(outer, node)
+        check_level(tree.levels[path], path)
         if skinned:
             node.translation = node.rotation = node.scale = None
             node.tracks.clear()
             tree.unplaced.append(node)
         elif reset:
+            if tree.prototype and tree.root.children:
+                message = "within a prototype it is placed from each instance on, as in Hydra"
+                self.context.ledger.warn("reset-in-prototype", prim, message)
             tree.root.add(outer)
         else:
             tree.parent_of(prim).add(outer)
         keep_custom_properties(self.context, prim, node)
-        self._show(prim, tree, node, lifted=skinned or reset)
+        self._show(prim, tree, node, lifted)
         if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
             return not prim.IsA(UsdGeom.PointInstancer)
         return self._fill(prim, node)
