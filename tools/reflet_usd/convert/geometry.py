@@ -20,7 +20,7 @@ from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.extras import is_custom
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
-from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
+from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.nurbs import patch_polygons
@@ -163,6 +163,7 @@ class GeometryBuilder:
             plan.opacity_primvar or "displayOpacity",
             plan.color_fallback,
         )
+        warn_translucent(self.context, prim, plan, display)
         color = display.stream_for(plan.color_primvar is not None, plan.opacity_primvar is not None)
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
         double_sided = bool(authored(prim, "doubleSided", self.context.time, False))

@@ -23,6 +23,7 @@ from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light, keep_mesh_light
+from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
@@ -143,7 +144,7 @@ class Traversal:
     def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
         type_name = prim.GetTypeName()
         if type_name in _PLACELESS:
-            keep_custom_properties(self.context, prim, None)
+            self._keep_words(prim, None)
             return True
         # A hidden skeleton still moves what it is bound to.
         if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
@@ -173,11 +174,17 @@ class Traversal:
             tree.root.add(outer)
         else:
             tree.parent_of(prim).add(outer)
-        keep_custom_properties(self.context, prim, node)
+        self._keep_words(prim, node)
         self._show(prim, tree, node, lifted)
         if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
             return not prim.IsA(UsdGeom.PointInstancer)
         return self._fill(prim, node)
+
+    def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
+        """What is said about the prim and does not draw; a prim without a node keeps none."""
+        keep_custom_properties(self.context, prim, node)
+        keep_metadata(self.context, prim, node)
+        warn_schemas(self.context, prim)
 
     def _show(self, prim: Usd.Prim, tree: Tree, node: Node, lifted: bool) -> None:
         """Animated visibility; a node `lifted` to the root takes that of its parents along."""
