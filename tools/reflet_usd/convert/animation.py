@@ -83,7 +83,8 @@ def _place(context: Context, prim: Usd.Prim, node: Node, matrix: Array) -> Node:
 
 def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
     columns = column_matrix(matrix, context.meters_per_unit)  # type: ignore[arg-type]
-    if not np.allclose(columns[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=AFFINE_TOLERANCE):
+    x, y, z, w = columns[3].tolist()
+    if not all(abs(off) <= AFFINE_TOLERANCE for off in (x, y, z, w - 1.0)):
         _make_affine(context, prim, columns)
     columns[3] = (0.0, 0.0, 0.0, 1.0)
     if np.isfinite(columns).all() and np.abs(columns).max() < 1e30:
