@@ -17,9 +17,10 @@ CUBE = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\ndef Cube "C"\n
 
 
 def slow_stage(folder: Path) -> Path:
-    """A stage that takes long to convert: instances of instances."""
+    """A stage that takes long to convert."""
     stage = folder / "slow.usda"
-    prims = "".join(f'def Xform "x{number}" {{ def Cube "c" {{}} }}\n' for number in range(20_000))
+    cube = 'def Cube "c" {\n}\n'
+    prims = "".join(f'def Xform "x{number}" {{\n{cube}}}\n' for number in range(20_000))
     stage.write_text(f"#usda 1.0\n{prims}")
     return stage
 
@@ -144,3 +145,17 @@ def test_report_leaves_out_what_it_cannot_measure(
     shown = capsys.readouterr().out
     assert "| converted, of those that open | 1/1 |" in shown
     assert "0/0" not in shown
+
+
+def test_the_limits_of_convert_are_options(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage, out = slow_stage(tmp_path), tmp_path / "out.glb"
+    assert cli.main(["convert", str(stage), "-o", str(out), "--cpu-limit", "1"]) == 1
+    said = capsys.readouterr().err
+    assert "more than 1 s of processor time" in said and "--cpu-limit" in said
+    assert not out.exists()
+    for wrong in ("0", "-1", "1.5", "²", "9999999999"):
+        with pytest.raises(SystemExit) as caught:
+            cli.main(["convert", str(stage), "-o", str(out), "--cpu-limit", wrong])
+        assert caught.value.code == 2

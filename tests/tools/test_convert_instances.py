@@ -323,3 +323,36 @@ def test_many_sheared_instances_stay_exact(tmp_path: Path, monkeypatch: pytest.M
     done = convert_text(tmp_path, text)
     assert "EXT_mesh_gpu_instancing" in done.json["extensionsUsed"]
     assert "instance-rotation-normalized" in done.warnings("/I")
+
+
+def test_a_reset_stack_in_a_prototype_is_placed_from_the_instance_and_named(tmp_path: Path) -> None:
+    reset = 'uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]'
+    text = f"""
+def PointInstancer "I" {{
+    double3 xformOp:translate = (100, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    rel prototypes = [</I/P>, </I/Q>]
+    int[] protoIndices = [0, 0, 1]
+    point3f[] positions = [(1,0,0), (2,0,0), (3,0,0)]
+    def Xform "P" {{
+        double3 xformOp:translate = (0, 10, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        def Cube "C" {{
+            double3 xformOp:translate = (0, 0, 7)
+            {reset}
+        }}
+    }}
+    def Cube "Q" {{
+        double3 xformOp:translate = (0, 0, 9)
+        {reset}
+    }}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world()
+    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
+    places = {tuple(np.round(world[i][:3, 3], 5)) for i in drawn}
+    assert places == {(101, 0, 7), (102, 0, 7), (103, 0, 9)}
+    # UsdGeom counts the ops of a prototype's own root whatever they reset.
+    assert done.warnings() == {"reset-in-prototype"}
+    assert done.warnings("/I/P/C") == {"reset-in-prototype"}

@@ -222,11 +222,49 @@ def test_odd_metadata(tmp_path: Path, metadata: str, warning: str, meters: float
     assert done.world(1.0)[done.node("/C")][0, 3] == pytest.approx(meters)
 
 
-def test_deep_nesting_needs_no_recursion(tmp_path: Path) -> None:
-    depth = 1500
-    text = "".join(f'def Xform "x{i}" {{\n' for i in range(depth)) + 'def Cube "c" {\n}\n'
-    done = convert_text(tmp_path, text + "}\n" * depth)
-    assert len(done.gltf.nodes) == depth + 2
+def nested(depth: int, inner: str) -> str:
+    inner = inner.replace("PLACE", "".join(f"/x{i}" for i in range(depth)))
+    groups = "".join(f'def Xform "x{i}" {{\n' for i in range(depth))
+    return groups + inner + "}\n" * depth
+
+
+def test_256_levels_are_written(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, nested(254, 'def Cube "c" {\n}\n'))
+    assert len(done.gltf.nodes) == 256
+
+
+SHEARED = """def Cube "c" {
+    matrix4d xformOp:transform = ((1,.5,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1))
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+}
+"""
+CHAIN = """def Cube "c" {
+    float3 xformOp:rotateXYZ.timeSamples = { 0: (0,0,0), 9: (200,90,400) }
+    uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]
+}
+"""
+SCATTERED = """def PointInstancer "p" {
+    point3f[] positions = [(0,0,0)]
+    int[] protoIndices = [0]
+    rel prototypes = <PLACE/p/c>
+    def Cube "c" {
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("depth", "inner"),
+    [(255, 'def Cube "c" {\n}\n'), (254, SHEARED), (252, CHAIN), (253, SCATTERED)],
+)
+def test_deeper_nesting_is_refused(tmp_path: Path, depth: int, inner: str) -> None:
+    convert_text(tmp_path, nested(depth - 1, inner))
+    (tmp_path / "out.glb").unlink()
+    with pytest.raises(ConvertError) as caught:
+        convert_text(tmp_path, nested(depth, inner))
+    assert caught.value.name == "too-deep"
+    assert caught.value.path.startswith("/x0/x1/")
+    assert not (tmp_path / "out.glb").exists()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import struct
 import sys
 import zipfile
@@ -68,7 +69,29 @@ def test_each_bad_end_is_named_and_leaves_nothing(tmp_path: Path, target: str, n
 
 
 def test_wall_time_is_limited(tmp_path: Path) -> None:
-    assert failure(tmp_path, "sleep", Limits(wall_s=1.0)).name == "time-limit"
+    error = failure(tmp_path, "sleep", Limits(wall_s=1.0))
+    assert error.name == "time-limit"
+    assert "--time-limit" in error.message
+
+
+def test_a_limit_says_which_option_moves_it(tmp_path: Path) -> None:
+    assert "--cpu-limit" in failure(tmp_path, "spin").message
+
+
+def test_a_stage_that_is_no_file_is_called_what_it_is(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.usda")
+    (tmp_path / "link.usda").symlink_to(tmp_path / "nowhere.usda")
+    (tmp_path / "folder.usda").mkdir()
+    for name, what in (
+        ("pipe", "is a named pipe"),
+        ("link", "is a link to nothing"),
+        ("folder", "is a folder"),
+        ("none", "does not exist"),
+    ):
+        with pytest.raises(ConvertError) as caught:
+            run_convert(tmp_path / f"{name}.usda", tmp_path / "a.glb")
+        assert caught.value.name == "stage-missing"
+        assert what in caught.value.message
 
 
 def test_an_earlier_output_survives_a_failure(tmp_path: Path) -> None:

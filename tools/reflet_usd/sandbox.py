@@ -12,6 +12,7 @@ import json
 import os
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -28,6 +29,13 @@ _CONVERT_TARGET = "reflet_usd.convert:convert_stage"
 _CONVERT_OPTIONS = "reflet_usd.convert:ConvertOptions"
 _POLL_S = 0.05
 _LOG_TAIL_CHARS = 2000
+_KINDS = {
+    stat.S_IFDIR: "is a folder",
+    stat.S_IFIFO: "is a named pipe (FIFO)",
+    stat.S_IFSOCK: "is a socket",
+    stat.S_IFCHR: "is a device",
+    stat.S_IFBLK: "is a device",
+}
 _USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -138,8 +146,8 @@ def _checked_output(out: Path) -> Path:
 
 
 def _checked_stage(stage: Path) -> Path:
-    if not stage.is_file():
-        what = "is a folder" if stage.is_dir() else "does not exist"
+    what = _other_than_file(stage)
+    if what is not None:
         raise convert.ConvertError("stage-missing", f"{what}; name a USD file", str(stage))
     if stage.suffix.lower() not in _USD_SUFFIXES:
         expected = ", ".join(_USD_SUFFIXES)
@@ -151,6 +159,17 @@ def _checked_stage(stage: Path) -> Path:
         except PackageError as error:
             raise convert.ConvertError(error.name, error.message, str(stage)) from error
     return stage
+
+
+def _other_than_file(path: Path) -> str | None:
+    """What `path` is, in words, where it is no plain file."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        return "is a link to nothing" if path.is_symlink() else "does not exist"
+    except OSError as error:
+        return f"cannot be looked at ({error.strerror})"
+    return None if stat.S_ISREG(mode) else _KINDS.get(stat.S_IFMT(mode), "is no plain file")
 
 
 def _job(
@@ -255,12 +274,14 @@ def _failure(
 ) -> tuple[str, str]:
     """Name and message for a child that ended without a report."""
     if stopped_by == "time-limit":
-        return "time-limit", f"not converted within {limits.wall_s:g} s"
+        longer = "`reflet-usd convert --time-limit SECONDS` gives it longer"
+        return "time-limit", f"not done within {limits.wall_s:g} s; {longer}"
     too_large = f"the output grew past {limits.output_bytes} bytes"
     if stopped_by == "output-limit" or exit_code == -signal.SIGXFSZ:
         return "output-limit", too_large
     if exit_code == -signal.SIGXCPU:
-        return "cpu-limit", f"used more than {limits.cpu_s} s of processor time"
+        longer = "`reflet-usd convert --cpu-limit SECONDS` gives it longer"
+        return "cpu-limit", f"used more than {limits.cpu_s} s of processor time; {longer}"
     if any(word in log for word in ("bad_alloc", "MemoryError", "Cannot allocate memory")):
         return (
             "memory-limit",

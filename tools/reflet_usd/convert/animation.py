@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -81,7 +83,8 @@ def _place(context: Context, prim: Usd.Prim, node: Node, matrix: Array) -> Node:
 
 def _finite(context: Context, prim: Usd.Prim, matrix: object) -> Array:
     columns = column_matrix(matrix, context.meters_per_unit)  # type: ignore[arg-type]
-    if not np.allclose(columns[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=AFFINE_TOLERANCE):
+    x, y, z, w = columns[3].tolist()
+    if not all(abs(off) <= AFFINE_TOLERANCE for off in (x, y, z, w - 1.0)):
         _make_affine(context, prim, columns)
     columns[3] = (0.0, 0.0, 0.0, 1.0)
     if np.isfinite(columns).all() and np.abs(columns).max() < 1e30:
@@ -178,14 +181,40 @@ def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:
             node.add_track(path, times, values)
 
 
-def add_visibility_track(context: Context, prim: Usd.Prim, node: Node) -> None:
-    """Animated visibility through KHR_node_visibility, which only some viewers follow."""
+@dataclass(frozen=True)
+class Visibility:
+    """When something is shown: each value holds from its time code to the next."""
+
+    codes: tuple[float, ...]
+    shown: tuple[bool, ...]
+
+    def at(self, code: float) -> bool:
+        """Whether it is shown at `code`; the first value also holds before its code."""
+        return self.shown[max(bisect_right(self.codes, code) - 1, 0)]
+
+    def within(self, outer: Visibility | None) -> Visibility:
+        """Shown where both are."""
+        if outer is None:
+            return self
+        codes = tuple(sorted({*self.codes, *outer.codes}))
+        return Visibility(codes, tuple(self.at(code) and outer.at(code) for code in codes))
+
+
+def own_visibility(context: Context, prim: Usd.Prim) -> Visibility | None:
+    """The prim's animated visibility; None where it has none, or where it never changes."""
     attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()
+    if attribute.GetNumTimeSamples() < 2:
+        return None
     codes = context.codes_in_range(sorted(attribute.GetTimeSamples()))
     shown = [attribute.Get(code) != UsdGeom.Tokens.invisible for code in codes]
-    if len(set(shown)) < 2:
-        return
-    set_visibility(node, np.array([context.seconds(code) for code in codes]), np.array(shown))
+    return Visibility(tuple(codes), tuple(shown)) if len(set(shown)) > 1 else None
+
+
+def add_visibility_track(context: Context, node: Node, visibility: Visibility | None) -> None:
+    """Animated visibility through KHR_node_visibility, which only some viewers follow."""
+    if visibility is not None:
+        times = np.array([context.seconds(code) for code in visibility.codes])
+        set_visibility(node, times, np.array(visibility.shown))
 
 
 def set_visibility(node: Node, times: Array, shown: Array) -> None:

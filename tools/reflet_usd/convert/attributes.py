@@ -75,18 +75,20 @@ def inherited_primvars(prim: Usd.Prim) -> list[UsdGeom.Primvar]:
     return sorted((p for p in found if p.HasValue()), key=lambda p: str(p.GetPrimvarName()))
 
 
-def primvar_signature(prim: Usd.Prim) -> tuple[str, ...]:
-    """Where the primvars of `prim` come from: instances that differ in this need own meshes."""
+def primvar_signature(primvars: list[UsdGeom.Primvar]) -> tuple[str, ...]:
+    """Where a prim's primvars come from: instances that differ in this need own meshes."""
     places = []
-    for primvar in inherited_primvars(prim):
+    for primvar in primvars:
         places.append(f"{source_path(primvar.GetAttr().GetPrim())}.{primvar.GetName()}")
     return tuple(places)
 
 
-def read_primvars(context: Context, prim: Usd.Prim) -> GprimPrimvars:
-    """Read and sort them; whatever cannot travel is a warning."""
+def read_primvars(
+    context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]
+) -> GprimPrimvars:
+    """Read and sort the prim's `primvars`; whatever cannot travel is a warning."""
     found = GprimPrimvars()
-    for primvar in inherited_primvars(prim):
+    for primvar in primvars:
         name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if _HANDLED.match(name):
             continue

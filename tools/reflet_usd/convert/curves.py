@@ -17,10 +17,11 @@ from reflet_usd.convert.gltf_writer import (
     POINTS,
     GltfWriter,
 )
-from reflet_usd.convert.material import MaterialLibrary
+from reflet_usd.convert.material import MaterialLibrary, warn_translucent
 from reflet_usd.convert.polygons import read_points
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
+from reflet_usd.convert.subsets import bound_material
 
 SEGMENTS_PER_SPAN = 8
 # Rows are powers of t from 1 to t³ times these matrices times four control points.
@@ -164,6 +165,8 @@ def _write(
         topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
     topology = replace(topology, dropped=dropped)
     display = read_display(context, prim, topology)
+    plan = materials.plan(None)
+    warn_translucent(context, prim, plan, display)
     color = display.stream_for(True, True)
     attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}
     if color is not None:
@@ -172,7 +175,9 @@ def _write(
     if lines is not None:
         indices = lines.reshape(-1).astype(np.uint32)
         entry["indices"] = writer.add_accessor(indices, ELEMENT_ARRAY_BUFFER)
-    plan = materials.plan(None)
+    if bound_material(prim) is not None:
+        message = "points and lines show displayColor, not the bound material"
+        context.ledger.warn("material-unsupported", prim, message)
     entry["material"] = materials.instantiate(plan, {}, False, display, color is not None)
     extras = {"prim": str(prim.GetPath())}
     return writer.add("meshes", {"name": prim.GetName(), "primitives": [entry], "extras": extras})

@@ -68,9 +68,11 @@ def is_custom(prim: Usd.Prim, name: str) -> bool:
 
 
 def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
-    for item in prim.GetAuthoredProperties():
-        if not is_custom(prim, str(item.GetName())):
+    known = prim.GetPrimDefinition().GetSpecType
+    for name in prim.GetAuthoredPropertyNames():
+        if str(name).partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
             continue
+        item = prim.GetProperty(name)
         if isinstance(item, Usd.Attribute) and not item.HasAuthoredValue():
             continue
         yield item

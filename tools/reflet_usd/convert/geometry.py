@@ -20,7 +20,7 @@ from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.extras import is_custom
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
-from reflet_usd.convert.material import MaterialLibrary, MaterialPlan
+from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.nurbs import patch_polygons
@@ -69,11 +69,13 @@ class GeometryBuilder:
     def build(self, prim: Usd.Prim, deformation: Deformer | None = None) -> BuiltMesh | None:
         """The glTF mesh of a gprim, or None (with a warning) where it has nothing to draw."""
         groups = face_groups(self.context, prim)
+        primvars = inherited_primvars(prim)
         if deformation is not None:
-            return self._build(prim, groups, deformation)
-        key = self._key(prim, groups)
+            return self._build(prim, groups, primvars, deformation)
+        bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
+        key = (source_path(prim), bound, primvar_signature(primvars))
         if key not in self._meshes:
-            self._meshes[key] = (prim, self._build(prim, groups, None))
+            self._meshes[key] = (prim, self._build(prim, groups, primvars, None))
             return self._meshes[key][1]
         first, built = self._meshes[key]
         self.context.ledger.repeat(first, prim)
@@ -81,19 +83,19 @@ class GeometryBuilder:
             self.materials.plan(group.material)
         return built
 
-    def _key(self, prim: Usd.Prim, groups: list[FaceGroup]) -> tuple[Any, ...]:
-        bound = tuple("" if g.material is None else source_path(g.material) for g in groups)
-        return (source_path(prim), bound, primvar_signature(prim))
-
     def _build(
-        self, prim: Usd.Prim, groups: list[FaceGroup], deformation: Deformer | None
+        self,
+        prim: Usd.Prim,
+        groups: list[FaceGroup],
+        owned: list[UsdGeom.Primvar],
+        deformation: Deformer | None,
     ) -> BuiltMesh | None:
-        warn_frozen(self.context, prim)
+        warn_frozen(self.context, prim, owned)
         made = self._surface(prim, deformation is not None)
         if made is None:
             return None
         surface, topology, polygons = made
-        primvars = read_primvars(self.context, prim)
+        primvars = read_primvars(self.context, prim, owned)
         attach(self.context, prim, surface, primvars, topology)
         if deformation is not None:
             deformation.prepare(surface, polygons)
@@ -163,6 +165,7 @@ class GeometryBuilder:
             plan.opacity_primvar or "displayOpacity",
             plan.color_fallback,
         )
+        warn_translucent(self.context, prim, plan, display)
         color = display.stream_for(plan.color_primvar is not None, plan.opacity_primvar is not None)
         parts = build_primitive(self.writer, surface, triangles, order, constants, color)
         double_sided = bool(authored(prim, "doubleSided", self.context.time, False))
@@ -239,8 +242,8 @@ _STILL = (
 )
 
 
-def warn_frozen(context: Context, prim: Usd.Prim) -> None:
-    """Name the animated attributes that stay at their first value."""
+def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]) -> None:
+    """Name the animated attributes, inherited `primvars` too, that stay at their first value."""
     animated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()
@@ -248,7 +251,7 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
         and attribute.ValueMightBeTimeVarying()
         and not is_custom(prim, attribute.GetName())
     ]
-    owners = [(p.GetAttr(), str(p.GetName())) for p in inherited_primvars(prim)]
+    owners = [(p.GetAttr(), str(p.GetName())) for p in primvars]
     animated += [
         name
         for attribute, name in owners
@@ -258,9 +261,9 @@ def warn_frozen(context: Context, prim: Usd.Prim) -> None:
     if velocities and velocities.HasAuthoredValue():
         message = "velocities are not carried, points are interpolated"
         context.ledger.warn("velocities-dropped", prim, message)
-    primvars = [name for name in animated if name.startswith("primvars:")]
-    shape = [name for name in animated if name not in primvars]
-    lost = {"geometry-animation-frozen": shape, "primvar-animation-frozen": primvars}
+    values = [name for name in animated if name.startswith("primvars:")]
+    shape = [name for name in animated if name not in values]
+    lost = {"geometry-animation-frozen": shape, "primvar-animation-frozen": values}
     for warning, names in lost.items():
         if names:
             message = f"animated {', '.join(sorted(names))} stay at their first value"

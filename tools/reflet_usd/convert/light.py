@@ -17,7 +17,7 @@ from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.scene import Array, Node
 
-_LINKS = ("light:filters", "collection:lightLink:includes", "collection:shadowLink:includes")
+_LINKS = ("lightLink", "shadowLink")
 _OUTDATED = (
     "intensity",
     "exposure",
@@ -200,6 +200,7 @@ def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node) -> None:
     """Keep in extras the emission of a mesh or volume that is a light; its geometry is carried."""
     source = _emission(context, prim)
     node.extras["mesh_light"] = {"color": source.color.tolist(), "radiance_nits": source.radiance}
+    _warn_links(context, prim)
     message = "glTF has no mesh light; color and radiance are in the node's extras"
     context.ledger.warn("mesh-light-dropped", prim, message)
 
@@ -234,14 +235,33 @@ def _warn_shape(context: Context, prim: Usd.Prim) -> None:
         warn("light-shaping-dropped", prim, f"the {kind} is not narrowed to a cone of {cone}°")
 
 
+def _warn_links(context: Context, prim: Usd.Prim) -> None:
+    """Name whatever limits what the light lights, or what casts its shadows."""
+    found = ["light:filters"] if _targets(prim, "light:filters") else []
+    for link in _LINKS:
+        collection = f"collection:{link}"
+        lists = (f"{collection}:{part}" for part in ("includes", "excludes"))
+        found += [name for name in lists if _targets(prim, name)]
+        root = prim.GetAttribute(f"{collection}:includeRoot")
+        if root and root.HasAuthoredValue() and root.Get() is False:
+            found.append(f"{collection}:includeRoot")
+        expression = prim.GetAttribute(f"{collection}:membershipExpression")
+        if expression and expression.HasAuthoredValue():
+            found.append(f"{collection}:membershipExpression")
+    for name in found:
+        context.ledger.warn("light-linking-dropped", prim, f"'{name}' has no counterpart")
+
+
+def _targets(prim: Usd.Prim, name: str) -> bool:
+    relationship = prim.GetRelationship(name)
+    return bool(relationship and relationship.GetTargets())
+
+
 def _warn_unsupported(context: Context, prim: Usd.Prim) -> None:
     warn = context.ledger.warn
     _warn_reflection(context, prim)
     _warn_shape(context, prim)
-    for name in _LINKS:
-        relationship = prim.GetRelationship(name)
-        if relationship and relationship.GetTargets():
-            warn("light-linking-dropped", prim, f"'{name}' has no counterpart")
+    _warn_links(context, prim)
     outdated = [
         attribute.GetName()
         for attribute in prim.GetAuthoredAttributes()

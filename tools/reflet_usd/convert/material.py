@@ -162,6 +162,15 @@ class MaterialLibrary:
         return entry
 
 
+def warn_translucent(
+    context: Context, prim: Usd.Prim, plan: MaterialPlan, display: DisplayColor
+) -> None:
+    """Name the displayOpacity of a prim without a material; materials name their own."""
+    if display.translucent and not plan.is_preview:
+        message = "displayOpacity became alpha blending, which also fades reflections"
+        context.ledger.warn("opacity-approximated", prim, message)
+
+
 def _three(values: tuple[float, ...]) -> tuple[float, ...]:
     return values[:3] if len(values) >= 3 else (values[0],) * 3
 

@@ -63,6 +63,9 @@ def polygons_surface(context: Context, prim: Usd.Prim, polygons: Polygons) -> Su
 
 def drawn_faces(polygons: Polygons) -> DrawnFaces:
     """Compact the faces that are drawn."""
+    if polygons.drawn.all():
+        corners = np.arange(len(polygons.corner_points))
+        return DrawnFaces(np.arange(len(polygons.counts)), corners, polygons.counts)
     faces = np.flatnonzero(polygons.drawn)
     corner_drawn = np.repeat(polygons.drawn, polygons.counts)
     return DrawnFaces(faces, np.flatnonzero(corner_drawn), polygons.counts[faces])

@@ -117,7 +117,7 @@ class Packer:
         if len(channels) == 4 and channels[3] is None:
             planes.pop()
         names = dict.fromkeys(file.name for file in files if file is not None)
-        self._explain(channels, files, sizes)
+        self._explain(channels, files, sizes, srgb)
         self._packed[key] = self.library.add_pixels(np.dstack(planes), "_".join(names))
         return self._packed[key]
 
@@ -130,7 +130,7 @@ class Packer:
             value = linear_to_srgb(np.array(level)) if encode else np.array(level)
             return np.full(size[::-1], np.uint8(np.round(np.clip(value, 0.0, 1.0) * 255.0)))
         texels = file.rgba()[..., channel.index]
-        decode = channel.index < 3 and not channel.raw and is_srgb(channel.read, file)
+        decode = _is_decoded(channel, file)
         table = np.arange(256) / 255.0
         if decode != encode or channel.scale != 1.0 or channel.bias != 0.0:
             linear = srgb_to_linear(table) if decode else table
@@ -148,8 +148,9 @@ class Packer:
         channels: list[Channel | None],
         files: list[ImageFile | None],
         sizes: set[tuple[int, int]],
+        srgb: bool,
     ) -> None:
-        for channel, file in zip(channels, files, strict=True):
+        for place, (channel, file) in enumerate(zip(channels, files, strict=True)):
             if channel is None or channel.read is None or file is None:
                 continue
             warn = self.context.ledger.warn
@@ -158,6 +159,10 @@ class Packer:
                 warn("texture-converted", channel.read.prim, message)
             elif channel.scale != 1.0 or channel.bias != 0.0 or len(sizes) > 1:
                 message = "its values were rewritten (scale, bias or size) with 8-bit rounding"
+                warn("texture-repacked", channel.read.prim, message)
+            elif _is_decoded(channel, file) != (srgb and place < 3):
+                spaces = "linear to sRGB" if srgb and place < 3 else "sRGB to linear"
+                message = f"its texels were recoded from {spaces} with 8-bit rounding"
                 warn("texture-repacked", channel.read.prim, message)
 
     def _sampler(self, read: TextureRead) -> int:
@@ -180,6 +185,12 @@ class Packer:
             self.writer.use_extension("KHR_texture_transform")
             info["extensions"] = {"KHR_texture_transform": transform}
         return info
+
+
+def _is_decoded(channel: Channel, file: ImageFile) -> bool:
+    """Whether USD decodes the channel's texels from sRGB."""
+    assert channel.read is not None
+    return channel.index < 3 and not channel.raw and is_srgb(channel.read, file)
 
 
 def wraps_to_black(read: TextureRead) -> bool:

@@ -11,6 +11,7 @@ from pxr import Ar, Tf, Usd
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.metadata import stage_metadata_extras
 from reflet_usd.convert.stage import error_text, open_context
 from reflet_usd.convert.traverse import Traversal
 from reflet_usd.convert.types import ConvertError, ConvertOptions, ConvertResult, count_of
@@ -33,7 +34,7 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
     context = open_context(stage_path, options, ledger)
     writer = GltfWriter()
     roots = Traversal(context, writer).stage_roots()
-    writer.add_nodes(roots, _scene_extras(context))
+    writer.add_nodes(roots, {**_scene_extras(context), **stage_metadata_extras(context)})
     if not writer.lists.get("meshes"):
         ledger.warn("stage-empty", "/", "the stage has nothing to draw")
     counts = ledger.close(_prims(context.stage))

@@ -57,7 +57,7 @@ def read_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
         return None
     counts, corners = _repair_counts(context, prim, counts, corners)
     drawn = _drawable(context, prim, points, counts, corners)
-    drawn &= ~_holes(context, prim, len(counts))
+    _cut_holes(context, prim, drawn)
     if not drawn.any():
         context.ledger.warn("mesh-empty", prim, "no face of the mesh can be drawn")
         return None
@@ -98,6 +98,8 @@ def _repair_counts(
     context: Context, prim: Usd.Prim, counts: Array, corners: Array
 ) -> tuple[Array, Array]:
     """Faces before the first one that does not fit the index array; the rest is dropped."""
+    if counts.min() >= 0 and counts.sum() == len(corners):
+        return counts, corners
     broken = np.flatnonzero(counts < 0)
     end = int(broken[0]) if len(broken) else len(counts)
     totals = np.cumsum(counts[:end])
@@ -116,6 +118,8 @@ def _drawable(
     context: Context, prim: Usd.Prim, points: Array, counts: Array, corners: Array
 ) -> Array:
     """Which faces have three corners or more, all of them finite points."""
+    if _are_good_triangles(points, counts, corners):
+        return np.ones(len(counts), dtype=bool)
     drawn = counts >= 3
     if not drawn.all():
         message = f"{int((~drawn).sum())} faces have fewer than 3 corners and were dropped"
@@ -147,6 +151,15 @@ def _drawable(
     return drawn
 
 
+def _are_good_triangles(points: Array, counts: Array, corners: Array) -> bool:
+    """Whether there are only triangles of three different finite points: the short way."""
+    if not (counts == 3).all() or corners.min() < 0 or corners.max() >= len(points):
+        return False
+    a, b, c = corners.reshape(-1, 3).T
+    whole = (a != b).all() and (b != c).all() and (c != a).all()
+    return bool(whole and in_float32(points).all())
+
+
 def _collapsed(counts: Array, corners: Array) -> Array:
     """(F,) triangles that name a point twice."""
     result = np.zeros(len(counts), dtype=bool)
@@ -157,12 +170,13 @@ def _collapsed(counts: Array, corners: Array) -> Array:
     return result
 
 
-def _holes(context: Context, prim: Usd.Prim, face_count: int) -> Array:
-    holes = np.zeros(face_count, dtype=bool)
+def _cut_holes(context: Context, prim: Usd.Prim, drawn: Array) -> None:
+    """Take the faces that are holes out of `drawn`."""
     indices = _integers(context, prim, "holeIndices")
-    inside = (indices >= 0) & (indices < face_count)
+    if len(indices) == 0:
+        return
+    inside = (indices >= 0) & (indices < len(drawn))
     if not inside.all():
         message = f"{int((~inside).sum())} hole indices name faces that do not exist"
         context.ledger.warn("index-out-of-range", prim, message)
-    holes[indices[inside]] = True
-    return holes
+    drawn[indices[inside]] = False

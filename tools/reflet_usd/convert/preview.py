@@ -31,6 +31,8 @@ PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {
     "displacement": (0.0,),
     "occlusion": (1.0,),
 }
+# One number each in glTF, for the whole material.
+_WITHOUT_TEXTURE = ("useSpecularWorkflow", "opacityMode", "opacityThreshold", "ior")
 # glTF's dielectric reflects ((ior − 1) / (ior + 1))² head on, 0.04 at ior 1.5.
 _DIELECTRIC_F0 = 0.04
 
@@ -79,6 +81,10 @@ class PreviewMaterial:
     def _numbers(self, name: str) -> tuple[float, ...]:
         """The input's constant; a lost texture's or primvar's fallback; UsdPreviewSurface's."""
         default = PREVIEW_INPUTS[name]
+        if name in _WITHOUT_TEXTURE and self._texture(name):
+            message = f"glTF has no texture for '{name}', taken as {default[0]:g}"
+            self._warn("material-texture-dropped", message)
+            return default
         source = self.inputs.get(name)
         value: tuple[float, ...] | None = None
         if isinstance(source, Constant):
@@ -269,8 +275,6 @@ class PreviewMaterial:
             factor = [part / _DIELECTRIC_F0 for part in color]
             extensions["KHR_materials_specular"]["specularColorFactor"] = factor
         else:
-            if self._texture("ior"):
-                self._warn("material-value-clamped", "a textured ior keeps its fallback only")
             ior = self._numbers("ior")[0]
             # glTF: 1 and above, or 0 for "reflects everything".
             if ior == 0.0:

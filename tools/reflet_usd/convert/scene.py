@@ -111,4 +111,4 @@ def _skin_copy(skin: Skin, copies: dict[int, Node]) -> Skin:
 def identity_or(values: Array, identity: tuple[float, ...]) -> Array | None:
     """None where `values` is exactly the identity, which glTF leaves out."""
     array = np.asarray(values, dtype=np.float64)
-    return None if np.array_equal(array, np.asarray(identity)) else array
+    return None if tuple(array.tolist()) == identity else array

@@ -57,6 +57,9 @@ def _split(
     free = np.ones(face_count, dtype=bool)
     groups = []
     for subset in subsets:
+        if subset.GetIndicesAttr().ValueMightBeTimeVarying():
+            message = "its animated indices, and with them the bindings, stay at their first value"
+            context.ledger.warn("subset-animation-frozen", subset.GetPrim(), message)
         indices = np.array(subset.GetIndicesAttr().Get(context.time) or [], dtype=np.int64)
         inside = (indices >= 0) & (indices < face_count)
         if not inside.all():

@@ -8,15 +8,22 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Tf, Usd, UsdGeom, UsdLux
 
-from reflet_usd.convert.animation import add_visibility_track, transform_node
+from reflet_usd.convert.animation import (
+    Visibility,
+    add_visibility_track,
+    own_visibility,
+    transform_node,
+)
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light, keep_mesh_light
+from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
@@ -43,6 +50,12 @@ class Tree:
     contents: dict[str, Node] = field(default_factory=dict)
     """Per prim path the node that takes its children."""
     purposes: dict[str, UsdGeom.Imageable.PurposeInfo] = field(default_factory=dict)
+    visibilities: dict[str, Visibility] = field(default_factory=dict)
+    """Per prim path how it and all above it come and go, where they do."""
+    levels: dict[str, int] = field(default_factory=dict)
+    """Per prim path the level of its node, the root being the first."""
+    prototype: bool = False
+    """Whether this is an instancer's prototype."""
 
     def parent_of(self, prim: Usd.Prim) -> Node:
         """The node under which `prim` belongs."""
@@ -72,7 +85,9 @@ class Traversal:
         for prim in self.context.stage.GetPseudoRoot().GetFilteredChildren(predicate):
             self._walk(Usd.PrimRange(prim, predicate), tree)
         self._place_lost_skeletons(root)
-        return [root, *tree.unplaced]
+        roots = [root, *tree.unplaced]
+        check_depth(roots)
+        return roots
 
     def _place_lost_skeletons(self, root: Node) -> None:
         """Skeletons below prims that were left out still move what is bound to them."""
@@ -85,7 +100,7 @@ class Traversal:
 
     def prototype_node(self, prim: Usd.Prim) -> Node:
         """An instancer's prototype as a detached tree, its own transform included."""
-        tree = Tree(Node(prim.GetName()))
+        tree = Tree(Node(prim.GetName()), prototype=True)
         # A prototype may sit below an undefined `over`: it need not be defined all the way up.
         predicate = Usd.TraverseInstanceProxies(
             Usd.PrimIsActive & Usd.PrimIsLoaded & Usd.PrimHasDefiningSpecifier
@@ -129,7 +144,7 @@ class Traversal:
     def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
         type_name = prim.GetTypeName()
         if type_name in _PLACELESS:
-            keep_custom_properties(self.context, prim, None)
+            self._keep_words(prim, None)
             return True
         # A hidden skeleton still moves what it is bound to.
         if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
@@ -142,21 +157,43 @@ class Traversal:
             self.skeletons.warn_ignored_binding(prim)
         node, outer, reset = transform_node(self.context, prim)
         skinned = self.skeletons.is_skinned(prim)
-        tree.contents[str(prim.GetPath())] = node
+        path = str(prim.GetPath())
+        tree.contents[path] = node
+        lifted = skinned or reset
+        above = 1 if lifted else tree.levels.get(str(prim.GetPath().GetParentPath()), 1)
+        tree.levels[path] = above + levels_to(outer, node)
+        check_level(tree.levels[path], path)
         if skinned:
             node.translation = node.rotation = node.scale = None
             node.tracks.clear()
             tree.unplaced.append(node)
         elif reset:
+            if tree.prototype and tree.root.children:
+                message = "within a prototype it is placed from each instance on, as in Hydra"
+                self.context.ledger.warn("reset-in-prototype", prim, message)
             tree.root.add(outer)
         else:
             tree.parent_of(prim).add(outer)
-        keep_custom_properties(self.context, prim, node)
-        if prim.IsA(UsdGeom.Imageable):
-            add_visibility_track(self.context, prim, node)
-            if self._has_other_purpose(prim, tree):
-                return not prim.IsA(UsdGeom.PointInstancer)
+        self._keep_words(prim, node)
+        self._show(prim, tree, node, lifted)
+        if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
+            return not prim.IsA(UsdGeom.PointInstancer)
         return self._fill(prim, node)
+
+    def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
+        """What is said about the prim and does not draw; a prim without a node keeps none."""
+        keep_custom_properties(self.context, prim, node)
+        keep_metadata(self.context, prim, node)
+        warn_schemas(self.context, prim)
+
+    def _show(self, prim: Usd.Prim, tree: Tree, node: Node, lifted: bool) -> None:
+        """Animated visibility; a node `lifted` to the root takes that of its parents along."""
+        above = tree.visibilities.get(str(prim.GetPath().GetParentPath()))
+        own = own_visibility(self.context, prim) if prim.IsA(UsdGeom.Imageable) else None
+        whole = above if own is None else own.within(above)
+        if whole is not None:
+            tree.visibilities[str(prim.GetPath())] = whole
+        add_visibility_track(self.context, node, whole if lifted else own)
 
     def _is_hidden(self, prim: Usd.Prim) -> bool:
         attribute = UsdGeom.Imageable(prim).GetVisibilityAttr()

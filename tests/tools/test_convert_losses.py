@@ -1,0 +1,246 @@
+"""Owns the tests that what does not draw is kept in extras, or named: metadata, schemas, links."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_materials import material, noise, save, stage, texture
+from convert_reading import Converted, convert_text
+
+
+def messages(done: Converted, name: str) -> dict[str, str]:
+    """By prim the message of each warning of that name."""
+    found = [w for w in done.sidecar["warnings"] if w["name"] == name]
+    assert len({w["prim"] for w in found}) == len(found), "once for each prim"
+    return {w["prim"]: w["message"] for w in found}
+
+
+def test_applied_schemas_are_named_once_for_each_prim(tmp_path: Path) -> None:
+    text = """
+def Cube "C" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI", "CoordSysAPI:c",
+        "MotionAPI", "VisibilityAPI", "UnheardOfAPI", "MaterialBindingAPI"]) {
+    float physics:mass = 5
+}
+def Cube "Plain" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:all"]) {
+}
+"""
+    done = convert_text(tmp_path, text)
+    found = messages(done, "schema-ignored")
+    assert set(found) == {"/C"}
+    names = ["PhysicsRigidBodyAPI", "PhysicsMassAPI", "CoordSysAPI:c", "MotionAPI"]
+    for name in (*names, "VisibilityAPI", "UnheardOfAPI"):
+        assert f"'{name}'" in found["/C"]
+    assert "MaterialBindingAPI" not in found["/C"]
+
+
+def test_metadata_is_kept_in_extras(tmp_path: Path) -> None:
+    text = """#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+    doc = "the whole"
+    customLayerData = { string tool = "hand"
+        dictionary camera = { double3 at = (1, 2, 3) } }
+)
+def Xform "A" (
+    kind = "component"
+    displayName = "Die Säule"
+    assetInfo = { asset identifier = @a.usd@
+        string name = "a" }
+    customData = { int count = 3
+        bool on = 1
+        token[] tags = ["x", "y"]
+        matrix4d place = ((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)) }
+) {
+    def Cube "C" {
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings() == set()
+    extras = done.json["nodes"][done.node("/A")]["extras"]
+    assert extras["metadata"] == {
+        "kind": "component",
+        "displayName": "Die Säule",
+        "assetInfo": {"identifier": "a.usd", "name": "a"},
+        "customData": {
+            "count": 3,
+            "on": True,
+            "tags": ["x", "y"],
+            "place": np.eye(4).tolist(),
+        },
+    }
+    assert "metadata" not in done.json["nodes"][done.node("/A/C")]["extras"]
+    assert done.json["scenes"][0]["extras"]["metadata"] == {
+        "documentation": "the whole",
+        "customLayerData": {"camera": {"at": [1, 2, 3]}, "tool": "hand"},
+    }
+
+
+def test_metadata_without_a_place_is_named_once(tmp_path: Path) -> None:
+    many = ", ".join("0" for _ in range(2000))
+    deep = "dictionary d = { " * 12 + "int leaf = 1" + " }" * 12
+    text = f"""
+def Cube "C" (customData = {{ double bad = nan
+        int[] many = [{many}]
+        int good = 1
+        {deep} }}) {{
+    rel material:binding = </M>
+}}
+def Material "M" (kind = "assembly"
+    customData = {{ int a = 1 }}) {{
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        token outputs:surface
+    }}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    found = messages(done, "metadata-dropped")
+    assert set(found) == {"/C", "/M"}
+    for name in ("customData:bad", "customData:many", "customData:d:d:d:d:d:d:d:d"):
+        assert f"'{name}" in found["/C"]
+    assert "good" not in found["/C"]
+    assert "'kind', 'customData' are not carried" in found["/M"]
+    kept = done.json["nodes"][done.node("/C")]["extras"]["metadata"]["customData"]
+    assert kept["good"] == 1
+    assert "bad" not in kept and "many" not in kept
+
+
+@pytest.mark.parametrize(
+    ("kind", "line", "named"),
+    [
+        ("component", 'uniform token model:drawMode = "bounds"', True),
+        ("group", 'uniform token model:drawMode = "cards"', False),
+        (
+            "group",
+            'uniform token model:drawMode = "cards"\nuniform bool model:applyDrawMode = 1',
+            True,
+        ),
+        ("component", 'uniform token model:drawMode = "default"', False),
+        ("component", "uniform bool model:applyDrawMode = 1", False),
+        (
+            "component",
+            'uniform token model:drawMode = "bounds"\nuniform bool model:applyDrawMode = 0',
+            False,
+        ),
+    ],
+)
+def test_draw_modes_are_named_where_they_apply(
+    tmp_path: Path, kind: str, line: str, named: bool
+) -> None:
+    text = f"""
+def Xform "A" (kind = "{kind}"
+    prepend apiSchemas = ["GeomModelAPI"]) {{
+    {line}
+    def Cube "C" {{
+    }}
+}}
+"""
+    assert convert_text(tmp_path, text).warnings("/A") == (
+        {"draw-mode-dropped"} if named else set()
+    )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rel collection:lightLink:includes = </C>",
+        "rel collection:lightLink:excludes = </C>",
+        "rel collection:shadowLink:excludes = </C>",
+        "bool collection:lightLink:includeRoot = 0",
+    ],
+)
+@pytest.mark.parametrize(
+    "kind", ['SphereLight "L"', 'Cube "L" (prepend apiSchemas = ["MeshLightAPI"])']
+)
+def test_every_way_to_limit_a_light_is_named(tmp_path: Path, line: str, kind: str) -> None:
+    text = f"""
+def Cube "C" {{
+}}
+def {kind} {{
+    {line}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    name = line.split()[1]
+    assert messages(done, "light-linking-dropped") == {"/L": f"'{name}' has no counterpart"}
+
+
+def test_a_light_for_everything_is_not_named(tmp_path: Path) -> None:
+    done = convert_text(
+        tmp_path, 'def SphereLight "L" {\nbool collection:lightLink:includeRoot = 1\n}'
+    )
+    assert "light-linking-dropped" not in done.warnings()
+
+
+def test_animated_subsets_are_named(tmp_path: Path) -> None:
+    text = """
+def Mesh "M" {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [3, 3]
+    int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
+    point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+    def GeomSubset "S" {
+        uniform token elementType = "face"
+        uniform token familyName = "materialBind"
+        int[] indices.timeSamples = { 0: [0], 5: [1] }
+    }
+    def GeomSubset "Still" {
+        uniform token elementType = "face"
+        uniform token familyName = "materialBind"
+        int[] indices = [1]
+    }
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/M/S") == {"subset-animation-frozen"}
+    assert done.warnings("/M/Still") == set()
+
+
+@pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
+def test_a_texture_for_one_number_is_named_and_the_default_taken(tmp_path: Path, name: str) -> None:
+    save(tmp_path, "t.png", noise("L"))
+    nodes = texture("T", "t.png", "float4 inputs:fallback = (0.9, 0.9, 0.9, 1)")
+    plain = convert_text(tmp_path, stage(""))
+    before = material(plain)
+    done = convert_text(tmp_path, stage(f"float inputs:{name}.connect = </Mat/T.outputs:r>", nodes))
+    assert material(done) == before
+    assert "extensions" not in before
+    assert f"'{name}'" in messages(done, "material-texture-dropped")["/Mat"]
+
+
+def test_recoded_texels_are_named(tmp_path: Path) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    for slot, space, named in (
+        ("roughness", "sRGB", "sRGB to linear"),
+        ("roughness", "raw", None),
+        ("emissiveColor", "raw", "linear to sRGB"),
+        ("emissiveColor", "sRGB", None),
+    ):
+        output, kind = ("rgb", "color3f") if slot == "emissiveColor" else ("b", "float")
+        inputs = f"{kind} inputs:{slot}.connect = </Mat/T.outputs:{output}>"
+        nodes = texture("T", "t.png", f'token inputs:sourceColorSpace = "{space}"')
+        found = messages(convert_text(tmp_path, stage(inputs, nodes)), "texture-repacked")
+        assert set(found) == (set() if named is None else {"/Mat/T"})
+        assert named is None or named in found["/Mat/T"]
+
+
+@pytest.mark.parametrize("kind", ['Cube "{}"', 'Points "{}"'])
+def test_a_translucent_display_opacity_is_named_for_each_prim(tmp_path: Path, kind: str) -> None:
+    points = "point3f[] points = [(0,0,0), (1,0,0)]" if "Points" in kind else ""
+    prims = [
+        f"def {kind.format(name)} {{\n{points}\nfloat[] primvars:displayOpacity = [{opacity}]\n}}\n"
+        for name, opacity in (("A", 0.5), ("B", 0.5), ("C", 1))
+    ]
+    done = convert_text(tmp_path, "".join(prims))
+    assert set(messages(done, "opacity-approximated")) == {"/A", "/B"}
+
+
+def test_a_material_on_lines_is_named(tmp_path: Path) -> None:
+    body = 'def Points "P" {\npoint3f[] points = [(0,0,0)]\nrel material:binding = </Mat>\n}\n'
+    done = convert_text(tmp_path, stage("") + body)
+    assert "material-unsupported" in done.warnings("/P")

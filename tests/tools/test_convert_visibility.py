@@ -1,0 +1,93 @@
+"""Owns the tests of visibility that is animated above nodes which leave their parent's place."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import Converted, convert_text
+from pxr import Usd, UsdGeom
+from test_convert_skel import STAGE
+
+CODES = (0, 2, 3, 4.5, 6, 7, 9, 10, 12)
+
+
+def shown(done: Converted, prim: str, seconds: float) -> bool:
+    """Whether a prim's node and all above it are visible, by glTF's rules."""
+    parents = {c: i for i, n in enumerate(done.gltf.nodes) for c in n.children or []}
+    keys = {}
+    for animation in done.json.get("animations", []):
+        for channel in animation["channels"]:
+            pointer = channel["target"].get("extensions", {}).get("KHR_animation_pointer")
+            if pointer is not None:
+                found = re.fullmatch(
+                    r"/nodes/(\d+)/extensions/KHR_node_visibility/visible", pointer["pointer"]
+                )
+                assert found
+                sampler = animation["samplers"][channel["sampler"]]
+                assert sampler["interpolation"] == "STEP"
+                times, values = (done.array(sampler[n])[:, 0] for n in ("input", "output"))
+                keys[int(found[1])] = (times, values)
+    index: int | None = done.node(prim)
+    while index is not None:
+        if index in keys:
+            times, values = keys[index]
+            if not values[max(int(np.searchsorted(times, seconds + 1e-6, "right")) - 1, 0)]:
+                return False
+        index = parents.get(index)
+    return True
+
+
+def check(done: Converted, *prims: str) -> None:
+    """Each prim is seen when USD says so, and not all the time."""
+    stage = Usd.Stage.Open(str(done.out.with_name("stage.usda")))
+    for prim in prims:
+        imageable = UsdGeom.Imageable(stage.GetPrimAtPath(prim))
+        expected = [imageable.ComputeVisibility(code) != "invisible" for code in CODES]
+        assert [shown(done, prim, code / 24) for code in CODES] == expected
+        assert set(expected) == {True, False}
+
+
+@pytest.mark.parametrize("shear", ["", ', "xformOp:transform"'])
+def test_a_reset_stack_keeps_the_visibility_above(tmp_path: Path, shear: str) -> None:
+    text = f"""
+def Xform "A" {{
+    token visibility.timeSamples = {{ 0: "inherited", 6: "invisible", 9: "inherited" }}
+    def Xform "B" {{
+        token visibility.timeSamples = {{ 0: "invisible", 3: "inherited" }}
+        def Cube "Plain" {{
+        }}
+        def Cube "R" {{
+            double3 xformOp:translate = (5, 5, 5)
+            matrix4d xformOp:transform = ((1,.5,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1))
+            uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"{shear}]
+            def Cube "Child" {{
+                token visibility.timeSamples = {{ 0: "inherited", 10: "invisible" }}
+            }}
+        }}
+        def Xform "Away" {{
+            token visibility.timeSamples = {{ 0: "invisible", 4.5: "inherited" }}
+            uniform token[] xformOpOrder = ["!resetXformStack!"]
+            def Cube "Further" {{
+                uniform token[] xformOpOrder = ["!resetXformStack!"]
+            }}
+        }}
+    }}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    below = [f"/A/B/{name}" for name in ("Plain", "R", "R/Child", "Away", "Away/Further")]
+    check(done, *below)
+
+
+def test_a_skinned_mesh_keeps_the_visibility_above(tmp_path: Path) -> None:
+    text = STAGE.format(meters=1).replace(
+        'def SkelRoot "Root"', 'def Xform "A" {\nHIDING\ndef SkelRoot "Root"', 1
+    )
+    hiding = 'token visibility.timeSamples = { 0: "inherited", 6: "invisible", 9: "inherited" }'
+    text = text.replace("/Root", "/A/Root").replace("HIDING", hiding) + "}\n"
+    done = convert_text(tmp_path, text)
+    assert done.gltf.nodes[done.node("/A/Root/M")].skin is not None
+    check(done, "/A/Root/M")

@@ -1,0 +1,129 @@
+"""What is said about a prim without drawing it: its metadata, API schemas and draw mode."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pxr import Kind, Sdf, Usd, UsdGeom
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.extras import plain_value
+from reflet_usd.convert.scene import Node
+
+# Of all metadata what people and pipelines write; the rest is USD's own machinery.
+KEPT = ("kind", "displayName", "documentation", "comment", "assetInfo", "customData")
+KEPT_OF_STAGE = ("documentation", "comment", "customLayerData")
+# Read by the converter, or without a property that says anything of their own.
+_KNOWN_SCHEMAS = frozenset(
+    {
+        "ClipsAPI",
+        "CollectionAPI",
+        "ConnectableAPI",
+        "GeomModelAPI",
+        "LightAPI",
+        "MaterialBindingAPI",
+        "MeshLightAPI",
+        "ModelAPI",
+        "NodeDefAPI",
+        "PrimvarsAPI",
+        "ShadowAPI",
+        "ShapingAPI",
+        "SkelBindingAPI",
+        "VolumeLightAPI",
+        "XformCommonAPI",
+    }
+)
+_MAX_DEPTH = 8
+_MAX_VALUES = 1024
+"""Numbers and strings that the extras of one prim take."""
+_SHOWN = 8
+
+
+def keep_metadata(context: Context, prim: Usd.Prim, node: Node | None) -> None:
+    """The prim's metadata to the node's extras; what stays behind is one warning."""
+    told = prim.GetAllAuthoredMetadata()
+    found = {name: told[name] for name in KEPT if name in told}
+    if not found:
+        return
+    kept, dropped = ({}, list(found)) if node is None else _plain(found)
+    if kept and node is not None:
+        node.extras["metadata"] = kept
+    _warn(context, prim, dropped)
+
+
+def stage_metadata_extras(context: Context) -> dict[str, Any]:
+    """The root layer's metadata for the scene's extras; what stays behind is one warning."""
+    told = context.stage.GetPseudoRoot().GetAllAuthoredMetadata()
+    kept, dropped = _plain({name: told[name] for name in KEPT_OF_STAGE if name in told})
+    _warn(context, "/", dropped)
+    return {"metadata": kept} if kept else {}
+
+
+def warn_schemas(context: Context, prim: Usd.Prim) -> None:
+    """Name the API schemas and the draw mode of a prim that the file does not follow."""
+    applied = [str(name) for name in prim.GetPrimTypeInfo().GetAppliedAPISchemas()]
+    lost = [name for name in applied if name.partition(":")[0] not in _KNOWN_SCHEMAS]
+    if lost:
+        message = f"glTF has no place for the applied {_listed(lost)}"
+        context.ledger.warn("schema-ignored", prim, message)
+    if prim.IsModel():
+        _warn_draw_mode(context, prim)
+
+
+def _warn_draw_mode(context: Context, prim: Usd.Prim) -> None:
+    """Draw modes apply to models that ask for it, components always do (UsdGeomModelAPI)."""
+    model = UsdGeom.ModelAPI(prim)
+    attribute = model.GetModelApplyDrawModeAttr()
+    asked = attribute.Get() if attribute else None
+    if asked is None or not attribute.HasAuthoredValue():
+        asked = Kind.Registry.IsA(Usd.ModelAPI(prim).GetKind(), Kind.Tokens.component)
+    mode = str(model.ComputeModelDrawMode()) if asked else ""
+    if mode not in ("", UsdGeom.Tokens.default_, UsdGeom.Tokens.inherited):
+        message = f"glTF has no draw mode '{mode}', the geometry itself is carried"
+        context.ledger.warn("draw-mode-dropped", prim, message)
+
+
+def _plain(values: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """What of `values` JSON can hold, and the names of the rest."""
+    dropped: list[str] = []
+    room = [_MAX_VALUES]
+    return _plain_dictionary(values, "", dropped, room, _MAX_DEPTH), dropped
+
+
+def _plain_dictionary(
+    values: dict[str, Any], above: str, dropped: list[str], room: list[int], depth: int
+) -> dict[str, Any]:
+    kept = {}
+    for key, value in sorted(values.items()):
+        name = f"{above}{key}"
+        if isinstance(value, dict) and depth > 0:
+            kept[key] = _plain_dictionary(value, f"{name}:", dropped, room, depth - 1)
+            continue
+        plain = None if isinstance(value, dict) else _plain_value(value)
+        room[0] -= len(plain) if isinstance(plain, list) else 1
+        if plain is None or room[0] < 0:
+            dropped.append(name)
+        else:
+            kept[key] = plain
+    return kept
+
+
+def _plain_value(value: Any) -> Any:
+    if isinstance(value, (Sdf.AssetPathArray, list, tuple)):
+        entries = [_plain_value(entry) for entry in list(value)[: _MAX_VALUES + 1]]
+        return None if None in entries else entries
+    if isinstance(value, Sdf.Path):
+        return str(value)
+    return plain_value(value)
+
+
+def _warn(context: Context, prim: object, dropped: list[str]) -> None:
+    if dropped:
+        verb = "is" if len(dropped) == 1 else "are"
+        message = f"the metadata {_listed(dropped)} {verb} not carried"
+        context.ledger.warn("metadata-dropped", prim, message)
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:_SHOWN])
+    return shown + (f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else "")
