@@ -31,14 +31,6 @@ class Poser:
                 self.parents[child] = node
                 stack.append(child)
 
-    def key_times(self) -> list[float]:
-        """All key times of all animations, seconds."""
-        times: set[float] = set()
-        for animation in self.file.gltf.animations or []:
-            for sampler in animation.samplers:
-                times.update(float(value) for value in self.file.accessor(sampler.input))
-        return sorted(times)
-
     def animated_nodes(self) -> set[int]:
         """Nodes that any channel moves or morphs."""
         animations = self.file.gltf.animations or []

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import itertools
 import json
 import math
+import struct
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +21,14 @@ from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
 
 if TYPE_CHECKING:
+    from .usd_rules import apply_rules
     from .usd_skel import JointTruth
     from .usd_truth import TruthReader
 
 _GEOMETRY_TIMES = 5
 _MATRIX_TIMES = 33
+_JSON = 0x4E4F534A
+"""A .glb's chunk type of its tree."""
 
 
 @dataclasses.dataclass
@@ -134,6 +139,7 @@ def _compare(
     from pxr import Usd
 
     from .material_compare import compare_materials
+    from .usd_rules import apply_rules
     from .usd_skel import JointTruth, bake, keyed_skeletons, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
@@ -141,15 +147,17 @@ def _compare(
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
+    frames = settings.get("frames")
+    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
+    apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
-    skinned = checks.related = bake(truth.stage)
+    skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))
-    frames = settings.get("frames")
-    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     rest = reader.scene(rest_time)
+    checks.made_of = rest.made_of
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
     comparer = SceneComparer(checks, rest, skinned)
@@ -159,7 +167,7 @@ def _compare(
     comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
-    uses = compare_materials(checks, truth.stage, file, rest)
+    uses = compare_materials(checks, truth, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
     proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
@@ -243,7 +251,7 @@ def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> 
     if "EXT_mesh_gpu_instancing" in used or file.gltf.skins or morphs:
         return
     try:
-        seen = trimesh.load_scene(str(file.path)).bounds
+        seen = _without_cameras(file).bounds
     except Exception as error:  # whatever a foreign reader raises is its verdict
         checks.add("reader", "/", math.inf, f"trimesh: {type(error).__name__}: {error}")
         return
@@ -255,3 +263,22 @@ def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> 
     slack = 4 * float(np.finfo(np.float32).eps) * reach / size
     off = float(np.abs(np.array(seen) - np.array(box)).max())
     checks.add("reader", "/", off / size, "trimesh's box", slack)
+
+
+def _without_cameras(file: GltfFile) -> Any:
+    """trimesh's scene of the file; of a node with a camera trimesh would forget the transform."""
+    import trimesh
+
+    tree = {name: value for name, value in file.tree.items() if name != "cameras"}
+    nodes = [{k: v for k, v in node.items() if k != "camera"} for node in tree.get("nodes", [])]
+    if nodes:
+        tree["nodes"] = nodes
+    data = json.dumps(tree).encode()
+    if file.path.suffix.lower() == ".glb":
+        data += b" " * (-len(data) % 4)
+        whole = file.path.read_bytes()
+        rest = whole[20 + int.from_bytes(whole[12:16], "little") :]
+        head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(data) + len(rest), len(data), _JSON)
+        return trimesh.load_scene(io.BytesIO(head + data + rest), file_type="glb")
+    resolver = trimesh.resolvers.FilePathResolver(str(file.path))
+    return trimesh.load_scene(io.BytesIO(data), file_type="gltf", resolver=resolver)

@@ -40,6 +40,8 @@ class TruthReader:
         for place in walk.placements():
             prim = place.prim
             matrix = self.truth.world(place.matrix)
+            if place.key != str(prim.GetPath()):
+                scene.made_of.setdefault(place.key, set()).add(str(prim.GetPath()))
             if prim.IsA(UsdGeom.Camera):
                 scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
                 continue
@@ -71,6 +73,9 @@ class TruthReader:
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
         self.instancers, self.skipped = walk.instancers, walk.skipped
         self.outermost = walk.outermost
+        for path in walk.not_finite:
+            lost = ("instancer-invalid", "instances that are not finite or name no prototype")
+            scene.lost.setdefault(path, []).append(lost)
         scene.matrices = self.matrices(time)
         return scene
 

@@ -35,6 +35,8 @@ class StageWalk:
         """Paths of the outermost instancers that were met."""
         self.outermost: dict[str, set[str]] = {}
         """By path of each instancer within another's prototype, the outermost ones around it."""
+        self.not_finite: set[str] = set()
+        """Instancers with instances that nothing can draw."""
         self.skipped: dict[str, str] = {}
         """Drawable prims left out, by path: `invisible` or their purpose."""
 
@@ -101,6 +103,9 @@ class StageWalk:
         for number, (index, transform) in enumerate(zip(indices, transforms, strict=True)):
             if len(mask) and not mask[number]:
                 continue
+            if not 0 <= index < len(targets) or not _fits_float32(transform):
+                self.not_finite.add(str(instancer.GetPath()))
+                continue
             for prim, relative in parts.get(int(index), ()):
                 place = relative * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
@@ -147,3 +152,8 @@ class StageWalk:
 def is_light(prim: Usd.Prim) -> bool:
     """Whether the prim is a light of UsdLux (any schema that carries LightAPI)."""
     return prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.BoundableLightBase)
+
+
+def _fits_float32(matrix: Gf.Matrix4d) -> bool:
+    values = np.abs(np.array(matrix))
+    return bool((values <= float(np.finfo(np.float32).max)).all())

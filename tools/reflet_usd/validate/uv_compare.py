@@ -11,8 +11,6 @@ from .checks import BARS, Checks
 from .compare import attribute_distance
 from .facts import Corners, Scene
 
-_PACKED = ("texture-packed-transform",)
-
 
 @dataclasses.dataclass(frozen=True)
 class UvUse:
@@ -53,11 +51,7 @@ def _compare_use(
         both=False,
     )
     text = f"{use.attribute} for '{use.primvar}' of {use.material}"
-    # Textures of two UV sets that were packed into one: the warning is on the texture.
-    if checks.excuse(use.material, _PACKED):
-        checks.add("uvs", use.material, distance / reach, text, excuses=_PACKED)
-    else:
-        checks.add("uvs", key, distance / reach, text)
+    checks.add("uvs", key, distance / reach, text)
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:
