@@ -307,9 +307,7 @@ class SceneComparer:
             if number is None:
                 told = ("material-unsupported",)
                 subject = path if self.checks.excuse(path, told) else key
-                self.checks.add(
-                    "bindings", subject, math.inf, f"{path} is not used", excuses=told
-                )
+                self.checks.add("bindings", subject, math.inf, f"{path} is not used", excuses=told)
                 continue
             drawn = found.positions[found.materials == number]
             allowed = np.vstack([wanted, expected.optional_positions])

@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 import numpy as np
+
 from .checks import Checks
 from .facts import Array, Scene
 from .gltf_file import GltfFile

@@ -21,7 +21,6 @@ from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
 
 if TYPE_CHECKING:
-    from .usd_rules import apply_rules
     from .usd_skel import JointTruth
     from .usd_truth import TruthReader
 
@@ -244,7 +243,6 @@ def _spread(codes: list[float], count: int) -> list[float]:
 
 def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> None:
     """trimesh must see the same box, where it knows all that the file uses."""
-    import trimesh
 
     used = set(file.gltf.extensionsUsed or [])
     morphs = any(primitive.targets for mesh in file.meshes for primitive in mesh.primitives)

@@ -10,6 +10,8 @@ from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
 
+NO_COLOR = 0.18
+"""UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
 _UV_TYPES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]", "double2[]", "half2[]")
 
 
@@ -222,7 +224,7 @@ def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Arr
     if rgb is None and alpha is None:
         return None
     count = len(corners.index)
-    rgb = np.ones((count, 3)) if rgb is None else rgb
+    rgb = np.full((count, 3), NO_COLOR) if rgb is None else rgb
     alpha = np.ones((count, 1)) if alpha is None else alpha.reshape(-1, 1)
     return np.clip(np.hstack([rgb, alpha]), 0.0, 1.0)
 

@@ -29,7 +29,7 @@ _INSTANCER_PARTS = {
     "rotation": ("orientations", "orientationsf"),
     "scale": ("scales",),
 }
-_PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices", "ids")
+_PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 _VELOCITIES = ("velocities", "angularVelocities", "accelerations")
 _FAR = 1e9
 """A weight that no animation reaches."""
@@ -142,6 +142,23 @@ def _normalize_rotations(prim: Usd.Prim) -> None:
             attribute.Set(Vt.QuatfArray([Gf.Quatf(q).GetNormalized() for q in value]), time)
 
 
+def _finite_weights(prim: Usd.Prim) -> None:
+    """Weights of blend shapes that are no numbers are 0."""
+    source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    if not source and skeleton:
+        source = UsdSkel.BindingAPI(skeleton.GetPrim()).GetAnimationSource()
+    attribute = UsdSkel.Animation(source).GetBlendShapeWeightsAttr() if source else None
+    if not attribute:
+        return
+    codes = attribute.GetTimeSamples()
+    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    found = [(time, np.array(attribute.Get(time) or [], dtype=np.float32)) for time in times]
+    for time, values in found:
+        usable = np.where(np.isfinite(values), values, np.float32(0.0))
+        attribute.Set(Vt.FloatArray.FromNumpy(usable), time)
+
+
 def _without_perspective(prim: Usd.Prim) -> None:
     """The prim's own matrices, w divided out, without a fourth column; else the identity."""
     xformable = UsdGeom.Xformable(prim)
@@ -170,6 +187,7 @@ _RULES: dict[str, Callable[[Usd.Prim], None]] = {
     "inbetween-dropped": _forget_inbetweens,
     "joint-index-out-of-range": _normalize_weights,
     "joint-rotation-normalized": _normalize_rotations,
+    "points-non-finite": _finite_weights,
     "skinning-dq-as-linear": _skin_linearly,
     "transform-non-finite": _without_perspective,
     "transform-projective": _without_perspective,

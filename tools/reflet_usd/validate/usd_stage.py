@@ -82,6 +82,11 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         os.path.realpath(root) for root in (path.resolve().parent, *(settings.get("roots") or ()))
     )
     _confine(stage, roots)
+    # Else usd-core scales the times that baking writes into it.
+    for name in ("timeCodesPerSecond", "framesPerSecond"):
+        if stage.GetRootLayer().pseudoRoot.HasInfo(name):
+            rate = stage.GetRootLayer().pseudoRoot.GetInfo(name)
+            stage.GetSessionLayer().pseudoRoot.SetInfo(name, rate)
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for prim_path, set_name, variant in settings.get("variants") or ():
             stage.GetPrimAtPath(prim_path).GetVariantSet(set_name).SetVariantSelection(variant)
@@ -110,10 +115,11 @@ def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
 
 def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """Mute all layers from elsewhere: the converter was not allowed to read them."""
-    outside = True
-    while outside:
+    while True:
         layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
         outside = [layer for layer in layers if not is_within(layer.realPath, roots)]
+        if not outside:
+            return
         for layer in outside:
             stage.MuteLayer(layer.identifier)
 

@@ -62,7 +62,7 @@ class TruthReader:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
                     pieces.setdefault(place.key, []).append((mesh, matrix))
-                elif mesh is not None and mesh.optional_triangles:
+                elif (mesh is not None and mesh.optional_triangles) or _is_pointless(prim, time):
                     scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
@@ -107,6 +107,13 @@ class TruthReader:
                 world = xforms.GetLocalToWorldTransform(prim)
                 result[str(prim.GetPath())] = [self.truth.node_world(world)]
         return result
+
+
+def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
+    """Whether curves or a patch have no points."""
+    return bool(prim.IsA(UsdGeom.PointBased)) and not UsdGeom.PointBased(prim).GetPointsAttr().Get(
+        time
+    )
 
 
 def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 _MAX_INSTANCER_DEPTH = 8
+_IDENTITY = Gf.Matrix4d(1.0)
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 
 
@@ -89,16 +90,23 @@ class StageWalk:
         transforms = schema.ComputeInstanceTransformsAtTime(
             time,
             time,
-            UsdGeom.PointInstancer.IncludeProtoXform,
+            # Included, one index that names no prototype would leave nothing of all instances.
+            UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
         if len(transforms) != len(indices):
             return
         mask = schema.ComputeMaskAtTime(self.time)
-        parts = {
-            index: list(self._prototype_parts(self.stage.GetPrimAtPath(target)))
+        prototypes = {
+            index: self.stage.GetPrimAtPath(target)
             for index, target in enumerate(targets)
             if index in indices
+        }
+        parts = {index: list(self._prototype_parts(p)) for index, p in prototypes.items()}
+        own = {
+            index: UsdGeom.Xformable(prim).GetLocalTransformation(time)
+            for index, prim in prototypes.items()
+            if UsdGeom.Xformable(prim)
         }
         for number, (index, transform) in enumerate(zip(indices, transforms, strict=True)):
             if len(mask) and not mask[number]:
@@ -107,7 +115,7 @@ class StageWalk:
                 self.not_finite.add(str(instancer.GetPath()))
                 continue
             for prim, relative in parts.get(int(index), ()):
-                place = relative * transform * world
+                place = relative * own.get(int(index), _IDENTITY) * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
                     self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
                     yield from self._instances(prim, key, place, depth + 1)
