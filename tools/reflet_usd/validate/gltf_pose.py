@@ -36,6 +36,12 @@ class Poser:
         animations = self.file.gltf.animations or []
         return {c.target.node for a in animations for c in a.channels if c.target.node is not None}
 
+    def animated_rigs(self) -> int:
+        """How many channels move a joint or the weights of a mesh."""
+        joints = {joint for skin in self.file.gltf.skins or [] for joint in skin.joints}
+        targets = [c.target for a in self.file.gltf.animations or [] for c in a.channels]
+        return sum(target.path == "weights" or target.node in joints for target in targets)
+
     def pose(self, seconds: float | None) -> Pose:
         """All nodes at `seconds`, or as stored in the file for None."""
         values: dict[tuple[int, str], Array] = {}

@@ -118,6 +118,7 @@ def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: P
             for node in reader.poser.order
         ),
         "animated_nodes": len(reader.poser.animated_nodes()),
+        "animated_rigs": reader.poser.animated_rigs(),
     }
     if "KHR_node_visibility" in (file.gltf.extensionsUsed or []):
         box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh knows nothing of it

@@ -110,7 +110,11 @@ class TruthReader:
 
 
 def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
-    """Whether curves or a patch have no points."""
+    """Whether curves or a patch have no points, or a TetMesh no boundary."""
+    if prim.IsA(UsdGeom.TetMesh):
+        tets = UsdGeom.TetMesh(prim)
+        faces = tets.GetSurfaceFaceVertexIndicesAttr().Get(time)
+        return not faces and not UsdGeom.TetMesh.ComputeSurfaceFaces(tets, time)
     return bool(prim.IsA(UsdGeom.PointBased)) and not UsdGeom.PointBased(prim).GetPointsAttr().Get(
         time
     )
