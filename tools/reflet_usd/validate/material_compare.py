@@ -57,6 +57,9 @@ def compare_materials(
             told = ("material-unsupported", "material-approximated")
             text = "is not a UsdPreviewSurface"
             checks.add("materials", path, math.inf, text, excuses=told)
+            if checks.excuse(path, ("material-unsupported",)):
+                for index in outputs.get(path, []):
+                    _compare_plain(checks, path, OutputMaterial(file, index))
             continue
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
@@ -67,6 +70,14 @@ def compare_materials(
             one.compare(output)
             uses += one.uv_uses(output)
     return uses
+
+
+def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
+    """What stands for a surface that is not known is a plain dielectric in displayColor."""
+    st = np.zeros((1, 2))
+    for name, value in (("metallic", 0.0), ("roughness", 0.5)):
+        wrong = float(np.abs(found.channel(name, st) - value).max())
+        checks.add("materials", path, wrong, name)
 
 
 def _inputs(checks: Checks, shader: object, roots: tuple[str, ...]) -> dict[str, PreviewInput]:

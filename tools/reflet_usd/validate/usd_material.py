@@ -29,6 +29,8 @@ DEFAULTS: dict[str, tuple[float, ...]] = {
     "specularColor": (0.0, 0.0, 0.0),
     "normal": (0.0, 0.0, 1.0),
 }
+_PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
+"""The second is MaterialX's name for the same."""
 _TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
 
@@ -114,9 +116,10 @@ class PreviewInput:
 
 def preview_shader(material: Usd.Prim) -> UsdShade.Shader | None:
     """The material's UsdPreviewSurface shader; None where it has another surface or none."""
-    shader = UsdShade.Material(material).ComputeSurfaceSource()[0]
-    if shader and shader.GetIdAttr().Get() == "UsdPreviewSurface":
-        return shader
+    for context in ("", "mtlx"):
+        shader = UsdShade.Material(material).ComputeSurfaceSource(context)[0]
+        if shader:
+            return shader if shader.GetIdAttr().Get() in _PREVIEW_SURFACES else None
     return None
 
 
