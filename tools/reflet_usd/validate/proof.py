@@ -46,6 +46,8 @@ class Proof:
     """Counts and the world box of the output, as the third-party reader sees them."""
     about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts of what the stage holds, as usd-core sees it."""
+    roots: list[str] = dataclasses.field(default_factory=list)
+    """The folders that the stage was read from: those that the sidecar records."""
     times: int = 0
     """At how many times, besides rest, the animation was compared."""
 
@@ -64,6 +66,7 @@ class Proof:
             "unreadable": self.unreadable,
             "facts": self.facts,
             "stage": self.about_stage,
+            "roots": self.roots,
             "times": self.times,
             "checks": [check.to_json() for check in self.checks],
             "warnings": self.warnings,
@@ -147,6 +150,7 @@ def _compare(
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
+    proof.roots = list(truth.roots)
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
