@@ -10,13 +10,13 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
+from .distances import attribute_distance, one_way, set_distance
 from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
 _ORDERED = ("primvar-interpolation-dropped", "primvar-order-assumed")
-_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -329,61 +329,6 @@ class SceneComparer:
         # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
-
-
-def one_way(points: Array, others: Array) -> float:
-    """Largest distance from any of `points` to its nearest of `others`, meters."""
-    if not len(points):
-        return 0.0
-    if not len(others):
-        return math.inf
-    return float(cKDTree(_distinct(others)).query(_distinct(points))[0].max())
-
-
-def _distinct(points: Array) -> Array:
-    """The points without exact repetitions: corners repeat each vertex about six times."""
-    # Equal points have equal projections; different ones share theirs only where 53 bits agree by
-    # accident, for the direction fits no lattice.
-    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
-    return points[first]
-
-
-def set_distance(first: Array, second: Array) -> float:
-    """Hausdorff distance of two point sets, meters."""
-    return max(one_way(first, second), one_way(second, first))
-
-
-def attribute_distance(
-    expected: tuple[Array, Array],
-    found: tuple[Array, Array],
-    tolerance: float,
-    step: float,
-    both: bool,
-) -> float:
-    """Largest distance of the attribute at corners of one place, searched as one joint space.
-
-    Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
-    with the nearest attribute among the corners that share its place. Expected attributes that
-    are not finite are undefined, and not compared; in the output they are infinitely far away.
-    """
-    defined = np.isfinite(expected[1]).all(axis=1)
-    if not defined.all():
-        expected, both = (expected[0][defined], expected[1][defined]), False
-        drawn = np.isfinite(found[1]).all(axis=1)
-        found = (found[0][drawn], found[1][drawn])
-    if not len(expected[0]):
-        return 0.0
-    if not len(found[0]) or not np.isfinite(found[1]).all():
-        return math.inf
-    first = np.hstack([expected[0] / tolerance, expected[1] / step])
-    second = np.hstack([found[0] / tolerance, found[1] / step])
-    worst = 0.0
-    pairs = [(first, second)] + ([(second, first)] if both else [])
-    for points, others in pairs:
-        near = cKDTree(others).query(points, p=np.inf)[1]
-        difference = (points[:, 3:] - others[near][:, 3:]) * step
-        worst = max(worst, float(np.linalg.norm(difference, axis=1).max(initial=0.0)))
-    return worst
 
 
 def _bounds(scene: Scene) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from .checks import BARS, Checks
-from .compare import attribute_distance
+from .distances import attribute_distance
 from .facts import Corners, Scene
 
 
