@@ -580,3 +580,50 @@ def test_the_stage_is_read_from_the_folders_of_the_conversion(
     assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
     assert check_of(proof, "positions").compared == 1 + allowed
     assert proof.roots == [str(tmp_path / "near"), *map(str, roots)]
+
+
+def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None:
+    body = "bool treatAsPoint = 1\nfloat inputs:radius = 0\nfloat inputs:intensity = 8\n"
+    done = convert_text(tmp_path, f'def SphereLight "L"\n{{\n{body}}}\n')
+    stored = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
+    assert stored["intensity"] == pytest.approx(2.0)
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_animated_ids_hide_the_instances_that_they_name(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "pi"
+{
+    rel prototypes = </pi/A>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
+    int64[] ids.timeSamples = { 0: [1, 2], 8: [2, 1] }
+    int64[] invisibleIds = [2]
+    def Cube "A"
+    {
+    }
+}
+"""
+    proof = proof_of(tmp_path, text)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    assert proof.times > 0
+
+
+def test_curves_under_a_skeleton_are_carried_at_rest(tmp_path: Path, stages: Path) -> None:
+    text = (stages / "skin.usda").read_text()
+    curves = """
+    def BasisCurves "Hair" (prepend apiSchemas = ["SkelBindingAPI"])
+    {
+        uniform token type = "linear"
+        rel skel:skeleton = </Body/Skel>
+        int[] curveVertexCounts = [2]
+        point3f[] points = [(0, 0, 0), (0, 1, 0)]
+        int[] primvars:skel:jointIndices = [0, 0] (interpolation = "vertex")
+        float[] primvars:skel:jointWeights = [1, 1] (interpolation = "vertex")
+    }
+"""
+    place = text.index('    def Skeleton "')
+    (tmp_path / "stage.usda").write_text(text[:place] + curves.lstrip("\n") + text[place:])
+    done = Converted(tmp_path / "stage.usda", tmp_path / "out.glb")
+    assert "skinning-invalid" in done.warnings("/Body/Hair")
+    assert done.gltf.nodes[done.node("/Body/Hair")].mesh is not None
