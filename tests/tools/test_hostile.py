@@ -56,7 +56,7 @@ def check_all(mutants: list[Mutant], folder: Path) -> None:
     outputs = {name: out for name, (_, out) in survived.items() if out is not None}
     reports = check_files(list(outputs.values()))
     invalid = {
-        name: report.first_error()
+        name: report.messages[:1]
         for name, report in zip(outputs, reports, strict=True)
         if report.errors
     }

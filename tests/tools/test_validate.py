@@ -287,7 +287,7 @@ def test_each_fault_is_found_by_its_check(
 
 
 def test_a_declared_loss_is_counted_but_does_not_fail(tmp_path: Path) -> None:
-    warning = {"name": "mesh-empty", "prim": "/World/Sheet", "message": "too odd"}
+    warning = {"name": "prim-damaged", "prim": "/World/Sheet", "message": "too odd"}
     proof = proof_of(tmp_path, lose_sheet, [warning])
     carried = next(check for check in proof.checks if check.name == "carried")
     assert carried.passed
@@ -296,7 +296,9 @@ def test_a_declared_loss_is_counted_but_does_not_fail(tmp_path: Path) -> None:
 
 def test_a_warning_elsewhere_excuses_nothing(tmp_path: Path) -> None:
     warnings = [
-        {"name": "mesh-empty", "prim": "/Ball", "message": ""},
+        {"name": "prim-damaged", "prim": "/Ball", "message": ""},
+        {"name": "prim-damaged", "prim": "/World/Sheet/Below", "message": ""},
+        {"name": "mesh-empty", "prim": "/World/Sheet", "message": ""},
         {"name": "schema-ignored", "prim": "/", "message": ""},
         {"name": "uv-missing", "prim": "/World/Sheet", "message": ""},
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reflet_usd.validate.compare import one_way, set_distance
+from reflet_usd.validate.distances import one_way, set_distance
 from reflet_usd.validate.faces import measure
 
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)

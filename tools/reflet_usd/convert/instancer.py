@@ -254,9 +254,10 @@ class Instancers:
         return tracks
 
     def _masks(self, prim: Usd.Prim, count: int) -> tuple[list[float], Array]:
-        """Codes of `invisibleIds`, and (codes, count) which instances are seen from each on."""
+        """Codes at which the mask changes, and (codes, count) who is seen from each on."""
         instancer, context = UsdGeom.PointInstancer(prim), self.context
-        codes = context.codes_in_range(sorted(_samples(prim, "invisibleIds")))
+        samples = {*_samples(prim, "invisibleIds"), *_samples(prim, "ids")}
+        codes = context.codes_in_range(sorted(samples))
         times = [Usd.TimeCode(code) for code in codes] if len(codes) > 1 else [context.time]
         rows = []
         for time in times:

@@ -126,7 +126,9 @@ def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, An
     if kind == "SphereLight":
         radius = meters("radius", 0.5)
         factor = 0.25 if normalize else math.pi * radius**2
-        point = bool(light_value(context, prim, "treatAsPoint", False)) and radius == 0.0
+        # Unlike the inputs, this attribute of the schema has no namespace.
+        treated = prim.GetAttribute("treatAsPoint")
+        point = bool(treated and treated.Get(context.time)) and radius == 0.0
         return _shaped(context, prim, radiance * (0.25 if point else factor))
     area, shape = _area(kind, meters)
     if area is None:

@@ -89,6 +89,7 @@ def _info(context: Context, writer: GltfWriter) -> dict[str, Any]:
     options = context.options
     info["frames"] = None if options.frames is None else list(options.frames)
     info["purpose"] = list(options.purpose)
+    info["roots"] = [os.path.realpath(root) for root in options.extra_roots]
     info["subdivLevel"] = options.subdiv_level
     info["variants"] = [list(choice) for choice in options.variants]
     return info

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdSkel
 
 from reflet_usd.convert.context import Context, in_float32
-from reflet_usd.convert.geometry import GeometryBuilder
+from reflet_usd.convert.geometry import GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.joints import Joints, make_joints
 from reflet_usd.convert.scene import Array, Node, Skin
@@ -47,6 +47,12 @@ class Skeletons:
         for binding in self._cache.ComputeSkelBindings(skel_root, _PREDICATE):
             skeleton = binding.GetSkeleton().GetPrim()
             for query in binding.GetSkinningTargets():
+                if not is_surface(query.GetPrim()):
+                    message = (
+                        f"only surfaces are skinned, the {query.GetPrim().GetTypeName()} rests"
+                    )
+                    self.context.ledger.warn("skinning-invalid", query.GetPrim(), message)
+                    continue
                 self._bound[str(query.GetPrim().GetPath())] = _Bound(query, skeleton)
 
     def warn_ignored_binding(self, prim: Usd.Prim) -> None:

@@ -22,111 +22,54 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_FROZEN = (
-    "geometry-animation-frozen",
-    "instancer-animation-frozen",
-    "points-animation-frozen",
-    "skeleton-animation-dropped",
-)
-_BROKEN = (
-    "curves-invalid",
-    "index-out-of-range",
-    "instancer-invalid",
-    "points-non-finite",
+_SUBTREE = (
+    "animation-resampled",
+    "instance-rotation-normalized",
+    "instancer-cycle",
+    "instances-too-many",
     "prim-damaged",
-    "topology-invalid",
-    "transform-non-finite",
-    "transform-projective",
+    "time-sample-dropped",
 )
+"""Warnings that speak of their prim and of all below it; every other one of its prim alone."""
 _ABSENT = (
-    *_BROKEN,
     "camera-invalid",
     "curves-dropped",
+    "curves-invalid",
     "dome-light-external",
     "instancer-cycle",
-    "instancer-empty",
     "instances-too-many",
-    "invisible-skipped",
     "light-dropped",
-    "light-invalid",
-    "mesh-empty",
-    "nurbs-*",
-    "[A-Z]*-dropped",
-    "purpose-skipped",
-    "schema-ignored",
-    "subset-dropped",
-)
-_SHAPE = (
-    *_FROZEN,
-    *_BROKEN,
-    "curves-approximated",
-    "face-degenerate",
+    "prim-damaged",
     "time-sample-dropped",
-    "velocities-dropped",
+    "[A-Z]*-dropped",
 )
 _PLACED = ("animation-resampled", "instance-rotation-normalized")
 """Places that deviate by what the warning states, and nothing else of the prim."""
-_PRIMVAR = ("primvar-*", "instance-primvar-dropped")
-_SKIN = ("skinning-*", "skeleton-*", "joint-*", "blend-shape-*", "inbetween-dropped", "weights-*")
-_MATERIAL = (
-    *_PRIMVAR,
-    "color-space-assumed",
-    "material-*",
-    "normal-scale-missing",
-    "occlusion-dropped",
-    "opacity-approximated",
-    "shader-connection-invalid",
-    "texture-missing",
-    "texture-packed-transform",
-    "texture-too-large",
-    "texture-unreadable",
-    "asset-*",
-    "udim-partial",
-    "uv-*",
-    "wrap-black-clamped",
-)
 BARS: dict[str, Bar] = {
     "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
-    "unexpected": Bar("prims the stage does not draw", 0, "extra", (*_FROZEN, *_BROKEN, *_SKIN)),
-    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", (*_SHAPE, *_PLACED)),
+    "unexpected": Bar("prims the stage does not draw", 0, "extra"),
+    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _PLACED),
     "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
-    "triangles": Bar("triangle count", 0, "difference", _SHAPE),
-    "area": Bar("surface area", 1e-5, "relative", (*_SHAPE, *_PLACED)),
-    "winding": Bar("area vector and signed volume", 1e-5, "relative", (*_SHAPE, *_PLACED)),
-    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", (*_SHAPE, *_PLACED)),
-    "normals": Bar("normals", 0.5, "degrees", (*_SHAPE, *_PLACED, *_PRIMVAR, "normal-*")),
-    "uvs": Bar(
-        "texture coordinates",
-        1e-5,
-        "absolute",
-        (*_FROZEN, *_PRIMVAR, "uv-*"),
-    ),
-    "colors": Bar("display colors", 1e-4, "absolute", (*_FROZEN, *_PRIMVAR, "color-*")),
+    "triangles": Bar("triangle count", 0, "difference"),
+    "area": Bar("surface area", 1e-5, "relative", _PLACED),
+    "winding": Bar("area vector and signed volume", 1e-5, "relative", _PLACED),
+    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", _PLACED),
+    "normals": Bar("normals", 0.5, "degrees", _PLACED),
+    "uvs": Bar("texture coordinates", 1e-5, "absolute"),
+    "colors": Bar("display colors", 1e-4, "absolute"),
     "sides": Bar("double-sided flag", 0, "difference"),
-    "bindings": Bar(
-        "corners of each material", 1e-5, "of the diagonal", ("material-*", "subset-*")
-    ),
-    "materials": Bar("material values at sample points", 1 / 255, "absolute", _MATERIAL),
-    "matrices": Bar(
-        "world matrices",
-        1e-5,
-        "relative",
-        ("time-sample-dropped", "transform-non-finite", "transform-projective", *_PLACED, *_FROZEN),
-    ),
-    "joints": Bar("world matrices of joints", 1e-5, "relative", (*_SKIN, *_FROZEN)),
-    "cameras": Bar("camera lenses and places", 1e-5, "relative", ("lens-dropped", "camera-*")),
-    "lights": Bar(
-        "light intensities and places",
-        1e-5,
-        "relative",
-        ("light-animation-frozen", "light-invalid", "cone-clamped", "area-light-approximated"),
-    ),
-    "inputs": Bar("inputs of lights and cameras that glTF lacks", 0, "lost"),
-    "skinning": Bar(
-        "skinned and morphed corners", 1e-5, "of the diagonal", (*_SKIN, *_FROZEN, *_BROKEN)
-    ),
+    "bindings": Bar("corners of each material", 1e-5, "of the diagonal", _PLACED),
+    "materials": Bar("material values at sample points", 1 / 255, "absolute"),
+    "matrices": Bar("world matrices", 1e-5, "relative", _PLACED),
+    "joints": Bar("world matrices of joints", 1e-5, "relative", _PLACED),
+    "cameras": Bar("camera lenses and places", 1e-5, "relative", _PLACED),
+    "lights": Bar("light intensities and places", 1e-5, "relative", _PLACED),
+    "inputs": Bar("inputs that glTF lacks", 0, "lost"),
+    "skinning": Bar("skinned and morphed corners", 1e-5, "of the diagonal", _PLACED),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
+"""What may differ where a warning says so. Wherever the documentation gives the rule by which the
+file's value follows from the stage's, the truth computes that value and nothing is excused."""
 
 
 _ADD_UP = 4.0
@@ -182,17 +125,36 @@ class Check:
         }
 
 
+@dataclasses.dataclass(frozen=True)
+class _Told:
+    """One warning of the sidecar."""
+
+    name: str
+    message: str
+    reach: float
+    """How far it lets the file deviate."""
+
+    def fits(self, names: tuple[str, ...], value: float, named: str) -> bool:
+        """Whether it is one of `names`, reaches `value`, and names `named` in quotes, if any."""
+        fits = any(fnmatch.fnmatchcase(self.name, pattern) for pattern in names)
+        return fits and value <= self.reach and (not named or f"'{named}'" in self.message)
+
+
 class Checks:
     """Collects values of all checks against their bars and the sidecar's warnings."""
 
     def __init__(self, warnings: Iterable[dict[str, Any]]) -> None:
         self.checks = {name: Check(name, bar) for name, bar in BARS.items()}
-        self.related: dict[str, tuple[str, ...]] = {}
-        """By prim the other prims that it is made of: a skinned mesh's skeleton and animation."""
-        self._warnings: dict[str, list[tuple[str, float]]] = {}
+        self.made_of: dict[str, set[str]] = {}
+        """By instancer the prims that it draws, whose warnings are its own."""
+        self._warnings: dict[str, list[_Told]] = {}
         for warning in warnings:
             reach = warning.get("deviation")
-            entry = (warning["name"], math.inf if reach is None else _ADD_UP * float(reach))
+            if warning["name"] in _PLACED:
+                reach = _ADD_UP * float(reach or 0.0)
+            entry = _Told(
+                warning["name"], warning.get("message", ""), math.inf if reach is None else reach
+            )
             self._warnings.setdefault(warning["prim"], []).append(entry)
 
     def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
@@ -229,27 +191,23 @@ class Checks:
         if declared is None and value > check.worst:
             check.worst, check.worst_prim = value, prim
 
-    def excuse(self, prim: str, names: tuple[str, ...], value: float = 0.0) -> str | None:
-        """The warning on the prim, one related, above or below it, that fits one of the patterns.
+    def excuse(
+        self, prim: str, names: tuple[str, ...], value: float = 0.0, named: str = ""
+    ) -> str | None:
+        """The warning on the prim that fits one of the patterns, and reaches `value`.
 
-        One that states how far the file deviates excuses no more than that.
+        Warnings on what an instancer draws count as its own, those of whole subtrees for all that
+        is below. `named` must stand in quotes in the message.
         """
-        for other in self.related.get(prim, ()):
-            declared = self._excuse(other, names, value)
-            if declared:
-                return declared
-        return self._excuse(prim, names, value)
-
-    def _excuse(self, prim: str, names: tuple[str, ...], value: float) -> str | None:
-        for path, found in self._warnings.items():
-            above = prim == path or prim.startswith(path + "/")
-            if path == "/":
-                continue  # a warning at the root speaks of no single prim
-            if above or path.startswith(prim + "/"):
-                for name, reach in found:
-                    fits = any(fnmatch.fnmatchcase(name, pattern) for pattern in names)
-                    if fits and value <= reach:
-                        return name
+        for path in sorted({prim} | self.made_of.get(prim, set())):
+            for told in self._warnings.get(path, ()):
+                if told.fits(names, value, named):
+                    return told.name
+            while path not in ("", "/"):
+                path = path.rpartition("/")[0]
+                for told in self._warnings.get(path, ()):
+                    if told.name in _SUBTREE and told.fits(names, value, named):
+                        return told.name
         return None
 
     def declared(self) -> int:

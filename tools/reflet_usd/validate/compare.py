@@ -10,12 +10,13 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
+from .distances import attribute_distance, one_way, set_distance
 from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
-_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
+_ORDERED = ("primvar-interpolation-dropped", "primvar-order-assumed")
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -38,7 +39,9 @@ class SceneComparer:
         for key in sorted((truth.corners.keys() | truth.surfaces.keys()) - skip):
             found = output.corners.get(key)
             if key in truth.corners and not np.isfinite(_everything(truth.corners[key])).all():
-                self.checks.add("positions", key, math.inf, "not finite in the stage")
+                told = ("points-non-finite",)
+                text = "not finite in the stage"
+                self.checks.add("positions", key, math.inf, text, excuses=told)
             elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
             elif key in truth.corners and key in truth.surfaces:
@@ -59,6 +62,8 @@ class SceneComparer:
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
+        for prim, lost in truth.lost.items():
+            self._lost(prim, lost)
         for prim in sorted(truth.mesh_lights):
             self.checks.add_lost(prim, ("mesh-light-dropped", "Volume-dropped"), "shines")
 
@@ -162,7 +167,7 @@ class SceneComparer:
             self.checks.add("bindings", key, math.inf, f"{name} {wrong}")
         colors = [surface.color for surface in surfaces if surface.color is not None]
         if any(surface.undefined_colors for surface in surfaces):
-            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+            self._undefined_colors(key)
         elif len(colors) == len(surfaces) and not bound and found.colors is not None:
             value = set_distance(np.array(colors), np.unique(found.colors, axis=0))
             self.checks.add("colors", key, value, "display color or opacity")
@@ -229,7 +234,7 @@ class SceneComparer:
         self._uvs(key, expected, found, tolerance, both)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
         if expected.undefined_colors and unbound:
-            self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+            self._undefined_colors(key)
         elif expected.colors is not None and found.colors is not None and unbound:
             value = attribute_distance(
                 (expected.positions, expected.colors),
@@ -249,11 +254,17 @@ class SceneComparer:
         self, key: str, expected: Corners, found: Corners, tolerance: float, both: bool
     ) -> None:
         if expected.uvs and not found.uvs:
-            names = ", ".join(expected.uvs)
-            self.checks.add("uvs", key, math.inf, f"none of {names} is in the output")
+            for name in expected.uvs:
+                told = self.checks.excuse(key, ("primvar-*",), named=name)
+                text = f"'{name}' is not in the output"
+                self.checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
         for name, values in found.uvs.items():
             if not expected.uvs:
                 continue
+            if np.ptp(values, axis=0).max(initial=0.0) == 0.0 and self.checks.excuse(
+                key, ("uv-missing",)
+            ):
+                continue  # the reader's fallback, of a set that the prim does not have
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
             step = BARS["uvs"].limit * reach
             best = min(
@@ -267,6 +278,14 @@ class SceneComparer:
                 for candidate in expected.uvs.values()
             )
             self.checks.add("uvs", key, best / reach, name)
+
+    def _undefined_colors(self, key: str) -> None:
+        for name in ("displayColor", "displayOpacity"):
+            told = self.checks.excuse(key, _ORDERED, named=name)
+            if told:
+                self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS, excuses=(told,))
+                return
+        self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
 
     def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
         """The corners of each material, as sets, by the material's name."""
@@ -286,9 +305,9 @@ class SceneComparer:
             wanted = expected.positions[np.isin(expected.materials, same)]
             number = there.get(_name(path))
             if number is None:
-                declared = self.checks.excuse(path, BARS["bindings"].excuses)
-                subject = path if declared else key
-                self.checks.add("bindings", subject, math.inf, f"{path} is not used")
+                told = ("material-unsupported",)
+                subject = path if self.checks.excuse(path, told) else key
+                self.checks.add("bindings", subject, math.inf, f"{path} is not used", excuses=told)
                 continue
             drawn = found.positions[found.materials == number]
             allowed = np.vstack([wanted, expected.optional_positions])
@@ -310,61 +329,6 @@ class SceneComparer:
         # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
-
-
-def one_way(points: Array, others: Array) -> float:
-    """Largest distance from any of `points` to its nearest of `others`, meters."""
-    if not len(points):
-        return 0.0
-    if not len(others):
-        return math.inf
-    return float(cKDTree(_distinct(others)).query(_distinct(points))[0].max())
-
-
-def _distinct(points: Array) -> Array:
-    """The points without exact repetitions: corners repeat each vertex about six times."""
-    # Equal points have equal projections; different ones share theirs only where 53 bits agree by
-    # accident, for the direction fits no lattice.
-    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
-    return points[first]
-
-
-def set_distance(first: Array, second: Array) -> float:
-    """Hausdorff distance of two point sets, meters."""
-    return max(one_way(first, second), one_way(second, first))
-
-
-def attribute_distance(
-    expected: tuple[Array, Array],
-    found: tuple[Array, Array],
-    tolerance: float,
-    step: float,
-    both: bool,
-) -> float:
-    """Largest distance of the attribute at corners of one place, searched as one joint space.
-
-    Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
-    with the nearest attribute among the corners that share its place. Expected attributes that
-    are not finite are undefined, and not compared; in the output they are infinitely far away.
-    """
-    defined = np.isfinite(expected[1]).all(axis=1)
-    if not defined.all():
-        expected, both = (expected[0][defined], expected[1][defined]), False
-        drawn = np.isfinite(found[1]).all(axis=1)
-        found = (found[0][drawn], found[1][drawn])
-    if not len(expected[0]):
-        return 0.0
-    if not len(found[0]) or not np.isfinite(found[1]).all():
-        return math.inf
-    first = np.hstack([expected[0] / tolerance, expected[1] / step])
-    second = np.hstack([found[0] / tolerance, found[1] / step])
-    worst = 0.0
-    pairs = [(first, second)] + ([(second, first)] if both else [])
-    for points, others in pairs:
-        near = cKDTree(others).query(points, p=np.inf)[1]
-        difference = (points[:, 3:] - others[near][:, 3:]) * step
-        worst = max(worst, float(np.linalg.norm(difference, axis=1).max(initial=0.0)))
-    return worst
 
 
 def _bounds(scene: Scene) -> tuple[Array, Array]:

@@ -127,6 +127,10 @@ class Scene:
     """Prims that draw something else, by path: their type name."""
     mesh_lights: set[str] = dataclasses.field(default_factory=set)
     """Prims that draw geometry and also light the scene with it."""
+    made_of: dict[str, set[str]] = dataclasses.field(default_factory=dict)
+    """By instancer the prims that it draws."""
+    lost: dict[str, Lost] = dataclasses.field(default_factory=dict)
+    """Other inputs without a place in glTF, by prim."""
     optional: set[str] = dataclasses.field(default_factory=set)
     """Prims that may draw something or nothing: all of their faces are degenerate."""
 

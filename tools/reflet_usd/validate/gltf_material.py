@@ -33,6 +33,21 @@ class OutputMaterial:
 
     def texcoord(self, name: str) -> int | None:
         """The UV set that the texture of channel `name` reads; None without such a texture."""
+        info = self._info(name)
+        if info is None:
+            return None
+        moved = (info.extensions or {}).get("KHR_texture_transform", {})
+        return int(moved.get("texCoord", info.texCoord or 0))
+
+    def image_size(self, name: str) -> tuple[int, int] | None:
+        """Width and height of the image of channel `name`; None without one that can be read."""
+        info = self._info(name)
+        if info is None:
+            return None
+        texels = _texels(self.file, self.file.gltf.textures[info.index].source)
+        return None if texels is None else texels.size
+
+    def _info(self, name: str) -> Any:
         pbr, material = self.pbr, self.material
         slots = {
             "diffuseColor": pbr and pbr.baseColorTexture,
@@ -43,11 +58,7 @@ class OutputMaterial:
             "occlusion": material.occlusionTexture,
             "normal": material.normalTexture,
         }
-        info = slots.get(name)
-        if info is None:
-            return None
-        moved = (info.extensions or {}).get("KHR_texture_transform", {})
-        return int(moved.get("texCoord", info.texCoord or 0))
+        return slots.get(name)
 
     def _diffuseColor(self, st: Array) -> Array:  # noqa: N802 - named as the USD input
         return self._base(st)[:, :3]
@@ -103,6 +114,13 @@ class OutputMaterial:
         texture = coat.get("clearcoatRoughnessTexture")
         values = self._texture(texture, st, linearize=False)[:, 1:2]
         return values * coat.get("clearcoatRoughnessFactor", 0.0)
+
+    def _specularColor(self, st: Array) -> Array:  # noqa: N802
+        """The color reflected head on by a surface of ior 1.5, which is 0.04 times the factor."""
+        specular = self.extensions.get("KHR_materials_specular", {})
+        factor = np.array(specular.get("specularColorFactor", (1.0, 1.0, 1.0)))
+        values = self._texture(specular.get("specularColorTexture"), st, linearize=True)[:, :3]
+        return 0.04 * factor * values
 
     def _ior(self, st: Array) -> Array:
         ior = self.extensions.get("KHR_materials_ior", {}).get("ior", 1.5)

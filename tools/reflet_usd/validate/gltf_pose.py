@@ -31,18 +31,16 @@ class Poser:
                 self.parents[child] = node
                 stack.append(child)
 
-    def key_times(self) -> list[float]:
-        """All key times of all animations, seconds."""
-        times: set[float] = set()
-        for animation in self.file.gltf.animations or []:
-            for sampler in animation.samplers:
-                times.update(float(value) for value in self.file.accessor(sampler.input))
-        return sorted(times)
-
     def animated_nodes(self) -> set[int]:
         """Nodes that any channel moves or morphs."""
         animations = self.file.gltf.animations or []
         return {c.target.node for a in animations for c in a.channels if c.target.node is not None}
+
+    def animated_rigs(self) -> int:
+        """How many channels move a joint or the weights of a mesh."""
+        joints = {joint for skin in self.file.gltf.skins or [] for joint in skin.joints}
+        targets = [c.target for a in self.file.gltf.animations or [] for c in a.channels]
+        return sum(target.path == "weights" or target.node in joints for target in targets)
 
     def pose(self, seconds: float | None) -> Pose:
         """All nodes at `seconds`, or as stored in the file for None."""

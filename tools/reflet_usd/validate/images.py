@@ -62,6 +62,25 @@ def srgb_to_linear(values: Array) -> Array:
     return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
 
 
+def linear_to_srgb(values: Array) -> Array:
+    """Encode with the sRGB transfer function (IEC 61966-2-1)."""
+    high = 1.055 * np.maximum(values, 0.0031308) ** (1 / 2.4) - 0.055
+    return np.where(values <= 0.0031308, values * 12.92, high)
+
+
+def enlarged(values: Array, size: tuple[int, int]) -> Array:
+    """(height, width, n) texels at a larger `size`, between the centers of the nearest ones."""
+    for axis, count in ((0, size[1]), (1, size[0])):
+        have = values.shape[axis]
+        place = np.clip((np.arange(count) + 0.5) * have / count - 0.5, 0.0, have - 1.0)
+        low = np.floor(place).astype(np.int64)
+        share = (place - low).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        high = np.minimum(low + 1, have - 1)
+        first, second = (np.take(values, rows, axis=axis) for rows in (low, high))
+        values = first * (1.0 - share) + second * share
+    return values
+
+
 _WRAPS: dict[str, Callable[[Array], Array]] = {
     "repeat": lambda x: x - np.floor(x),
     "mirror": lambda x: 1.0 - np.abs((x % 2.0) - 1.0),

@@ -33,13 +33,6 @@ class KhronosReport:
     crash: str = ""
     """What ended the validator itself, so that it says nothing of the file; empty if nothing."""
 
-    def first_error(self) -> str:
-        """The first error as one line; empty where there is none."""
-        for message in self.messages:
-            if message.get("severity") == 0:
-                return f"{message['code']} at {message.get('pointer', '?')}: {message['message']}"
-        return ""
-
 
 def find_package() -> Path:
     """The validator's package folder; raises ValidatorMissingError.

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
-from pxr import Usd
 
 from .checks import Checks
 from .facts import Array, Scene
 from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
-from .usd_material import DEFAULTS, PreviewInput, preview_shader, read_input
+from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
+from .usd_stage import TruthStage
 from .uv_compare import UvUse
 
 _SAMPLES = 16
+_PACKED = ("texture-packed-transform",)
+_UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
+_LOST_FILE = (*_UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
+_NO_PLACE = {
+    "displacement": ((0.0,), "displacement-dropped"),
+    "normal": ((0.0, 0.0, 1.0), "normal-constant-dropped"),
+    "occlusion": ((1.0,), "occlusion-dropped"),
+}
 _VALUES = tuple(name for name in DEFAULTS if name not in ("opacityThreshold", "normal"))
 
 
-def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Scene) -> list[UvUse]:
+def compare_materials(
+    checks: Checks, truth: TruthStage, file: GltfFile, rest: Scene
+) -> list[UvUse]:
     """Compare every material that the stage binds to something it draws.
 
     Returns which UV set of the file stands for which primvar, by material.
@@ -40,106 +51,178 @@ def compare_materials(checks: Checks, stage: Usd.Stage, file: GltfFile, rest: Sc
     }
     used |= {surface.material for many in rest.surfaces.values() for surface in many}
     for path in sorted(used - {""}):
-        shader = preview_shader(stage.GetPrimAtPath(path))
+        shader = preview_shader(truth.stage.GetPrimAtPath(path))
         if shader is None:
             # Another kind of surface: what the file shows in its place has to be declared.
-            checks.add("materials", path, math.inf, "is not a UsdPreviewSurface")
+            told = ("material-unsupported", "material-approximated")
+            text = "is not a UsdPreviewSurface"
+            checks.add("materials", path, math.inf, text, excuses=told)
+            if checks.excuse(path, ("material-unsupported",)):
+                for index in outputs.get(path, []):
+                    _compare_plain(checks, path, OutputMaterial(file, index))
             continue
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:
+            one = _Comparison(checks, path, _inputs(checks, shader, truth.roots))
             output = OutputMaterial(file, index)
-            _compare_one(checks, path, shader, output)
-            uses += _uv_uses(path, shader, output)
+            one.compare(output)
+            uses += one.uv_uses(output)
     return uses
 
 
-def _compare_one(checks: Checks, path: str, shader: object, found: OutputMaterial) -> None:
-    workflow = shader.GetInput("useSpecularWorkflow")  # type: ignore[attr-defined]
-    specular = bool(workflow and workflow.Get())
-    opacity = read_input(shader, "opacity")
-    threshold = read_input(shader, "opacityThreshold").constant
-    _compare_alpha_mode(checks, path, opacity, threshold, found)
-    for name in _VALUES:
-        # The two color models of the specular workflow have no common value to compare.
-        if specular and name in ("diffuseColor", "metallic", "ior"):
-            continue
-        expected = opacity if name == "opacity" else read_input(shader, name)
-        if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
-            continue
-        if name == "clearcoatRoughness" and _is_constant(read_input(shader, "clearcoat"), 0.0):
-            continue
-        _compare_channel(checks, path, name, expected, found)
-    _compare_normal(checks, path, read_input(shader, "normal"), found)
+def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
+    """What stands for a surface that is not known is a plain dielectric in displayColor."""
+    st = np.zeros((1, 2))
+    for name, value in (("metallic", 0.0), ("roughness", 0.5)):
+        wrong = float(np.abs(found.channel(name, st) - value).max())
+        checks.add("materials", path, wrong, name)
 
 
-def _uv_uses(path: str, shader: object, found: OutputMaterial) -> list[UvUse]:
-    uses = []
-    for name in DEFAULTS:
-        texture = read_input(shader, name).texture
-        number = found.texcoord(name)
-        if texture is not None and texture.primvar and number is not None:
-            uses.append(UvUse(path, texture.primvar, f"TEXCOORD_{number}"))
-    return list(dict.fromkeys(uses))
+def _inputs(checks: Checks, shader: object, roots: tuple[str, ...]) -> dict[str, PreviewInput]:
+    """All inputs; the fallback of each texture whose file the converter names as lost."""
+    result = {}
+    for name in (*DEFAULTS, "displacement", "useSpecularWorkflow"):
+        source = read_input(shader, name, roots)  # type: ignore[arg-type]
+        told = _LOST_FILE if source.reason else _UNREAD_FILE
+        if source.fallback is not None and checks.excuse(source.prim, told):
+            source = source.without_file()
+        result[name] = source
+    return result
 
 
-def _compare_channel(
-    checks: Checks, path: str, name: str, expected: PreviewInput, found: OutputMaterial
-) -> None:
-    if expected.reason:
-        return
-    if expected.texture is not None:
-        st = expected.texture.centers(_SAMPLES)
-        wanted = expected.texture.at(st)
+class _Comparison:
+    """One material of the stage and the files' materials that stand for it."""
+
+    def __init__(self, checks: Checks, path: str, inputs: dict[str, PreviewInput]) -> None:
+        self.checks = checks
+        self.path = path
+        self.inputs = inputs
+
+    def compare(self, found: OutputMaterial) -> None:
+        """Compare all inputs, as values or as losses."""
+        specular = not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
+        self._alpha_mode(found)
+        for name in _VALUES:
+            source = self.inputs[name]
+            if name == "specularColor" and not specular:
+                continue
+            if specular and name in ("metallic", "ior"):
+                source = PreviewInput(np.array([0.0 if name == "metallic" else 1.5]), None)
+            if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
+                continue
+            if name == "clearcoatRoughness" and _is_constant(self.inputs["clearcoat"], 0.0):
+                continue
+            if name == "occlusion" and source.constant is not None:
+                source = PreviewInput(np.array([1.0]), None)
+            if name == "ior" and source.texture is not None:
+                source = source.without_file()
+            self._channel(name, source, found)
+        self._normal(found)
+        self._losses()
+
+    def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
+        """Which UV set stands for which primvar; the first texture's where several share one."""
+        uses = []
+        for name in DEFAULTS:
+            texture, number = self.inputs[name].texture, found.texcoord(name)
+            if texture is None or not texture.primvar or number is None:
+                continue
+            if not self.checks.excuse(texture.prim, _PACKED):
+                uses.append(UvUse(self.path, texture.primvar, f"TEXCOORD_{number}"))
+        return list(dict.fromkeys(uses))
+
+    def _losses(self) -> None:
+        """Constants that no glTF material holds, each named by its own warning."""
+        for name, (neutral, warning) in _NO_PLACE.items():
+            source = self.inputs[name]
+            if source.constant is not None and not np.array_equal(source.constant, neutral):
+                self.checks.add_lost(self.path, (warning,), f"{name} {source.constant.tolist()}")
+
+    def _channel(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
+        if expected.reason:
+            return
+        worst = math.inf
+        if expected.texture is None:
+            assert expected.constant is not None
+            st = np.random.default_rng(7).random((_SAMPLES, 2))
+            wanted = np.tile(expected.constant, (_SAMPLES, 1))
+            worst = _difference(name, wanted, found.channel(name, st))
+        for read in self._reads(name, expected.texture, found):
+            st = read.centers(_SAMPLES)
+            worst = min(worst, _difference(name, read.at(st), found.channel(name, st)))
+        self.checks.add("materials", self.path, worst, name)
+
+    def _reads(
+        self, name: str, texture: TextureRead | None, found: OutputMaterial
+    ) -> list[TextureRead]:
+        """The texture as the file must hold it: resized and placed as documented where named."""
+        if texture is None:
+            return []
+        size = found.image_size(name)
+        rewritten = self.checks.excuse(texture.prim, ("texture-repacked", "texture-converted"))
+        if rewritten and size is not None and size != texture.texels.size:
+            texture = texture.resized(size, name in ("diffuseColor", "emissiveColor"))
+        if not self.checks.excuse(texture.prim, _PACKED):
+            return [texture]
+        others = [source.texture for source in self.inputs.values() if source.texture is not None]
+        return [
+            dataclasses.replace(texture, transform=other.transform, wrap=other.wrap)
+            for other in others
+            if other.prim != texture.prim
+        ]
+
+    def _alpha_mode(self, found: OutputMaterial) -> None:
+        opacity, threshold = self.inputs["opacity"], self.inputs["opacityThreshold"].constant
+        if opacity.reason:
+            return
+        cutoff = 0.0 if threshold is None else float(threshold[0])
+        mode = found.material.alphaMode or "OPAQUE"
+        # Nothing of an opaque surface is below a threshold, so both modes show it.
+        wanted = ["MASK"] if cutoff > 0.0 else ["BLEND"]
+        if _is_opaque(opacity):
+            wanted = ["OPAQUE", "MASK"] if 0.0 < cutoff <= 1.0 else ["OPAQUE"]
+        if mode not in wanted:
+            text = f"alphaMode is {mode}, expected {wanted[0]}"
+            self.checks.add("materials", self.path, math.inf, text)
+        elif mode == "MASK":
+            stored = found.material.alphaCutoff
+            value = abs((0.5 if stored is None else stored) - cutoff)
+            self.checks.add("materials", self.path, value, "alphaCutoff")
+
+    def _normal(self, found: OutputMaterial) -> None:
+        read = self.inputs["normal"].texture
+        if read is None:
+            return
+        if not found.has_texture("normal"):
+            self.checks.add("materials", self.path, math.inf, "the normal map is not in the output")
+            return
+        if read.assumed_space:
+            read = dataclasses.replace(read, linearize=False)
+        if np.allclose(read.scale[:3], 1) and np.allclose(read.bias[:3], 0):
+            # Taken as if it had what makes directions of texels.
+            named = self.checks.excuse(self.path, ("normal-scale-missing",))
+            if named:
+                read = dataclasses.replace(read, scale=np.full(4, 2.0), bias=np.full(4, -1.0))
+        size = found.image_size("normal")
+        # Other scales may have been rounded or clamped in 8-bit texels.
+        if np.allclose(read.scale[:3], 2) and np.allclose(read.bias[:3], -1) and size:
+            st = read.centers(_SAMPLES)
+            value = float(np.abs(read.at(st) - found.channel("normal", st)).max())
+            self.checks.add("materials", self.path, value, "normal")
+
+
+def _difference(name: str, wanted: Array, found: Array) -> float:
+    """Largest difference, relative where values are above 1, after the documented clamps."""
+    if name == "emissiveColor":
+        wanted = np.maximum(wanted, 0.0)
+    elif name == "ior":
+        wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))
     else:
-        assert expected.constant is not None
-        st = np.random.default_rng(7).random((_SAMPLES, 2))
-        wanted = np.tile(expected.constant, (_SAMPLES, 1))
-    values = found.channel(name, st)
-    if name not in ("emissiveColor", "ior"):
         wanted = np.clip(wanted, 0.0, 1.0)
     scale = max(1.0, float(np.abs(wanted).max()))
-    checks.add("materials", path, _worst(wanted, values) / scale, name)
-
-
-def _compare_alpha_mode(
-    checks: Checks,
-    path: str,
-    opacity: PreviewInput,
-    threshold: Array | None,
-    found: OutputMaterial,
-) -> None:
-    if opacity.reason:
-        return
-    cutoff = 0.0 if threshold is None else float(threshold[0])
-    mode = found.material.alphaMode or "OPAQUE"
-    wanted = "BLEND"
-    if _is_opaque(opacity):
-        wanted = "OPAQUE"
-    elif cutoff > 0:
-        wanted = "MASK"
-    if mode != wanted:
-        checks.add("materials", path, math.inf, f"alphaMode is {mode}, expected {wanted}")
-    elif mode == "MASK":
-        stored = found.material.alphaCutoff
-        value = abs((0.5 if stored is None else stored) - cutoff)
-        checks.add("materials", path, value, "alphaCutoff")
-
-
-def _compare_normal(
-    checks: Checks, path: str, expected: PreviewInput, found: OutputMaterial
-) -> None:
-    if expected.texture is None:
-        return
-    if not found.has_texture("normal"):
-        checks.add("materials", path, math.inf, "the normal map is not in the output")
-        return
-    # Maps authored without scale 2 and bias −1 hold no unit vectors to compare with.
-    if np.allclose(expected.texture.scale[:3], 2) and np.allclose(expected.texture.bias[:3], -1):
-        st = expected.texture.centers(_SAMPLES)
-        value = _worst(expected.texture.at(st), found.channel("normal", st))
-        checks.add("materials", path, value, "normal")
+    return float(np.abs(wanted - found).max()) / scale
 
 
 def _is_opaque(opacity: PreviewInput) -> bool:
@@ -147,12 +230,8 @@ def _is_opaque(opacity: PreviewInput) -> bool:
         read = opacity.texture
         values = read.texels.values[:, :, read.channels] * read.scale[read.channels]
         return bool((values + read.bias[read.channels] >= 1.0).all())
-    return _is_constant(opacity, 1.0)
+    return opacity.constant is not None and bool((opacity.constant >= 1.0).all())
 
 
 def _is_constant(source: PreviewInput, value: float) -> bool:
     return source.constant is not None and bool(np.allclose(source.constant, value))
-
-
-def _worst(expected: Array, found: Array) -> float:
-    return float(np.abs(expected - found).max())

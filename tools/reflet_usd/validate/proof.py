@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import itertools
 import json
 import math
+import struct
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 _GEOMETRY_TIMES = 5
 _MATRIX_TIMES = 33
+_JSON = 0x4E4F534A
+"""A .glb's chunk type of its tree."""
 
 
 @dataclasses.dataclass
@@ -42,6 +46,8 @@ class Proof:
     """Counts and the world box of the output, as the third-party reader sees them."""
     about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts of what the stage holds, as usd-core sees it."""
+    roots: list[str] = dataclasses.field(default_factory=list)
+    """The folders that the stage was read from: those that the sidecar records."""
     times: int = 0
     """At how many times, besides rest, the animation was compared."""
 
@@ -60,6 +66,7 @@ class Proof:
             "unreadable": self.unreadable,
             "facts": self.facts,
             "stage": self.about_stage,
+            "roots": self.roots,
             "times": self.times,
             "checks": [check.to_json() for check in self.checks],
             "warnings": self.warnings,
@@ -114,6 +121,7 @@ def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: P
             for node in reader.poser.order
         ),
         "animated_nodes": len(reader.poser.animated_nodes()),
+        "animated_rigs": reader.poser.animated_rigs(),
     }
     if "KHR_node_visibility" in (file.gltf.extensionsUsed or []):
         box = bounds_of(reader.scene(None, hidden=True).corners)  # trimesh knows nothing of it
@@ -134,6 +142,7 @@ def _compare(
     from pxr import Usd
 
     from .material_compare import compare_materials
+    from .usd_rules import apply_rules
     from .usd_skel import JointTruth, bake, keyed_skeletons, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
@@ -141,15 +150,18 @@ def _compare(
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
+    proof.roots = list(truth.roots)
+    frames = settings.get("frames")
+    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
+    apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
-    skinned = checks.related = bake(truth.stage)
+    skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages))
-    frames = settings.get("frames")
-    rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     rest = reader.scene(rest_time)
+    checks.made_of = rest.made_of
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
     comparer = SceneComparer(checks, rest, skinned)
@@ -159,7 +171,7 @@ def _compare(
     comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
-    uses = compare_materials(checks, truth.stage, file, rest)
+    uses = compare_materials(checks, truth, file, rest)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
     proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
@@ -236,14 +248,13 @@ def _spread(codes: list[float], count: int) -> list[float]:
 
 def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> None:
     """trimesh must see the same box, where it knows all that the file uses."""
-    import trimesh
 
     used = set(file.gltf.extensionsUsed or [])
     morphs = any(primitive.targets for mesh in file.meshes for primitive in mesh.primitives)
     if "EXT_mesh_gpu_instancing" in used or file.gltf.skins or morphs:
         return
     try:
-        seen = trimesh.load_scene(str(file.path)).bounds
+        seen = _without_cameras(file).bounds
     except Exception as error:  # whatever a foreign reader raises is its verdict
         checks.add("reader", "/", math.inf, f"trimesh: {type(error).__name__}: {error}")
         return
@@ -255,3 +266,22 @@ def _second_reader(file: GltfFile, box: tuple[Array, Array], checks: Checks) -> 
     slack = 4 * float(np.finfo(np.float32).eps) * reach / size
     off = float(np.abs(np.array(seen) - np.array(box)).max())
     checks.add("reader", "/", off / size, "trimesh's box", slack)
+
+
+def _without_cameras(file: GltfFile) -> Any:
+    """trimesh's scene of the file; of a node with a camera trimesh would forget the transform."""
+    import trimesh
+
+    tree = {name: value for name, value in file.tree.items() if name != "cameras"}
+    nodes = [{k: v for k, v in node.items() if k != "camera"} for node in tree.get("nodes", [])]
+    if nodes:
+        tree["nodes"] = nodes
+    data = json.dumps(tree).encode()
+    if file.path.suffix.lower() == ".glb":
+        data += b" " * (-len(data) % 4)
+        whole = file.path.read_bytes()
+        rest = whole[20 + int.from_bytes(whole[12:16], "little") :]
+        head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(data) + len(rest), len(data), _JSON)
+        return trimesh.load_scene(io.BytesIO(head + data + rest), file_type="glb")
+    resolver = trimesh.resolvers.FilePathResolver(str(file.path))
+    return trimesh.load_scene(io.BytesIO(data), file_type="gltf", resolver=resolver)

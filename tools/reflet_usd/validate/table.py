@@ -25,6 +25,8 @@ def format_proof(proof: Proof) -> str:
         silent = [finding for finding in check.findings if finding.declared is None]
         for finding in silent[:_SHOWN]:
             lines.append(f"    {finding.prim}: {finding.value:.3g} {finding.text}")
+    if proof.roots:
+        lines.append(f"the stage was read from {', '.join(proof.roots)} alone")
     for name, count in sorted(_counts(proof).items()):
         lines.append(f"declared by the converter: {name} ×{count}")
     lines.append("passed" if proof.passed else "FAILED")

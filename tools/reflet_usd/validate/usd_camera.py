@@ -9,6 +9,8 @@ from pxr import Gf, Usd, UsdGeom
 from .facts import Camera, Lost
 from .usd_stage import TruthStage
 
+_FALLBACK_RANGE_M = (0.01, 10_000.0)
+"""Stands for clipping ranges that no glTF camera can have."""
 _NOT_IN_GLTF = (
     "clippingPlanes",
     "exposure",
@@ -32,7 +34,11 @@ def read_camera(
     lens = UsdGeom.Camera(prim).GetCamera(time)
     # usd-core returns the clipping range in the stage's units, as it does lengths of apertures
     # in tenths of them (GfCamera::APERTURE_UNIT).
-    near, far = lens.clippingRange.min, lens.clippingRange.max
+    near, far = (
+        end * truth.meters_per_unit for end in (lens.clippingRange.min, lens.clippingRange.max)
+    )
+    if not (math.isfinite(near) and math.isfinite(far) and 0.0 < near < far):
+        near, far = _FALLBACK_RANGE_M
     orthographic = lens.projection == Gf.Camera.Orthographic
     yfov = math.radians(lens.GetFieldOfView(Gf.Camera.FOVVertical))
     half_height = 0.5 * lens.verticalAperture * Gf.Camera.APERTURE_UNIT * truth.meters_per_unit
@@ -41,8 +47,8 @@ def read_camera(
         None if orthographic else yfov,
         lens.aspectRatio,
         half_height if orthographic else None,
-        near * truth.meters_per_unit,
-        far * truth.meters_per_unit,
+        near,
+        far,
         _lost_inputs(prim, time),
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from .facts import Array, Indices, Surface
-from .usd_mesh import CornerMap, LocalMesh, array_of, corner_colors, flattened
+from .usd_mesh import NO_COLOR, CornerMap, LocalMesh, array_of, corner_colors, flattened
 
 _AXES = {"X": 0, "Y": 1, "Z": 2}
 # Points and faces in the order of UsdGeomCube's mesh in Hydra, which per-face and per-point
@@ -69,7 +69,7 @@ def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, bool]:
         return None, False
     if len(rgb) > 1 or len(alpha) > 1:
         return None, True
-    rgb = rgb[0] if len(rgb) else np.ones(3)
+    rgb = rgb[0] if len(rgb) else np.full(3, NO_COLOR)
     return np.append(rgb, alpha[0] if len(alpha) else 1.0), False
 
 

@@ -11,6 +11,7 @@ from pxr import Gf, Usd, UsdLux
 from .facts import Array, Light, Lost
 from .usd_stage import TruthStage
 
+_MAX_FLOAT32 = float(np.finfo(np.float32).max)
 _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
 
 
@@ -31,26 +32,54 @@ def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.M
     radiance = _radiance(prim, time)
     if kind == "DistantLight":
         light = UsdLux.DistantLight(prim)
-        half = math.radians(float(light.GetAngleAttr().Get(time))) / 2
+        half = min(math.radians(float(light.GetAngleAttr().Get(time))), math.pi) / 2
         # Illuminance of a disk of sky of uniform radiance: L·π·sin²(half angle); `normalize`
         # divides by that size factor, which UsdLux takes as 1 for angle 0.
         factor = math.pi * math.sin(half) ** 2
         bare = _normalized(prim, time) or factor == 0
-        return Light("directional", radiance * (1.0 if bare else factor), matrix)
-    shaping = UsdLux.ShapingAPI(prim)
-    cone = None
-    if prim.HasAPI(UsdLux.ShapingAPI):
-        cone = math.radians(float(shaping.GetShapingConeAngleAttr().Get(time) or 0.0))
-    spot = cone is not None and cone < math.pi / 2
-    if kind != "SphereLight":
-        return Light("spot" if spot else "point", radiance, matrix, cone, exact=False)
-    light = UsdLux.SphereLight(prim)
-    scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3]))))
-    radius = float(light.GetRadiusAttr().Get(time)) * truth.meters_per_unit * scale
-    # A sphere of radiance L seen from afar: candela = L·π·r²; normalize divides by 4·π·r².
-    candela = radiance / 4 if _normalized(prim, time) else radiance * math.pi * radius**2
-    exact = not light.GetTreatAsPointAttr().Get(time) and radius > 0
-    return Light("spot" if spot else "point", candela, matrix, cone if spot else None, exact)
+        return Light("directional", _stored(radiance * (1.0 if bare else factor)), matrix)
+    volume = abs(float(np.linalg.det(matrix[:3, :3])))
+    scale = truth.meters_per_unit * (float(np.cbrt(volume)) if math.isfinite(volume) else 1.0)
+
+    def meters(name: str) -> float:
+        length = abs(float(prim.GetAttribute(f"inputs:{name}").Get(time))) * scale
+        return length if length <= _MAX_FLOAT32 else 0.0
+
+    if kind == "SphereLight":
+        radius = meters("radius")
+        # A sphere of radiance L seen from afar: candela = L·π·r²; normalize divides by 4·π·r²,
+        # as treatAsPoint does where there is no radius.
+        point = UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time) and radius == 0.0
+        quarter = point or _normalized(prim, time)
+        candela = radiance / 4 if quarter else radiance * math.pi * radius**2
+        cone = _cone(prim, time)
+        return Light("point" if cone is None else "spot", _stored(candela), matrix, cone)
+    areas = {
+        "RectLight": lambda: meters("width") * meters("height"),
+        "DiskLight": lambda: math.pi * meters("radius") ** 2,
+        "CylinderLight": lambda: 2.0 * math.pi * meters("radius") * meters("length"),
+    }
+    if kind not in areas:
+        return Light("point", radiance, matrix, exact=False)
+    # Equal power Φ = π·L·A. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
+    power = math.pi * radiance * (1.0 if _normalized(prim, time) else areas[kind]())
+    if kind == "CylinderLight":
+        return Light("point", _stored(power / (4.0 * math.pi)), matrix)
+    return Light("spot", _stored(power * 1.5 / math.pi), matrix, math.pi / 2)
+
+
+def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> float | None:
+    """The outer angle of a shaped light, at most glTF's 90°; None where it shines all around."""
+    if not prim.HasAPI(UsdLux.ShapingAPI):
+        return None
+    degrees = float(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr().Get(time) or 0.0)
+    return math.radians(min(degrees, 90.0)) if degrees < 180.0 else None
+
+
+def _stored(intensity: Array) -> Array:
+    """The intensity as a file holds it: 0 where single precision cannot."""
+    fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
+    return intensity if fits else np.zeros(3)
 
 
 def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
@@ -87,7 +116,10 @@ def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
     if light.GetEnableColorTemperatureAttr().Get(time):
         kelvin = float(light.GetColorTemperatureAttr().Get(time))
         color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
-    return color * level * float(light.GetDiffuseAttr().Get(time))
+    level *= float(light.GetDiffuseAttr().Get(time))
+    if not math.isfinite(level) or not np.isfinite(color).all():
+        return np.zeros(3)
+    return np.maximum(color, 0.0) * max(level, 0.0)
 
 
 def _normalized(prim: Usd.Prim, time: Usd.TimeCode) -> bool:

@@ -12,7 +12,8 @@ import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
 from .facts import Array
-from .images import Texels, decode, sample
+from .images import Texels, decode, enlarged, linear_to_srgb, sample, srgb_to_linear
+from .usd_stage import is_within
 
 DEFAULTS: dict[str, tuple[float, ...]] = {
     "diffuseColor": (0.18, 0.18, 0.18),
@@ -25,8 +26,11 @@ DEFAULTS: dict[str, tuple[float, ...]] = {
     "clearcoat": (0.0,),
     "clearcoatRoughness": (0.01,),
     "occlusion": (1.0,),
+    "specularColor": (0.0, 0.0, 0.0),
     "normal": (0.0, 0.0, 1.0),
 }
+_PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
+"""The second is MaterialX's name for the same."""
 _TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
 
@@ -45,6 +49,33 @@ class TextureRead:
     """(3, 3) acting on row vectors (s, t, 1), from the primvar to the texture."""
     primvar: str = ""
     """Name of the primvar that holds the texture coordinates."""
+    prim: str = ""
+    """Path of the texture's shader."""
+    assumed_space: bool = False
+    """Whether the color space is told by the image's format alone."""
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether glTF's factors hold its scale, so that texels stay as they are."""
+        scale, bias = self.scale[self.channels], self.bias[self.channels]
+        return bool((bias == 0.0).all() and ((scale >= 0.0) & (scale <= 1.0)).all())
+
+    def resized(self, size: tuple[int, int], srgb: bool) -> TextureRead:
+        """The read of the image that the documentation says is written at another size.
+
+        Its values are encoded as the slot asks, rounded to 8 bits, and interpolated linearly.
+        """
+        values = self.texels.values.copy()
+        if self.linearize:
+            values[:, :, :3] = srgb_to_linear(values[:, :, :3])
+        plain = self.is_plain
+        if not plain:
+            values = np.clip(values * self.scale + self.bias, 0.0, 1.0)
+        if srgb:
+            values[:, :, :3] = linear_to_srgb(values[:, :, :3])
+        texels = Texels(enlarged(np.round(values * 255.0) / 255.0, size), 4, True)
+        scale, bias = (self.scale, self.bias) if plain else (np.ones(4), np.zeros(4))
+        return dataclasses.replace(self, texels=texels, scale=scale, bias=bias, linearize=srgb)
 
     def at(self, st: Array) -> Array:
         """Values (n, channels) at primvar coordinates `st`."""
@@ -73,19 +104,30 @@ class PreviewInput:
     texture: TextureRead | None
     reason: str = ""
     """Why it is not evaluated; empty when it is."""
+    fallback: Array | None = None
+    """What a texture's shader states for the case that its file cannot be read."""
+    prim: str = ""
+    """Path of the texture's shader, if any."""
+
+    def without_file(self) -> PreviewInput:
+        """The same input where the texture's file is lost."""
+        return PreviewInput(self.fallback, None)
 
 
 def preview_shader(material: Usd.Prim) -> UsdShade.Shader | None:
     """The material's UsdPreviewSurface shader; None where it has another surface or none."""
-    shader = UsdShade.Material(material).ComputeSurfaceSource()[0]
-    if shader and shader.GetIdAttr().Get() == "UsdPreviewSurface":
-        return shader
+    for context in ("", "mtlx"):
+        shader = UsdShade.Material(material).ComputeSurfaceSource(context)[0]
+        if shader:
+            return shader if shader.GetIdAttr().Get() in _PREVIEW_SURFACES else None
     return None
 
 
-def read_input(shader: UsdShade.Shader, name: str) -> PreviewInput:
-    """Input `name` of a preview surface shader."""
-    fallback = np.array(DEFAULTS[name])
+def read_input(
+    shader: UsdShade.Shader, name: str, roots: tuple[str, ...] | None = None
+) -> PreviewInput:
+    """Input `name` of a preview surface shader; files outside `roots`, if given, are lost."""
+    fallback = np.array(DEFAULTS.get(name, (0.0,)))
     attribute = _producer(shader.GetInput(name))
     if attribute is None:
         return PreviewInput(fallback, None)
@@ -93,11 +135,12 @@ def read_input(shader: UsdShade.Shader, name: str) -> PreviewInput:
         value = attribute.Get(_TIME)
         if value is None:
             return PreviewInput(fallback, None)
-        return PreviewInput(np.atleast_1d(np.array(value, dtype=np.float64)), None)
+        number = np.atleast_1d(np.array(value, dtype=np.float64))
+        return PreviewInput(number if np.isfinite(number).all() else fallback, None)
     source = UsdShade.Shader(attribute.GetPrim())
     identifier = source.GetIdAttr().Get() or ""
     if identifier == "UsdUVTexture":
-        return _texture(source, UsdShade.Output(attribute).GetBaseName(), len(fallback))
+        return _texture(source, UsdShade.Output(attribute).GetBaseName(), len(fallback), roots)
     return PreviewInput(None, None, f"comes from a {identifier}")
 
 
@@ -116,37 +159,48 @@ def _value(shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
     return fallback if value is None else value
 
 
-def _texture(shader: UsdShade.Shader, output: str, width: int) -> PreviewInput:
+def _texture(
+    shader: UsdShade.Shader, output: str, width: int, roots: tuple[str, ...] | None
+) -> PreviewInput:
+    prim = str(shader.GetPath())
+    channels = {"r": [0], "g": [1], "b": [2], "a": [3], "rgb": [0, 1, 2]}.get(output, [0])
+    if width == 3 and len(channels) == 1:
+        channels = channels * 3
+    channels = channels[:width]
+    stated = np.array(_value(shader, "fallback", (0.0, 0.0, 0.0, 1.0)), dtype=np.float64)
+    fallback = stated[channels]
     attribute = _producer(shader.GetInput("file"))
     asset = attribute.Get(_TIME) if attribute is not None else None
     if not isinstance(asset, Sdf.AssetPath) or "<UDIM>" in asset.path:
-        return PreviewInput(None, None, "names no single texture file")
-    texels = _load(asset.resolvedPath)
+        return PreviewInput(None, None, "names no single texture file", fallback, prim)
+    texels = None
+    if roots is None or is_within(asset.resolvedPath, roots):
+        texels = _load(asset.resolvedPath)
     if texels is None:
-        return PreviewInput(None, None, f"texture {asset.path} cannot be read")
+        reason = f"texture {asset.path} cannot be read"
+        return PreviewInput(None, None, reason, fallback, prim)
     wraps = tuple(str(_value(shader, name, "useMetadata")) for name in ("wrapS", "wrapT"))
     # Sampled at texel centers inside the image, black and useMetadata act as repeat does.
     first, second = (w if w in ("repeat", "mirror", "clamp") else "repeat" for w in wraps)
     space = str(_value(shader, "sourceColorSpace", "auto"))
     linearize = space == "sRGB" or (space == "auto" and texels.eight_bit and texels.channels >= 3)
-    channels = {"r": [0], "g": [1], "b": [2], "a": [3], "rgb": [0, 1, 2]}.get(output, [0])
     placed = _transform(shader)
     if placed is None:
         return PreviewInput(None, None, "its texture coordinates are not a primvar's")
     transform, primvar = placed
-    if width == 3 and len(channels) == 1:
-        channels = channels * 3
     read = TextureRead(
         texels,
-        channels[:width],
+        channels,
         np.array(_value(shader, "scale", (1.0, 1.0, 1.0, 1.0)), dtype=np.float64),
         np.array(_value(shader, "bias", (0.0, 0.0, 0.0, 0.0)), dtype=np.float64),
         (first, second),
         linearize,
         transform,
         primvar,
+        prim,
+        space == "auto",
     )
-    return PreviewInput(None, read)
+    return PreviewInput(None, read, "", fallback, prim)
 
 
 def _transform(shader: UsdShade.Shader) -> tuple[Array, str] | None:

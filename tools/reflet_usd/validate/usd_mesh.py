@@ -10,6 +10,8 @@ from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
 
+NO_COLOR = 0.18
+"""UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
 _UV_TYPES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]", "double2[]", "half2[]")
 
 
@@ -47,7 +49,7 @@ def read_mesh(
     points = array_of(mesh.GetPointsAttr().Get(time), np.float64, 3)
     counts = array_of(mesh.GetFaceVertexCountsAttr().Get(time), np.int64)
     indices = array_of(mesh.GetFaceVertexIndicesAttr().Get(time), np.int64)
-    if not len(counts) or not len(points) or (counts < 0).any() or counts.sum() != len(indices):
+    if not len(counts) or not len(points):
         return None
     corners = _usable_corners(mesh, time, counts, indices, points)
     positions = points[indices[corners.index]]
@@ -114,6 +116,11 @@ class CornerMap:
 def _usable_corners(
     mesh: UsdGeom.Mesh, time: Usd.TimeCode, counts: Indices, indices: Indices, points: Array
 ) -> CornerMap:
+    stated, authored = len(counts), len(indices)
+    # Faces up to the first that does not fit the indices; no other can be told from the rest.
+    broken = np.flatnonzero((counts < 0) | (np.cumsum(np.maximum(counts, 0)) > authored))
+    counts = counts[: broken[0]] if len(broken) else counts
+    indices = indices[: counts.sum()]
     face = np.repeat(np.arange(len(counts)), counts)
     inside = (indices >= 0) & (indices < len(points))
     bad = np.zeros(len(counts), bool)
@@ -133,8 +140,8 @@ def _usable_corners(
         keep = _reversed_faces(keep, counts[required])
         loose = _reversed_faces(loose, counts[optional])
     totals = {
-        "uniform": len(counts),
-        "faceVarying": len(indices),
+        "uniform": stated,
+        "faceVarying": authored,
         "vertex": len(points),
         "varying": len(points),
     }
@@ -183,12 +190,14 @@ def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Arra
         raw, interpolation = primvar.ComputeFlattened(time), primvar.GetInterpolation()
     else:
         raw, interpolation = mesh.GetNormalsAttr().Get(time), mesh.GetNormalsInterpolation()
-    values = array_of(raw, np.float64, 3)
+    values = np.nan_to_num(array_of(raw, np.float64, 3), posinf=0.0, neginf=0.0)
     expanded = corners.expand(values, interpolation) if len(values) else None
     if expanded is None:
         return None
     length = np.linalg.norm(expanded, axis=1, keepdims=True)
-    return expanded / length if np.isfinite(length).all() and (length > 1e-12).all() else None
+    unit = np.divide(expanded, length, out=np.zeros_like(expanded), where=length > 0.0)
+    unit[length[:, 0] == 0.0] = (0.0, 1.0, 0.0)  # as documented for those without a direction
+    return unit
 
 
 def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
@@ -215,9 +224,9 @@ def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Arr
     if rgb is None and alpha is None:
         return None
     count = len(corners.index)
-    rgb = np.ones((count, 3)) if rgb is None else rgb
+    rgb = np.full((count, 3), NO_COLOR) if rgb is None else rgb
     alpha = np.ones((count, 1)) if alpha is None else alpha.reshape(-1, 1)
-    return np.hstack([rgb, alpha])
+    return np.clip(np.hstack([rgb, alpha]), 0.0, 1.0)
 
 
 def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array:

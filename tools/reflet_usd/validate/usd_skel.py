@@ -83,22 +83,22 @@ def keyed_skeletons(stage: Usd.Stage) -> int:
     )
 
 
-def bake(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
+def bake(stage: Usd.Stage) -> frozenset[str]:
     """Replace skinning and blend shapes by points at all times.
 
-    Returns the changed prims with the paths of the skeleton and animation that move them.
+    Returns the changed prims.
 
     Writes into the stage's session layer only. Native instances that hold skeletons are made
     ordinary prims first, because baking cannot edit what is shared; their paths stay.
     """
     roots = [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]
     if not roots:
-        return {}
+        return frozenset()
     codes = skin_times(stage)
     interval = Gf.Interval(codes[0], codes[-1]) if codes else Gf.Interval.GetFullInterval()
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for path in [prim.GetPath() for prim in roots]:
-            _split_instances(stage, path)
+            split_instances(stage, path)
         skinned = _skinned_prims(stage)
         for prim in list(_prims(stage)):
             if prim.IsA(UsdSkel.Root) and not prim.IsInstanceProxy():
@@ -106,7 +106,8 @@ def bake(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
     return skinned
 
 
-def _split_instances(stage: Usd.Stage, path: object) -> None:
+def split_instances(stage: Usd.Stage, path: object) -> None:
+    """Make the native instances around a prim ordinary prims, in the edit target."""
     prim = stage.GetPrimAtPath(path)
     while prim and prim.IsInstanceProxy():
         above = prim
@@ -123,23 +124,18 @@ def _split_instances(stage: Usd.Stage, path: object) -> None:
         prim = stage.GetPrimAtPath(path)
 
 
-def _skinned_prims(stage: Usd.Stage) -> dict[str, tuple[str, ...]]:
+def _skinned_prims(stage: Usd.Stage) -> frozenset[str]:
     cache = UsdSkel.Cache()
-    found = {}
+    found = set()
     for prim in _prims(stage):
         if prim.IsA(UsdSkel.Root):
             root = UsdSkel.Root(prim)
             cache.Populate(root, Usd.TraverseInstanceProxies())
             for binding in cache.ComputeSkelBindings(root, Usd.TraverseInstanceProxies()):
-                movers = [binding.GetSkeleton().GetPrim()]
-                query = cache.GetSkelQuery(binding.GetSkeleton())
-                if query and query.GetAnimQuery():
-                    movers.append(query.GetAnimQuery().GetPrim())
-                paths = tuple(str(prim.GetPath()) for prim in movers)
                 for target in binding.GetSkinningTargets():
                     if target.HasJointInfluences() or target.HasBlendShapes():
-                        found[str(target.GetPrim().GetPath())] = paths
-    return found
+                        found.add(str(target.GetPrim().GetPath()))
+    return frozenset(found)
 
 
 def _prims(stage: Usd.Stage) -> Usd.PrimRange:

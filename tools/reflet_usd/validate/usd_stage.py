@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,8 @@ class TruthStage:
     """The time code that glTF's second 0 stands for."""
     subdiv_level: int
     """How many Catmull-Clark steps the output's subdivision meshes went through."""
+    roots: tuple[str, ...]
+    """The folders that layers and textures may come from."""
 
     def world(self, matrix: Gf.Matrix4d) -> Array:
         """A USD local-to-world matrix as one to glTF's world in meters, scale included."""
@@ -51,10 +54,6 @@ class TruthStage:
         if self.z_up:
             result[:, :3] = result[:, :3] @ _Z_UP_TO_Y_UP
         return result
-
-    def code_of(self, seconds: float) -> float:
-        """The time code that is shown at `seconds` of the output."""
-        return self.time_origin + seconds * self.codes_per_second
 
 
 def _without_w(matrix: Gf.Matrix4d) -> Array:
@@ -79,9 +78,19 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
         raise StageError(f"usd-core does not open {path}")
+    roots = tuple(
+        os.path.realpath(root) for root in (path.resolve().parent, *(settings.get("roots") or ()))
+    )
+    _confine(stage, roots)
+    # Else usd-core scales the times that baking writes into it.
+    for name in ("timeCodesPerSecond", "framesPerSecond"):
+        if stage.GetRootLayer().pseudoRoot.HasInfo(name):
+            rate = stage.GetRootLayer().pseudoRoot.GetInfo(name)
+            stage.GetSessionLayer().pseudoRoot.SetInfo(name, rate)
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for prim_path, set_name, variant in settings.get("variants") or ():
             stage.GetPrimAtPath(prim_path).GetVariantSet(set_name).SetVariantSelection(variant)
+    _confine(stage, roots)  # again, for what the variants brought
     units = _root_metadata(stage, "metersPerUnit")
     rate = _root_metadata(stage, "timeCodesPerSecond")
     rate = rate if rate is not None else _root_metadata(stage, "framesPerSecond")
@@ -94,7 +103,25 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         float(rate) if _is_positive(rate) else 24.0,
         float(settings.get("timeOrigin") or 0.0),
         int(settings.get("subdivLevel") or 0),
+        roots,
     )
+
+
+def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
+    """Whether a resolved asset, or the package around it, lies in one of the folders."""
+    real = os.path.realpath(resolved.split("[")[0])
+    return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
+
+
+def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
+    """Mute all layers from elsewhere: the converter was not allowed to read them."""
+    while True:
+        layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
+        outside = [layer for layer in layers if not is_within(layer.realPath, roots)]
+        if not outside:
+            return
+        for layer in outside:
+            stage.MuteLayer(layer.identifier)
 
 
 def sample_codes(stage: Usd.Stage) -> list[float]:

@@ -40,6 +40,8 @@ class TruthReader:
         for place in walk.placements():
             prim = place.prim
             matrix = self.truth.world(place.matrix)
+            if place.key != str(prim.GetPath()):
+                scene.made_of.setdefault(place.key, set()).add(str(prim.GetPath()))
             if prim.IsA(UsdGeom.Camera):
                 scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
                 continue
@@ -60,7 +62,7 @@ class TruthReader:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
                     pieces.setdefault(place.key, []).append((mesh, matrix))
-                elif mesh is not None and mesh.optional_triangles:
+                elif (mesh is not None and mesh.optional_triangles) or _is_pointless(prim, time):
                     scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
@@ -71,6 +73,9 @@ class TruthReader:
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
         self.instancers, self.skipped = walk.instancers, walk.skipped
         self.outermost = walk.outermost
+        for path in walk.not_finite:
+            lost = ("instancer-invalid", "instances that are not finite or name no prototype")
+            scene.lost.setdefault(path, []).append(lost)
         scene.matrices = self.matrices(time)
         return scene
 
@@ -102,6 +107,17 @@ class TruthReader:
                 world = xforms.GetLocalToWorldTransform(prim)
                 result[str(prim.GetPath())] = [self.truth.node_world(world)]
         return result
+
+
+def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
+    """Whether curves or a patch have no points, or a TetMesh no boundary."""
+    if prim.IsA(UsdGeom.TetMesh):
+        tets = UsdGeom.TetMesh(prim)
+        faces = tets.GetSurfaceFaceVertexIndicesAttr().Get(time)
+        return not faces and not UsdGeom.TetMesh.ComputeSurfaceFaces(tets, time)
+    return bool(prim.IsA(UsdGeom.PointBased)) and not UsdGeom.PointBased(prim).GetPointsAttr().Get(
+        time
+    )
 
 
 def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 _MAX_INSTANCER_DEPTH = 8
+_IDENTITY = Gf.Matrix4d(1.0)
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 
 
@@ -35,6 +36,8 @@ class StageWalk:
         """Paths of the outermost instancers that were met."""
         self.outermost: dict[str, set[str]] = {}
         """By path of each instancer within another's prototype, the outermost ones around it."""
+        self.not_finite: set[str] = set()
+        """Instancers with instances that nothing can draw."""
         self.skipped: dict[str, str] = {}
         """Drawable prims left out, by path: `invisible` or their purpose."""
 
@@ -87,22 +90,32 @@ class StageWalk:
         transforms = schema.ComputeInstanceTransformsAtTime(
             time,
             time,
-            UsdGeom.PointInstancer.IncludeProtoXform,
+            # Included, one index that names no prototype would leave nothing of all instances.
+            UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
         if len(transforms) != len(indices):
             return
         mask = schema.ComputeMaskAtTime(self.time)
-        parts = {
-            index: list(self._prototype_parts(self.stage.GetPrimAtPath(target)))
+        prototypes = {
+            index: self.stage.GetPrimAtPath(target)
             for index, target in enumerate(targets)
             if index in indices
+        }
+        parts = {index: list(self._prototype_parts(p)) for index, p in prototypes.items()}
+        own = {
+            index: UsdGeom.Xformable(prim).GetLocalTransformation(time)
+            for index, prim in prototypes.items()
+            if UsdGeom.Xformable(prim)
         }
         for number, (index, transform) in enumerate(zip(indices, transforms, strict=True)):
             if len(mask) and not mask[number]:
                 continue
+            if not 0 <= index < len(targets) or not _fits_float32(transform):
+                self.not_finite.add(str(instancer.GetPath()))
+                continue
             for prim, relative in parts.get(int(index), ()):
-                place = relative * transform * world
+                place = relative * own.get(int(index), _IDENTITY) * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
                     self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
                     yield from self._instances(prim, key, place, depth + 1)
@@ -147,3 +160,8 @@ class StageWalk:
 def is_light(prim: Usd.Prim) -> bool:
     """Whether the prim is a light of UsdLux (any schema that carries LightAPI)."""
     return prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.BoundableLightBase)
+
+
+def _fits_float32(matrix: Gf.Matrix4d) -> bool:
+    values = np.abs(np.array(matrix))
+    return bool((values <= float(np.finfo(np.float32).max)).all())

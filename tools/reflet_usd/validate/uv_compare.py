@@ -8,10 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from .checks import BARS, Checks
-from .compare import attribute_distance
+from .distances import attribute_distance
 from .facts import Corners, Scene
-
-_PACKED = ("texture-packed-transform",)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,11 +51,7 @@ def _compare_use(
         both=False,
     )
     text = f"{use.attribute} for '{use.primvar}' of {use.material}"
-    # Textures of two UV sets that were packed into one: the warning is on the texture.
-    if checks.excuse(use.material, _PACKED):
-        checks.add("uvs", use.material, distance / reach, text, excuses=_PACKED)
-    else:
-        checks.add("uvs", key, distance / reach, text)
+    checks.add("uvs", key, distance / reach, text)
 
 
 def _carrying(corners: Corners, material: str) -> np.ndarray:

@@ -1,0 +1,337 @@
+"""Damaged outputs beside an honest sidecar: no warning may excuse what it does not speak of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pygltflib as gl
+import pytest
+from convert_materials import noise, save, texture
+from convert_materials import stage as material_stage
+from convert_reading import convert_text
+from reflet_usd import cli
+
+FACE = """
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+"""
+UVS = """
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+"""
+NORMALS = """
+    normal3f[] normals = [(0, 0, 1), (0, 0.6, 0.8), (0.6, 0, 0.8), (0, 0, 1)] (
+        interpolation = "vertex"
+    )
+"""
+Damage = Callable[["Output"], None]
+
+
+class Output:
+    """A converted .glb that is to be damaged."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.gltf = gl.GLTF2().load(str(path))
+        self.blob = bytearray(self.gltf.binary_blob() or b"")
+
+    def rewrite(self, accessor: int, change: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Change an accessor of floats in place."""
+        entry = self.gltf.accessors[accessor]
+        view = self.gltf.bufferViews[entry.bufferView]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[entry.type]
+        start = (view.byteOffset or 0) + (entry.byteOffset or 0)
+        values = np.frombuffer(self.blob, np.float32, entry.count * width, start)
+        changed = change(values.reshape(-1, width).copy()).astype(np.float32)
+        self.blob[start : start + changed.nbytes] = changed.tobytes()
+        if entry.min is not None:
+            entry.min, entry.max = changed.min(0).tolist(), changed.max(0).tolist()
+
+    def attributes(self, name: str) -> list[int]:
+        """The accessors of an attribute of all primitives."""
+        found = {
+            getattr(primitive.attributes, name)
+            for mesh in self.gltf.meshes
+            for primitive in mesh.primitives
+        }
+        return sorted(found - {None})
+
+    def save(self) -> None:
+        """Write it over the good one."""
+        self.gltf.set_binary_blob(bytes(self.blob))
+        self.gltf.save_binary(str(self.path))
+
+
+def lose(prim: str) -> Damage:
+    """Nothing is left of what the prim draws."""
+
+    def damage(out: Output) -> None:
+        hit = [n for n in out.gltf.nodes if (n.extras or {}).get("prim", "").startswith(prim)]
+        assert hit
+        for node in hit:
+            node.mesh = node.camera = node.extensions = None
+
+    return damage
+
+
+def change(name: str, how: Callable[[np.ndarray], np.ndarray]) -> Damage:
+    """An attribute of all meshes is another one."""
+
+    def damage(out: Output) -> None:
+        found = out.attributes(name)
+        assert found
+        for accessor in found:
+            out.rewrite(accessor, how)
+
+    return damage
+
+
+grow = change("POSITION", lambda values: values * 9)
+turn_normals = change("NORMAL", lambda values: values[:, [1, 2, 0]])
+move_uvs = change("TEXCOORD_0", lambda values: values * 5 + 3)
+
+
+def place(out: Output) -> None:
+    """Everything drawn is somewhere else."""
+    for node in out.gltf.nodes:
+        if node.mesh is not None or node.camera is not None:
+            node.translation = [7.0, 7.0, 7.0]
+
+
+def animate(out: Output) -> None:
+    """All keys hold other values."""
+    for sampler in out.gltf.animations[0].samplers:
+        out.rewrite(sampler.output, lambda values: values + 0.2)
+
+
+def look(**values: Any) -> Damage:
+    """Fields of the first material's pbrMetallicRoughness are others."""
+
+    def damage(out: Output) -> None:
+        for name, value in values.items():
+            setattr(out.gltf.materials[0].pbrMetallicRoughness, name, value)
+
+    return damage
+
+
+def hide_colors(out: Output) -> None:
+    """The last material shows another color."""
+    out.gltf.materials[-1].pbrMetallicRoughness.baseColorFactor = [0.0, 1.0, 1.0, 1.0]
+
+
+def light(**values: Any) -> Damage:
+    """The first light is another one."""
+
+    def damage(out: Output) -> None:
+        out.gltf.extensions["KHR_lights_punctual"]["lights"][0].update(values)
+
+    return damage
+
+
+def zoom(out: Output) -> None:
+    """The camera sees another angle."""
+    out.gltf.cameras[0].perspective.yfov *= 0.3
+
+
+def clip(out: Output) -> None:
+    """The camera has another near plane."""
+    out.gltf.cameras[0].perspective.znear *= 0.5
+
+
+def mesh(name: str, body: str = "", api: str = "") -> str:
+    """A quad."""
+    schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
+    return f'def Mesh "{name}"{schemas}\n{{{FACE}{body}}}\n'
+
+
+UNIT = mesh(
+    "Unit",
+    'double3 xformOp:translate = (4, 0, 0)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n',
+)
+SUBSET = 'def GeomSubset "S" {\nuniform token familyName = "mine"\nint[] indices = [0]\n}\n'
+EMPTY = 'def Mesh "E" { }\n'
+EDGE = FACE.replace("[4]", "[4, 2]").replace("3]", "3, 0, 1]")
+STRING = 'string[] primvars:note = ["a", "b", "c", "d"] (interpolation = "vertex")\n'
+SPEED = "vector3f[] velocities = [(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)]\n"
+SHEARED = """
+    matrix4d xformOp:transform.timeSamples = {
+        0: ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
+        24: ((0, 1, 0, 0), (-1, 1, 0, 0), (0, 0, 2, 0), (3, 0, 0, 1))
+    }
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+"""
+PERSPECTIVE = """
+    matrix4d xformOp:transform = ((1, 0, 0, 0.2), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
+    uniform token[] xformOpOrder = ["xformOp:transform"]
+"""
+FROZEN = """
+    int[] faceVertexCounts.timeSamples = { 0: [4], 9: [3] }
+    int[] faceVertexIndices.timeSamples = { 0: [0, 1, 2, 3], 9: [0, 1, 2] }
+"""
+INSTANCER = """
+def PointInstancer "I"
+{
+    rel prototypes = </I/A>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
+    BODY
+    def Mesh "A" { FACE }
+}
+""".replace("FACE", FACE)
+LENS = 'def Camera "C"\n{\nfloat fStop = 2.8\nfloat focusDistance = 5\n}\n'
+BAD_CLIP = 'def Camera "C"\n{\nfloat2 clippingRange = (5, 1)\n}\n'
+GLASS = "color3f inputs:diffuseColor = (0.5, 0.2, 0.1)\nfloat inputs:opacity = 0.5\n"
+BRIGHT = "color3f inputs:diffuseColor = (2, 0.2, 0.1)\n"
+CUBE = """
+def Cube "K"
+{
+    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (0, 1, 1),
+        (1, 0, 1)] (interpolation = "uniform")
+}
+"""
+OTHER = """
+def Material "Odd"
+{
+    token outputs:surface.connect = </Odd/S.outputs:out>
+    def Shader "S"
+    {
+        uniform token info:id = "Mystery"
+        token outputs:out
+    }
+}
+"""
+UNBOUND = material_stage("color3f inputs:diffuseColor = (0.2, 0.2, 0.1)")
+NO_UVS = material_stage(
+    "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", texture("T", "t.png")
+).replace("primvars:st =", "primvars:other =")
+GONE = material_stage(
+    "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+    texture("T", "none.png", "float4 inputs:fallback = (0.1, 0.7, 0.2, 1)"),
+)
+PACKED = material_stage(
+    "float inputs:roughness.connect = </Mat/R.outputs:r>\n"
+    "float inputs:metallic.connect = </Mat/T.outputs:r>",
+    texture("R", "small.png") + texture("T", "t.png"),
+)
+DOME = 'def DomeLight "D"\n{\nfloat inputs:intensity = 1\n}\n'
+
+CASES: list[tuple[str, str, str, Damage]] = [
+    ("a subset below", mesh("M", SUBSET) + UNIT, "subset-dropped", lose("/M")),
+    ("an empty child", mesh("M", EMPTY) + UNIT, "mesh-empty", lose("/")),
+    ("an edge", f'def Mesh "M" {{{EDGE}}}\n', "face-degenerate", grow),
+    ("a string", mesh("M", STRING + UVS), "primvar-dropped", move_uvs),
+    ("a string on normals", mesh("M", STRING + NORMALS), "primvar-dropped", turn_normals),
+    ("velocities", mesh("M", SPEED), "velocities-dropped", grow),
+    (
+        "velocities of an instancer",
+        INSTANCER.replace("BODY", SPEED.replace(", (0, 0, 0), (0, 0, 0)]", "]")),
+        "velocities-dropped",
+        place,
+    ),
+    (
+        "frozen topology",
+        mesh("M", FROZEN).replace(
+            FACE,
+            FACE.split("int[]")[0]
+            + "point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\n",
+        ),
+        "geometry-animation-frozen",
+        grow,
+    ),
+    ("perspective", mesh("M", PERSPECTIVE) + UNIT, "transform-projective", place),
+    ("resampling", mesh("M", SHEARED) + UNIT, "animation-resampled", animate),
+    ("opacity", material_stage(GLASS), "opacity-approximated", look(roughnessFactor=1.0)),
+    (
+        "opacity and alpha",
+        material_stage(GLASS),
+        "opacity-approximated",
+        look(baseColorFactor=[0.5, 0.2, 0.1, 0.9]),
+    ),
+    (
+        "a clamp",
+        material_stage(BRIGHT),
+        "material-value-clamped",
+        look(baseColorFactor=[0.5, 0.2, 0.1, 1.0]),
+    ),
+    ("a lost texture", GONE, "texture-missing", look(baseColorFactor=[1.0, 1.0, 1.0, 1.0])),
+    ("a missing set", NO_UVS, "uv-missing", change("TEXCOORD_1", lambda v: v + 0.3)),
+    (
+        "a missing set on normals",
+        NO_UVS.replace("rel material", NORMALS + "rel material"),
+        "uv-missing",
+        turn_normals,
+    ),
+    ("a resized texture", PACKED, "texture-repacked", look(roughnessFactor=0.5)),
+    (
+        "colors of faces",
+        CUBE + mesh("M", "color3f[] primvars:displayColor = [(1, 0, 0)]\n"),
+        "primvar-order-assumed",
+        hide_colors,
+    ),
+    (
+        "another shader",
+        OTHER + mesh("N", "rel material:binding = </Odd>\n", "MaterialBindingAPI") + UNBOUND,
+        "material-unsupported",
+        look(metallicFactor=0.9, roughnessFactor=0.1),
+    ),
+    (
+        "an area",
+        'def RectLight "L" { }\n' + UNIT,
+        "area-light-approximated",
+        light(intensity=99999.0),
+    ),
+    (
+        "the color of an area",
+        'def DiskLight "L" { }\n' + UNIT,
+        "area-light-approximated",
+        light(color=[0, 1, 0]),
+    ),
+    (
+        "the power of a cylinder",
+        'def CylinderLight "L" { }\n' + UNIT,
+        "area-light-approximated",
+        light(intensity=0.01),
+    ),
+    (
+        "negative light",
+        'def SphereLight "L"\n{\nfloat inputs:intensity = -3\n}\n' + UNIT,
+        "light-invalid",
+        light(intensity=3.0),
+    ),
+    ("a lens", LENS + UNIT, "lens-dropped", zoom),
+    ("a lens elsewhere", LENS + UNIT, "lens-dropped", place),
+    ("a clipping range", BAD_CLIP + UNIT, "camera-clip-invalid", clip),
+    ("a dome", DOME + UNIT, "dome-light-external", lose("/Unit")),
+    ("a dome above", DOME.replace("}", UNIT + "}"), "dome-light-external", lose("/D/Unit")),
+    ("a volume", 'def Volume "V" { }\n' + UNIT, "Volume-dropped", lose("/Unit")),
+    ("a volume above", f'def Volume "V" {{\n{UNIT}}}\n', "Volume-dropped", lose("/V/Unit")),
+    ("curves", 'def NurbsCurves "N" { }\n' + UNIT, "curves-dropped", lose("/Unit")),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "warning", "damage"),
+    [c[1:] for c in CASES],
+    ids=[c[0].replace(" ", "-") for c in CASES],
+)
+def test_a_warning_excuses_nothing_but_what_it_names(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    text: str,
+    warning: str,
+    damage: Damage,
+) -> None:
+    save(tmp_path, "t.png", noise("RGB", (16, 16)))
+    save(tmp_path, "small.png", noise("RGB", (8, 8), seed=3))
+    done = convert_text(tmp_path, text)
+    assert warning in done.warnings()
+    command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
+    assert cli.main([*command, "--no-khronos"]) == 0, capsys.readouterr().out
+    output = Output(done.out)
+    damage(output)
+    output.save()
+    assert cli.main([*command, "--no-khronos"]) == 3, capsys.readouterr().out

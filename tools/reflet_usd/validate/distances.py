@@ -1,0 +1,67 @@
+"""Owns the distances between point sets and between attributes at the same places."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from .facts import Array
+
+_DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
+
+
+def one_way(points: Array, others: Array) -> float:
+    """Largest distance from any of `points` to its nearest of `others`, meters."""
+    if not len(points):
+        return 0.0
+    if not len(others):
+        return math.inf
+    return float(cKDTree(_distinct(others)).query(_distinct(points))[0].max())
+
+
+def _distinct(points: Array) -> Array:
+    """The points without exact repetitions: corners repeat each vertex about six times."""
+    # Equal points have equal projections; different ones share theirs only where 53 bits agree by
+    # accident, for the direction fits no lattice.
+    _, first = np.unique(points @ _DIRECTION[: points.shape[1]], return_index=True)
+    return points[first]
+
+
+def set_distance(first: Array, second: Array) -> float:
+    """Hausdorff distance of two point sets, meters."""
+    return max(one_way(first, second), one_way(second, first))
+
+
+def attribute_distance(
+    expected: tuple[Array, Array],
+    found: tuple[Array, Array],
+    tolerance: float,
+    step: float,
+    both: bool,
+) -> float:
+    """Largest distance of the attribute at corners of one place, searched as one joint space.
+
+    Positions count in units of `tolerance`, attributes in units of `step`, so a corner is paired
+    with the nearest attribute among the corners that share its place. Expected attributes that
+    are not finite are undefined, and not compared; in the output they are infinitely far away.
+    """
+    defined = np.isfinite(expected[1]).all(axis=1)
+    if not defined.all():
+        expected, both = (expected[0][defined], expected[1][defined]), False
+        drawn = np.isfinite(found[1]).all(axis=1)
+        found = (found[0][drawn], found[1][drawn])
+    if not len(expected[0]):
+        return 0.0
+    if not len(found[0]) or not np.isfinite(found[1]).all():
+        return math.inf
+    first = np.hstack([expected[0] / tolerance, expected[1] / step])
+    second = np.hstack([found[0] / tolerance, found[1] / step])
+    worst = 0.0
+    pairs = [(first, second)] + ([(second, first)] if both else [])
+    for points, others in pairs:
+        near = cKDTree(others).query(points, p=np.inf)[1]
+        difference = (points[:, 3:] - others[near][:, 3:]) * step
+        worst = max(worst, float(np.linalg.norm(difference, axis=1).max(initial=0.0)))
+    return worst

@@ -1,0 +1,196 @@
+"""Owns the documented rules by which a file follows a stage that glTF cannot repeat.
+
+Each is written into the session layer of the opened stage, in memory, so that usd-core evaluates
+the value that the file must hold, and nothing has to be excused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+
+from .usd_skel import split_instances
+
+_STAYS = re.compile(r"^animated (.+) stay at their first value")
+_FROZEN = {
+    "camera-animation-frozen",
+    "geometry-animation-frozen",
+    "instancer-animation-frozen",
+    "light-animation-frozen",
+    "points-animation-frozen",
+    "primvar-animation-frozen",
+}
+_INSTANCER_PARTS = {
+    "translation": ("positions",),
+    "rotation": ("orientations", "orientationsf"),
+    "scale": ("scales",),
+}
+_PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
+_VELOCITIES = ("velocities", "angularVelocities", "accelerations")
+_FAR = 1e9
+"""A weight that no animation reaches."""
+
+
+def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.TimeCode) -> None:
+    """Let the stage say what the file must show where the sidecar's `warnings` name a rule."""
+    chosen = [w for w in warnings if w["name"] in _FROZEN or w["name"] in _RULES]
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for warning in chosen:
+            if Sdf.Path.IsValidPathString(warning["prim"]):
+                split_instances(stage, warning["prim"])
+        for warning in chosen:
+            prim = _prim(stage, warning["prim"])
+            if prim is None or prim.IsInstanceProxy() or prim.IsInPrototype():
+                continue
+            if warning["name"] in _FROZEN:
+                _freeze(prim, warning.get("message", ""), rest)
+            else:
+                _RULES[warning["name"]](prim)
+
+
+def _prim(stage: Usd.Stage, path: str) -> Usd.Prim | None:
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    return prim if prim and path != "/" else None
+
+
+def _freeze(prim: Usd.Prim, message: str, rest: Usd.TimeCode) -> None:
+    """Give the attributes that the message names their value at rest for all times."""
+    match = _STAYS.match(message)
+    names = [name.strip() for name in match.group(1).split(",")] if match else []
+    if any(name.startswith("points") for name in names):
+        names = ["points", "normals", "primvars:normals"]
+    if prim.IsA(UsdGeom.PointInstancer):
+        parts = [part for name in names for part in _INSTANCER_PARTS.get(name, (name,))]
+        # Where how many there are changes, nothing of the instancer moves.
+        names = list(_PLACING) if set(parts) & {"protoIndices", "ids"} else parts
+    for name in names:
+        attribute = prim.GetAttribute(name)
+        value = attribute.Get(rest) if attribute else None
+        if value is not None:
+            attribute.Set(value)
+
+
+def _forget_velocities(prim: Usd.Prim) -> None:
+    """Points and instances are interpolated between their keys."""
+    for name in _VELOCITIES:
+        if prim.HasAttribute(name):
+            prim.GetAttribute(name).Block()
+
+
+def _forget_inbetweens(prim: Usd.Prim) -> None:
+    for inbetween in UsdSkel.BlendShape(prim).GetInbetweens():
+        inbetween.SetWeight(_FAR)
+
+
+def _skin_linearly(prim: Usd.Prim) -> None:
+    UsdSkel.BindingAPI(prim).GetSkinningMethodAttr().Set(UsdSkel.Tokens.classicLinear)
+
+
+def _normalize_weights(prim: Usd.Prim) -> None:
+    """Weights of joints that are there sum to 1; a point without any follows the first joint."""
+    api = UsdSkel.BindingAPI(prim)
+    weights, indices = (
+        UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(f"skel:joint{name}")
+        for name in ("Weights", "Indices")
+    )
+    raw, numbers = weights.Get(), indices.Get()
+    width = max(weights.GetElementSize(), 1)
+    if raw is None or numbers is None or len(raw) != len(numbers) or len(raw) % width:
+        return
+    values: Any = np.array(raw, dtype=np.float64).reshape(-1, width)
+    joints: Any = np.array(numbers, dtype=np.int64).reshape(-1, width)
+    count = _joint_count(prim)
+    outside = (joints < 0) | (joints >= count)
+    values = np.where(np.isfinite(values) & (values > 0.0) & ~outside, values, 0.0)
+    totals = values.sum(axis=1, keepdims=True)
+    values = np.divide(values, totals, out=values, where=totals > 0.0)
+    values[totals[:, 0] <= 0.0, 0] = 1.0
+    joints = np.where(outside, 0, joints)
+    constant = weights.GetInterpolation() == UsdGeom.Tokens.constant
+    api.CreateJointWeightsPrimvar(constant, width).Set(
+        Vt.FloatArray.FromNumpy(values.astype(np.float32).reshape(-1))
+    )
+    api.CreateJointIndicesPrimvar(constant, width).Set(
+        Vt.IntArray.FromNumpy(joints.astype(np.int32).reshape(-1))
+    )
+
+
+def _joint_count(prim: Usd.Prim) -> int:
+    own = UsdSkel.BindingAPI(prim).GetJointsAttr().Get()
+    if own:
+        return len(own)
+    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    names = skeleton.GetJointsAttr().Get() if skeleton else None
+    return len(names or ())
+
+
+def _normalize_rotations(prim: Usd.Prim) -> None:
+    """Quaternions of the skeleton's animation have length 1."""
+    source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+    attribute = UsdSkel.Animation(source).GetRotationsAttr() if source else None
+    if not attribute:
+        return
+    codes = attribute.GetTimeSamples()
+    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    found = [(time, attribute.Get(time)) for time in times]
+    for time, value in found:
+        if value is not None:
+            attribute.Set(Vt.QuatfArray([Gf.Quatf(q).GetNormalized() for q in value]), time)
+
+
+def _finite_weights(prim: Usd.Prim) -> None:
+    """Weights of blend shapes that are no numbers are 0."""
+    source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    if not source and skeleton:
+        source = UsdSkel.BindingAPI(skeleton.GetPrim()).GetAnimationSource()
+    attribute = UsdSkel.Animation(source).GetBlendShapeWeightsAttr() if source else None
+    if not attribute:
+        return
+    codes = attribute.GetTimeSamples()
+    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    found = [(time, np.array(attribute.Get(time) or [], dtype=np.float32)) for time in times]
+    for time, values in found:
+        usable = np.where(np.isfinite(values), values, np.float32(0.0))
+        attribute.Set(Vt.FloatArray.FromNumpy(usable), time)
+
+
+def _without_perspective(prim: Usd.Prim) -> None:
+    """The prim's own matrices, w divided out, without a fourth column; else the identity."""
+    xformable = UsdGeom.Xformable(prim)
+    codes = xformable.GetTimeSamples()
+    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    matrices = [xformable.GetLocalTransformation(time) for time in times]
+    reset = xformable.GetResetXformStack()
+    op = xformable.MakeMatrixXform()
+    xformable.SetXformOpOrder([op], reset)
+    for time, matrix in zip(times, matrices, strict=True):
+        op.Set(_affine(matrix), time)
+
+
+def _affine(matrix: Gf.Matrix4d) -> Gf.Matrix4d:
+    values = np.array(matrix, dtype=np.float64)
+    w = float(values[3, 3])
+    if np.isfinite(w) and w != 0.0:
+        values[:, :3] /= w
+    values[:, 3] = (0.0, 0.0, 0.0, 1.0)
+    if not np.isfinite(values).all() or np.abs(values).max() >= 1e30:
+        values = np.eye(4)
+    return Gf.Matrix4d(values.tolist())
+
+
+_RULES: dict[str, Callable[[Usd.Prim], None]] = {
+    "inbetween-dropped": _forget_inbetweens,
+    "joint-index-out-of-range": _normalize_weights,
+    "joint-rotation-normalized": _normalize_rotations,
+    "points-non-finite": _finite_weights,
+    "skinning-dq-as-linear": _skin_linearly,
+    "transform-non-finite": _without_perspective,
+    "transform-projective": _without_perspective,
+    "velocities-dropped": _forget_velocities,
+    "weights-normalized": _normalize_weights,
+}
