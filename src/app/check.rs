@@ -13,6 +13,8 @@ use crate::{
 
 /// Frames are posed for so long; what a script or a track does wrong mostly shows in few of them.
 const POSING: Duration = Duration::from_secs(2);
+/// Lines that a script printed in its frames are shown up to so many.
+const MOST_LINES: usize = 100;
 
 /// Reports every problem of a scene.
 ///
@@ -23,7 +25,10 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     let motion = Motion::new(&loaded.desc);
     let first = motion.first_frame();
     let last = loaded.desc.timeline.as_ref().map_or(first, |t| t.end);
-    let posed = pose_all(&motion, &mut loaded.world, first..=last)?;
+    let mut log = Vec::new();
+    let posed = pose_all(&motion, &mut loaded.world, first..=last, &mut log);
+    print_log(log);
+    let posed = posed?;
     let all = last - first + 1;
     let frames = match posed {
         _ if all == 1 => String::new(),
@@ -41,11 +46,24 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     print_out(&format!("{}: ok{frames}{warnings}\n", loaded.name))
 }
 
-/// Poses frames while there is time, at least the first and the last; how many.
+/// What the script printed, in the order of the frames.
+fn print_log(mut log: Vec<(u32, String)>) {
+    log.sort_by_key(|(frame, _)| *frame);
+    for (frame, line) in log.iter().take(MOST_LINES) {
+        eprintln!("frame {frame}: {line}");
+    }
+    if let Some(more) = log.len().checked_sub(MOST_LINES).filter(|more| *more > 0) {
+        eprintln!("and {more} more lines of the script");
+    }
+}
+
+/// Poses frames while there is time, at least the first and the last; how many. What the script
+/// prints is added to `log`.
 fn pose_all(
     motion: &Motion,
     world: &mut World,
     frames: RangeInclusive<u32>,
+    log: &mut Vec<(u32, String)>,
 ) -> Result<u32, AppError> {
     let started = Instant::now();
     let (first, last) = (*frames.start(), *frames.end());
@@ -57,7 +75,11 @@ fn pose_all(
             break;
         }
         posed += 1;
-        let done = motion.pose(frame).and_then(|state| world.apply(&state));
+        let done = motion.pose(frame).and_then(|state| {
+            world.apply(&state)?;
+            log.extend(state.log.into_iter().map(|line| (frame, line)));
+            Ok(())
+        });
         for error in done.err().into_iter().flatten() {
             let same = wrong
                 .iter_mut()

@@ -10,7 +10,10 @@ use crate::gpu::Gpu;
 /// Name under which pictures carry it.
 pub const KEYWORD: &str = "reflet-fingerprint";
 
-/// The same for all frames of a command: version, scene, script, assets, settings and device. The
+/// Of the texts of this program and its shaders, made by `build.rs`.
+const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
+
+/// The same for all frames of a command: program, scene, script, assets, settings and device. The
 /// files' contents count and not their paths, so that shards on several machines agree.
 ///
 /// # Errors
@@ -25,7 +28,7 @@ pub fn of_run(args: &RenderArgs, loaded: &LoadedScene, gpu: &Gpu) -> Result<u128
         fs::read(path)
             .map_err(|error| AppError::Internal(format!("cannot read {}: {error}", path.display())))
     };
-    add(env!("CARGO_PKG_VERSION").as_bytes());
+    add(BUILT_FROM.as_bytes());
     add(loaded.text.as_bytes());
     for setting in &loaded.overrides {
         add(setting.as_bytes());

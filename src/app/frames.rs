@@ -1,6 +1,9 @@
 //! Which frames: `--frames`, `--timeline` and `--shard`, and the name of each frame's file.
 
-use std::path::{Path, PathBuf};
+use std::{
+    num::{IntErrorKind, ParseIntError},
+    path::{Path, PathBuf},
+};
 
 use super::error::AppError;
 use crate::scene::desc::TimelineDesc;
@@ -77,8 +80,12 @@ pub fn spans(frames: &[u32]) -> String {
 fn range(part: &str) -> Result<[u32; 3], String> {
     let number = |text: &str| {
         let text = text.trim();
-        text.parse::<u32>().map_err(|_| match text {
-            "" => format!("a number is missing in \"{part}\""),
+        text.parse::<u32>().map_err(|e| match e.kind() {
+            IntErrorKind::Empty if part.is_empty() => {
+                "frames are missing; write all, or such as 0-47, 1-20:2 or 1,3,5-9".to_owned()
+            }
+            IntErrorKind::Empty => format!("a number is missing in \"{part}\""),
+            IntErrorKind::PosOverflow => format!("\"{text}\" is too large for a frame number"),
             _ => format!("\"{text}\" is not a frame number, which is 0 or more"),
         })
     };
@@ -86,7 +93,13 @@ fn range(part: &str) -> Result<[u32; 3], String> {
         .split_once(':')
         .map_or((part, None), |(f, s)| (f, Some(s)));
     let step = match step {
-        Some(step) => number(step).map_err(|_| format!("the step \"{step}\" must be 1 or more"))?,
+        Some(step) => step.trim().parse().map_err(|e: ParseIntError| {
+            let should = match e.kind() {
+                IntErrorKind::PosOverflow => "is too large",
+                _ => "must be 1 or more",
+            };
+            format!("the step \"{step}\" {should}")
+        })?,
         None => 1,
     };
     let ends = frames.split_once("..").or_else(|| {
@@ -217,8 +230,9 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (text, says) in [
-            ("", "a number is missing"),
-            ("1,", "a number is missing"),
+            ("", "frames are missing; write all,"),
+            ("1,", "frames are missing"),
+            ("1-", "a number is missing in \"1-\""),
             ("x", "\"x\" is not a frame number"),
             ("-3", "\"-3\" is not a frame number"),
             ("5-3", "ends before it begins"),
@@ -226,7 +240,8 @@ mod tests {
             ("1-5:-1", "must be 1 or more"),
             ("5-21", "frame 21 is not in the timeline, which has 0 to 20"),
             ("1,3,2-4", "frame 3 is there twice"),
-            ("0-99999999999", "is not a frame number"),
+            ("0-99999999999", "is too large for a frame number"),
+            ("0-3:999999999999", "the step \"999999999999\" is too large"),
         ] {
             match FrameList::parse("--frames", text, &TIMELINE) {
                 Err(AppError::Usage(got)) => assert!(got.contains(says), "{text}: {got}"),

@@ -3,7 +3,7 @@
 
 use std::{
     collections::BTreeSet,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, SystemTime},
 };
@@ -13,6 +13,7 @@ use super::{
     cli::SceneArgs,
     error::AppError,
     params::{Declared, Tuned},
+    scene::load_options,
     watch::{Change, WatchList},
 };
 use crate::{
@@ -21,6 +22,7 @@ use crate::{
     scene::{
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
+        parse,
         trail::Trail,
     },
     world::{
@@ -33,7 +35,10 @@ mod pose;
 mod reload;
 
 pub use pose::Edit;
-use reload::{Waiting, options_of, read_library};
+use reload::{Read, Waiting, options_of, read_library};
+
+/// What is shown where there is no scene.
+const NOTHING: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
 
 /// Where a live scene comes from.
 #[derive(Clone, Debug)]
@@ -139,10 +144,42 @@ impl Live {
     /// As the command `render`: there is nothing good to keep yet.
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
-        let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
         let scripts = Trail::default();
         let read = reload::read(&origin, &Tuned::default(), &scripts, 0);
-        let read = read.map_err(AppError::Scene)?;
+        Self::build(
+            gpu,
+            origin,
+            wishes,
+            scripts,
+            read.map_err(AppError::Scene)?,
+            read_since,
+        )
+    }
+
+    /// An empty picture in place of a scene that has mistakes, until they are gone; they are among
+    /// its problems.
+    ///
+    /// # Errors
+    /// As [`Live::open`], but none of the scene.
+    pub fn open_waiting(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
+        let empty = nothing(&origin).map_err(AppError::Scene)?;
+        let (scripts, now) = (Trail::default(), SystemTime::now());
+        let mut live = Self::build(gpu, origin, wishes, scripts, empty, now)?;
+        live.warnings.clear(); // that there is nothing to see
+        live.reload(&[Change::Scene, Change::Asset].into());
+        Ok(live)
+    }
+
+    /// Builds what was read.
+    fn build(
+        gpu: Arc<Gpu>,
+        origin: Origin,
+        wishes: Wishes,
+        scripts: Trail,
+        read: Read,
+        read_since: SystemTime,
+    ) -> Result<Self, AppError> {
+        let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
         let state = read.pose().map_err(AppError::Scene)?;
         let loaded = load::load_kept(&read.desc, &read.options);
         let (mut world, kept) = loaded.map_err(AppError::Scene)?;
@@ -278,4 +315,17 @@ impl Live {
         let of_setup = self.desc.script.iter().flat_map(|s| s.setup_log());
         of_setup.chain(&self.log)
     }
+}
+
+/// A scene with nothing in it.
+fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
+    let (desc, warnings) = parse::parse(NOTHING, Path::new("nothing"), &[])?;
+    Ok(Read {
+        desc,
+        warnings,
+        declared: Declared::default(),
+        tuned: Tuned::default(),
+        frame: 0,
+        options: load_options(&origin.from, &Trail::default()),
+    })
 }

@@ -293,7 +293,7 @@ pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
 }
 
 impl Material {
-    /// The numbers that motion may change.
+    /// The numbers that motion may change; the strength is in the emission already.
     pub fn numbers(&self) -> Box<MaterialDesc> {
         Box::new(MaterialDesc {
             base_color: Some(self.base_color.truncate()),
@@ -306,12 +306,13 @@ impl Material {
             emission: Some(self.emission),
             emission_strength: Some(1.0),
             reflectivity: Some(self.reflectivity),
+            checker: self.checker,
             ..MaterialDesc::default()
         })
     }
 
     /// Sets the numbers that motion may change, where `desc` says them.
-    fn set_numbers(&mut self, desc: &MaterialDesc) {
+    pub fn set_numbers(&mut self, desc: &MaterialDesc) {
         fn set<T>(slot: &mut T, value: Option<T>) {
             if let Some(value) = value {
                 *slot = value;

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "not every test uses every helper")]
 
 pub mod animated;
+pub mod readme;
 
 use std::path::{Path, PathBuf};
 

@@ -57,3 +57,20 @@ fn check_reports_the_first_frame_of_each_mistake() {
         assert_eq!(err.matches(says).count(), 1, "{says}: {err}");
     }
 }
+
+#[test]
+fn check_shows_what_the_script_prints_in_the_order_of_the_frames() {
+    let folder = folder("check-prints");
+    let script = SCRIPT.replace(
+        "fn frame(ctx) {\n",
+        "fn frame(ctx) {\n    print(`at ${ctx.frame}`);\n",
+    );
+    let script = format!("fn setup(ctx) {{ print(\"once\"); }}\n{script}");
+    fs::write(folder.join("s.rhai"), script).expect("temporary script");
+    let (code, _, err) = reflet(&folder, "check", "scene.toml");
+    assert_eq!(code, Some(0), "{err}");
+    let lines: Vec<_> = err.lines().collect();
+    let frames = (0..6).map(|frame| format!("frame {frame}: at {frame}"));
+    let wanted: Vec<_> = std::iter::once("once".to_owned()).chain(frames).collect();
+    assert_eq!(lines, wanted);
+}

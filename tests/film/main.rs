@@ -6,6 +6,7 @@ mod checked;
 mod common;
 mod full;
 mod places;
+mod readme;
 #[cfg(unix)]
 mod stopped;
 

@@ -3,15 +3,17 @@
 
 use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
 
+use glam::Vec3;
 use reflet::{
     app::{
-        live::{Edit, Live, Reload},
+        cli::SceneArgs,
+        live::{Edit, Live, Origin, Reload, Wishes},
         params::Tuned,
         watch::Change,
     },
     gpu::Gpu,
     render::Redone,
-    scene::desc::ParamValue,
+    scene::{desc::ParamValue, motion::number::MATERIAL},
 };
 
 use crate::{
@@ -301,16 +303,24 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
     };
     session.live.pose(10);
     let material = red(&session);
-    let edit = Edit {
-        material,
-        reflectivity: 0.9,
-        roughness: 0.0,
-        metallic: 1.0,
-    };
+    let mut edit = Edit::new(material);
+    for (field, value) in MATERIAL.iter().zip(&mut edit.values) {
+        *value = match field.key {
+            "reflectivity" => Some(Vec3::splat(0.9)),
+            "roughness" => Some(Vec3::ZERO),
+            "metallic" => Some(Vec3::ONE),
+            "emission" => Some(Vec3::new(0.0, 0.5, 2.0)),
+            "emission_strength" => Some(Vec3::splat(2.0)),
+            _ => None,
+        };
+    }
+    session.live.edit(edit).expect("is taken");
     session.live.edit(edit).expect("is taken");
     let shiny = |session: &Session| {
         let now = &session.live.world().materials[red(session)];
-        (now.reflectivity, now.roughness, now.metallic) == (0.9, 0.0, 1.0)
+        let dielectric = (now.reflectivity, now.roughness, now.metallic);
+        // Twice the same edit is not four times the strength.
+        dielectric == (0.9, 0.0, 1.0) && now.emission == Vec3::new(0.0, 1.0, 4.0)
     };
     assert!(shiny(&session));
     session.live.pose(30);
@@ -345,4 +355,39 @@ fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
     assert!(session.live.reload(&[Change::Scene].into()).ok);
     assert_eq!(session.live.renderer().unit_m(), unit_m);
     assert!(session.picture() == session.afresh(40, &[]));
+}
+
+#[test]
+fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    let path = folder.write(
+        "scene.toml",
+        SCENE.replace("kind = \"box\"", "kind = \"bx\""),
+    );
+    let origin = Origin {
+        path: Some(path),
+        from: SceneArgs {
+            set: Vec::new(),
+            assets: Vec::new(),
+        },
+        shaders: None,
+    };
+    let mut live = Live::open_waiting(gpu.clone(), origin, Wishes::default())
+        .unwrap_or_else(|e| panic!("{e:?}"));
+    assert!(live.problems.scene[0].to_string().contains("bx"));
+    assert!(live.world().instances.is_empty());
+    assert!(!picture(&gpu, &mut live).is_empty());
+    let (list, _) = live.watch_list();
+    assert!(
+        list.files
+            .iter()
+            .any(|(path, _)| path.ends_with("scene.toml"))
+    );
+    let path = folder.write("scene.toml", SCENE);
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert!(live.problems.is_empty() && live.warnings.is_empty());
+    let mended = picture(&gpu, &mut live);
+    assert!(mended == picture(&gpu, &mut open(&gpu, &path, None)));
 }

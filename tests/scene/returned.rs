@@ -207,3 +207,55 @@ fn printed_lines_say_where_they_come_from() {
     ];
     assert_eq!(lines, expected);
 }
+
+/// What `setup` would have added is not known after a mistake: that it is missing is none.
+#[test]
+fn names_that_a_broken_script_would_add_are_not_reported() {
+    const GOOD: &str = "fn setup(ctx) {\n    \
+        let hop = #{ name: \"hop1\", model: \"ball\", dynamic: true };\n    \
+        hop.translation = [0, ctx.params.height, 0];\n    \
+        #{ instances: [hop], materials: #{ tin: #{} }, lights: #{ top: #{ kind: \"point\" } } }\n}\n";
+    const SCENE: &str = "script = \"hop.rhai\"\nversion = 1\nparams = { height = 0.5 }\n\
+        timeline = { end = 10 }\n[model.ball]\nshape = { kind = \"sphere\" }\nmaterial = \"tin\"\n\
+        [motion.camera.main]\ntarget = { follow = { instance = \"hop1\" } }\n[camera.main]\n\
+        [motion.instance.hop1]\nrotation_deg = { rate = [0, 90, 0] }\n\
+        [motion.light.top]\nposition = { rate = [0, 1, 0] }\n";
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("returned-names");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    let read = |script: &str, set: &[&str]| {
+        fs::write(folder.join("hop.rhai"), script).expect("the script can be written");
+        let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
+        parse::parse(SCENE, &folder.join("scene.toml"), &set)
+    };
+    let good = read(GOOD, &[]);
+    assert!(good.is_ok(), "{good:?}");
+    let deep = format!("{GOOD}fn f(n) {{ f(n + 1) }}\n").replace("let hop", "f(0); let hop");
+    for (script, set, says) in [
+        (GOOD.replace("let hop", "let let"), None, "script-syntax"),
+        (
+            GOOD.replace("let hop", "throw \"stop\"; let hop"),
+            None,
+            "stop",
+        ),
+        (deep, None, "hop.rhai"),
+        (GOOD.replace("model:", "modle:"), None, "modle"),
+        (GOOD.to_owned(), Some("params.height=nan"), "height"),
+        (GOOD.to_owned(), Some("timeline.end=-1"), "end"),
+    ] {
+        let errors = read(&script, set.as_slice()).expect_err("it is wrong");
+        let text: String = errors.iter().map(ToString::to_string).collect();
+        assert!(
+            errors[0].to_string().contains(says),
+            "no {says:?} in {text}"
+        );
+        assert!(
+            errors.iter().all(|e| e.name != "dangling-name"),
+            "a false mistake in {text}"
+        );
+    }
+    // What no script is needed for is still known.
+    let wrong = SCENE.replace("\"hop1\"", "\"hop2\"");
+    fs::write(folder.join("hop.rhai"), GOOD).expect("the script can be written");
+    let errors = parse::parse(&wrong, &folder.join("scene.toml"), &[]).expect_err("no hop2");
+    assert_eq!(errors[0].name, "dangling-name");
+}

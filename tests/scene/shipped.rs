@@ -58,40 +58,57 @@ fn every_shipped_scene_loads() {
     }
 }
 
+/// The story of the README after its scene, its motion and its script: the files of a folder.
 #[test]
-fn the_scene_in_the_readme_loads() {
-    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
-    let (_, after) = readme.split_once("```toml\n").expect("a scene");
-    let (text, _) = after.split_once("```").expect("its end");
-    let (desc, warnings) =
-        parse::parse(text, Path::new("README.md"), &[]).unwrap_or_else(|e| panic!("{}", said(&e)));
-    assert!(warnings.is_empty(), "{}", said(&warnings));
-    let world = load::load(&desc, &LoadOptions::default());
-    assert!(world.is_ok());
+fn the_story_of_the_readme_holds_at_each_step() {
+    let readme = crate::common::readme::Story::read();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
+    let read = |text: &str| {
+        let (desc, warnings) = parse::parse(text, &folder.join("my.toml"), &[])
+            .unwrap_or_else(|e| panic!("{}", said(&e)));
+        assert!(warnings.is_empty(), "{}", said(&warnings));
+        let mut world =
+            load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{}", said(&e)));
+        let motion = Motion::new(&desc);
+        [0, 7].map(|frame| {
+            let state = motion.pose(frame);
+            let state = state.unwrap_or_else(|e| panic!("{}", said(&e)));
+            let applied = world.apply(&state);
+            applied.unwrap_or_else(|e| panic!("{}", said(&e)));
+            state
+        })
+    };
+    let [scene, moving, scripted] = readme.scenes();
+    let [first, later] = read(&scene);
+    assert_eq!(first.instances, later.instances, "nothing moves yet");
+    let [first, later] = read(&moving);
+    assert_eq!(first.instances.len(), 2);
+    assert_ne!(first.instances[1], later.instances[1]);
+    assert_ne!(first.cameras, later.cameras);
+    let [first, later] = read(&scripted);
+    assert_eq!(first.instances.len(), 5);
+    assert_ne!(first.instances[4], later.instances[4]);
+    assert_ne!(first.materials, later.materials);
 }
 
 #[test]
-fn the_script_in_the_readme_poses_its_scene() {
-    let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
-    let block = |fence: &str| {
-        let (_, after) = readme.split_once(fence).expect("a block");
-        after.split_once("```").expect("its end").0
-    };
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
+fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
+    let readme = crate::common::readme::Story::read();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme-still");
     fs::create_dir_all(&folder).expect("temporary folder");
-    fs::write(folder.join("hop.rhai"), block("```rust\n")).expect("written");
-    let scene = block("```toml\n");
-    let text = format!("script = \"hop.rhai\"\n{scene}\n[timeline]\nend = 47\n");
-    let (desc, warnings) = parse::parse(&text, &folder.join("scene.toml"), &[])
+    fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
+    let [scene, ..] = readme.scenes();
+    let text = format!("{}{scene}", readme.script_line);
+    let (_, warnings) = parse::parse(&text, &folder.join("my.toml"), &[])
         .unwrap_or_else(|e| panic!("{}", said(&e)));
-    assert!(warnings.is_empty(), "{}", said(&warnings));
-    let motion = Motion::new(&desc);
-    let [first, later] = [0, 7].map(|frame| {
-        motion
-            .pose(frame)
-            .unwrap_or_else(|e| panic!("{}", said(&e)))
-    });
-    assert_eq!(first.instances.len(), 4);
-    assert_ne!(first.instances[3], later.instances[3]);
-    assert_ne!(first.materials, later.materials);
+    let text = said(&warnings);
+    for part in [
+        "no-timeline",
+        "my.toml:1:1",
+        "the script has `fn frame(ctx)`, but there is no `[timeline]`",
+    ] {
+        assert!(text.contains(part), "no {part:?} in {text}");
+    }
 }

@@ -3,7 +3,11 @@
 use super::{Live, reload::pose_of};
 use crate::{
     render::{Redone, RenderError},
-    scene::diagnostic::Diagnostic,
+    scene::{
+        desc::MaterialDesc,
+        diagnostic::Diagnostic,
+        motion::{Values, number::MATERIAL},
+    },
     world::World,
 };
 
@@ -12,20 +16,38 @@ use crate::{
 pub struct Edit {
     /// Index of the material.
     pub material: usize,
-    /// Specular reflectance at normal incidence, 0 to 1.
-    pub reflectivity: f32,
-    /// Perceptual roughness, 0 to 1.
-    pub roughness: f32,
-    /// 0 to 1.
-    pub metallic: f32,
+    /// Of each field of [`MATERIAL`]: what it is set to. Emission and its strength are set
+    /// together, for a material keeps only their product.
+    pub values: Values,
 }
 
 impl Edit {
+    /// Of nothing yet.
+    pub fn new(material: usize) -> Self {
+        Self {
+            material,
+            values: Values::default(),
+        }
+    }
+
+    /// What it makes of a material.
+    pub fn over(&self, desc: &MaterialDesc) -> MaterialDesc {
+        let mut desc = desc.clone();
+        for (field, value) in MATERIAL.iter().zip(self.values) {
+            if let Some(value) = value {
+                field.put_clamped(&mut desc, value);
+            }
+        }
+        desc
+    }
+
     fn put(&self, world: &mut World) {
         let material = &mut world.materials[self.material];
-        material.reflectivity = self.reflectivity;
-        material.roughness = self.roughness;
-        material.metallic = self.metallic;
+        let desc = MaterialDesc {
+            checker: material.checker, // of which some numbers may be set
+            ..MaterialDesc::default()
+        };
+        material.set_numbers(&self.over(&desc));
     }
 }
 
@@ -61,6 +83,12 @@ impl Live {
         }
         self.posed = frame;
         Ok(())
+    }
+
+    /// What of a material is changed now.
+    pub fn edit_of(&self, material: usize) -> Edit {
+        let known = self.edits.iter().find(|edit| edit.material == material);
+        known.copied().unwrap_or_else(|| Edit::new(material))
     }
 
     /// Changes a material until the scene is next saved.

@@ -255,10 +255,11 @@ impl Live {
 
     /// Another number of things may give the materials other places.
     fn edit_again(&mut self, edited: Vec<(String, Edit)>) {
-        for (name, edit) in edited {
+        for (name, mut edit) in edited {
             let found = self.world.materials.iter().position(|m| m.name == name);
-            let again = found.map(|material| self.edit(Edit { material, ..edit }));
-            if let Some(Err(error)) = again {
+            let Some(material) = found else { continue };
+            edit.material = material;
+            if let Err(error) = self.edit(edit) {
                 self.problems.refused = Some(error.to_string());
             }
         }

@@ -83,6 +83,8 @@ pub fn free_name(folder: &Path, stem: &str) -> PathBuf {
 mod tests {
     use std::time::Instant;
 
+    use glam::Vec3;
+
     use super::*;
     use crate::{
         app::{live::Edit, params::Tuned, watch::Change},
@@ -93,12 +95,9 @@ mod tests {
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
         let desk = Desk::default();
         let edit = |material, roughness| {
-            Task::Edit(Edit {
-                material,
-                reflectivity: 0.5,
-                roughness,
-                metallic: 0.0,
-            })
+            let mut edit = Edit::new(material);
+            edit.values[2] = Some(Vec3::splat(roughness));
+            Task::Edit(edit)
         };
         desk.ask(Task::Reload([Change::Scene].into(), Instant::now()));
         for roughness in [0.1, 0.2, 0.3] {

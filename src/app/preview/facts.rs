@@ -12,7 +12,7 @@ use crate::{
     math::Bounds,
     render::{aov::Aov, stats::FrameStats},
     scene::{
-        desc::{CameraDesc, Method, TimelineDesc},
+        desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
         diagnostic::Diagnostic,
     },
 };
@@ -108,7 +108,9 @@ pub enum Task {
 pub struct Row {
     /// Name in the scene or file.
     pub name: String,
-    /// Its numbers.
+    /// Its numbers in the frame that is shown.
+    pub numbers: MaterialDesc,
+    /// What of them is changed by hand.
     pub edit: Edit,
     /// How many instances have it.
     pub uses: usize,
@@ -149,12 +151,8 @@ impl Facts {
         let world = live.world();
         let row = |(material, m): (usize, &crate::world::Material)| Row {
             name: m.name.clone(),
-            edit: Edit {
-                material,
-                reflectivity: m.reflectivity,
-                roughness: m.roughness,
-                metallic: m.metallic,
-            },
+            numbers: *m.numbers(),
+            edit: live.edit_of(material),
             uses: 0,
             bounds: Bounds::EMPTY,
         };

@@ -1,6 +1,10 @@
 //! `preview`: a window on a scene that follows its files.
 
-use std::{env, path::PathBuf, sync::Arc};
+use std::{
+    env,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use eframe::{
     egui,
@@ -21,6 +25,7 @@ mod canvas;
 mod desk;
 mod facts;
 mod inspect;
+mod materials;
 mod messages;
 pub mod navigate;
 mod panels;
@@ -53,7 +58,7 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// A scene that cannot be shown at first, no usable GPU, no display.
+/// A scene that is not there, a camera that it does not have, no usable GPU, no display.
 pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let shots = match &args.screenshots {
         Some(folder) if folder.is_dir() => folder.clone(),
@@ -79,7 +84,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         method: args.method.map(Method::from),
         samples: Some(1),
     };
-    let live = Live::open(gpu.clone(), origin, wishes)?;
+    let live = open(&gpu, origin, wishes, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
     let facts = Facts::of(&live);
     let method = args.method.map_or(facts.method, Method::from);
@@ -126,6 +131,19 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
             "no window can be opened: {error}; `reflet render` needs none"
         ))
     })
+}
+
+/// The scene; where its text is there but has mistakes, they are shown and mended in the window,
+/// unless that is not to wait.
+fn open(gpu: &Arc<Gpu>, origin: Origin, wishes: Wishes, waits: bool) -> Result<Live, AppError> {
+    let is_there = origin.path.as_deref().is_some_and(Path::is_file);
+    match Live::open(gpu.clone(), origin.clone(), wishes) {
+        Err(AppError::Scene(errors)) if waits && is_there => {
+            print_diagnostics(&errors);
+            Live::open_waiting(gpu.clone(), origin, wishes)
+        }
+        opened => opened,
+    }
 }
 
 /// Index of the named camera; without a name `main`, else the first.

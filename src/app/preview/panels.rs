@@ -301,55 +301,6 @@ pub fn judged(ui: &mut Ui, judged: Option<&Judged>, is_old: bool, choice: &mut C
         });
 }
 
-/// The list of materials, and the numbers of the selected one.
-pub fn materials(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
-    egui::CollapsingHeader::new("Materials")
-        .default_open(true)
-        .show(ui, |ui| {
-            egui::ScrollArea::vertical()
-                .id_salt("materials")
-                .max_height(110.0)
-                .show(ui, |ui| {
-                    for row in &facts.materials {
-                        let index = row.edit.material;
-                        let text = format!("{}  ×{}", row.name, row.uses);
-                        if ui
-                            .selectable_label(choice.material == Some(index), text)
-                            .clicked()
-                        {
-                            choice.material = (choice.material != Some(index)).then_some(index);
-                        }
-                    }
-                });
-            let selected = choice.material.and_then(|index| facts.materials.get(index));
-            let Some(row) = selected else {
-                ui.weak("click one here or in the picture");
-                return;
-            };
-            let mut edit = row.edit;
-            let mut slider = |value: &mut f32, text: &str| {
-                ui.add(
-                    egui::Slider::new(value, 0.0..=1.0)
-                        .text(text)
-                        .max_decimals(3),
-                );
-            };
-            slider(&mut edit.reflectivity, "reflectivity");
-            slider(&mut edit.roughness, "roughness");
-            slider(&mut edit.metallic, "metallic");
-            if edit != row.edit {
-                wishes.push(Wish::Edit(edit));
-            }
-            if ui.button("copy as scene text").clicked() {
-                ui.ctx().copy_text(format!(
-                    "reflectivity = {}\nroughness = {}\nmetallic = {}\n",
-                    edit.reflectivity, edit.roughness, edit.metallic
-                ));
-            }
-            ui.weak("until the scene is saved again; it wins over motion");
-        });
-}
-
 #[cfg(test)]
 #[path = "panels_tests.rs"]
-mod tests;
+pub(super) mod tests;

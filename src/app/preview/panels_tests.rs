@@ -19,20 +19,17 @@ use crate::{
     math::Bounds,
     render::stats::Shares,
     scene::{
-        desc::{CameraDesc, ParamValue, TimelineDesc},
+        desc::{CameraDesc, MaterialDesc, ParamValue, TimelineDesc},
+        diagnostic::Diagnostic,
         parse,
     },
 };
 
-fn facts() -> Facts {
+pub fn facts() -> Facts {
     let row = |material, name: &str| Row {
         name: name.to_owned(),
-        edit: Edit {
-            material,
-            reflectivity: 0.25,
-            roughness: 0.5,
-            metallic: 0.0,
-        },
+        numbers: MaterialDesc::default(),
+        edit: Edit::new(material),
         uses: 2,
         bounds: Bounds::EMPTY,
     };
@@ -111,20 +108,6 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
 }
 
 #[test]
-fn a_selected_material_shows_its_numbers() {
-    let mut harness = harness(|ui, state| {
-        materials(ui, &mut state.choice, &state.facts, &mut state.wishes);
-    });
-    assert!(harness.query_by_label("reflectivity").is_none());
-    click(&mut harness, "chrome  ×2");
-    assert_eq!(harness.state().choice.material, Some(1));
-    assert!(harness.query_all_by_label("reflectivity").count() > 0);
-    assert!(harness.state().wishes.is_empty(), "looking changes nothing");
-    click(&mut harness, "chrome  ×2");
-    assert_eq!(harness.state().choice.material, None);
-}
-
-#[test]
 fn mistakes_show_their_place() {
     let text = "version = 1\n[camera.main]\neye = [0, 1]\n";
     let errors = parse::parse(text, Path::new("my.toml"), &[]).expect_err("a mistake");
@@ -173,7 +156,8 @@ fn timeline_harness<'a>() -> Harness<'a, State> {
         let presses = |key| ui.input(|i| i.num_presses(key));
         timeline::keys(&mut state.timeline, presses, state.now_s);
         state.timeline.tick(state.now_s);
-        timeline::panel(ui, &mut state.timeline, state.shown, state.now_s);
+        let is_stuck = !state.facts.problems.pose.is_empty();
+        timeline::panel(ui, &mut state.timeline, state.shown, is_stuck, state.now_s);
     })
 }
 
@@ -207,6 +191,24 @@ fn the_timeline_plays_steps_and_scrubs() {
     assert_eq!(harness.state().timeline.frame(), 5, "scrubbed");
     click(&mut harness, "loop");
     assert!(!harness.state().timeline.repeats);
+}
+
+#[test]
+fn a_frame_that_cannot_be_posed_is_told_apart_from_the_one_that_is_shown() {
+    let mut harness = timeline_harness();
+    harness.state_mut().timeline.seek(9, 0.0);
+    harness.state_mut().shown = Some(9);
+    harness.run();
+    click(&mut harness, ">");
+    let text = "frame 9 shown, 10 wanted";
+    assert!(harness.query_by_label(text).is_none(), "it is being drawn");
+    let wrong = Diagnostic::in_file("script", Path::new("a.rhai"), "no");
+    harness.state_mut().facts.problems.pose = vec![wrong];
+    harness.run();
+    harness.get_by_label(text);
+    harness.get_by_label("  0.375 s");
+    click(&mut harness, "<");
+    assert!(harness.query_by_label(text).is_none(), "back where it was");
 }
 
 #[test]

@@ -92,10 +92,13 @@ impl Window {
         let camera = self.choice.through.and_then(|i| self.facts.cameras.get(i));
         let camera =
             camera.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
-        self.choice.through = camera;
+        // Before the first scene without mistakes there is nothing.
+        let is_first = self.facts.materials.is_empty() && !facts.cameras.is_empty();
         let home = self.facts.cameras.get(self.choice.home);
         let home = home.and_then(|(old, _)| facts.cameras.iter().position(|(new, _)| new == old));
         self.choice.home = home.unwrap_or(0);
+        let camera = camera.or(is_first.then_some(self.choice.home));
+        self.choice.through = camera;
         if let Some(index) = camera {
             // One that was not moved by hand follows the scene.
             self.navigator.camera = facts.cameras[index].1.clone();

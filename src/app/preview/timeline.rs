@@ -168,8 +168,8 @@ pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64)
 }
 
 /// The row below the picture. While it plays it tells the frame that is `shown`: the clock is ahead
-/// of slow pictures.
-pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, now_s: f64) {
+/// of slow pictures. If it is stuck, for the wanted frame cannot be posed, it tells both.
+pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, is_stuck: bool, now_s: f64) {
     ui.horizontal(|ui| {
         let mut button = |text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
         let to_start = button("|<", "Home: first frame");
@@ -184,15 +184,21 @@ pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, now_s: f6
         let to_end = button(">|", "End: last frame");
         ui.checkbox(&mut timeline.repeats, "loop")
             .on_hover_text("L: the first frame follows the last");
+        let wanted = timeline.frame();
+        let stuck = shown.filter(|shown| is_stuck && *shown != wanted);
         let shown = shown.filter(|_| timeline.is_playing());
-        let mut frame = shown.unwrap_or(timeline.frame());
-        let time_s = f64::from(frame) * timeline.frame_s();
+        let mut frame = shown.unwrap_or(wanted);
+        let time_s = f64::from(stuck.unwrap_or(frame)) * timeline.frame_s();
         let label = ui.label("frame");
         let range = timeline.start()..=timeline.end();
         let number = ui.add(egui::DragValue::new(&mut frame).range(range.clone()));
         let number = number.labelled_by(label.id);
         ui.label(format!("of {}", timeline.end()));
         ui.monospace(format!("{time_s:7.3} s"));
+        if let Some(shown) = stuck {
+            let text = format!("frame {shown} shown, {wanted} wanted");
+            ui.colored_label(ui.visuals().error_fg_color, text);
+        }
         let pace = timeline.pace(now_s);
         let right = egui::Layout::right_to_left(egui::Align::Center);
         let slid = ui.with_layout(right, |ui| {

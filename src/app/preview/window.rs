@@ -13,7 +13,7 @@ use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
 use super::{
     desk::free_name,
     facts::{Eye, Facts, Judged, Shown, Task, View},
-    messages,
+    materials, messages,
     navigate::{Navigator, as_text},
     panels::{self, Choice, METHODS, Wish},
     timeline::{self, Timeline},
@@ -290,7 +290,7 @@ impl Window {
             if let Some((_, stats)) = shown {
                 panels::shares(ui, stats, &self.history);
             }
-            panels::materials(ui, &mut self.choice, &self.facts, wishes);
+            materials::panel(ui, &mut self.choice, &self.facts, wishes);
             if let Some((_, stats)) = shown {
                 panels::times(ui, stats, &self.history);
             }
@@ -319,7 +319,8 @@ impl eframe::App for Window {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);
                 let shown = self.shown.as_ref().map(|shown| shown.frame);
-                timeline::panel(ui, timeline, shown, now_s);
+                let is_stuck = !self.facts.problems.pose.is_empty();
+                timeline::panel(ui, timeline, shown, is_stuck, now_s);
                 ui.add_space(1.0);
             });
         }

@@ -55,6 +55,9 @@ impl<'a> Names<'a> {
             self.used.insert(name);
             return;
         }
+        if report.lacks_names() {
+            return;
+        }
         let (kind, name) = (self.kind, suggest::text(&to.value));
         let message = format!("no {kind} is named {name}");
         let mut error = Diagnostic::at("dangling-name", to.at.clone(), message);

@@ -24,6 +24,7 @@ pub struct Report {
     errors: usize,
     /// Where values begin that are floats, though they are written as integers.
     floats: HashSet<usize>,
+    lacks_names: bool,
 }
 
 impl Report {
@@ -59,6 +60,16 @@ impl Report {
     /// Whether the value that begins here is a float in any case.
     pub fn is_float(&self, start: usize) -> bool {
         self.floats.contains(&start)
+    }
+
+    /// Notes that a script would add names to the scene, and failed to.
+    pub fn note_lacking_names(&mut self) {
+        self.lacks_names = true;
+    }
+
+    /// Whether a name that nothing has may be one that a script would have added.
+    pub fn lacks_names(&self) -> bool {
+        self.lacks_names
     }
 
     /// For reading the same values without telling what is wrong.

@@ -36,10 +36,25 @@ pub struct Scripted {
 /// Loads the script that the tree names and calls its `setup`; the files that it looks for are added
 /// to `trail`.
 pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) -> Scripted {
-    let named = root.get("script");
-    let Some((node, file)) = named.and_then(|n| Some((n, n.get_ref().as_str()?))) else {
+    let Some(node) = root.get("script") else {
         return Scripted::default();
     };
+    let scripted = run_named(node, root, folder, trail, report);
+    if scripted.is_none() {
+        report.note_lacking_names();
+    }
+    scripted.unwrap_or_default()
+}
+
+/// `None` after a mistake, which is reported here or when the whole scene is read.
+fn run_named(
+    node: &Node,
+    root: &DeTable,
+    folder: &Path,
+    trail: &Trail,
+    report: &mut Report,
+) -> Option<Scripted> {
+    let file = node.get_ref().as_str()?;
     let file = At {
         value: file.to_owned(),
         at: report.span(&node.span()),
@@ -48,7 +63,7 @@ pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) ->
         Ok(script) => script,
         Err(error) => {
             report.push(*error);
-            return Scripted::default();
+            return None;
         }
     };
     // Mistakes of these tables are reported when the whole scene is read.
@@ -58,20 +73,20 @@ pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) ->
         table("timeline").and_then(|t| Table::read(&mut unheard, t, Place::default()));
     let values = table("params").map_or_else(Vec::new, |t| params::read(t, &mut unheard));
     if unheard.errors() > 0 {
-        return Scripted::default();
+        return None;
     }
     match script.setup(&values, timeline.as_ref()) {
         Ok(additions) => {
             let base = report.add_returned(&script, &additions);
-            Scripted {
+            Some(Scripted {
                 script: Some(script),
                 additions,
                 base,
-            }
+            })
         }
         Err(error) => {
             report.push(*error);
-            Scripted::default()
+            None
         }
     }
 }

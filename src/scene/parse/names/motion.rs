@@ -28,7 +28,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     refer_all(&mut materials, &motion.materials, report);
     refer_all(&mut Names::of("model", root), &motion.models, report);
     for entry in &motion.instances {
-        refer_instance(scene, &entry.name, &entry.at, report);
+        refer_instance(root, &entry.name, &entry.at, report);
         let fixed = scene.instances.iter().find(|i| {
             i.name.as_ref() == Some(&entry.name) && matches!(i.placement, PlacementDesc::Matrix(_))
         });
@@ -53,31 +53,50 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
         }
     }
     for entry in &motion.cameras {
-        check_tracks(scene, &entry.value.tracks, &CAMERA, &entry.at, report);
+        check_tracks(root, &entry.value.tracks, &CAMERA, &entry.at, report);
     }
     for entry in &motion.lights {
-        check_tracks(scene, &entry.value.tracks, &LIGHT, &entry.at, report);
+        check_tracks(root, &entry.value.tracks, &LIGHT, &entry.at, report);
         check_light(scene, entry, report);
     }
     for entry in &motion.materials {
-        check_tracks(scene, &entry.value.tracks, &MATERIAL, &entry.at, report);
+        check_tracks(root, &entry.value.tracks, &MATERIAL, &entry.at, report);
         if let Some(material) = scene.materials.iter().find(|m| m.name == entry.name) {
             let path = || format!("material.{}", suggest::clip(&entry.name));
             check_material(&material.value, entry, path, report);
         }
     }
     for entry in &motion.models {
-        check_model(scene, entry, report);
+        check_model(scene, root, entry, report);
     }
-    if (!motion.is_empty() || scene.plays()) && scene.timeline.is_none() && report.errors() == 0 {
-        let first = first_motion(scene).unwrap_or_default();
-        let message = "something moves, but there is no `[timeline]`, so only time 0 is shown";
-        let warning = Diagnostic::at("no-timeline", first, message);
-        report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+    if scene.timeline.is_none() && report.errors() == 0 {
+        warn_of_standing_still(scene, root, report);
     }
 }
 
-fn check_model(scene: &SceneDesc, entry: &Entry<ModelMotionDesc>, report: &mut Report) {
+/// What moves in a scene without a timeline is hardly meant to stand still.
+fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+    let script = scene.script.as_ref().filter(|script| script.has_frame());
+    let script = script.and_then(|_| root.get("script"));
+    let (at, what) = match (first_motion(scene), script) {
+        (Some(first), _) => (first, "something moves"),
+        (None, Some(script)) => (
+            report.span(&script.span()),
+            "the script has `fn frame(ctx)`",
+        ),
+        (None, None) => return,
+    };
+    let message = format!("{what}, but there is no `[timeline]`, so only time 0 is shown");
+    let warning = Diagnostic::at("no-timeline", at, message);
+    report.push(warning.help("write `[timeline]` with `end = 47`").warning());
+}
+
+fn check_model(
+    scene: &SceneDesc,
+    root: &DeTable,
+    entry: &Entry<ModelMotionDesc>,
+    report: &mut Report,
+) {
     let model = scene.models.iter().find(|m| m.name == entry.name);
     if let Some(model) = model.filter(|m| matches!(m.value.source, ModelSource::Shape(_))) {
         let message = "this model is a shape, which has no materials of its own";
@@ -88,7 +107,7 @@ fn check_model(scene: &SceneDesc, entry: &Entry<ModelMotionDesc>, report: &mut R
     }
     for material in &entry.value.materials {
         check_tracks(
-            scene,
+            root,
             &material.value.tracks,
             &MATERIAL,
             &material.at,
@@ -136,20 +155,22 @@ fn refer_all<T>(names: &mut Names, entries: &[Entry<T>], report: &mut Report) {
     }
 }
 
-fn refer_instance(scene: &SceneDesc, name: &str, at: &Span, report: &mut Report) {
-    let mut known = scene.instances.iter().filter_map(|i| i.name.as_deref());
-    if known.clone().any(|k| k == name) {
+/// Looks in the tree: an instance with a mistake still has its name.
+fn refer_instance(root: &DeTable, name: &str, at: &Span, report: &mut Report) {
+    let list = root.get("instance").and_then(|n| n.get_ref().as_array());
+    let known: Vec<&str> = list
+        .into_iter()
+        .flat_map(|list| list.iter())
+        .filter_map(|instance| instance.get_ref().as_table()?.get("name"))
+        .filter_map(|name| name.get_ref().as_str())
+        .collect();
+    if known.contains(&name) || report.lacks_names() {
         return;
     }
     let message = format!("no instance is named {}", suggest::text(name));
-    let help = if known.next().is_none() {
+    let help = if known.is_empty() {
         "give an `[[instance]]` a `name`".to_owned()
     } else {
-        let known: Vec<_> = scene
-            .instances
-            .iter()
-            .filter_map(|i| i.name.as_deref())
-            .collect();
         suggest::hint(name, &known, suggest::text, "the instances with a name are")
     };
     report.push(Diagnostic::at("dangling-name", at.clone(), message).help(help));
@@ -157,7 +178,7 @@ fn refer_instance(scene: &SceneDesc, name: &str, at: &Span, report: &mut Report)
 
 /// Checks what tracks follow.
 fn check_tracks<T>(
-    scene: &SceneDesc,
+    root: &DeTable,
     tracks: &Tracks,
     fields: &[Field<T>],
     at: &Span,
@@ -166,7 +187,7 @@ fn check_tracks<T>(
     for (field, track) in tracks {
         if fields[*field].form != Form::Color {
             if let Some(follow) = followed(track) {
-                refer_instance(scene, &follow.value, &follow.at, report);
+                refer_instance(root, &follow.value, &follow.at, report);
             }
         } else if track.follow.is_some() || track.orbit.is_some() {
             let message = "a color is no position: `follow` and `orbit` do not go with it";

@@ -1,0 +1,171 @@
+//! The panel of materials: which there are, and the numbers of the selected one.
+
+use std::fmt::Write as _;
+
+use eframe::egui::{self, DragValue, Slider, Ui};
+use glam::Vec3;
+
+use super::{
+    facts::{Facts, Row},
+    panels::{Choice, Wish},
+};
+use crate::{
+    app::live::Edit,
+    scene::{
+        desc::MaterialDesc,
+        motion::number::{Field, Form, MATERIAL, PLAIN},
+        parse::range::LIMIT,
+    },
+};
+
+/// What a pixel of dragging changes where a number has no upper end.
+const SPEED: f32 = 0.01;
+
+/// The list of materials, and the numbers of the selected one.
+pub fn panel(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+    egui::CollapsingHeader::new("Materials")
+        .default_open(true)
+        .show(ui, |ui| {
+            egui::ScrollArea::vertical()
+                .id_salt("materials")
+                .max_height(110.0)
+                .show(ui, |ui| {
+                    for row in &facts.materials {
+                        let index = row.edit.material;
+                        let text = format!("{}  ×{}", row.name, row.uses);
+                        if ui
+                            .selectable_label(choice.material == Some(index), text)
+                            .clicked()
+                        {
+                            choice.material = (choice.material != Some(index)).then_some(index);
+                        }
+                    }
+                });
+            let selected = choice.material.and_then(|index| facts.materials.get(index));
+            let Some(row) = selected else {
+                ui.weak("click one here or in the picture");
+                return;
+            };
+            let edit = numbers(ui, row);
+            if edit != row.edit {
+                wishes.push(Wish::Edit(edit));
+            }
+            if ui.button("copy as scene text").clicked() {
+                ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
+            }
+            ui.weak("until the scene is saved again; it wins over motion");
+        });
+}
+
+/// Every number that the material has; the edit with what was moved.
+fn numbers(ui: &mut Ui, row: &Row) -> Edit {
+    let now = row.edit.over(&row.numbers);
+    let mut edit = row.edit;
+    for (index, field) in MATERIAL.iter().enumerate() {
+        let Some(mut value) = (field.get)(&now) else {
+            continue;
+        };
+        if !control(ui, field, &mut value) {
+            continue;
+        }
+        edit.values[index] = Some(value);
+        // A material keeps only the product of these two.
+        let pair = ["emission", "emission_strength"];
+        if pair.contains(&field.key) {
+            for (other, field) in MATERIAL.iter().enumerate() {
+                if other != index && pair.contains(&field.key) {
+                    edit.values[other] = (field.get)(&now);
+                }
+            }
+        }
+    }
+    edit
+}
+
+/// Whether a value was moved.
+fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
+    let [least, most] = [f32::MIN, f32::MAX].map(|end| field.range.clamp(end));
+    let range = least..=most;
+    match field.form {
+        Form::Number if field.range.max < LIMIT => {
+            let slider = Slider::new(&mut value.x, range).text(field.key);
+            let changed = ui.add(slider.max_decimals(3)).changed();
+            *value = Vec3::splat(value.x);
+            changed
+        }
+        form => {
+            ui.horizontal(|ui| {
+                let mut changed = false;
+                let lanes = match form {
+                    Form::Number => 1,
+                    Form::Pair => 2,
+                    Form::Color | Form::Vector => 3,
+                };
+                if form == Form::Color {
+                    changed |= picker(ui, value);
+                }
+                let mut all = value.to_array();
+                let drags: Vec<_> = (all[..lanes].iter_mut())
+                    .map(|lane| {
+                        let drag = DragValue::new(lane).range(range.clone());
+                        ui.add(drag.speed(SPEED).max_decimals(3))
+                    })
+                    .collect();
+                let label = ui.label(field.key);
+                for drag in drags {
+                    changed |= drag.labelled_by(label.id).changed();
+                }
+                *value = match form {
+                    Form::Number => Vec3::splat(all[0]),
+                    _ => all.into(),
+                };
+                changed
+            })
+            .inner
+        }
+    }
+}
+
+/// A color picker, which keeps how far a color is above 1; whether it was used.
+fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
+    let above = color.max_element().max(1.0);
+    let mut rgb = (*color / above).to_array();
+    let changed = ui.color_edit_button_rgb(&mut rgb).changed();
+    if changed {
+        *color = Vec3::from(rgb) * above;
+    }
+    changed
+}
+
+/// What a material has that a table does not leave open, as keys of that table.
+fn scene_text(material: &MaterialDesc) -> String {
+    let list = |lanes: &[f32]| {
+        let texts: Vec<_> = lanes.iter().map(ToString::to_string).collect();
+        format!("[{}]", texts.join(", "))
+    };
+    let mut text = String::new();
+    for field in MATERIAL.iter().filter(|f| !f.key.starts_with("checker_")) {
+        let value = (field.get)(material);
+        if let Some(value) = value.filter(|_| value != (field.get)(&PLAIN)) {
+            let shown = match field.form {
+                Form::Number => value.x.to_string(),
+                Form::Pair => list(&value.to_array()[..2]),
+                Form::Color | Form::Vector => list(&value.to_array()),
+            };
+            let _ = writeln!(text, "{} = {shown}", field.key);
+        }
+    }
+    if let Some(checker) = &material.checker {
+        let [a, b] = checker.colors.map(|color| list(&color.to_array()));
+        let size_m = checker.size_m;
+        let _ = writeln!(
+            text,
+            "checker = {{ colors = [{a}, {b}], size_m = {size_m} }}"
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+#[path = "materials_tests.rs"]
+mod tests;

@@ -1,0 +1,146 @@
+//! The panel of materials without a window: every number has its control, and what is moved is asked
+//! for.
+
+use eframe::egui::accesskit::Role;
+use egui_kittest::{Harness, kittest::Queryable as _};
+
+use super::*;
+use crate::{
+    app::preview::panels::tests::facts,
+    scene::desc::{CheckerDesc, Method},
+};
+
+struct State {
+    choice: Choice,
+    facts: Facts,
+    wishes: Vec<Wish>,
+}
+
+/// Two materials: one that leaves all open, and one with all that there can be.
+fn harness<'a>() -> Harness<'a, State> {
+    let mut facts = facts();
+    facts.materials[0].numbers = PLAIN;
+    facts.materials[1].numbers = MaterialDesc {
+        emission: Some(Vec3::new(0.0, 2.0, 4.0)),
+        alpha_cutoff: Some(0.5),
+        checker: Some(CheckerDesc {
+            colors: [Vec3::ONE, Vec3::ZERO],
+            size_m: 0.5,
+        }),
+        ..PLAIN
+    };
+    let state = State {
+        choice: Choice::new(Method::Hybrid),
+        facts,
+        wishes: Vec::new(),
+    };
+    let draw = |ui: &mut Ui, state: &mut State| {
+        panel(ui, &mut state.choice, &state.facts, &mut state.wishes);
+    };
+    Harness::builder().build_ui_state(draw, state)
+}
+
+fn select(harness: &mut Harness<'_, State>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run();
+}
+
+/// Of the edit that was asked for last, the values that it sets.
+fn asked(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
+    let Some(Wish::Edit(edit)) = harness.state().wishes.last() else {
+        panic!("no edit: {:?}", harness.state().wishes);
+    };
+    let fields = MATERIAL.iter().zip(edit.values);
+    fields.filter_map(|(f, v)| Some((f.key, v?))).collect()
+}
+
+#[test]
+fn a_selected_material_shows_the_numbers_that_it_has() {
+    let mut harness = harness();
+    assert!(harness.query_by_label("reflectivity").is_none());
+    select(&mut harness, "chrome  ×2");
+    assert_eq!(harness.state().choice.material, Some(1));
+    for field in &MATERIAL {
+        let found = harness.query_all_by_label(field.key).count();
+        assert!(found > 0, "{}", field.key);
+    }
+    select(&mut harness, "floor  ×2");
+    for (key, is_there) in [
+        ("base_color", true),
+        ("reflectivity", true),
+        ("alpha_cutoff", false),
+        ("checker_a", false),
+    ] {
+        let found = harness.query_all_by_label(key).count();
+        assert_eq!(found > 0, is_there, "{key}");
+    }
+    assert!(harness.state().wishes.is_empty(), "looking changes nothing");
+    select(&mut harness, "floor  ×2");
+    assert_eq!(harness.state().choice.material, None);
+}
+
+#[test]
+fn what_is_moved_is_asked_for_and_nothing_else() {
+    let mut harness = harness();
+    select(&mut harness, "chrome  ×2");
+    let roughness = harness.get_all_by_role(Role::Slider).nth(1);
+    roughness.expect("a slider").set_value_accesskit(0.25);
+    harness.run();
+    assert_eq!(asked(&harness), [("roughness", Vec3::splat(0.25))]);
+}
+
+#[test]
+fn emission_and_its_strength_are_set_together() {
+    let mut harness = harness();
+    select(&mut harness, "chrome  ×2");
+    let strength = harness.get_by_role_and_label(Role::SpinButton, "emission_strength");
+    strength.set_value_accesskit(3.0);
+    harness.run();
+    let emission = Vec3::new(0.0, 2.0, 4.0);
+    assert_eq!(
+        asked(&harness),
+        [
+            ("emission", emission),
+            ("emission_strength", Vec3::splat(3.0))
+        ]
+    );
+}
+
+#[test]
+fn a_color_has_a_picker() {
+    let mut harness = harness();
+    select(&mut harness, "floor  ×2");
+    let picker = harness.get_all_by_role(Role::ColorWell).next();
+    picker.expect("of the base color").click();
+    harness.run();
+    // The picker's own numbers, from 0 to 255.
+    let red = harness.get_all_by_role(Role::SpinButton).last();
+    red.expect("in the picker").set_value_accesskit(0.0);
+    harness.run();
+    let asked = asked(&harness);
+    assert!(asked.len() == 1 && asked[0].0 == "base_color", "{asked:?}");
+}
+
+#[test]
+fn a_material_as_scene_text_has_what_its_table_needs() {
+    assert_eq!(scene_text(&PLAIN), "");
+    let material = MaterialDesc {
+        base_color: Some(Vec3::new(0.5, 0.25, 1.0)),
+        metallic: Some(1.0),
+        uv_scale: Some([2.0, 3.0]),
+        checker: Some(CheckerDesc {
+            colors: [Vec3::ONE, Vec3::ZERO],
+            size_m: 0.5,
+        }),
+        ..PLAIN
+    };
+    let text = scene_text(&material);
+    let scene = format!("version = 1\n[material.a]\n{text}");
+    let read = crate::scene::parse::parse(&scene, std::path::Path::new("a.toml"), &[]);
+    let (scene, _) = read.unwrap_or_else(|e| panic!("{text}: {e:?}"));
+    let read = &scene.materials[0].value;
+    for field in &MATERIAL {
+        let got = (field.get)(read).or((field.get)(&PLAIN));
+        assert_eq!(got, (field.get)(&material), "{}", field.key);
+    }
+}

@@ -1,0 +1,47 @@
+//! The files that a reader of the README writes, one section after the other.
+
+use std::{fs, path::Path};
+
+/// The blocks of code that belong to one scene.
+pub struct Story {
+    scene: String,
+    motion: String,
+    /// What names the script in the scene's first lines.
+    pub script_line: String,
+    /// What it is called there.
+    pub script_name: String,
+    /// Its text.
+    pub script: String,
+}
+
+impl Story {
+    /// From the README beside the manifest.
+    pub fn read() -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+        let readme = fs::read_to_string(path).expect("README.md");
+        let blocks = |fence: &str| -> Vec<String> {
+            let after = readme.split(fence).skip(1);
+            let block = |text: &str| text.split_once("```").expect("its end").0.to_owned();
+            after.map(block).collect()
+        };
+        let mut toml = blocks("```toml\n").into_iter();
+        let mut next = || toml.next().expect("a block");
+        let (scene, motion, script_line) = (next(), next(), next());
+        let script_name = script_line.split('"').nth(1).expect("a name").to_owned();
+        let script = blocks("```rust\n").swap_remove(0);
+        Self {
+            scene,
+            motion,
+            script_line,
+            script_name,
+            script,
+        }
+    }
+
+    /// The scene alone, then in motion, then with its script.
+    pub fn scenes(&self) -> [String; 3] {
+        let moving = format!("{}\n{}", self.scene, self.motion);
+        let scripted = format!("{}{moving}", self.script_line);
+        [self.scene.clone(), moving, scripted]
+    }
+}

@@ -1,0 +1,53 @@
+//! The README as a reader follows it: the files that it shows become a film.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+use crate::{
+    common::{gpu_or_skip, readme::Story},
+    pictures,
+};
+
+fn reflet(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .output()
+        .expect("the program starts")
+}
+
+#[test]
+fn the_scene_of_the_readme_is_checked_and_rendered_step_by_step() {
+    let has_gpu = gpu_or_skip().is_some();
+    let story = Story::read();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("film-readme");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    for (scene, frames) in story
+        .scenes()
+        .iter()
+        .zip(["", ", 96 frames", ", 96 frames"])
+    {
+        if scene.contains(&story.script_line) {
+            fs::write(folder.join(&story.script_name), &story.script).expect("written");
+        }
+        fs::write(folder.join("my.toml"), scene).expect("written");
+        let checked = reflet(&folder, &["check", "my.toml"]);
+        let [out, err] = [checked.stdout, checked.stderr].map(String::from_utf8);
+        assert_eq!(out, Ok(format!("my.toml: ok{frames}\n")), "{err:?}");
+    }
+    if has_gpu {
+        let output = ["-o", "out/my.####.png", "--frames", "0,40"];
+        let small = ["--set", "image.size=[32, 18]"];
+        let arguments = [&["render", "my.toml"], &output[..], &small[..]].concat();
+        let rendered = reflet(&folder, &arguments);
+        assert!(rendered.status.success(), "{rendered:?}");
+        let pictures = pictures(&folder.join("out"));
+        assert_eq!(pictures.len(), 2);
+        assert_ne!(pictures["my.0000.png"], pictures["my.0040.png"]);
+    }
+}
