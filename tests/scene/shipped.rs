@@ -106,7 +106,7 @@ fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
     let text = said(&warnings);
     for part in [
         "no-timeline",
-        "my.toml:1:1",
+        "my.toml:1:10",
         "the script has `fn frame(ctx)`, but there is no `[timeline]`",
     ] {
         assert!(text.contains(part), "no {part:?} in {text}");
