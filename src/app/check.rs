@@ -57,8 +57,8 @@ fn print_log(mut log: Vec<(u32, String)>) {
     }
 }
 
-/// Poses frames while there is time, at least the first and the last; how many. What the script
-/// prints is added to `log`.
+/// Poses frames while there is time, at least the first and the last unless a script meets a limit;
+/// how many. What the script prints is added to `log`.
 fn pose_all(
     motion: &Motion,
     world: &mut World,
@@ -71,7 +71,9 @@ fn pose_all(
     let mut posed = 0;
     for frame in spread(first, last) {
         let is_end = frame == first || frame == last;
-        if !is_end && started.elapsed() > POSING {
+        // A frame that met a limit may have taken all its time, and so would the last.
+        let met_limit = wrong.iter().any(|(_, e)| e.name == "script-limit");
+        if met_limit || (!is_end && started.elapsed() > POSING) {
             break;
         }
         posed += 1;

@@ -4,9 +4,11 @@
 
 mod additions;
 pub mod api;
+mod bounded;
 mod context;
 mod engine;
 mod error;
+mod limited;
 mod locate;
 mod returned;
 mod set;
@@ -23,8 +25,8 @@ use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
     context::{Call, Context},
-    engine::run_limited,
     error::Known,
+    limited::{Bounds, run_limited},
     locate::Ended,
     sources::Sources,
 };
@@ -143,8 +145,10 @@ impl Script {
     fn check(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
         let run = |engine: &Engine| engine.run_ast_with_scope(&mut Scope::new(), &this.ast);
-        let (result, _) = run_limited(|| run(&this.engine));
-        result.map_err(|wrong| self.explain(&self.ended(wrong, run), &[], None))?;
+        let ran = run_limited(Bounds::CALL, || run(&this.engine));
+        let ended = |wrong| self.ended(wrong, ran.again, run);
+        ran.result
+            .map_err(|wrong| self.explain(&ended(wrong), &[], None))?;
         this.sources.seal();
         if !this.has_frame && !this.has_setup {
             let message = "the script has neither `fn setup(ctx)` nor `fn frame(ctx)`";
@@ -252,18 +256,20 @@ impl Script {
             let mut scope = Scope::new();
             engine.call_fn_with_options(options, &mut scope, &this.ast, function, (context,))
         };
-        let (result, log) = run_limited(|| run(&this.engine, context));
+        let ran = run_limited(Bounds::CALL, || run(&this.engine, context));
         let again = |engine: &Engine| run(engine, afresh);
-        (result.map_err(|wrong| self.ended(wrong, again)), log)
+        let ended = |wrong| self.ended(wrong, ran.again, again);
+        (ran.result.map_err(ended), ran.log)
     }
 
-    /// With the place, for which `again` does the same once more where need be.
+    /// With the place, for which `again` does the same once more, within bounds, where need be.
     fn ended<T>(
         &self,
         wrong: Box<EvalAltResult>,
+        bounds: Bounds,
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
     ) -> Ended {
-        let find = || run_limited(|| locate::again(&self.0.sources, again)).0;
+        let find = || run_limited(bounds, || locate::again(&self.0.sources, &wrong, again)).result;
         let met = locate::is_limit(&wrong).then(find).flatten();
         Ended { wrong, met }
     }

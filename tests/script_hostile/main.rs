@@ -78,6 +78,59 @@ const FRAMES: &[(&str, &str)] = &[
         "too large",
     ),
     ("loop { print(\"a lot of text\"); }", "was ended"),
+    // Much work or memory in one function of Rhai's.
+    (
+        "let s = \"x\"; s.pad(1000000, \"x\"); let t = s; s.replace(\"x\", t);",
+        "too large",
+    ),
+    (
+        "let s = \"x\"; s.pad(1000000, 'x'); let t = s; s.replace('x', t);",
+        "too large",
+    ),
+    (
+        "let s = \"x\"; s.pad(1000000, 'x'); let t = s; s.replace(\"\", t);",
+        "too large",
+    ),
+    (
+        "let s = \"x\"; s.pad(1000000, 'x'); s.replace('x', 'é');",
+        "too large",
+    ),
+    ("let s = \"x\"; s.pad(10, \"\");", "must not be empty"),
+    ("let s = \"x\"; s.pad(1000000, \"é\");", "too large"),
+    (
+        "let a = []; a.pad(49000, 1); loop { a.index_of(2); }",
+        "more than 10,000,000 operations",
+    ),
+    (
+        "let a = []; a.pad(49000, 1); let b = a; a.contains(b);",
+        "more than 10,000,000 operations",
+    ),
+    // Through closures, inside which Rhai counts anew.
+    (
+        "let a = []; a.pad(40000, 1); a.map(|x| { let b = []; b.pad(3000, 1); b.map(|y| y + 1).len() })",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(40000, 1); a.filter(|x| { a_lot().filter(|y| y > 1).len() > 0 })",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(40000, 1); a.for_each(|i| { a_lot().reduce(|sum, y| sum + y, 0); })",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(40000, 1); a.sort(|x, y| { a_lot().sort(|p, q| p - q); x - y });",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(40000, 1); a.retain(|x| { a_lot().all(|y| y == 1) });",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(40000, 1); a.map(|x| { let b = [1]; b.pad(40000, 1); b })",
+        "script-limit",
+    ),
+    ("let f = |x| x; loop { f = f.curry(f); }", "memory"),
     // What is not there.
     ("eval(\"loop {}\")", "eval"),
     ("sleep(1000)", "no function `sleep`"),
@@ -129,6 +182,7 @@ fn fn_loop(ctx) { loop {} }
 fn down(ctx) { down(ctx) }
 fn ping(ctx) { pong(ctx) }
 fn pong(ctx) { ping(ctx) }
+fn a_lot() { let a = []; a.pad(40000, 1); a }
 fn fib(ctx, n) { fib(ctx, n - 1) + fib(ctx, n - 2) }
 ";
 

@@ -1,12 +1,6 @@
 //! The sandbox: which parts of Rhai a script has, and what ends it.
 
-use std::{
-    cell::{Cell, RefCell},
-    panic::resume_unwind,
-    sync::Arc,
-    thread,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use rhai::{
     Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map, NativeCallContext, Position,
@@ -19,15 +13,16 @@ use rhai::{
 };
 
 use super::{
-    api,
+    api, bounded,
+    limited::{print, progress},
     sources::{MOST_BYTES, Resolver, Sources},
 };
 
 /// Longest time of one call: ten times what the largest allowed `setup` takes, since other work
 /// may share the machine.
-const DEADLINE: Duration = Duration::from_secs(10);
+pub const DEADLINE: Duration = Duration::from_secs(10);
 /// Most operations of one call.
-const OPERATIONS: u64 = 10_000_000;
+pub const OPERATIONS: u64 = 10_000_000;
 /// Deepest nesting of calls.
 pub const CALLS: usize = 32;
 /// Deepest nesting of expressions outside and inside functions.
@@ -46,13 +41,11 @@ const FUNCTIONS: usize = 500;
 /// Most variables in a function at a time.
 pub const VARIABLES: usize = 64;
 /// Most lines that a call may print.
-const LINES: usize = 1000;
+pub const LINES: usize = 1000;
 /// Most memory that a call may add to the process, bytes, where the system tells (Linux).
-const MEMORY: u64 = 1 << 30;
-/// Operations between two looks at the clock and at the memory.
-const LOOK_EVERY: u64 = 128;
+pub const MEMORY: u64 = 1 << 30;
 /// Stack of the thread that a call runs on, bytes.
-const STACK: usize = 32 << 20;
+pub const STACK: usize = 32 << 20;
 
 /// What ends a call, for the manual: what is limited, and where.
 pub fn limits() -> Vec<(&'static str, String)> {
@@ -97,12 +90,6 @@ pub fn grouped(n: u64) -> String {
     texts.join(",")
 }
 
-thread_local! {
-    static END: Cell<Option<Instant>> = const { Cell::new(None) };
-    static MEMORY_AT_START: Cell<Option<u64>> = const { Cell::new(None) };
-    static LOG: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
-}
-
 /// An engine for one script.
 pub fn engine(sources: &Arc<Sources>) -> Engine {
     let mut engine = Engine::new_raw();
@@ -129,7 +116,8 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.set_max_modules(MODULES);
     engine.set_max_functions(FUNCTIONS);
     engine.set_max_variables(VARIABLES);
-    engine.on_progress(progress);
+    // Rhai's own count begins anew inside closures.
+    engine.on_progress(|_| progress(1).map(Into::into));
     engine.on_print(|text| print(text.to_owned()));
     engine.on_debug(|text, source, at| print(placed(source, at, text)));
     register_print::<ImmutableString>(&mut engine);
@@ -141,6 +129,7 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     register_print::<Map>(&mut engine);
     register_print::<Dynamic>(&mut engine);
     engine.set_module_resolver(Resolver(Arc::clone(sources)));
+    bounded::register(&mut engine);
     api::register(&mut engine);
     engine
 }
@@ -160,57 +149,4 @@ fn register_print<T: Variant + Clone>(engine: &mut Engine) {
             Ok(placed(context.call_source(), context.call_position(), &text).into())
         },
     );
-}
-
-fn progress(operations: u64) -> Option<Dynamic> {
-    if operations > OPERATIONS {
-        let most = grouped(OPERATIONS);
-        return Some(format!("it takes more than {most} operations").into());
-    }
-    if !operations.is_multiple_of(LOOK_EVERY) {
-        return None;
-    }
-    if END.get().is_some_and(|end| Instant::now() > end) {
-        return Some(format!("it takes longer than {} s", DEADLINE.as_secs()).into());
-    }
-    let grown = resident_bytes()?.saturating_sub(MEMORY_AT_START.get()?);
-    let most = grouped(MEMORY >> 20);
-    (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory").into())
-}
-
-fn print(line: String) {
-    LOG.with_borrow_mut(|log| match log.len() {
-        n if n < LINES => log.push(line),
-        LINES => log.push(format!("… only the first {LINES} lines are shown")),
-        _ => {}
-    });
-}
-
-/// Memory of this process that is in use; `None` where the system does not tell.
-fn resident_bytes() -> Option<u64> {
-    if !cfg!(target_os = "linux") {
-        return None;
-    }
-    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
-    let pages: u64 = text.split_whitespace().nth(1)?.parse().ok()?;
-    Some(pages * 4096)
-}
-
-/// Runs a call on its own thread, whose stack holds the deepest calls, and within the limits;
-/// gives what it printed too.
-pub fn run_limited<T: Send>(work: impl FnOnce() -> T + Send) -> (T, Vec<String>) {
-    let limited = || {
-        END.set(Some(Instant::now() + DEADLINE));
-        MEMORY_AT_START.set(resident_bytes());
-        let result = work();
-        (result, LOG.take())
-    };
-    thread::scope(|scope| {
-        let thread = thread::Builder::new()
-            .name("script".into())
-            .stack_size(STACK)
-            .spawn_scoped(scope, limited)
-            .expect("the system can start a thread");
-        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
-    })
 }

@@ -1,7 +1,7 @@
 //! Where a limit was met. Rhai overwrites that place at the end of each function that the error
 //! leaves, so the call, which is deterministic, is run again with a debugger that notes it.
 
-use std::{cell::RefCell, sync::Arc};
+use std::{cell::RefCell, mem::discriminant, sync::Arc};
 
 use rhai::{
     Engine, EvalAltResult, EvalContext, Position,
@@ -63,15 +63,17 @@ pub fn is_limit(wrong: &EvalAltResult) -> bool {
 }
 
 /// Does what has met a limit again, on an engine that notes where it is; `None` where it ends
-/// otherwise this time. For [`engine::run_limited`], as its notes are the thread's.
+/// otherwise this time. For [`super::limited::run_limited`], as its notes are the thread's.
 pub fn again<T>(
     sources: &Arc<Sources>,
+    first: &EvalAltResult,
     work: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>>,
 ) -> Option<Met> {
     SEEN.take();
     let result = work(&watching(sources));
     let mut seen = SEEN.take();
-    if !result.is_err_and(|wrong| is_limit(&wrong)) {
+    let kind = |wrong: &EvalAltResult| discriminant(wrong.unwrap_inner());
+    if !result.is_err_and(|wrong| kind(&wrong) == kind(first)) {
         return None;
     }
     // Outside functions nothing is left.

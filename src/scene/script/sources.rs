@@ -116,8 +116,19 @@ impl Sources {
                 "is not a script: it is no file, or larger than 1 MiB",
             ));
         }
-        let text =
-            fs::read_to_string(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
+        let bytes = fs::read(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
+        let text = String::from_utf8(bytes).map_err(|wrong| {
+            let valid = &wrong.as_bytes()[..wrong.utf8_error().valid_up_to()];
+            let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+            Problem {
+                message: format!(
+                    "{}:{line}: a script must be UTF-8 text, and byte {} is not",
+                    path.display(),
+                    valid.len() + 1
+                ),
+                help: "save the file as UTF-8 in your editor",
+            }
+        })?;
         let name = path.display().to_string();
         self.add(&name, &text);
         self.state().files.push(real);
