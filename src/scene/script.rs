@@ -145,7 +145,7 @@ impl Script {
     fn check(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
         let run = |engine: &Engine| engine.run_ast_with_scope(&mut Scope::new(), &this.ast);
-        let ran = run_limited(Bounds::CALL, || run(&this.engine));
+        let ran = run_limited(Bounds::CALL, || run(&this.engine)).or_limit();
         let ended = |wrong| self.ended(wrong, ran.again, run);
         ran.result
             .map_err(|wrong| self.explain(&ended(wrong), &[], None))?;
@@ -256,7 +256,7 @@ impl Script {
             let mut scope = Scope::new();
             engine.call_fn_with_options(options, &mut scope, &this.ast, function, (context,))
         };
-        let ran = run_limited(Bounds::CALL, || run(&this.engine, context));
+        let ran = run_limited(Bounds::CALL, || run(&this.engine, context)).or_limit();
         let again = |engine: &Engine| run(engine, afresh);
         let ended = |wrong| self.ended(wrong, ran.again, again);
         (ran.result.map_err(ended), ran.log)
@@ -270,7 +270,8 @@ impl Script {
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
     ) -> Ended {
         let find = || run_limited(bounds, || locate::again(&self.0.sources, &wrong, again)).result;
-        let met = locate::is_limit(&wrong).then(find).flatten();
+        let has_place = locate::is_limit(&wrong) && !wrong.position().is_none();
+        let met = has_place.then(find).flatten();
         Ended { wrong, met }
     }
 

@@ -7,6 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use rhai::{EvalAltResult, Position};
+
 use super::engine::{DEADLINE, LINES, MEMORY, OPERATIONS, STACK, grouped};
 
 /// Operations between two looks at the clock; a closure that is bound to itself doubles in about
@@ -15,7 +17,7 @@ const CLOCK_EVERY: u64 = 4;
 /// Time between two looks at the memory, in which a call cannot fill much of it.
 const MEMORY_EVERY: Duration = Duration::from_millis(5);
 /// Time to find the place of a limit: the second run notes each step, and is slower.
-const FINDING: Duration = Duration::from_secs(5);
+const FINDING: Duration = Duration::from_secs(2);
 /// The same where the first run has met its time: wherever the second is then is as good.
 const FINDING_ANY: Duration = Duration::from_secs(1);
 
@@ -42,6 +44,21 @@ pub struct Run<T> {
     pub log: Vec<String>,
     /// What a second run may use to come to the same place.
     pub again: Bounds,
+    /// The limit that it met.
+    met: Option<String>,
+}
+
+impl<T> Run<Result<T, Box<EvalAltResult>>> {
+    /// With an error where a limit was met though the call came to its end: `sort` passes over the
+    /// errors of its closure. That error has no position, and none is looked for: a second run would
+    /// pass over it as well.
+    pub fn or_limit(mut self) -> Self {
+        if let (Ok(_), Some(why)) = (&self.result, &self.met) {
+            let ended = EvalAltResult::ErrorTerminated(why.clone().into(), Position::NONE);
+            self.result = Err(ended.into());
+        }
+        self
+    }
 }
 
 /// What the call on this thread has used.
@@ -175,6 +192,7 @@ pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> 
             result,
             log: used.log.take(),
             again: used.again(),
+            met: used.why.borrow().clone(),
         })
     };
     thread::scope(|scope| {
