@@ -119,9 +119,11 @@ fn a_color_has_a_picker() {
     picker.expect("of the base color").click();
     harness.run();
     // The picker's own numbers go to 255, those of the panel to 1.
-    let mut numbers = harness.get_all_by_role(Role::SpinButton);
-    let red = numbers.find(|n| n.accesskit_node().numeric_value() > Some(1.5));
-    red.expect("in the picker").set_value_accesskit(0.0);
+    harness
+        .get_all_by_role(Role::SpinButton)
+        .find(|n| n.accesskit_node().numeric_value() > Some(1.5))
+        .expect("in the picker")
+        .set_value_accesskit(0.0);
     harness.run();
     let asked = asked(&harness);
     assert!(asked.len() == 1 && asked[0].0 == "base_color", "{asked:?}");
