@@ -35,7 +35,7 @@ RUNS = {
         *["paper", "scenario2", "--sizes", "640x480,1280x720,1920x1080"],
         *["--every", "475", *ONCE],
     ],
-    "walk": ["paper", "scenario2", *SMALL, "--every", "19", *ONCE],
+    "walk": ["paper", "scenario2", *SMALL, "--every", "38", *ONCE],
     "scenario3": ["paper", "scenario3", *SMALL, "--frames", "7"],
     "atrium": ["--sizes", "640x360"],
 }
