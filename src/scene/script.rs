@@ -270,7 +270,7 @@ impl Script {
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
     ) -> Ended {
         let find = || run_limited(bounds, || locate::again(&self.0.sources, &wrong, again)).result;
-        let has_place = locate::is_limit(&wrong) && !wrong.position().is_none();
+        let has_place = locate::is_limit(&wrong) && !bounds.is_nothing();
         let met = has_place.then(find).flatten();
         Ended { wrong, met }
     }

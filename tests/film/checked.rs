@@ -70,7 +70,9 @@ fn check_shows_what_the_script_prints_in_the_order_of_the_frames() {
     let (code, _, err) = reflet(&folder, "check", "scene.toml");
     assert_eq!(code, Some(0), "{err}");
     let lines: Vec<_> = err.lines().collect();
-    let frames = (0..6).map(|frame| format!("frame {frame}: at {frame}"));
-    let wanted: Vec<_> = std::iter::once("once".to_owned()).chain(frames).collect();
+    let frames = (0..6).map(|frame| format!("frame {frame}: s.rhai:3: at {frame}"));
+    let wanted: Vec<_> = std::iter::once("s.rhai:1: once".to_owned())
+        .chain(frames)
+        .collect();
     assert_eq!(lines, wanted);
 }

@@ -236,7 +236,8 @@ fn every_hostile_frame_is_ended_with_a_message() {
     });
     assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
     #[cfg(target_os = "linux")]
-    assert!(peak_mib() < 2048, "{} MiB", peak_mib());
+    // Two at a time, each within 1,024 MiB when last looked at; one step can double that.
+    assert!(peak_mib() < 4608, "{} MiB", peak_mib());
 }
 
 fn folder(name: &str) -> std::path::PathBuf {

@@ -34,6 +34,11 @@ impl Bounds {
         time: DEADLINE,
         operations: OPERATIONS,
     };
+
+    /// Whether a call may do anything at all.
+    pub fn is_nothing(self) -> bool {
+        self.operations == 0
+    }
 }
 
 /// A call that is over.
@@ -50,12 +55,12 @@ pub struct Run<T> {
 
 impl<T> Run<Result<T, Box<EvalAltResult>>> {
     /// With an error where a limit was met though the call came to its end: `sort` passes over the
-    /// errors of its closure. That error has no position, and none is looked for: a second run would
-    /// pass over it as well.
+    /// errors of its closure. No place is looked for: a second run would pass over it as well.
     pub fn or_limit(mut self) -> Self {
         if let (Ok(_), Some(why)) = (&self.result, &self.met) {
             let ended = EvalAltResult::ErrorTerminated(why.clone().into(), Position::NONE);
             self.result = Err(ended.into());
+            self.again.operations = 0;
         }
         self
     }
