@@ -14,6 +14,7 @@ use crate::{
     scene::{
         desc::{CameraDesc, ImageDesc, Method, ReflectionDesc},
         diagnostic::Diagnostic,
+        parse::range::BOUNCES,
     },
     world::World,
 };
@@ -29,7 +30,7 @@ pub use work::{Steps, Task, Work};
 use flicker::{Flicker, Since};
 
 /// Bounces of the reference: the most that a scene may ask for.
-pub const REFERENCE_BOUNCES: u32 = 16;
+pub const REFERENCE_BOUNCES: u32 = BOUNCES.max as u32;
 
 /// A scene to be measured.
 #[derive(Debug)]
@@ -52,6 +53,32 @@ pub struct Subject {
     pub frame: u32,
     /// Whether it is one frame of several, which share renderers: they take over moved instances.
     pub motion: bool,
+}
+
+impl Subject {
+    /// A renderer for every setting of a method, and for the reference's bounces: the plan leaves
+    /// out what a setting does not need.
+    ///
+    /// # Errors
+    /// What the renderer refuses.
+    pub fn renderer(
+        &self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        method: Method,
+        size: [u32; 2],
+    ) -> Result<Renderer, RenderError> {
+        let options = RenderOptions {
+            reflection: ReflectionDesc {
+                method,
+                bounces: REFERENCE_BOUNCES,
+                ..self.reflection
+            },
+            image: ImageDesc { size, ..self.image },
+            general: false,
+        };
+        Renderer::new(gpu, library, &self.world, &options)
+    }
 }
 
 /// What is measured of each scene.
@@ -284,7 +311,7 @@ impl Bench<'_> {
         let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).1);
         let mut renderer = match kept {
             Some(ready) => ready.renderer,
-            None => self.renderer(subject, method, size)?,
+            None => subject.renderer(self.gpu, self.library, method, size)?,
         };
         let started = Instant::now();
         let update_ms = subject.motion.then(|| {
@@ -304,33 +331,6 @@ impl Bench<'_> {
             let mut stock = self.stock.renderers.borrow_mut();
             stock.extend(ready.into_iter().map(|ready| (size, ready)));
         }
-    }
-
-    fn renderer(
-        &self,
-        subject: &Subject,
-        method: Method,
-        size: [u32; 2],
-    ) -> Result<Renderer, BenchError> {
-        let options = RenderOptions {
-            reflection: ReflectionDesc {
-                method,
-                // The plan leaves out what this many bounces do not need.
-                bounces: REFERENCE_BOUNCES,
-                ..subject.reflection
-            },
-            image: ImageDesc {
-                size,
-                ..subject.image
-            },
-            general: false,
-        };
-        Ok(Renderer::new(
-            self.gpu,
-            self.library,
-            &subject.world,
-            &options,
-        )?)
     }
 
     /// The reference's picture with a renderer of method `rt`.

@@ -11,8 +11,8 @@ use crate::{
         score::View,
     },
     gpu::{Gpu, ShaderLibrary},
-    render::{Picture, RenderOptions, Renderer, aov::Aov},
-    scene::desc::{ImageDesc, Method, ReflectionDesc},
+    render::{Picture, Renderer, aov::Aov},
+    scene::desc::{Method, ReflectionDesc},
 };
 
 /// A picture of a setting.
@@ -87,20 +87,8 @@ impl<'a> Studio<'a> {
         size: [u32; 2],
         method: Method,
     ) -> Result<Self, AppError> {
-        let options = RenderOptions {
-            reflection: ReflectionDesc {
-                method,
-                bounces: REFERENCE_BOUNCES,
-                ..subject.reflection
-            },
-            image: ImageDesc {
-                size,
-                ..subject.image
-            },
-            general: false,
-        };
         let library = ShaderLibrary::embedded();
-        let renderer = Renderer::new(gpu, &library, &subject.world, &options);
+        let renderer = subject.renderer(gpu, &library, method, size);
         Ok(Self {
             gpu,
             subject,
