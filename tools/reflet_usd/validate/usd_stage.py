@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import itertools
 import math
@@ -68,6 +69,7 @@ def _without_w(matrix: Gf.Matrix4d) -> Array:
 def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     """Open `path` with the purposes and variants of a sidecar's settings; raises StageError."""
     try:
+        _forget_old_layers()
         layer = Sdf.Layer.FindOrOpen(str(path))
         if layer is not None:
             _repair_time_rate(layer)
@@ -105,6 +107,18 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         int(settings.get("subdivLevel") or 0),
         roots,
     )
+
+
+def _forget_old_layers() -> None:
+    """Read anew from disk what this process still holds of earlier stages.
+
+    USD frees a stage's layers on another thread some time after the stage is gone; until then it
+    gives out what it read before, or what was edited in memory.
+    """
+    for layer in Sdf.Layer.GetLoadedLayers():
+        if layer and not layer.anonymous and os.path.isfile(layer.realPath):
+            with contextlib.suppress(Tf.ErrorException):  # broken by now: who opens it will say
+                layer.Reload(force=True)
 
 
 def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
