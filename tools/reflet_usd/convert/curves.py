@@ -81,7 +81,9 @@ def build_curves(
         curves = np.repeat(np.arange(len(counts)), counts)
         curves = np.pad(curves, (0, len(points) - len(curves)))
         topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
-        vertices = np.arange(len(points))
+        # Points that no line reaches would still count in the file's bounds.
+        vertices, ends = np.unique(lines, return_inverse=True)
+        lines = ends.reshape(lines.shape)
         return _write(context, writer, materials, prim, points, vertices, lines, topology)
     basis = str(authored(prim, "basis", context.time, "bezier"))
     if basis not in _BASES:

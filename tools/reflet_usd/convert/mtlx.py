@@ -45,11 +45,13 @@ MATERIALX_SURFACES: dict[str, dict[str, str]] = {
 _DEFAULTS: dict[str, dict[str, tuple[float, ...]]] = {
     "ND_standard_surface_surfaceshader": {
         "diffuseColor": (0.8, 0.8, 0.8),
+        "emissiveColor": (1.0, 1.0, 1.0),
         "roughness": (0.2,),
         "clearcoatRoughness": (0.1,),
     },
     "ND_open_pbr_surface_surfaceshader": {
         "diffuseColor": (0.8, 0.8, 0.8),
+        "emissiveColor": (1.0, 1.0, 1.0),
         "roughness": (0.3,),
         "clearcoatRoughness": (0.0,),
     },

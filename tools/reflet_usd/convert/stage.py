@@ -196,6 +196,7 @@ def _read_time(context: Context) -> None:
         context.time_origin = context.options.frames[0]
         context.time = Usd.TimeCode(context.time_origin)
         return
+    _drop_far_samples(context)
     keys = [code for code in _first_keys(stage) if abs(code) <= MAX_CODE]
     start, end = (_stated_code(stage, name) for name in ("startTimeCode", "endTimeCode"))
     context.stated_codes = (start, end)
@@ -207,6 +208,34 @@ def _read_time(context: Context) -> None:
 def _stated_code(stage: Usd.Stage, name: str) -> float | None:
     code = stage_metadata(stage, name)
     return float(code) if code is not None and abs(code) <= MAX_CODE else None
+
+
+def _drop_far_samples(context: Context) -> None:
+    """Leave out, in the session layer, the time samples that no clock reaches."""
+    stage = context.stage
+    found = []
+    for prim in Usd.PrimRange(stage.GetPseudoRoot()):
+        for attribute in prim.GetAuthoredAttributes():
+            if attribute.GetNumTimeSamples() > 1:
+                codes = attribute.GetTimeSamples()
+                near = [code for code in codes if abs(code) <= MAX_CODE]
+                if 0 < len(near) < len(codes):
+                    found.append((attribute, [(code, attribute.Get(code)) for code in near]))
+    if not found:
+        return
+    # Else USD scales the codes that are written into the session layer by the rates' ratio.
+    rates = ("timeCodesPerSecond", "framesPerSecond")
+    session = stage.GetSessionLayer()
+    for name in rates:
+        rate = stage_metadata(stage, name)
+        if rate is not None:
+            session.pseudoRoot.SetInfo(name, rate)
+    with Usd.EditContext(stage, session):
+        for attribute, keys in found:
+            message = f"samples of '{attribute.GetName()}' beyond ±{MAX_CODE:g} were dropped"
+            context.ledger.warn("time-sample-dropped", attribute.GetPrim(), message)
+            for code, value in keys:
+                attribute.Set(Sdf.ValueBlock() if value is None else value, code)
 
 
 def _first_keys(stage: Usd.Stage) -> list[float]:

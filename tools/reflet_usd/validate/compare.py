@@ -11,12 +11,11 @@ from scipy.spatial import cKDTree
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
 from .distances import attribute_distance, one_way, set_distance
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
 from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
-_UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
-_ORDERED = ("primvar-interpolation-dropped", "primvar-order-assumed")
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -39,9 +38,7 @@ class SceneComparer:
         for key in sorted((truth.corners.keys() | truth.surfaces.keys()) - skip):
             found = output.corners.get(key)
             if key in truth.corners and not np.isfinite(_everything(truth.corners[key])).all():
-                told = ("points-non-finite",)
-                text = "not finite in the stage"
-                self.checks.add("positions", key, math.inf, text, excuses=told)
+                self.checks.add("positions", key, math.inf, "not finite in the stage")
             elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
             elif key in truth.corners and key in truth.surfaces:
@@ -54,6 +51,12 @@ class SceneComparer:
         for key, found in output.corners.items():
             if key not in known and (len(found.positions) or len(found.points)):
                 self.checks.add("unexpected", key, 1, "drawn only in the output")
+        for kind, ours, theirs in (
+            ("camera", truth.cameras, output.cameras),
+            ("light", truth.lights, output.lights),
+        ):
+            for key in sorted(theirs.keys() - ours.keys()):
+                self.checks.add("unexpected", key, 1, f"a {kind} only in the output")
         if self.checks.declared() == excused and not skip:  # else the box is known to differ
             self._bounds(truth, output)
 
@@ -65,7 +68,7 @@ class SceneComparer:
         for prim, lost in truth.lost.items():
             self._lost(prim, lost)
         for prim in sorted(truth.mesh_lights):
-            self.checks.add_lost(prim, ("mesh-light-dropped", "Volume-dropped"), "shines")
+            self.checks.add_lost(prim, SHINES, "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
         """World matrices of all nodes that stand for a transformable prim."""
@@ -123,7 +126,8 @@ class SceneComparer:
             self.checks.add_lost(key, (warning,), text)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
-        self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")
+        text = f"{what} is not in the output"
+        self.checks.add("carried", key, 0 if there else 1, text, excuses=absent(what))
         return there
 
     def _corners(self, key: str, expected: Corners, found: Corners | None, skinned: bool) -> None:
@@ -166,9 +170,9 @@ class SceneComparer:
             wrong = "is not used" if name in bound else "is used only in the output"
             self.checks.add("bindings", key, math.inf, f"{name} {wrong}")
         colors = [surface.color for surface in surfaces if surface.color is not None]
-        if any(surface.undefined_colors for surface in surfaces):
-            self._undefined_colors(key)
-        elif len(colors) == len(surfaces) and not bound and found.colors is not None:
+        for surface in surfaces:
+            self._undefined_colors(key, surface.undefined_colors)
+        if len(colors) == len(surfaces) and not bound and found.colors is not None:
             value = set_distance(np.array(colors), np.unique(found.colors, axis=0))
             self.checks.add("colors", key, value, "display color or opacity")
 
@@ -233,9 +237,9 @@ class SceneComparer:
                 self.checks.add("normals", key, angle, "angle")
         self._uvs(key, expected, found, tolerance, both)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
-        if expected.undefined_colors and unbound:
-            self._undefined_colors(key)
-        elif expected.colors is not None and found.colors is not None and unbound:
+        if unbound:
+            self._undefined_colors(key, expected.undefined_colors)
+        if expected.colors is not None and found.colors is not None and unbound:
             value = attribute_distance(
                 (expected.positions, expected.colors),
                 (found.positions, found.colors),
@@ -255,14 +259,14 @@ class SceneComparer:
     ) -> None:
         if expected.uvs and not found.uvs:
             for name in expected.uvs:
-                told = self.checks.excuse(key, ("primvar-*",), named=name)
+                told = self.checks.excuse(key, UV_SET, named=name)
                 text = f"'{name}' is not in the output"
                 self.checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
         for name, values in found.uvs.items():
             if not expected.uvs:
                 continue
             if np.ptp(values, axis=0).max(initial=0.0) == 0.0 and self.checks.excuse(
-                key, ("uv-missing",)
+                key, UV_CONSTANT
             ):
                 continue  # the reader's fallback, of a set that the prim does not have
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
@@ -279,13 +283,11 @@ class SceneComparer:
             )
             self.checks.add("uvs", key, best / reach, name)
 
-    def _undefined_colors(self, key: str) -> None:
-        for name in ("displayColor", "displayOpacity"):
-            told = self.checks.excuse(key, _ORDERED, named=name)
-            if told:
-                self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS, excuses=(told,))
-                return
-        self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+    def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
+        for name in names:
+            told = self.checks.excuse(key, UNORDERED_COLORS, named=name)
+            text = f"several values of '{name}' on a gprim, whose faces USD does not number"
+            self.checks.add("colors", key, math.inf, text, excuses=(told,) if told else ())
 
     def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
         """The corners of each material, as sets, by the material's name."""
@@ -305,7 +307,7 @@ class SceneComparer:
             wanted = expected.positions[np.isin(expected.materials, same)]
             number = there.get(_name(path))
             if number is None:
-                told = ("material-unsupported",)
+                told = UNKNOWN_SURFACE
                 subject = path if self.checks.excuse(path, told) else key
                 self.checks.add("bindings", subject, math.inf, f"{path} is not used", excuses=told)
                 continue

@@ -18,7 +18,7 @@ from .facts import Array, StageError
 
 _SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
 _HALF_TYPES = ("half", "half3", "quath")
-_MAX_CODE = 1e9
+MAX_CODE = 1e9
 """Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """Row-vector rotation: Z becomes Y, Y becomes −Z."""
@@ -145,7 +145,7 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
         codes.update(attribute.GetTimeSamples())
         if attribute.HasSpline():
             codes.update(attribute.GetSpline().GetKnots().keys())
-    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+    return sorted(code for code in codes if abs(code) <= MAX_CODE)
 
 
 def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
@@ -158,7 +158,7 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
         return []
     stated = [_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode")]
     low, high = (
-        float(code) if isinstance(code, (int, float)) and abs(code) <= _MAX_CODE else fallback
+        float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else fallback
         for code, fallback in zip(
             stated, (min(codes, default=0.0), max(codes, default=0.0)), strict=True
         )
@@ -178,7 +178,7 @@ def codes_in_splines(stage: Usd.Stage) -> list[float]:
             knots = [float(code) for code in spline.GetKnotsWithInnerLoopsBaked()]
             for first, last in itertools.pairwise(sorted(knots)):
                 codes.update(first + (last - first) * share for share in _SPLINE_PROBES)
-    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+    return sorted(code for code in codes if abs(code) <= MAX_CODE)
 
 
 @dataclasses.dataclass

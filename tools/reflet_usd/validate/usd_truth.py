@@ -10,7 +10,8 @@ from pxr import Usd, UsdGeom, UsdShade
 from .faces import measure
 from .facts import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
-from .usd_gprim import read_points, read_polyhedron, read_surface
+from .usd_curves import read_patch, read_points
+from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_light import read_light
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
@@ -43,7 +44,11 @@ class TruthReader:
             if place.key != str(prim.GetPath()):
                 scene.made_of.setdefault(place.key, set()).add(str(prim.GetPath()))
             if prim.IsA(UsdGeom.Camera):
-                scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
+                camera = read_camera(prim, time, self.truth, place.matrix)
+                if camera is None:
+                    scene.lost[str(prim.GetPath())] = [("camera-invalid", "apertures and focus")]
+                else:
+                    scene.cameras[place.key] = camera
                 continue
             if is_light(prim) and prim.IsA(UsdGeom.Gprim):
                 scene.mesh_lights.add(str(prim.GetPath()))
@@ -56,8 +61,15 @@ class TruthReader:
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
-            elif (points := read_points(prim, time)) is not None:
-                clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+            elif (drawn := read_points(prim, time)) is not None:
+                points, scene.lost[str(prim.GetPath())] = drawn
+                if len(points):
+                    clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+            elif prim.IsA(UsdGeom.NurbsPatch):
+                grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
+                if grid is not None:
+                    patch = read_grid(prim, time, grid)
+                    pieces.setdefault(place.key, []).append((patch, matrix))
             else:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
@@ -75,6 +87,9 @@ class TruthReader:
         self.outermost = walk.outermost
         for path in walk.not_finite:
             lost = ("instancer-invalid", "instances that are not finite or name no prototype")
+            scene.lost.setdefault(path, []).append(lost)
+        for path in walk.cyclic:
+            lost = ("instancer-cycle", "it is part of its own prototype")
             scene.lost.setdefault(path, []).append(lost)
         scene.matrices = self.matrices(time)
         return scene
@@ -172,7 +187,8 @@ def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
-    result.undefined_colors = any(mesh.undefined_colors for mesh in meshes)
+    names = {name for mesh in meshes for name in mesh.undefined_colors}
+    result.undefined_colors = tuple(sorted(names))
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
     if len(colors) == len(meshes):
         result.colors = np.vstack(colors)
