@@ -151,8 +151,7 @@ class SceneComparer:
         surplus = found.triangles - expected.triangles - expected.optional_triangles
         text = f"{found.triangles} triangles, expected {expected.triangles}"
         self.checks.add("triangles", key, max(missing, surplus, 0), text)
-        if not skinned:
-            self._areas(key, expected, found)
+        self._areas(key, expected, found)
         self._attributes(key, expected, found, skinned)
 
     def _surfaces(self, key: str, surfaces: list[Surface], found: Corners | None) -> None:

@@ -13,6 +13,7 @@ PLACED = ("animation-resampled",)
 ABSENT = ("prim-damaged",)
 """A prim of any type that is not in the file."""
 SHINES = ("mesh-light-dropped", "Volume-dropped")
+"""Light that geometry sends."""
 UNORDERED_COLORS = ("primvar-interpolation-dropped",)
 """Display colors on parts of a gprim whose order USD does not define, by the primvar's name."""
 UV_SET = ("primvar-*",)
@@ -21,6 +22,13 @@ UV_CONSTANT = ("uv-missing",)
 """The constant that stands for a set that no primvar gives."""
 OTHER_SURFACE = ("material-unsupported", "material-approximated")
 UNKNOWN_SURFACE = ("material-unsupported",)
+NO_PLACE = {
+    "displacement": "displacement-dropped",
+    "normal": "normal-constant-dropped",
+    "occlusion": "occlusion-dropped",
+}
+"""Constant inputs of a UsdPreviewSurface that no glTF material holds."""
+# What follows excuses nothing: it chooses the rule by which the truth computes a texture.
 PACKED = ("texture-packed-transform",)
 """A texture that is placed as another one it was packed with."""
 REWRITTEN = ("texture-repacked", "texture-converted")
@@ -29,12 +37,6 @@ UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
 LOST_FILE = (*UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
 """A texture whose fallback counts."""
 NORMAL_SCALE = ("normal-scale-missing",)
-NO_PLACE = {
-    "displacement": "displacement-dropped",
-    "normal": "normal-constant-dropped",
-    "occlusion": "occlusion-dropped",
-}
-"""Constant inputs of a UsdPreviewSurface that no glTF material holds."""
 _DOMES = ("DomeLight", "DomeLight_1")
 _NO_LIGHTS = ("GeometryLight", "PortalLight", "PluginLight")
 

@@ -29,8 +29,13 @@ class FaceMeasures:
     """(faces,) whether the face is flat."""
 
 
-def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
-    """Measure faces of `counts` corners each, whose corners lie one after another."""
+def measure(
+    positions: Array, counts: Indices, center: Array, deformed: bool = False
+) -> FaceMeasures:
+    """Measure faces of `counts` corners each, whose corners lie one after another.
+
+    `deformed` faces were cut into triangles when their corners were elsewhere.
+    """
     if not len(counts):
         zero = np.zeros(3)
         return FaceMeasures((0.0, 0.0), zero, (0.0, 0.0), np.zeros((0, 3)), np.zeros(0, bool))
@@ -50,12 +55,14 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
     flat = height <= _FLAT * size
     fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
     lower = length.copy()
-    upper = np.where(flat, length, np.maximum(fan_area, length) * _BENT_SLACK)
+    # What was cut elsewhere folds where it became concave.
+    sure = flat & (_convex(positions, starts, counts, normals) if deformed else True)
+    upper = np.where(sure, length, np.maximum(fan_area, length) * _BENT_SLACK)
     quads = np.flatnonzero(counts == 4)
     both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
     # A flat quad has the area of its better diagonal, unless its sides cross: then both fold.
     best = both.min(axis=1)
-    simple = flat[quads] & (best <= length[quads] * (1 + _CROSSING))
+    simple = sure[quads] & (best <= length[quads] * (1 + _CROSSING))
     lower[quads] = best
     upper[quads] = np.where(simple, best, both.max(axis=1))
     volumes = np.einsum("ij,ij->i", positions[starts] - center, vector) / 3.0
@@ -67,6 +74,16 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
         normals,
         flat,
     )
+
+
+def _convex(positions: Array, starts: Indices, counts: Indices, normals: Array) -> np.ndarray:
+    """(faces,) whether no corner turns against its face's normal."""
+    face = np.repeat(np.arange(len(counts)), counts)
+    local = np.arange(len(positions)) - starts[face]
+    after = positions[starts[face] + (local + 1) % counts[face]]
+    before = positions[starts[face] + (local - 1) % counts[face]]
+    turns = (np.cross(positions - before, after - positions) * normals[face]).sum(axis=1)
+    return np.asarray(np.minimum.reduceat(turns, starts) >= 0.0)
 
 
 def _quad_areas(corners: Array) -> Array:

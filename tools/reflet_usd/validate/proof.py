@@ -143,7 +143,7 @@ def _compare(
 
     from .material_compare import compare_materials
     from .usd_rules import apply_rules
-    from .usd_skel import JointTruth, bake, keyed_skeletons, skin_times
+    from .usd_skel import JointTruth, bake, keyed_skeletons, moving_points, skin_times
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
@@ -159,7 +159,7 @@ def _compare(
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
     skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
-    reader = TruthReader(truth, frozenset(cages))
+    reader = TruthReader(truth, frozenset(cages), skinned | moving_points(truth.stage))
     rest = reader.scene(rest_time)
     checks.made_of = rest.made_of
     output = OutputReader(file, reader.instancers)

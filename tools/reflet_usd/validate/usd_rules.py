@@ -39,7 +39,7 @@ _FAR = 1e9
 
 def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.TimeCode) -> None:
     """Let the stage say what the file must show where the sidecar's `warnings` name a rule."""
-    chosen = [w for w in warnings if w["name"] in {*_FROZEN, *_RULES, _NORMALIZED}]
+    chosen = [w for w in warnings if w["name"] in NAMES]
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for warning in chosen:
             if Sdf.Path.IsValidPathString(warning["prim"]):
@@ -146,6 +146,13 @@ def _normalize_rotations(prim: Usd.Prim) -> None:
             attribute.Set(Vt.QuatfArray([Gf.Quatf(q).GetNormalized() for q in value]), time)
 
 
+def _stay_at_rest(prim: Usd.Prim) -> None:
+    """Joints move no curves and no points."""
+    indices = prim.GetAttribute("primvars:skel:jointIndices")
+    if indices and not prim.IsA(UsdGeom.Mesh):
+        indices.Block()
+
+
 def _finite_weights(prim: Usd.Prim) -> None:
     """Weights of blend shapes that are no numbers are 0."""
     source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
@@ -225,6 +232,7 @@ _RULES: dict[str, Callable[[Usd.Prim], None]] = {
     "joint-index-out-of-range": _normalize_weights,
     "joint-rotation-normalized": _normalize_rotations,
     "points-non-finite": _finite_weights,
+    "skinning-invalid": _stay_at_rest,
     "skinning-dq-as-linear": _skin_linearly,
     "time-sample-dropped": _forget_far_samples,
     "transform-non-finite": _without_perspective,
@@ -232,3 +240,5 @@ _RULES: dict[str, Callable[[Usd.Prim], None]] = {
     "velocities-dropped": _forget_velocities,
     "weights-normalized": _normalize_weights,
 }
+NAMES = frozenset({*_FROZEN, *_RULES, _NORMALIZED})
+"""All warnings that choose a rule."""

@@ -83,6 +83,16 @@ def keyed_skeletons(stage: Usd.Stage) -> int:
     )
 
 
+def moving_points(stage: Usd.Stage) -> frozenset[str]:
+    """Prims whose own points have values over time."""
+    return frozenset(
+        str(prim.GetPath())
+        for prim in _prims(stage)
+        if prim.IsA(UsdGeom.PointBased)
+        and UsdGeom.PointBased(prim).GetPointsAttr().ValueMightBeTimeVarying()
+    )
+
+
 def bake(stage: Usd.Stage) -> frozenset[str]:
     """Replace skinning and blend shapes by points at all times.
 

@@ -22,8 +22,15 @@ from .usd_walk import StageWalk, is_light
 class TruthReader:
     """Evaluates one stage at any time; meshes are read once per time and prototype prim."""
 
-    def __init__(self, truth: TruthStage, cages: frozenset[str] = frozenset()) -> None:
+    def __init__(
+        self,
+        truth: TruthStage,
+        cages: frozenset[str] = frozenset(),
+        deformed: frozenset[str] = frozenset(),
+    ) -> None:
         self.truth = truth
+        self.deformed = deformed
+        """Skinned and morphed prims, whose points move within them."""
         self.cages = cages
         """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
@@ -79,7 +86,7 @@ class TruthReader:
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
         for key, placed in pieces.items():
-            scene.corners[key] = place_meshes(placed)
+            scene.corners[key] = place_meshes(placed, key in self.deformed)
         for key, parts in clouds.items():
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
@@ -135,7 +142,7 @@ def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
     )
 
 
-def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
+def place_meshes(placed: list[tuple[LocalMesh, Array]], deformed: bool = False) -> Corners:
     """World-space corners of several placed meshes that share one comparison key."""
     worlds = [transform_points(mesh.positions, matrix) for mesh, matrix in placed]
     optional = [transform_points(mesh.optional_positions, matrix) for mesh, matrix in placed]
@@ -147,7 +154,7 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     for (mesh, matrix), world in zip(placed, worlds, strict=True):
         with np.errstate(invalid="ignore"):
             sign = math.copysign(1.0, float(np.linalg.det(matrix[:3, :3])))
-        faces = measure(world, mesh.counts, center)
+        faces = measure(world, mesh.counts, center, deformed)
         result.triangles += int((mesh.counts - 2).sum())
         result.optional_triangles += mesh.optional_triangles
         if len(mesh.optional_counts):
