@@ -121,8 +121,10 @@ class StageWalk:
             if not 0 <= index < len(targets) or not _fits_float32(transform):
                 self.not_finite.add(str(instancer.GetPath()))
                 continue
-            for prim, relative in parts.get(int(index), ()):
-                place = relative * own.get(int(index), _IDENTITY) * transform * world
+            for prim, relative, reset in parts.get(int(index), ()):
+                # A reset stack leaves what is above it in the prototype, not the instance (Hydra).
+                root = _IDENTITY if reset else own.get(int(index), _IDENTITY)
+                place = relative * root * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
                     self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
                     yield from self._instances(prim, key, place)
@@ -138,8 +140,8 @@ class StageWalk:
         first = min((codes[0] for codes in samples if codes), default=None)
         return Usd.TimeCode.Default() if first is None else Usd.TimeCode(first)
 
-    def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d]]:
-        """Drawn prims below a prototype, with their transform to the prototype's root."""
+    def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d, bool]]:
+        """Drawn prims below a prototype, their transform to its root, and whether it is reset."""
         if not root:
             return
         # Prototypes are often kept as overs or classes, so being defined is not asked for.
@@ -153,7 +155,7 @@ class StageWalk:
             if nested:
                 prims.PruneChildren()
             if nested or self._is_relevant(prim):
-                yield prim, self.xforms.ComputeRelativeTransform(prim, root)[0]
+                yield prim, *self.xforms.ComputeRelativeTransform(prim, root)
 
     def _hidden_within(self, prim: Usd.Prim, root: Usd.Prim) -> bool:
         imageable = UsdGeom.Imageable(prim)
