@@ -41,7 +41,7 @@ def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) 
         name = str(item.GetName())
         value = None
         if node is not None:
-            value = _value(context, item)
+            value = property_value(context, item)
         if value is None:
             dropped.append(name)
             continue
@@ -53,9 +53,9 @@ def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) 
         node.extras.setdefault(place, {})[key] = value
     parts = []
     if dropped:
-        parts.append(f"{_listed(dropped)} not carried")
+        parts.append(f"{listed(dropped)} not carried")
     if frozen:
-        parts.append(f"{_listed(frozen)} carried with the first value only")
+        parts.append(f"{listed(frozen)} carried with the first value only")
     if parts:
         context.ledger.warn("attribute-dropped", prim, "; ".join(parts))
 
@@ -78,7 +78,8 @@ def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
         yield item
 
 
-def _value(context: Context, item: Usd.Property) -> Any:
+def property_value(context: Context, item: Usd.Property) -> Any:
+    """The property's targets or first value as JSON data; None where it is not plain or long."""
     if isinstance(item, Usd.Relationship):
         targets = item.GetTargets()
         return [str(path) for path in targets] if len(targets) <= _MAX_VALUES else None
@@ -86,7 +87,8 @@ def _value(context: Context, item: Usd.Property) -> Any:
     return plain_value(item.Get(context.time))
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
+    """The first names in quotes, how many more, and the verb."""
     shown = ", ".join(f"'{name}'" for name in names[:8])
     rest = f" and {len(names) - 8} more" if len(names) > 8 else ""
     return f"{shown}{rest} {'is' if len(names) == 1 else 'are'}"
@@ -100,6 +102,8 @@ def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:
         return value if np.isfinite(value) else None
     if isinstance(value, Sdf.AssetPath):
         return value.path
+    if isinstance(value, Sdf.PathExpression):
+        return value.GetText()
     if isinstance(value, Sdf.TimeCode):
         value = value.GetValue()
     if isinstance(value, (Gf.Quath, Gf.Quatf, Gf.Quatd)):

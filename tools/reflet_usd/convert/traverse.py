@@ -15,6 +15,7 @@ from reflet_usd.convert.animation import (
     transform_node,
 )
 from reflet_usd.convert.camera import add_camera
+from reflet_usd.convert.collection import keep_collections
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
 from reflet_usd.convert.depth import check_depth, check_level, levels_to
@@ -183,6 +184,7 @@ class Traversal:
     def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
         """What is said about the prim and does not draw; a prim without a node keeps none."""
         keep_custom_properties(self.context, prim, node)
+        keep_collections(self.context, prim, node)
         keep_metadata(self.context, prim, node)
         warn_schemas(self.context, prim)
 
