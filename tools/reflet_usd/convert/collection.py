@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from pxr import Usd, UsdLux
@@ -15,16 +16,21 @@ _BINDING = "material:binding:collection"
 _LINKS = ("lightLink", "shadowLink", "filterLink")
 
 
-def keep_collections(context: Context, prim: Usd.Prim, node: Node | None) -> None:
-    """Collections to `extras.collections`; those that do not fit are one warning.
+def keep_collections(
+    context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
+) -> None:
+    """Collections among the authored `names` to `extras.collections`, or one warning.
 
     A collection that binds materials is in the file by what it binds, one that links a light is
     named with the light.
     """
     found: dict[str, dict[str, Any]] = {}
-    for item in prim.GetAuthoredPropertiesInNamespace("collection"):
-        name, _, part = str(item.GetName()).removeprefix(_PREFIX).rpartition(":")
+    for whole_name in names:
+        if not whole_name.startswith(_PREFIX):
+            continue
+        name, _, part = whole_name.removeprefix(_PREFIX).rpartition(":")
         if name and not _is_read(context, prim, name):
+            item = prim.GetProperty(whole_name)
             value = property_value(context, item) if node is not None else None
             found.setdefault(name, {})[part] = value
     whole = {name: parts for name, parts in found.items() if None not in parts.values()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -30,14 +30,16 @@ _USER = "userProperties"
 _MAX_VALUES = 64
 
 
-def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) -> None:
-    """Properties outside all schemas to the node's extras; what stays behind is one warning.
+def keep_custom_properties(
+    context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
+) -> None:
+    """Of the authored `names` those outside all schemas to the node's extras, or one warning.
 
     Those of `userProperties:` go by their own names to `extras.userProperties`, others to
     `extras.attributes`. Prims without a node keep none.
     """
     dropped, frozen = [], []
-    for item in _custom_properties(prim):
+    for item in _custom_properties(prim, names):
         name = str(item.GetName())
         value = None
         if node is not None:
@@ -67,10 +69,10 @@ def is_custom(prim: Usd.Prim, name: str) -> bool:
     return bool(prim.GetPrimDefinition().GetSpecType(name) == Sdf.SpecTypeUnknown)
 
 
-def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
+def _custom_properties(prim: Usd.Prim, names: Iterable[str]) -> Iterator[Usd.Property]:
     known = prim.GetPrimDefinition().GetSpecType
-    for name in prim.GetAuthoredPropertyNames():
-        if str(name).partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
+    for name in names:
+        if name.partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
             continue
         item = prim.GetProperty(name)
         if isinstance(item, Usd.Attribute) and not item.HasAuthoredValue():

@@ -270,6 +270,15 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
             context.ledger.warn(warning, prim, message)
 
 
+def warn_still_points(context: Context, prim: Usd.Prim) -> None:
+    """Name what is animated of points and curves, which stand still in the file."""
+    warn_frozen(context, prim, UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance())
+    points = prim.GetAttribute("points")
+    if points and points.ValueMightBeTimeVarying():
+        message = "animated points stay at their first value"
+        context.ledger.warn("points-animation-frozen", prim, message)
+
+
 def is_surface(prim: Usd.Prim) -> bool:
     """Whether `GeometryBuilder` can build this prim."""
     type_name = prim.GetTypeName()

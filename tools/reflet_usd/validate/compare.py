@@ -264,23 +264,31 @@ class SceneComparer:
         for name, values in found.uvs.items():
             if not expected.uvs:
                 continue
-            if np.ptp(values, axis=0).max(initial=0.0) == 0.0 and self.checks.excuse(
-                key, UV_CONSTANT
-            ):
-                continue  # the reader's fallback, of a set that the prim does not have
+            rows = self._uv_rows(key, found, values)
+            if not rows.any():
+                continue
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
             step = BARS["uvs"].limit * reach
-            best = min(
-                attribute_distance(
-                    (expected.positions, candidate),
-                    (found.positions, values),
-                    tolerance,
-                    step,
-                    both,
-                )
-                for candidate in expected.uvs.values()
-            )
+            drawn = (found.positions[rows], values[rows])
+            best = math.inf
+            for candidate in expected.uvs.values():
+                wanted = (expected.positions, candidate)
+                # Where a part is left out, what is drawn has to be wanted, not the other way.
+                first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
+                whole = both and bool(rows.all())
+                best = min(best, attribute_distance(first, second, tolerance, step, whole))
             self.checks.add("uvs", key, best / reach, name)
+
+    def _uv_rows(self, key: str, found: Corners, values: Array) -> np.ndarray:
+        """All corners but those where a material reads a set that the prim does not have."""
+        rows = np.ones(len(values), bool)
+        if found.materials is None or not self.checks.excuse(key, UV_CONSTANT):
+            return rows
+        for label in np.unique(found.materials):
+            part = found.materials == label
+            if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
+                rows &= ~part
+        return rows
 
     def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
         for name in names:

@@ -15,6 +15,9 @@ _CROSSING = 1e-4
 _BENT_SLACK = 1.5
 """A bent face of more than four corners can be larger than its fan by about this factor."""
 
+_PAIRS = 1_000_000
+"""Pairs of sides that are looked at together."""
+
 
 @dataclasses.dataclass
 class FaceMeasures:
@@ -55,8 +58,10 @@ def measure(
     flat = height <= _FLAT * size
     fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
     lower = length.copy()
-    # What was cut elsewhere folds where it became concave.
-    sure = flat & (_convex(positions, starts, counts, normals) if deformed else True)
+    # What was cut elsewhere folds where it became concave, and what crosses itself everywhere.
+    convex = _convex(positions, starts, counts, normals)
+    sure = flat & (convex if deformed else True)
+    sure[_crossing(positions, starts, counts, normals, ~convex & flat & (counts > 4))] = False
     upper = np.where(sure, length, np.maximum(fan_area, length) * _BENT_SLACK)
     quads = np.flatnonzero(counts == 4)
     both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
@@ -84,6 +89,36 @@ def _convex(positions: Array, starts: Indices, counts: Indices, normals: Array) 
     before = positions[starts[face] + (local - 1) % counts[face]]
     turns = (np.cross(positions - before, after - positions) * normals[face]).sum(axis=1)
     return np.asarray(np.minimum.reduceat(turns, starts) >= 0.0)
+
+
+def _crossing(
+    positions: Array, starts: Indices, counts: Indices, normals: Array, asked: np.ndarray
+) -> Indices:
+    """Which of the flat faces that are `asked` for have sides that cross."""
+    found = [np.zeros(0, np.int64)]
+    for size in np.unique(counts[asked]):
+        faces = np.flatnonzero(asked & (counts == size))
+        for chunk in np.array_split(faces, 1 + len(faces) * int(size) ** 2 // _PAIRS):
+            corners = positions[starts[chunk][:, None] + np.arange(size)]
+            along = corners[:, 1] - corners[:, 0]
+            axes = np.stack([along, np.cross(normals[chunk], along)], axis=2)
+            flat = (corners - corners[:, :1]) @ axes
+            found.append(chunk[_crosses(flat)])
+    return np.concatenate(found)
+
+
+def _crosses(corners: Array) -> np.ndarray:
+    """(n,) whether two sides that do not meet cross, of (n, k, 2) polygons."""
+    ends = np.roll(corners, -1, axis=1)
+    side = ends - corners
+
+    def turn(points: Array) -> Array:
+        """On which side of each line (second index) each point (third index) lies."""
+        away = points[:, None] - corners[:, :, None]
+        return side[:, :, None, 0] * away[..., 1] - side[:, :, None, 1] * away[..., 0]
+
+    parted = turn(corners) * turn(ends) < 0.0
+    return np.asarray((parted & parted.transpose(0, 2, 1)).any(axis=(1, 2)))
 
 
 def _quad_areas(corners: Array) -> Array:

@@ -22,6 +22,7 @@ from .khronos import KhronosReport, check_files
 
 if TYPE_CHECKING:
     from .usd_skel import JointTruth
+    from .usd_stage import TruthStage
     from .usd_truth import TruthReader
 
 _GEOMETRY_TIMES = 5
@@ -193,7 +194,7 @@ def _compare_moving(
     truth = reader.truth
     codes = sorted({*sample_codes(truth.stage), *skin_codes})
     between = _within(codes_between(truth.stage, codes, _GEOMETRY_TIMES), frames)
-    codes = _within(codes, frames)
+    codes = _within(_told_apart(codes, truth), frames)
     if len(codes) < 2 and not between:
         return 0
     keyed = keyed_only(truth.stage)
@@ -236,6 +237,20 @@ def _within(codes: list[float], frames: Any) -> list[float]:
     if not frames:
         return codes
     return [code for code in codes if frames[0] <= code <= frames[1]]
+
+
+def _told_apart(codes: list[float], truth: TruthStage) -> list[float]:
+    """The codes without those whose seconds single precision cannot tell from the next one's.
+
+    They are the side before a jump (value clips give one), where a file has a ramp of one rounding.
+    """
+    found = codes[-1:]
+    for code in reversed(codes[:-1]):
+        seconds = (found[-1] - truth.time_origin) / truth.codes_per_second
+        step = 4.0 * float(np.spacing(np.float32(abs(seconds)))) * truth.codes_per_second
+        if found[-1] - code > step:
+            found.append(code)
+    return found[::-1]
 
 
 def _spread(codes: list[float], count: int) -> list[float]:

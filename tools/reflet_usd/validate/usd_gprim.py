@@ -58,7 +58,7 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
 
 
 def _material(prim: Usd.Prim) -> str:
-    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
     return str(binding.GetPath()) if binding else ""
 
 

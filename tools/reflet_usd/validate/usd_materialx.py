@@ -137,8 +137,17 @@ def _image(
         np.zeros(4),
         (first, second),
         "srgb" in next(filter(None, spaces), "").lower(),
-        np.eye(3),
+        _tiling(node),
         "",
         prim,
     )
     return PreviewInput(None, read, "", fallback, prim)
+
+
+def _tiling(node: UsdShade.Shader) -> Array:
+    """(3, 3) of a tiled image: in · uvtiling − uvoffset, for row vectors; else the identity."""
+    result = np.eye(3)
+    if "tiledimage" in str(node.GetIdAttr().Get()):
+        np.fill_diagonal(result[:2, :2], np.array(input_value(node, "uvtiling", (1.0, 1.0))))
+        result[2, :2] = -np.array(input_value(node, "uvoffset", (0.0, 0.0)), dtype=np.float64)
+    return result

@@ -245,13 +245,14 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
     paths: list[str] = []
 
     def label(target: Usd.Prim) -> int:
-        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial()[0]
+        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
         if not material:
             return -1
         return _place_of(str(material.GetPath()), paths)
 
     result[:] = label(prim)
-    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+    # Of subsets that share a face the first one has it.
+    for subset in reversed(UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()):
         faces = array_of(subset.GetIndicesAttr().Get(time), np.int64)
         index = label(subset.GetPrim())
         result[faces[(faces >= 0) & (faces < len(result))]] = index
