@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import read_display
+from reflet_usd.convert.attributes import inherited_primvars, read_display
 from reflet_usd.convert.context import Context, authored, in_float32
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
@@ -166,7 +166,7 @@ def _write(
         count = len(points)
         topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
     topology = replace(topology, dropped=dropped)
-    display = read_display(context, prim, topology)
+    display = read_display(context, prim, inherited_primvars(prim), topology)
     plan = materials.plan(None)
     warn_translucent(context, prim, plan, display)
     color = display.stream_for(True, True)

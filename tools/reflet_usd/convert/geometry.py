@@ -160,6 +160,7 @@ class GeometryBuilder:
         display = read_display(
             self.context,
             prim,
+            primvars.owned,
             topology,
             plan.color_primvar or "displayColor",
             plan.opacity_primvar or "displayOpacity",

@@ -46,7 +46,7 @@ def warn_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]
 def face_groups(context: Context, prim: Usd.Prim) -> list[FaceGroup]:
     """One group per material-bind subset, then one for the faces that no subset names."""
     own = bound_material(prim)
-    if not prim.IsA(UsdGeom.Mesh):
+    if not prim.IsA(UsdGeom.Mesh) or not prim.GetAllChildrenNames():
         return [FaceGroup(own, None)]
     subsets = UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim))
     binding = []
