@@ -291,3 +291,42 @@ def BasisCurves "C"
     part = done.json["meshes"][0]["primitives"][0]
     points = done.array(part["attributes"]["POSITION"])
     assert np.array_equal(points, [[0, 0, 0], [1, 0, 0]])
+
+
+def test_cameras_and_lights_of_an_instancer_are_told_apart(tmp_path: Path, khronos: None) -> None:
+    text = f"""
+def PointInstancer "I"
+{{
+    rel prototypes = </I/P>
+    int[] protoIndices = [0, 0, 0]
+    point3f[] positions = [(0, 0, 0), (9, 0, 0), (0, 9, 0)]
+    float3[] scales = [(1, 1, 1), (1, -1, 1), (2, 1, 0.5)]
+    def Xform "P"
+    {{
+        double xformOp:rotateZ.timeSamples = {{ 0: 0, 24: 540 }}
+        uniform token[] xformOpOrder = ["xformOp:rotateZ"]
+        def Mesh "M"
+        {{{GRID.replace("point3f[] points = [", "point3f[] points.timeSamples = { 0: [")[:-1]}
+        }}
+        def SphereLight "L"
+        {{
+        }}
+        def Camera "C"
+        {{
+            token visibility.timeSamples = {{ 0: "inherited", 12: "invisible" }}
+        }}
+    }}
+}}
+"""
+    first = text.split("point3f[] points.timeSamples = { 0: [")[1].split("]")[0]
+    moved = first.replace("0.5)", "2.5)")
+    text = text.replace(f"{first}]", f"{first}], 24: [{moved}] }}", 1)
+    done = proven(tmp_path, text)
+    assert check_files([done.out])[0].errors == 0
+    assert done.warnings("/I/P/C") == set()
+    for node in done.gltf.nodes:
+        if node.extensions:
+            node.translation = [1.0, 2.0, 3.0]
+    done.gltf.save_binary(str(done.out))
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not next(check for check in proof.checks if check.name == "lights").passed

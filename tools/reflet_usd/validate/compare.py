@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,9 +13,10 @@ from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
 from .distances import attribute_distance, one_way, set_distance
 from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
-from .facts import Array, Corners, Lost, Scene, Surface
+from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
+Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
@@ -104,22 +106,33 @@ class SceneComparer:
     def cameras(self, truth: Scene, output: Scene, at: str) -> None:
         """Lenses and places of all cameras."""
         for key, expected in truth.cameras.items():
-            found = output.cameras.get(key)
-            if self._is_carried(key, found is not None, "Camera"):
-                assert found is not None
-                self._lost(key, expected.lost)
-                for text, value in camera_values(expected, found, self.diagonal):
-                    self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
+            self._devices("cameras", key, expected, output.cameras.get(key, []), at, camera_values)
 
     def lights(self, truth: Scene, output: Scene, at: str) -> None:
         """Kinds, intensities and places of all lights that a punctual light can stand for."""
         for key, expected in truth.lights.items():
-            found = output.lights.get(key)
-            if self._is_carried(key, found is not None, "light"):
-                assert found is not None
-                self._lost(key, expected.lost)
-                for text, value in light_values(expected, found, self.diagonal):
-                    self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+            self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
+
+    def _devices(
+        self,
+        check: str,
+        key: str,
+        expected: Sequence[Device],
+        found: Sequence[Device],
+        at: str,
+        measure: Callable[[Device, Device, float], Iterable[tuple[str, float]]],
+    ) -> None:
+        """Each of the stage's with the nearest of the file's; an instancer draws several."""
+        if not self._is_carried(key, len(found) >= len(expected), check[:-1]):
+            return
+        if len(found) > len(expected):
+            self.checks.add("unexpected", key, len(found) - len(expected), f"{check} too many")
+        for one in expected:
+            self._lost(key, one.lost)
+            pairs = [list(measure(one, other, self.diagonal)) for other in found]
+            best = min(pairs, key=lambda values: max((value for _, value in values), default=0.0))
+            for text, value in best:
+                self.checks.add(check, key, value, f"{text} {at}", self.slack)
 
     def _lost(self, key: str, lost: Lost) -> None:
         for warning, text in lost:

@@ -119,8 +119,8 @@ class Scene:
 
     corners: dict[str, Corners] = dataclasses.field(default_factory=dict)
     surfaces: dict[str, list[Surface]] = dataclasses.field(default_factory=dict)
-    cameras: dict[str, Camera] = dataclasses.field(default_factory=dict)
-    lights: dict[str, Light] = dataclasses.field(default_factory=dict)
+    cameras: dict[str, list[Camera]] = dataclasses.field(default_factory=dict)
+    lights: dict[str, list[Light]] = dataclasses.field(default_factory=dict)
     matrices: dict[str, list[Array]] = dataclasses.field(default_factory=dict)
     """World matrices of the nodes that stand for a prim, by prim path."""
     other: dict[str, str] = dataclasses.field(default_factory=dict)

@@ -144,7 +144,14 @@ def _compare(
 
     from .material_compare import compare_materials
     from .usd_rules import apply_rules
-    from .usd_skel import JointTruth, bake, keyed_skeletons, moving_points, skin_times
+    from .usd_skel import (
+        JointTruth,
+        bake,
+        keyed_skeletons,
+        moving_points,
+        skin_times,
+        split_skeletons,
+    )
     from .usd_stage import open_truth
     from .usd_truth import TruthReader
     from .uv_compare import compare_uv_uses
@@ -155,6 +162,7 @@ def _compare(
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
+    split_skeletons(truth.stage)
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
@@ -189,6 +197,7 @@ def _compare_moving(
     """Compare at keys and between them; returns at how many times."""
     from pxr import Usd
 
+    from .usd_skel import baked_codes
     from .usd_stage import codes_between, codes_in_splines, keyed_only, sample_codes
 
     truth = reader.truth
@@ -202,7 +211,7 @@ def _compare_moving(
         for key in outermost if inner in keyed.prims else ():
             own = keyed.prims[inner]
             keyed.prims[key] = keyed.prims.get(key, own) & own
-    baked = {key: set(skin_codes) for key in comparer.skinned}  # UsdSkel bakes at these
+    baked = baked_codes(truth.stage, comparer.skinned)
     for code in sorted({*_spread(codes, _GEOMETRY_TIMES), *between}):
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second

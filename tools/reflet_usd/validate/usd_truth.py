@@ -55,14 +55,14 @@ class TruthReader:
                 if camera is None:
                     scene.lost[str(prim.GetPath())] = [("camera-invalid", "apertures and focus")]
                 else:
-                    scene.cameras[place.key] = camera
+                    scene.cameras.setdefault(place.key, []).append(camera)
                 continue
             if is_light(prim) and prim.IsA(UsdGeom.Gprim):
                 scene.mesh_lights.add(str(prim.GetPath()))
             elif is_light(prim):
                 light = read_light(prim, time, self.truth, place.matrix)
                 if light:
-                    scene.lights[place.key] = light
+                    scene.lights.setdefault(place.key, []).append(light)
                 else:
                     scene.other[place.key] = prim.GetTypeName()
                 continue
