@@ -330,3 +330,31 @@ def PointInstancer "I"
     done.gltf.save_binary(str(done.out))
     proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
     assert not next(check for check in proof.checks if check.name == "lights").passed
+
+
+@pytest.mark.parametrize("chosen", ["", "missing"])
+def test_variants_that_nothing_selects_are_named(tmp_path: Path, chosen: str) -> None:
+    text = f"""
+def Xform "W" (
+    variants = {{
+        string v = "{chosen}"
+    }}
+    prepend variantSets = "v"
+)
+{{
+    variantSet "v" = {{
+        "a" {{
+            def Cube "A"
+            {{
+            }}
+        }}
+    }}
+}}
+def Sphere "S"
+{{
+    color3f[] primvars:displayColor = [(2, -1, 0.5)]
+}}
+"""
+    done = proven(tmp_path, text)
+    assert done.warnings("/W") == {"variants-not-carried"}
+    assert done.warnings("/S") == {"color-clamped"}

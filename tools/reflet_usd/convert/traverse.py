@@ -279,9 +279,12 @@ def warn_variants(context: Context, prim: Usd.Prim) -> None:
         return
     sets = prim.GetVariantSets()
     for name in sets.GetNames():
-        count = len(sets.GetVariantSet(name).GetVariantNames())
-        if count > 1:
-            chosen = sets.GetVariantSelection(name)
+        known = sets.GetVariantSet(name).GetVariantNames()
+        chosen, count = sets.GetVariantSelection(name), len(known)
+        if chosen not in known and known:
+            message = f"none of {count} variants of '{name}' is carried, '{chosen}' is selected"
+            context.ledger.warn("variants-not-carried", prim, message)
+        elif count > 1:
             message = f"of {count} variants of '{name}' only '{chosen}' is carried"
             context.ledger.warn("variants-not-carried", prim, message)
 

@@ -74,7 +74,8 @@ def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, tuple[str,
         return None, ()
     several = tuple(n for n, v in zip(names, (rgb, alpha), strict=True) if len(v) > 1)
     color = rgb[0] if len(rgb) == 1 else np.full(3, NO_COLOR)
-    return np.append(color, alpha[0] if len(alpha) == 1 else 1.0), several
+    color = np.append(color, alpha[0] if len(alpha) == 1 else 1.0)
+    return np.clip(color, 0.0, 1.0), several
 
 
 def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
