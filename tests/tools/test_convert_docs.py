@@ -6,6 +6,8 @@ import ast
 import re
 from pathlib import Path
 
+from reflet_usd.validate import excuses, usd_rules
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCES = sorted((ROOT / "tools" / "reflet_usd").rglob("*.py"))
 # Strings of the same shape that name something else.
@@ -38,3 +40,42 @@ def test_the_manual_invents_no_name() -> None:
     listed = set(re.findall(r"`([a-z]+(?:-[a-z]+)+)`", manual)) - OTHERS
     names = set().union(*map(names_in, SOURCES))
     assert sorted(listed - names) == []
+
+
+VALIDATOR = ROOT / "tools" / "reflet_usd" / "validate"
+# Where warnings are named: what they excuse, what they choose, and what no file can hold.
+LOSSES = ("usd_camera.py", "usd_curves.py", "usd_light.py", "usd_truth.py")
+
+
+def rows_of(table: str) -> list[set[str]]:
+    """The names in backquotes of each row of one of the manual's tables, by its heading."""
+    manual = (ROOT / "docs" / "usd.md").read_text(encoding="utf-8")
+    body = manual.split(f"| {table} | warning |\n|---|---|\n")[1].split("\n\n")[0]
+    return [set(re.findall(r"`([A-Za-z<>]+(?:-[a-z*]+)+)`", row)) for row in body.splitlines()]
+
+
+def test_the_manual_lists_every_excuse_and_no_other() -> None:
+    *rows, losses = rows_of("deviation")
+    found = {*excuses.PLACED, *excuses.UV_SET, *excuses.UV_CONSTANT, *excuses.UNORDERED_COLORS}
+    found |= set(excuses.OTHER_SURFACE)
+    for kind in ("Mesh", "DomeLight", "PortalLight", "NurbsCurves"):
+        found |= {name.replace(kind, "<type>") for name in excuses.absent(kind)}
+    assert set().union(*rows) == found
+    cannot = {*excuses.NO_PLACE.values(), *excuses.SHINES} - BY_TYPE
+    assert losses == cannot.union(*(names_in(VALIDATOR / name) for name in LOSSES))
+
+
+def test_the_manual_lists_every_rule_that_a_warning_chooses() -> None:
+    textures = {*excuses.PACKED, *excuses.REWRITTEN, *excuses.LOST_FILE, *excuses.NORMAL_SCALE}
+    listed = set().union(*rows_of("rule"))
+    assert listed == usd_rules.NAMES | textures | {"subdivision-cage"}
+
+
+def test_no_other_part_of_the_validator_asks_for_a_warning() -> None:
+    converter = (path for path in SOURCES if path.parent.name == "convert")
+    warnings = set().union(*map(names_in, converter))
+    told = {path.name: names_in(path) & warnings for path in VALIDATOR.glob("*.py")}
+    homes = {"excuses.py", "usd_rules.py", *LOSSES, "__init__.py"}  # which says errors
+    assert {name: found for name, found in told.items() if found and name not in homes} == {
+        "proof.py": {"subdivision-cage"}
+    }

@@ -10,6 +10,7 @@ from convert_reading import Converted, convert_text
 from pxr import Usd, UsdGeom
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
+from reflet_usd.validate.proof import prove
 
 QUAD = """
     def Mesh "Q" {
@@ -356,3 +357,86 @@ def PointInstancer "I" {{
     # UsdGeom counts the ops of a prototype's own root whatever they reset.
     assert done.warnings() == {"reset-in-prototype"}
     assert done.warnings("/I/P/C") == {"reset-in-prototype"}
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+RESET = """
+        double3 xformOp:translate = (0, 0, 7)
+        uniform token[] xformOpOrder = ["!resetXformStack!", "xformOp:translate"]
+"""
+
+
+@pytest.mark.parametrize("kind", ["a native instance", "an instancer"])
+def test_a_reset_stack_deeper_in_a_prototype(tmp_path: Path, kind: str) -> None:
+    cube = f'def Cube "C"\n{{{RESET}}}\n'
+    inner = 'def "N" (\ninstanceable = true\ninherits = </K>\n)\n{\n}\n'
+    if kind == "an instancer":
+        cube = 'def Cube "C"\n{\n}\n'
+        inner = f"""def PointInstancer "N"
+        {{{RESET}
+            rel prototypes = </K/C>
+            int[] protoIndices = [0]
+            point3f[] positions = [(0, 0, 0)]
+        }}"""
+    text = f"""
+def PointInstancer "I"
+{{
+    double3 xformOp:translate = (100, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    rel prototypes = </I/P>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(1, 0, 0), (2, 0, 0)]
+    def Xform "P"
+    {{
+        double3 xformOp:translate = (0, 10, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        {inner}
+    }}
+}}
+class Xform "K"
+{{
+    {cube}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world()
+    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
+    assert {tuple(np.round(world[i][:3, 3], 5)) for i in drawn} == {(101, 0, 7), (102, 0, 7)}
+    assert "reset-in-prototype" in done.warnings()
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Path) -> None:
+    text = f"""
+class Xform "K"
+{{
+    double3 xformOp:translate = (0, 10, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Cube "C"
+    {{{RESET}
+    }}
+    def Cube "D"
+    {{
+    }}
+}}
+def "A" (
+    instanceable = true
+    inherits = </K>
+)
+{{
+}}
+def "B" (
+    instanceable = true
+    inherits = </K>
+)
+{{
+    double3 xformOp:translate = (0, 20, 0)
+}}
+"""
+    done = convert_text(tmp_path, text)
+    world = done.world()
+    drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
+    places = sorted(tuple(np.round(world[i][:3, 3], 5)) for i in drawn)
+    assert places == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
+    assert done.warnings() == set()
+    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed

@@ -244,3 +244,60 @@ def test_a_material_on_lines_is_named(tmp_path: Path) -> None:
     body = 'def Points "P" {\npoint3f[] points = [(0,0,0)]\nrel material:binding = </Mat>\n}\n'
     done = convert_text(tmp_path, stage("") + body)
     assert "material-unsupported" in done.warnings("/P")
+
+
+def test_collections_that_nothing_reads_are_kept_or_named(tmp_path: Path) -> None:
+    many = ", ".join(f"</W/C{number}>" for number in range(65))
+    text = f"""
+def Xform "W" (
+    prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:render:all", "CollectionAPI:bound",
+        "CollectionAPI:pattern", "CollectionAPI:many"]
+)
+{{
+    uniform token collection:render:all:expansionRule = "expandPrims"
+    rel collection:render:all:includes = [</W/C>, </W/L>]
+    rel collection:render:all:excludes = </W/L>
+    rel collection:bound:includes = </W/C>
+    uniform pathExpression collection:pattern:membershipExpression = "/W//C*"
+    rel collection:many:includes = [{many}]
+    rel material:binding:collection:all = [</W.collection:bound>, </M>]
+    def Cube "C"
+    {{
+    }}
+    def DistantLight "L" (
+        prepend apiSchemas = ["CollectionAPI:own"]
+    )
+    {{
+        rel collection:lightLink:includes = </W/C>
+        rel collection:own:includes = </W/C>
+    }}
+}}
+def Material "M" (
+    prepend apiSchemas = ["CollectionAPI:none"]
+)
+{{
+    rel collection:none:includes = </W/C>
+}}
+"""
+    done = convert_text(tmp_path, text)
+    extras = done.gltf.nodes[done.node("/W")].extras
+    assert extras["collections"] == {
+        "pattern": {"membershipExpression": "/W//C*"},
+        "render:all": {
+            "excludes": ["/W/L"],
+            "expansionRule": "expandPrims",
+            "includes": ["/W/C", "/W/L"],
+        },
+    }
+    own = {"own": {"includes": ["/W/C"]}}
+    assert done.gltf.nodes[done.node("/W/L")].extras["collections"] == own
+    named = {
+        entry["prim"]: entry["message"]
+        for entry in done.sidecar["warnings"]
+        if entry["name"] == "attribute-dropped"
+    }
+    assert named == {
+        "/W": "'collection:many' is not carried",
+        "/M": "'collection:none' is not carried",
+    }
+    assert done.warnings("/W/L") == {"light-linking-dropped"}

@@ -9,6 +9,7 @@ import pytest
 from convert_reading import Converted, convert_text, interpolated
 from pxr import Usd, UsdGeom, UsdSkel
 from reflet_usd.convert import joints as joints_module
+from reflet_usd.validate.proof import prove
 
 STAGE = """#usda 1.0
 (
@@ -296,3 +297,95 @@ def SkelRoot "B" (instanceable = true
     done = convert_text(tmp_path, text)
     world = done.world(0.0)
     assert sorted(world[skin.joints[0]][0, 3] for skin in done.gltf.skins) == pytest.approx([3, 7])
+
+
+CHARACTER = """#usda 1.0
+(
+    defaultPrim = "R"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def SkelRoot "R" (
+    prepend apiSchemas = ["SkelBindingAPI"]
+)
+{
+    def Skeleton "S" (
+        prepend apiSchemas = ["SkelBindingAPI"]
+    )
+    {
+        uniform token[] joints = ["a", "a/b"]
+        uniform matrix4d[] bindTransforms = [
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,5,0,1))]
+        uniform matrix4d[] restTransforms = [
+            ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,5,0,1))]
+        rel skel:animationSource = </R/A>
+    }
+    def SkelAnimation "A"
+    {
+        uniform token[] joints = ["a/b"]
+        float3[] translations = [(0, 5, 0)]
+        quatf[] rotations.timeSamples = { 0: [(1,0,0,0)], 24: [(0.7071068,0.7071068,0,0)] }
+        half3[] scales = [(1, 1, 1)]
+    }
+    def Mesh "Soft" (
+        prepend apiSchemas = ["SkelBindingAPI"]
+    )
+    {
+        rel skel:skeleton = </R/S>
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4, 4]
+        int[] faceVertexIndices = [0, 1, 3, 2, 2, 3, 5, 4]
+        point3f[] points = [(-1,0,0), (1,0,0), (-1,5,0), (1,5,0), (-1,9,0), (1,9,0)]
+        int[] primvars:skel:jointIndices = [0, 0, 1, 1, 1, 1] (
+            interpolation = "vertex"
+            elementSize = 1
+        )
+        float[] primvars:skel:jointWeights = [1, 1, 1, 1, 1, 1] (
+            interpolation = "vertex"
+            elementSize = 1
+        )
+    }
+    def Mesh "Rigid" (
+        prepend apiSchemas = ["SkelBindingAPI"]
+    )
+    {
+        rel skel:skeleton = </R/S>
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points = [(0,0,0), (2,0,0), (0,0,2)]
+        int[] primvars:skel:jointIndices = [1] (
+            interpolation = "constant"
+            elementSize = 1
+        )
+        float[] primvars:skel:jointWeights = [1] (
+            interpolation = "constant"
+            elementSize = 1
+        )
+    }
+}
+"""
+
+
+def test_a_crowd_of_instanced_mirrored_and_delayed_characters(tmp_path: Path) -> None:
+    (tmp_path / "character.usda").write_text(CHARACTER)
+    order = 'uniform token[] xformOpOrder = ["xformOp:scale"]'
+    mirrored = f"float3 xformOp:scale = (1, 2, -1)\n{order}"
+    still = 'over "S"\n{\nrel skel:animationSource = None\n}'
+    text = "".join(
+        f'def "{name}" (\n{instance}\nreferences = @character.usda@ {shift}\n)\n{{\n{body}\n}}\n'
+        for name, instance, shift, body in (
+            ("Plain", "", "", ""),
+            ("Shared", "instanceable = true", "", ""),
+            ("Mirrored", "", "", mirrored),
+            ("Delayed", "instanceable = true", "(offset = 6; scale = 0.5)", mirrored),
+            ("Still", "", "", still),
+        )
+    )
+    done = convert_text(tmp_path, text)
+    assert done.warnings() == {"animation-unused"}
+    assert done.warnings("/Still/A") == {"animation-unused"}
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    checks = {check.name: check.compared for check in proof.checks}
+    assert min(checks[name] for name in ("skinning", "joints", "area", "winding")) > 20

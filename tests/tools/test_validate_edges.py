@@ -11,6 +11,7 @@ from convert_materials import stage, texture
 from convert_reading import Converted, convert_text
 from handmade import HandFile
 from PIL import Image
+from pxr import Sdf
 from reflet_usd import cli
 from reflet_usd.validate import proof as proof_module
 from reflet_usd.validate.checks import Check, Checks
@@ -199,6 +200,24 @@ def Mesh "m"
     )
     again = prove(tmp_path / "out.glb", tmp_path / "stage.usda", khronos=False)
     assert not check_of(again, "positions").passed
+
+
+@pytest.mark.parametrize("held", ["stage.usda", "part.usda"])
+def test_layers_that_usd_still_holds_are_read_anew(tmp_path: Path, held: str) -> None:
+    part = tmp_path / "part.usda"
+    part.write_text('#usda 1.0\n(\n    defaultPrim = "m"\n)\n' + f'def Mesh "m"\n{{{QUAD}}}\n')
+    done = convert_text(tmp_path, 'def "a" (references = @part.usda@)\n{\n}\n')
+    (tmp_path / "gone.usda").write_text("#usda 1.0\n")
+    layers = [Sdf.Layer.FindOrOpen(str(tmp_path / name)) for name in (held, "gone.usda")]
+    (tmp_path / "gone.usda").unlink()
+    if held == "part.usda":
+        part.write_text(part.read_text().replace("(1, 1, 0)", "(1, 3, 0)"))
+    else:
+        text = (tmp_path / held).read_text()
+        (tmp_path / held).write_text(text + f'def Mesh "more"\n{{{QUAD}}}\n')
+    assert all(layers)
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not proof.passed
 
 
 def with_warning(folder: Path, text: str, name: str, prim: str, changed: str) -> Proof:

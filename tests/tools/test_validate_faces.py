@@ -30,6 +30,26 @@ def test_area_of_quads(corners: np.ndarray, low: float, high: float) -> None:
     assert found[1] == pytest.approx(high, rel=1e-6)
 
 
+CROSSED = np.array([[0, 0, 0], [4, 4, 0], [3, 1, 0], [1, 4, 0], [0, 4, 0]], dtype=float)
+NOTCHED = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0]], dtype=float)
+
+
+def test_area_of_larger_faces() -> None:
+    five = np.array([5, 5])
+    low, high = measure(np.vstack([NOTCHED, NOTCHED]), five, np.zeros(3)).area_range
+    assert low == high == pytest.approx(20.0)
+    low, high = measure(CROSSED, five[:1], np.zeros(3)).area_range
+    assert low == pytest.approx(3.5)
+    assert high > 11.5
+
+
+def test_what_bends_into_a_dart_may_be_cut_either_way() -> None:
+    assert measure(SQUARE, np.array([4]), np.zeros(3), deformed=True).area_range == (1.0, 1.0)
+    low, high = measure(DART, np.array([4]), np.zeros(3), deformed=True).area_range
+    assert low == pytest.approx(1.5)
+    assert high == pytest.approx(2.5)
+
+
 def test_winding_turns_area_vector_and_volume() -> None:
     there = measure(SQUARE, np.array([4]), np.array([0.5, 0.5, -3.0]))
     back = measure(SQUARE[::-1], np.array([4]), np.array([0.5, 0.5, -3.0]))

@@ -64,6 +64,7 @@ class DisplayColor:
 class GprimPrimvars:
     """All primvars that reach a gprim, inherited ones included."""
 
+    owned: list[UsdGeom.Primvar]
     uvs: dict[str, Primvar] = field(default_factory=dict)
     custom: dict[str, Primvar] = field(default_factory=dict)
     constants: dict[str, Any] = field(default_factory=dict)
@@ -87,7 +88,7 @@ def read_primvars(
     context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]
 ) -> GprimPrimvars:
     """Read and sort the prim's `primvars`; whatever cannot travel is a warning."""
-    found = GprimPrimvars()
+    found = GprimPrimvars(primvars)
     for primvar in primvars:
         name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
         if _HANDLED.match(name):
@@ -127,6 +128,7 @@ def _keep_constant(
 def read_display(
     context: Context,
     prim: Usd.Prim,
+    owned: list[UsdGeom.Primvar],
     topology: Topology,
     color_primvar: str = "displayColor",
     opacity_primvar: str = "displayOpacity",
@@ -134,13 +136,12 @@ def read_display(
 ) -> DisplayColor:
     """The color that a gprim shows: displayColor, or what a material's primvar readers name.
 
-    `fallback`, UsdPreviewSurface's diffuseColor unless a reader has its own, stands in for a
-    missing color.
+    `owned` are the primvars that reach the gprim. `fallback`, UsdPreviewSurface's diffuseColor
+    unless a reader has its own, stands in for a missing color.
     """
-    api = UsdGeom.PrimvarsAPI(prim)
-    find = api.FindPrimvarWithInheritance
-    color = _read_display(context, prim, find(color_primvar), topology, 3)
-    alpha = _read_display(context, prim, find(opacity_primvar), topology, 1)
+    found = {str(primvar.GetPrimvarName()): primvar for primvar in owned}
+    color = _read_display(context, prim, found.get(color_primvar), topology, 3)
+    alpha = _read_display(context, prim, found.get(opacity_primvar), topology, 1)
     base = fallback if color is None else color.values[0]
     opacity = 1.0 if alpha is None else float(alpha.values[0, 0])
     red, green, blue = (float(part) for part in base[:3])
@@ -151,13 +152,11 @@ def read_display(
 def _read_display(
     context: Context,
     prim: Usd.Prim,
-    primvar: UsdGeom.Primvar,
+    primvar: UsdGeom.Primvar | None,
     topology: Topology,
     components: int,
 ) -> Stream | None:
-    if not primvar or not primvar.HasValue():
-        return None
-    read = read_primvar(context, prim, primvar)
+    read = None if primvar is None else read_primvar(context, prim, primvar)
     if read is None or len(read.values) == 0:
         return None
     stream = to_stream(context, prim, read, topology)

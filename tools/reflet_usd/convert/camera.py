@@ -100,7 +100,8 @@ def _warn_animated(context: Context, prim: Usd.Prim) -> None:
     names = [
         attribute.GetName()
         for attribute in UsdGeom.Camera(prim).GetPrim().GetAuthoredAttributes()
-        if attribute.ValueMightBeTimeVarying() and not attribute.GetName().startswith("xformOp")
+        if attribute.ValueMightBeTimeVarying()
+        and not attribute.GetName().startswith(("xformOp", "visibility"))
     ]
     if names:
         message = f"animated {', '.join(sorted(names))} stay at their first value"

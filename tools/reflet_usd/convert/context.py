@@ -43,6 +43,8 @@ class Context:
     """Path of the prim that is converted now."""
     boxes: UsdGeom.BBoxCache | None = None
     """Bounds of prims at `time`, made when the first transform needs them."""
+    bound_collections: set[str] | None = None
+    """Paths of the collections that bind materials, found when the first collection is met."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 

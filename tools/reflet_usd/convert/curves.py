@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import read_display
+from reflet_usd.convert.attributes import inherited_primvars, read_display
 from reflet_usd.convert.context import Context, authored, in_float32
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
@@ -81,7 +81,9 @@ def build_curves(
         curves = np.repeat(np.arange(len(counts)), counts)
         curves = np.pad(curves, (0, len(points) - len(curves)))
         topology = Topology(len(points), len(counts), np.arange(len(points)), curves)
-        vertices = np.arange(len(points))
+        # Points that no line reaches would still count in the file's bounds.
+        vertices, ends = np.unique(lines, return_inverse=True)
+        lines = ends.reshape(lines.shape)
         return _write(context, writer, materials, prim, points, vertices, lines, topology)
     basis = str(authored(prim, "basis", context.time, "bezier"))
     if basis not in _BASES:
@@ -164,7 +166,7 @@ def _write(
         count = len(points)
         topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
     topology = replace(topology, dropped=dropped)
-    display = read_display(context, prim, topology)
+    display = read_display(context, prim, inherited_primvars(prim), topology)
     plan = materials.plan(None)
     warn_translucent(context, prim, plan, display)
     color = display.stream_for(True, True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -30,18 +30,20 @@ _USER = "userProperties"
 _MAX_VALUES = 64
 
 
-def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) -> None:
-    """Properties outside all schemas to the node's extras; what stays behind is one warning.
+def keep_custom_properties(
+    context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
+) -> None:
+    """Of the authored `names` those outside all schemas to the node's extras, or one warning.
 
     Those of `userProperties:` go by their own names to `extras.userProperties`, others to
     `extras.attributes`. Prims without a node keep none.
     """
     dropped, frozen = [], []
-    for item in _custom_properties(prim):
+    for item in _custom_properties(prim, names):
         name = str(item.GetName())
         value = None
         if node is not None:
-            value = _value(context, item)
+            value = property_value(context, item)
         if value is None:
             dropped.append(name)
             continue
@@ -53,9 +55,9 @@ def keep_custom_properties(context: Context, prim: Usd.Prim, node: Node | None) 
         node.extras.setdefault(place, {})[key] = value
     parts = []
     if dropped:
-        parts.append(f"{_listed(dropped)} not carried")
+        parts.append(f"{listed(dropped)} not carried")
     if frozen:
-        parts.append(f"{_listed(frozen)} carried with the first value only")
+        parts.append(f"{listed(frozen)} carried with the first value only")
     if parts:
         context.ledger.warn("attribute-dropped", prim, "; ".join(parts))
 
@@ -67,10 +69,10 @@ def is_custom(prim: Usd.Prim, name: str) -> bool:
     return bool(prim.GetPrimDefinition().GetSpecType(name) == Sdf.SpecTypeUnknown)
 
 
-def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
+def _custom_properties(prim: Usd.Prim, names: Iterable[str]) -> Iterator[Usd.Property]:
     known = prim.GetPrimDefinition().GetSpecType
-    for name in prim.GetAuthoredPropertyNames():
-        if str(name).partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
+    for name in names:
+        if name.partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
             continue
         item = prim.GetProperty(name)
         if isinstance(item, Usd.Attribute) and not item.HasAuthoredValue():
@@ -78,7 +80,8 @@ def _custom_properties(prim: Usd.Prim) -> Iterator[Usd.Property]:
         yield item
 
 
-def _value(context: Context, item: Usd.Property) -> Any:
+def property_value(context: Context, item: Usd.Property) -> Any:
+    """The property's targets or first value as JSON data; None where it is not plain or long."""
     if isinstance(item, Usd.Relationship):
         targets = item.GetTargets()
         return [str(path) for path in targets] if len(targets) <= _MAX_VALUES else None
@@ -86,7 +89,8 @@ def _value(context: Context, item: Usd.Property) -> Any:
     return plain_value(item.Get(context.time))
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
+    """The first names in quotes, how many more, and the verb."""
     shown = ", ".join(f"'{name}'" for name in names[:8])
     rest = f" and {len(names) - 8} more" if len(names) > 8 else ""
     return f"{shown}{rest} {'is' if len(names) == 1 else 'are'}"
@@ -100,6 +104,8 @@ def plain_value(value: Any, limit: int = _MAX_VALUES) -> Any:
         return value if np.isfinite(value) else None
     if isinstance(value, Sdf.AssetPath):
         return value.path
+    if isinstance(value, Sdf.PathExpression):
+        return value.GetText()
     if isinstance(value, Sdf.TimeCode):
         value = value.GetValue()
     if isinstance(value, (Gf.Quath, Gf.Quatf, Gf.Quatd)):

@@ -160,6 +160,7 @@ class GeometryBuilder:
         display = read_display(
             self.context,
             prim,
+            primvars.owned,
             topology,
             plan.color_primvar or "displayColor",
             plan.opacity_primvar or "displayOpacity",
@@ -268,6 +269,15 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         if names:
             message = f"animated {', '.join(sorted(names))} stay at their first value"
             context.ledger.warn(warning, prim, message)
+
+
+def warn_still_points(context: Context, prim: Usd.Prim) -> None:
+    """Name what is animated of points and curves, which stand still in the file."""
+    warn_frozen(context, prim, UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance())
+    points = prim.GetAttribute("points")
+    if points and points.ValueMightBeTimeVarying():
+        message = "animated points stay at their first value"
+        context.ledger.warn("points-animation-frozen", prim, message)
 
 
 def is_surface(prim: Usd.Prim) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,13 @@ _NORMALIZED = 1e-6
 MAX_MATRIX_KEYS = 40_000
 
 
+def warn_normalized(context: Context, prim: Usd.Prim, targets: Iterable[str], off: float) -> None:
+    """Say of which prototypes the instances are turned by quaternions made to length 1."""
+    message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}, "
+    message += "for the instances of " + ", ".join(f"'{path}'" for path in targets)
+    context.ledger.warn("instance-rotation-normalized", prim, message, off)
+
+
 @dataclass
 class InstanceMotion:
     """The tracks of one instancer, applied instance by instance."""
@@ -35,9 +43,8 @@ class InstanceMotion:
         off = self.raw.off_unit()
         self._stretched = off > _NORMALIZED
         if int(self._stretched.sum()) * len(self._codes) > MAX_MATRIX_KEYS:
-            most = float(off.max())
-            message = f"quaternions not of length 1 were normalized, matrices differ by {most:.1e}"
-            self.context.ledger.warn("instance-rotation-normalized", self.prim, message, most)
+            targets = UsdGeom.PointInstancer(self.prim).GetPrototypesRel().GetForwardedTargets()
+            warn_normalized(self.context, self.prim, map(str, targets), float(off.max()))
             self._stretched[:] = False
 
     def apply(self, instance: Node, number: int) -> Node:

@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.animation import set_visibility
 from reflet_usd.convert.context import Context, authored, in_float32, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.instance_motion import InstanceMotion
+from reflet_usd.convert.instance_motion import InstanceMotion, warn_normalized
 from reflet_usd.convert.instancing import (
     add_gpu_instances,
     decompose_many,
@@ -113,7 +113,7 @@ class Instancers:
             prototype = self._prototype(prototype_prim)
             moves = motion is not None or instances.changing(chosen).any()
             many = len(chosen) > MAX_INSTANCE_NODES and not moves
-            if many and self._add_to_gpu(prim, node, prototype, instances, chosen):
+            if many and self._add_to_gpu(prim, node, str(target), instances, chosen):
                 continue
             self._add_nodes(prim, node, prototype, instances, chosen, motion)
 
@@ -124,8 +124,14 @@ class Instancers:
         return self._prototypes[path]
 
     def _add_to_gpu(
-        self, prim: Usd.Prim, node: Node, prototype: Node, instances: Instances, chosen: Array
+        self,
+        prim: Usd.Prim,
+        node: Node,
+        path: str,
+        instances: Instances,
+        chosen: Array,
     ) -> bool:
+        prototype = self._prototypes[path]
         exact = decompose_many(instances.matrices(chosen))
         if exact is None and len(chosen) <= MAX_SHEARED_NODES:
             return False
@@ -134,8 +140,7 @@ class Instancers:
             return False
         if exact is None:
             off = np.abs(instances.matrices(chosen) - trs_matrices(*transforms)).max()
-            message = f"quaternions not of length 1 were normalized, matrices differ by {off:.1e}"
-            self.context.ledger.warn("instance-rotation-normalized", prim, message, float(off))
+            warn_normalized(self.context, prim, [path], float(off))
         return True
 
     def _add_nodes(

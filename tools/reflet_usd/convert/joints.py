@@ -37,6 +37,17 @@ def make_joints(
     return _Maker(context, prim, query, binds).make()
 
 
+def carry_animation(context: Context, prim: Usd.Prim, query: UsdSkel.AnimQuery) -> None:
+    """Account for the animation that moves `prim`, also under its path in a native instance."""
+    context.ledger.carry(query.GetPrim())
+    source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
+    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    if not source and skeleton:
+        source = UsdSkel.BindingAPI(skeleton.GetPrim()).GetInheritedAnimationSource()
+    if source:
+        context.ledger.carry(source)
+
+
 @dataclass
 class _Maker:
     context: Context
@@ -99,7 +110,7 @@ class _Maker:
         if not animation_query:
             return
         animation = UsdSkel.Animation(animation_query.GetPrim())
-        self.context.ledger.carry(animation.GetPrim())
+        carry_animation(self.context, self.prim, animation_query)
         if animation_query.JointTransformsMightBeTimeVarying() and not self._usable():
             message = "USD ignores it: translations, rotations and scales must fit its joints"
             self.context.ledger.warn("skeleton-animation-dropped", animation.GetPrim(), message)

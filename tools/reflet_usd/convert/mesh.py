@@ -110,7 +110,9 @@ def _authored_normals(context: Context, prim: Usd.Prim, polygons: Polygons) -> S
         mesh = UsdGeom.PointBased(prim)
         value = mesh.GetNormalsAttr().Get(context.time)
         if value is not None and len(value):
-            values = np.nan_to_num(np.array(value, dtype=np.float64), posinf=0.0, neginf=0.0)
+            values = np.array(value, dtype=np.float64)
+            if not np.isfinite(values).all():
+                values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
             read = Primvar("normals", str(mesh.GetNormalsInterpolation()), values, None)
     if read is None or len(read.values) == 0 or read.values.shape[1] != 3:
         return None

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from reflet_usd.convert.network import Constant, NetworkReader, Source, TextureRead, shader_id
+from reflet_usd.convert.network import (
+    Constant,
+    NetworkReader,
+    Source,
+    TextureRead,
+    UvRead,
+    shader_id,
+)
 
 # Preview input -> MaterialX input, per surface node.
 MATERIALX_SURFACES: dict[str, dict[str, str]] = {
@@ -45,11 +53,13 @@ MATERIALX_SURFACES: dict[str, dict[str, str]] = {
 _DEFAULTS: dict[str, dict[str, tuple[float, ...]]] = {
     "ND_standard_surface_surfaceshader": {
         "diffuseColor": (0.8, 0.8, 0.8),
+        "emissiveColor": (1.0, 1.0, 1.0),
         "roughness": (0.2,),
         "clearcoatRoughness": (0.1,),
     },
     "ND_open_pbr_surface_surfaceshader": {
         "diffuseColor": (0.8, 0.8, 0.8),
+        "emissiveColor": (1.0, 1.0, 1.0),
         "roughness": (0.3,),
         "clearcoatRoughness": (0.0,),
     },
@@ -121,6 +131,13 @@ def _source(reader: NetworkReader, shader: UsdShade.Shader, name: str) -> Source
 def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> TextureRead:
     """A MaterialX image node; texture coordinates other than the default set are not followed."""
     reader.visit(node)
+    uv = UvRead()
+    if "tiledimage" in shader_id(node):
+        tiling, offset = (
+            _pair(reader.value(node, f"uv{name}", None), default)
+            for name, default in (("tiling", 1.0), ("offset", 0.0))
+        )
+        uv = UvRead(scale=tiling, translation=(-offset[0], -offset[1]))
     file_input = node.GetInput("file")
     asset = reader.value(node, "file", None)
     if not isinstance(asset, Sdf.AssetPath):
@@ -138,6 +155,14 @@ def _image(reader: NetworkReader, node: UsdShade.Shader, color_space: str) -> Te
         file=asset.resolvedPath,
         authored_file=asset.path,
         channels=channels,
+        uv=uv,
         wrap=(wrap[0], wrap[1]),
         color_space=encoded,
     )
+
+
+def _pair(value: object, default: float) -> tuple[float, float]:
+    """Two numbers, or the default twice."""
+    numbers = np.array(default if value is None else value, dtype=np.float64).reshape(-1)
+    first, last = (float(number) for number in np.resize(numbers, 2))
+    return first, last

@@ -11,7 +11,7 @@ def face_area_vectors(points: Array, corner_points: Array, counts: Array) -> Arr
     """Per face the normal times twice the area (Newell's method), (F, 3)."""
     if (counts == 3).all():
         a, b, c = (points[corner_points[corner::3]] for corner in range(3))
-        return _cross(b - a, c - a)
+        return cross_rows(b - a, c - a)
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
     ends = starts + counts - 1
     following = np.arange(1, len(corner_points) + 1)
@@ -20,10 +20,10 @@ def face_area_vectors(points: Array, corner_points: Array, counts: Array) -> Arr
     # Relative to the face's first point: differences of large coordinates stay exact.
     here = points[corner_points] - points[corner_points[starts]][corner_face]
     there = here[following]
-    return np.add.reduceat(_cross(here, there), starts, axis=0)
+    return np.add.reduceat(cross_rows(here, there), starts, axis=0)
 
 
-def _cross(a: Array, b: Array) -> Array:
+def cross_rows(a: Array, b: Array) -> Array:
     """`np.cross` of (N, 3) rows, without what it costs on a few of them."""
     x, y, z = a.T
     u, v, w = b.T

@@ -118,7 +118,7 @@ def _drawable(
     context: Context, prim: Usd.Prim, points: Array, counts: Array, corners: Array
 ) -> Array:
     """Which faces have three corners or more, all of them finite points."""
-    if _are_good_triangles(points, counts, corners):
+    if _are_good_triangles(points, counts, corners) or _are_good_polygons(points, counts, corners):
         return np.ones(len(counts), dtype=bool)
     drawn = counts >= 3
     if not drawn.all():
@@ -158,6 +158,13 @@ def _are_good_triangles(points: Array, counts: Array, corners: Array) -> bool:
     a, b, c = corners.reshape(-1, 3).T
     whole = (a != b).all() and (b != c).all() and (c != a).all()
     return bool(whole and in_float32(points).all())
+
+
+def _are_good_polygons(points: Array, counts: Array, corners: Array) -> bool:
+    """Whether there are only larger faces of finite points."""
+    sizes = counts.min() > 3 and counts.max() <= MAX_FACE_CORNERS
+    known = corners.min() >= 0 and corners.max() < len(points)
+    return bool(sizes and known and in_float32(points).all())
 
 
 def _collapsed(counts: Array, corners: Array) -> Array:

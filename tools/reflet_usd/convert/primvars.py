@@ -77,6 +77,9 @@ def to_stream(
 ) -> Stream | None:
     """The primvar over the corners of a surface, or None with `primvar-size-wrong`."""
     interpolation = primvar.interpolation
+    count = len(primvar.values if primvar.indices is None else primvar.indices)
+    if interpolation in topology.dropped and count == 1:
+        interpolation = "constant"  # whatever the parts, they all have the one value
     if interpolation in topology.dropped:
         message = f"primvar '{primvar.name}' ({interpolation}) has no place on the tessellation"
         context.ledger.warn("primvar-interpolation-dropped", prim, message)
@@ -84,7 +87,6 @@ def to_stream(
     if topology.assumed_order and interpolation != "constant":
         message = f"'{primvar.name}' ({interpolation}) is laid over the cube's faces as in Hydra"
         context.ledger.warn("primvar-order-assumed", prim, message)
-    count = len(primvar.values if primvar.indices is None else primvar.indices)
     counted = topology.authored or topology
     needed = {
         "constant": 1,

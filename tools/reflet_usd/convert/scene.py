@@ -62,10 +62,22 @@ class Node:
         return child
 
     def add_track(self, path: str, times: Array, values: Array, step: bool = False) -> None:
-        """Animate `path`; of keys whose times meet as float32 the first one stays."""
+        """Animate `path`; of keys whose times meet as float32 two stay, as neighbors.
+
+        They are the two sides of a jump: the last key keeps its time, the first one moves back.
+        Those in between, and what would begin before 0 seconds, are left out.
+        """
+        times = np.maximum.accumulate(times)
         rounded = times.astype(np.float32)
-        keep = np.concatenate(([True], np.diff(rounded) > 0.0))
-        self.tracks.append(Track(path, times[keep], values[keep], step))
+        first = np.append(True, np.diff(rounded) > 0.0)
+        last = np.append(np.diff(rounded) > 0.0, True)
+        before = np.nextafter(rounded, np.float32(-np.inf))
+        moved = first & ~last
+        free = np.append(True, before[1:] > rounded[:-1]) & (before >= 0.0)
+        keep = last | (moved & free)
+        chosen = np.where(moved, before, rounded).astype(np.float64)
+        chosen = np.where(last & first, times, chosen)
+        self.tracks.append(Track(path, chosen[keep], values[keep], step))
 
     def walk(self) -> list[Node]:
         """This node and all below it, parents first, without recursion."""

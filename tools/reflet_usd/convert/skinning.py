@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Usd, UsdSkel
+from pxr import Usd, UsdGeom, UsdSkel
 
 from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
+from reflet_usd.convert.joints import carry_animation
 from reflet_usd.convert.morph import morph_target
 from reflet_usd.convert.normals import unit_rows
 from reflet_usd.convert.polygons import Polygons
@@ -57,7 +58,9 @@ class Deformation:
             polygons.points = surface.points
         if abs(np.linalg.det(linear)) > 1e-30 and surface.normals is not None:
             surface.normals.values = unit_rows(surface.normals.values @ np.linalg.inv(linear))
-        if np.linalg.det(linear) < 0.0:
+        # USD sees the front of a mesh by its own transform, which a glTF skin does not have.
+        world = UsdGeom.Xformable(self.prim).ComputeLocalToWorldTransform(self.context.time)
+        if world.GetDeterminant3() < 0.0:
             surface.triangles = surface.triangles[:, [0, 2, 1]]
         self._offsets = [offset @ linear.T for offset in self._offsets]
         self._normal_offsets = [
@@ -92,7 +95,7 @@ class Deformation:
         order = [str(name) for name in animation_query.GetBlendShapeOrder() or []]
         columns = [order.index(name) if name in order else -1 for name in self.shape_names]
         animation = UsdSkel.Animation(animation_query.GetPrim())
-        self.context.ledger.carry(animation.GetPrim())
+        carry_animation(self.context, self.prim, animation_query)
         attribute = animation.GetBlendShapeWeightsAttr()
 
         def weights(time: Usd.TimeCode) -> list[float]:

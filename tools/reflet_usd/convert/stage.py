@@ -18,7 +18,7 @@ from reflet_usd.convert.confinement import (
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.samples import first_code
+from reflet_usd.convert.samples import first_code, has_spline
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 
 # UsdGeom's documented fallbacks.
@@ -191,12 +191,15 @@ def _read_time(context: Context) -> None:
         context.ledger.warn("time-rate-invalid", "/", message)
         rate = FALLBACK_CODES_PER_SECOND
     context.codes_per_second = float(rate)
+    keyed = _keyed_attributes(stage)
+    _drop_far_samples(context, keyed)
     if context.options.frames is not None:
         context.stated_codes = context.options.frames
         context.time_origin = context.options.frames[0]
         context.time = Usd.TimeCode(context.time_origin)
         return
-    keys = [code for code in _first_keys(stage) if abs(code) <= MAX_CODE]
+    firsts = (first_code(attribute) for attribute in keyed)
+    keys = [code for code in firsts if code is not None and abs(code) <= MAX_CODE]
     start, end = (_stated_code(stage, name) for name in ("startTimeCode", "endTimeCode"))
     context.stated_codes = (start, end)
     if start is not None and keys:
@@ -209,14 +212,39 @@ def _stated_code(stage: Usd.Stage, name: str) -> float | None:
     return float(code) if code is not None and abs(code) <= MAX_CODE else None
 
 
-def _first_keys(stage: Usd.Stage) -> list[float]:
-    """The first time sample or knot of every animated attribute."""
-    keys = []
+def _drop_far_samples(context: Context, keyed: list[Usd.Attribute]) -> None:
+    """Leave out, in the session layer, the time samples that no clock reaches."""
+    found = []
+    for attribute in keyed:
+        codes = attribute.GetTimeSamples()
+        near = [code for code in codes if abs(code) <= MAX_CODE]
+        if 0 < len(near) < len(codes) and not attribute.GetPrim().IsInPrototype():
+            found.append((attribute, [(code, attribute.Get(code)) for code in near]))
+    if not found:
+        return
+    # Else USD scales the codes that are written into the session layer by the rates' ratio.
+    stage = context.stage
+    rates = ("timeCodesPerSecond", "framesPerSecond")
+    session = stage.GetSessionLayer()
+    for name in rates:
+        rate = stage_metadata(stage, name)
+        if rate is not None:
+            session.pseudoRoot.SetInfo(name, rate)
+    with Usd.EditContext(stage, session):
+        for attribute, keys in found:
+            message = f"samples of '{attribute.GetName()}' beyond ±{MAX_CODE:g} were dropped"
+            context.ledger.warn("time-sample-dropped", attribute.GetPrim(), message)
+            for code, value in keys:
+                attribute.Set(Sdf.ValueBlock() if value is None else value, code)
+
+
+def _keyed_attributes(stage: Usd.Stage) -> list[Usd.Attribute]:
+    """All attributes with time samples or a spline."""
     # Prototypes instead of the instances, of which nesting can make any number.
-    for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
-        for prim in Usd.PrimRange(root):
-            for attribute in prim.GetAuthoredAttributes():
-                code = first_code(attribute)
-                if code is not None:
-                    keys.append(code)
-    return keys
+    return [
+        attribute
+        for root in (stage.GetPseudoRoot(), *stage.GetPrototypes())
+        for prim in Usd.PrimRange(root)
+        for attribute in prim.GetAuthoredAttributes()
+        if attribute.GetNumTimeSamples() or has_spline(attribute)
+    ]

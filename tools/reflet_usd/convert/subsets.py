@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,8 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array
+
+_BINDING = "material:binding:"
 
 
 @dataclass
@@ -29,10 +32,21 @@ def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
     return material.GetPrim() if material else None
 
 
+def warn_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]) -> None:
+    """Name the bindings among the authored `names` that are for other purposes than `full`."""
+    for name in names:
+        if name.startswith(_BINDING):
+            parts = name.removeprefix(_BINDING).split(":")
+            purposes = parts[1:-1] if parts[0] == "collection" else parts
+            if purposes and purposes[0] != UsdShade.Tokens.full:
+                message = f"'{name}' is not followed, only bindings for all purposes and 'full'"
+                context.ledger.warn("binding-purpose-dropped", prim, message)
+
+
 def face_groups(context: Context, prim: Usd.Prim) -> list[FaceGroup]:
     """One group per material-bind subset, then one for the faces that no subset names."""
     own = bound_material(prim)
-    if not prim.IsA(UsdGeom.Mesh):
+    if not prim.IsA(UsdGeom.Mesh) or not prim.GetAllChildrenNames():
         return [FaceGroup(own, None)]
     subsets = UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim))
     binding = []

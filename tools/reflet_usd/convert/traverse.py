@@ -15,11 +15,12 @@ from reflet_usd.convert.animation import (
     transform_node,
 )
 from reflet_usd.convert.camera import add_camera
+from reflet_usd.convert.collection import keep_collections
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
 from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
-from reflet_usd.convert.geometry import GeometryBuilder, is_surface
+from reflet_usd.convert.geometry import GeometryBuilder, is_surface, warn_still_points
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light, keep_mesh_light
@@ -27,6 +28,7 @@ from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
+from reflet_usd.convert.subsets import warn_binding_purposes
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import column_matrix, place
 
@@ -182,7 +184,10 @@ class Traversal:
 
     def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
         """What is said about the prim and does not draw; a prim without a node keeps none."""
-        keep_custom_properties(self.context, prim, node)
+        names = [str(name) for name in prim.GetAuthoredPropertyNames()]
+        keep_custom_properties(self.context, prim, node, names)
+        keep_collections(self.context, prim, node, names)
+        warn_binding_purposes(self.context, prim, names)
         keep_metadata(self.context, prim, node)
         warn_schemas(self.context, prim)
 
@@ -237,8 +242,10 @@ class Traversal:
                 if keys is not None:
                     keys.animate(node)
         elif type_name == "Points":
+            warn_still_points(context, prim)
             node.mesh = build_points(context, self.writer, self.geometry.materials, prim)
         elif is_curves(prim):
+            warn_still_points(context, prim)
             node.mesh = build_curves(context, self.writer, self.geometry.materials, prim)
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
@@ -272,9 +279,12 @@ def warn_variants(context: Context, prim: Usd.Prim) -> None:
         return
     sets = prim.GetVariantSets()
     for name in sets.GetNames():
-        count = len(sets.GetVariantSet(name).GetVariantNames())
-        if count > 1:
-            chosen = sets.GetVariantSelection(name)
+        known = sets.GetVariantSet(name).GetVariantNames()
+        chosen, count = sets.GetVariantSelection(name), len(known)
+        if chosen not in known and known:
+            message = f"none of {count} variants of '{name}' is carried, '{chosen}' is selected"
+            context.ledger.warn("variants-not-carried", prim, message)
+        elif count > 1:
             message = f"of {count} variants of '{name}' only '{chosen}' is carried"
             context.ledger.warn("variants-not-carried", prim, message)
 

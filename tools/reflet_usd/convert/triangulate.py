@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reflet_usd.convert.normals import cross_rows
 from reflet_usd.convert.scene import Array
 
 # Beyond this many corners the all-pairs test of `_clip_batch` costs more than one face at a time.
@@ -20,6 +21,12 @@ def triangulate(points: Array, corner_points: Array, counts: Array) -> tuple[Arr
     """
     if (counts == 3).all():
         return np.arange(len(corner_points)).reshape(-1, 3), np.arange(len(counts))
+    if (counts == counts[0]).all():
+        size = int(counts[0])
+        corners = np.arange(len(corner_points)).reshape(-1, size)
+        local = _triangulate_equal(points, corner_points, corners)
+        faces = np.repeat(np.arange(len(counts)), size - 2)
+        return (local + corners[:, :1, None]).reshape(-1, 3), faces
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.int64)
     triangle_count = int((counts - 2).sum())
     triangles = np.empty((triangle_count, 3), dtype=np.int64)
@@ -65,7 +72,11 @@ def _needs_other_diagonal(quads: Array) -> Array:
 
     Judged in the quad's own plane: a bent quad may fold over a diagonal and still be convex.
     """
-    turns = _turns(_project(quads))
+    sides = quads[:, [1, 2, 3, 0]] - quads
+    bends = cross_rows(sides[:, [3, 0, 1, 2]].reshape(-1, 3), sides.reshape(-1, 3))
+    turns = np.einsum("fnk,fk->fn", bends.reshape(quads.shape), _normals(quads))
+    if (turns >= 0.0).all():
+        return np.zeros(len(quads), dtype=bool)
     worst = np.argmin(turns, axis=1)
     return (turns.min(axis=1) < -1e-12 * np.abs(turns).max(axis=1)) & (worst % 2 == 1)
 
@@ -73,15 +84,23 @@ def _needs_other_diagonal(quads: Array) -> Array:
 def _project(polygons: Array) -> Array:
     """Polygons (F, n, 3) in their own planes (F, n, 2), counterclockwise seen along the normal."""
     offset = polygons - polygons[:, :1]
-    normal = np.cross(offset, np.roll(offset, -1, axis=1)).sum(axis=1)
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = np.where(length > 0.0, normal / np.where(length > 0.0, length, 1.0), (0.0, 0.0, 1.0))
+    normal = _normals(polygons)
     helper = np.zeros_like(normal)
     helper[np.arange(len(normal)), np.argmin(np.abs(normal), axis=1)] = 1.0
-    u = np.cross(helper, normal)
+    u = cross_rows(helper, normal)
     u /= np.linalg.norm(u, axis=1, keepdims=True)
-    v = np.cross(normal, u)
+    v = cross_rows(normal, u)
     return np.stack([np.einsum("fnk,fk->fn", offset, axis) for axis in (u, v)], axis=2)
+
+
+def _normals(polygons: Array) -> Array:
+    """Unit normals of polygons (F, n, 3) by Newell's method; +Z where they have no area."""
+    offset = polygons - polygons[:, :1]
+    here, there = offset[:, :-1].reshape(-1, 3), offset[:, 1:].reshape(-1, 3)
+    size = polygons.shape[1] - 1
+    normal = cross_rows(here, there).reshape(-1, size, 3).sum(axis=1)
+    length = np.sqrt(np.square(normal).sum(axis=1, keepdims=True))
+    return np.where(length > 0.0, normal / np.where(length > 0.0, length, 1.0), (0.0, 0.0, 1.0))
 
 
 def _cross2(a: Array, b: Array) -> Array:

@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from .excuses import ABSENT, PLACED, SUBTREE
+
 _MAX_FINDINGS = 50
 
 
@@ -22,54 +24,30 @@ class Bar:
     """Patterns of the names of warnings that declare this kind of loss for a prim."""
 
 
-_SUBTREE = (
-    "animation-resampled",
-    "instance-rotation-normalized",
-    "instancer-cycle",
-    "instances-too-many",
-    "prim-damaged",
-    "time-sample-dropped",
-)
-"""Warnings that speak of their prim and of all below it; every other one of its prim alone."""
-_ABSENT = (
-    "camera-invalid",
-    "curves-dropped",
-    "curves-invalid",
-    "dome-light-external",
-    "instancer-cycle",
-    "instances-too-many",
-    "light-dropped",
-    "prim-damaged",
-    "time-sample-dropped",
-    "[A-Z]*-dropped",
-)
-_PLACED = ("animation-resampled", "instance-rotation-normalized")
-"""Places that deviate by what the warning states, and nothing else of the prim."""
 BARS: dict[str, Bar] = {
-    "carried": Bar("prims carried or warned about", 0, "missing", _ABSENT),
+    "carried": Bar("prims carried or warned about", 0, "missing", ABSENT),
     "unexpected": Bar("prims the stage does not draw", 0, "extra"),
-    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", _PLACED),
+    "positions": Bar("world corners, both ways", 1e-5, "of the diagonal", PLACED),
     "bounds": Bar("bounding box", 1e-5, "of the diagonal"),
     "triangles": Bar("triangle count", 0, "difference"),
-    "area": Bar("surface area", 1e-5, "relative", _PLACED),
-    "winding": Bar("area vector and signed volume", 1e-5, "relative", _PLACED),
-    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", _PLACED),
-    "normals": Bar("normals", 0.5, "degrees", _PLACED),
+    "area": Bar("surface area", 1e-5, "relative", PLACED),
+    "winding": Bar("area vector and signed volume", 1e-5, "relative", PLACED),
+    "surfaces": Bar("points on curved gprims", 1e-5, "of the diagonal", PLACED),
+    "normals": Bar("normals", 0.5, "degrees", PLACED),
     "uvs": Bar("texture coordinates", 1e-5, "absolute"),
     "colors": Bar("display colors", 1e-4, "absolute"),
     "sides": Bar("double-sided flag", 0, "difference"),
-    "bindings": Bar("corners of each material", 1e-5, "of the diagonal", _PLACED),
+    "bindings": Bar("corners of each material", 1e-5, "of the diagonal", PLACED),
     "materials": Bar("material values at sample points", 1 / 255, "absolute"),
-    "matrices": Bar("world matrices", 1e-5, "relative", _PLACED),
-    "joints": Bar("world matrices of joints", 1e-5, "relative", _PLACED),
-    "cameras": Bar("camera lenses and places", 1e-5, "relative", _PLACED),
-    "lights": Bar("light intensities and places", 1e-5, "relative", _PLACED),
+    "matrices": Bar("world matrices", 1e-5, "relative", PLACED),
+    "joints": Bar("world matrices of joints", 1e-5, "relative", PLACED),
+    "cameras": Bar("camera lenses and places", 1e-5, "relative", PLACED),
+    "lights": Bar("light intensities and places", 1e-5, "relative", PLACED),
     "inputs": Bar("inputs that glTF lacks", 0, "lost"),
-    "skinning": Bar("skinned and morphed corners", 1e-5, "of the diagonal", _PLACED),
+    "skinning": Bar("skinned and morphed corners", 1e-5, "of the diagonal", PLACED),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
-"""What may differ where a warning says so. Wherever the documentation gives the rule by which the
-file's value follows from the stage's, the truth computes that value and nothing is excused."""
+"""What is compared, and what may differ where a warning says so."""
 
 
 _ADD_UP = 4.0
@@ -150,7 +128,7 @@ class Checks:
         self._warnings: dict[str, list[_Told]] = {}
         for warning in warnings:
             reach = warning.get("deviation")
-            if warning["name"] in _PLACED:
+            if warning["name"] in PLACED:
                 reach = _ADD_UP * float(reach or 0.0)
             entry = _Told(
                 warning["name"], warning.get("message", ""), math.inf if reach is None else reach
@@ -206,7 +184,7 @@ class Checks:
             while path not in ("", "/"):
                 path = path.rpartition("/")[0]
                 for told in self._warnings.get(path, ()):
-                    if told.name in _SUBTREE and told.fits(names, value, named):
+                    if told.name in SUBTREE and told.fits(names, value, named):
                         return told.name
         return None
 

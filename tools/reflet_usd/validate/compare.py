@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -11,12 +12,12 @@ from scipy.spatial import cKDTree
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
 from .distances import attribute_distance, one_way, set_distance
-from .facts import Array, Corners, Lost, Scene, Surface
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
+from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 
+Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
-_UNDEFINED_COLORS = "several display colors on a gprim, whose faces USD does not number"
-_ORDERED = ("primvar-interpolation-dropped", "primvar-order-assumed")
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
 
@@ -39,9 +40,7 @@ class SceneComparer:
         for key in sorted((truth.corners.keys() | truth.surfaces.keys()) - skip):
             found = output.corners.get(key)
             if key in truth.corners and not np.isfinite(_everything(truth.corners[key])).all():
-                told = ("points-non-finite",)
-                text = "not finite in the stage"
-                self.checks.add("positions", key, math.inf, text, excuses=told)
+                self.checks.add("positions", key, math.inf, "not finite in the stage")
             elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
             elif key in truth.corners and key in truth.surfaces:
@@ -54,6 +53,12 @@ class SceneComparer:
         for key, found in output.corners.items():
             if key not in known and (len(found.positions) or len(found.points)):
                 self.checks.add("unexpected", key, 1, "drawn only in the output")
+        for kind, ours, theirs in (
+            ("camera", truth.cameras, output.cameras),
+            ("light", truth.lights, output.lights),
+        ):
+            for key in sorted(theirs.keys() - ours.keys()):
+                self.checks.add("unexpected", key, 1, f"a {kind} only in the output")
         if self.checks.declared() == excused and not skip:  # else the box is known to differ
             self._bounds(truth, output)
 
@@ -65,7 +70,7 @@ class SceneComparer:
         for prim, lost in truth.lost.items():
             self._lost(prim, lost)
         for prim in sorted(truth.mesh_lights):
-            self.checks.add_lost(prim, ("mesh-light-dropped", "Volume-dropped"), "shines")
+            self.checks.add_lost(prim, SHINES, "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
         """World matrices of all nodes that stand for a transformable prim."""
@@ -101,29 +106,41 @@ class SceneComparer:
     def cameras(self, truth: Scene, output: Scene, at: str) -> None:
         """Lenses and places of all cameras."""
         for key, expected in truth.cameras.items():
-            found = output.cameras.get(key)
-            if self._is_carried(key, found is not None, "Camera"):
-                assert found is not None
-                self._lost(key, expected.lost)
-                for text, value in camera_values(expected, found, self.diagonal):
-                    self.checks.add("cameras", key, value, f"{text} {at}", self.slack)
+            self._devices("cameras", key, expected, output.cameras.get(key, []), at, camera_values)
 
     def lights(self, truth: Scene, output: Scene, at: str) -> None:
         """Kinds, intensities and places of all lights that a punctual light can stand for."""
         for key, expected in truth.lights.items():
-            found = output.lights.get(key)
-            if self._is_carried(key, found is not None, "light"):
-                assert found is not None
-                self._lost(key, expected.lost)
-                for text, value in light_values(expected, found, self.diagonal):
-                    self.checks.add("lights", key, value, f"{text} {at}", self.slack)
+            self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
+
+    def _devices(
+        self,
+        check: str,
+        key: str,
+        expected: Sequence[Device],
+        found: Sequence[Device],
+        at: str,
+        measure: Callable[[Device, Device, float], Iterable[tuple[str, float]]],
+    ) -> None:
+        """Each of the stage's with the nearest of the file's; an instancer draws several."""
+        if not self._is_carried(key, len(found) >= len(expected), check[:-1]):
+            return
+        if len(found) > len(expected):
+            self.checks.add("unexpected", key, len(found) - len(expected), f"{check} too many")
+        for one in expected:
+            self._lost(key, one.lost)
+            pairs = [list(measure(one, other, self.diagonal)) for other in found]
+            best = min(pairs, key=lambda values: max((value for _, value in values), default=0.0))
+            for text, value in best:
+                self.checks.add(check, key, value, f"{text} {at}", self.slack)
 
     def _lost(self, key: str, lost: Lost) -> None:
         for warning, text in lost:
             self.checks.add_lost(key, (warning,), text)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
-        self.checks.add("carried", key, 0 if there else 1, f"{what} is not in the output")
+        text = f"{what} is not in the output"
+        self.checks.add("carried", key, 0 if there else 1, text, excuses=absent(what))
         return there
 
     def _corners(self, key: str, expected: Corners, found: Corners | None, skinned: bool) -> None:
@@ -147,8 +164,7 @@ class SceneComparer:
         surplus = found.triangles - expected.triangles - expected.optional_triangles
         text = f"{found.triangles} triangles, expected {expected.triangles}"
         self.checks.add("triangles", key, max(missing, surplus, 0), text)
-        if not skinned:
-            self._areas(key, expected, found)
+        self._areas(key, expected, found)
         self._attributes(key, expected, found, skinned)
 
     def _surfaces(self, key: str, surfaces: list[Surface], found: Corners | None) -> None:
@@ -166,9 +182,9 @@ class SceneComparer:
             wrong = "is not used" if name in bound else "is used only in the output"
             self.checks.add("bindings", key, math.inf, f"{name} {wrong}")
         colors = [surface.color for surface in surfaces if surface.color is not None]
-        if any(surface.undefined_colors for surface in surfaces):
-            self._undefined_colors(key)
-        elif len(colors) == len(surfaces) and not bound and found.colors is not None:
+        for surface in surfaces:
+            self._undefined_colors(key, surface.undefined_colors)
+        if len(colors) == len(surfaces) and not bound and found.colors is not None:
             value = set_distance(np.array(colors), np.unique(found.colors, axis=0))
             self.checks.add("colors", key, value, "display color or opacity")
 
@@ -233,9 +249,9 @@ class SceneComparer:
                 self.checks.add("normals", key, angle, "angle")
         self._uvs(key, expected, found, tolerance, both)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
-        if expected.undefined_colors and unbound:
-            self._undefined_colors(key)
-        elif expected.colors is not None and found.colors is not None and unbound:
+        if unbound:
+            self._undefined_colors(key, expected.undefined_colors)
+        if expected.colors is not None and found.colors is not None and unbound:
             value = attribute_distance(
                 (expected.positions, expected.colors),
                 (found.positions, found.colors),
@@ -255,37 +271,43 @@ class SceneComparer:
     ) -> None:
         if expected.uvs and not found.uvs:
             for name in expected.uvs:
-                told = self.checks.excuse(key, ("primvar-*",), named=name)
+                told = self.checks.excuse(key, UV_SET, named=name)
                 text = f"'{name}' is not in the output"
                 self.checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
         for name, values in found.uvs.items():
             if not expected.uvs:
                 continue
-            if np.ptp(values, axis=0).max(initial=0.0) == 0.0 and self.checks.excuse(
-                key, ("uv-missing",)
-            ):
-                continue  # the reader's fallback, of a set that the prim does not have
+            rows = self._uv_rows(key, found, values)
+            if not rows.any():
+                continue
             reach = max(1.0, float(np.abs(values).max(initial=0.0)))
             step = BARS["uvs"].limit * reach
-            best = min(
-                attribute_distance(
-                    (expected.positions, candidate),
-                    (found.positions, values),
-                    tolerance,
-                    step,
-                    both,
-                )
-                for candidate in expected.uvs.values()
-            )
+            drawn = (found.positions[rows], values[rows])
+            best = math.inf
+            for candidate in expected.uvs.values():
+                wanted = (expected.positions, candidate)
+                # Where a part is left out, what is drawn has to be wanted, not the other way.
+                first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
+                whole = both and bool(rows.all())
+                best = min(best, attribute_distance(first, second, tolerance, step, whole))
             self.checks.add("uvs", key, best / reach, name)
 
-    def _undefined_colors(self, key: str) -> None:
-        for name in ("displayColor", "displayOpacity"):
-            told = self.checks.excuse(key, _ORDERED, named=name)
-            if told:
-                self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS, excuses=(told,))
-                return
-        self.checks.add("colors", key, math.inf, _UNDEFINED_COLORS)
+    def _uv_rows(self, key: str, found: Corners, values: Array) -> np.ndarray:
+        """All corners but those where a material reads a set that the prim does not have."""
+        rows = np.ones(len(values), bool)
+        if found.materials is None or not self.checks.excuse(key, UV_CONSTANT):
+            return rows
+        for label in np.unique(found.materials):
+            part = found.materials == label
+            if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
+                rows &= ~part
+        return rows
+
+    def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
+        for name in names:
+            told = self.checks.excuse(key, UNORDERED_COLORS, named=name)
+            text = f"several values of '{name}' on a gprim, whose faces USD does not number"
+            self.checks.add("colors", key, math.inf, text, excuses=(told,) if told else ())
 
     def _bindings(self, key: str, expected: Corners, found: Corners) -> None:
         """The corners of each material, as sets, by the material's name."""
@@ -305,7 +327,7 @@ class SceneComparer:
             wanted = expected.positions[np.isin(expected.materials, same)]
             number = there.get(_name(path))
             if number is None:
-                told = ("material-unsupported",)
+                told = UNKNOWN_SURFACE
                 subject = path if self.checks.excuse(path, told) else key
                 self.checks.add("bindings", subject, math.inf, f"{path} is not used", excuses=told)
                 continue

@@ -15,6 +15,9 @@ _CROSSING = 1e-4
 _BENT_SLACK = 1.5
 """A bent face of more than four corners can be larger than its fan by about this factor."""
 
+_PAIRS = 1_000_000
+"""Pairs of sides that are looked at together."""
+
 
 @dataclasses.dataclass
 class FaceMeasures:
@@ -29,8 +32,13 @@ class FaceMeasures:
     """(faces,) whether the face is flat."""
 
 
-def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
-    """Measure faces of `counts` corners each, whose corners lie one after another."""
+def measure(
+    positions: Array, counts: Indices, center: Array, deformed: bool = False
+) -> FaceMeasures:
+    """Measure faces of `counts` corners each, whose corners lie one after another.
+
+    `deformed` faces were cut into triangles when their corners were elsewhere.
+    """
     if not len(counts):
         zero = np.zeros(3)
         return FaceMeasures((0.0, 0.0), zero, (0.0, 0.0), np.zeros((0, 3)), np.zeros(0, bool))
@@ -50,12 +58,16 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
     flat = height <= _FLAT * size
     fan_area = np.add.reduceat(np.linalg.norm(fan, axis=1), starts)
     lower = length.copy()
-    upper = np.where(flat, length, np.maximum(fan_area, length) * _BENT_SLACK)
+    # What was cut elsewhere folds where it became concave, and what crosses itself everywhere.
+    convex = _convex(positions, starts, counts, normals)
+    sure = flat & (convex if deformed else True)
+    sure[_crossing(positions, starts, counts, normals, ~convex & flat & (counts > 4))] = False
+    upper = np.where(sure, length, np.maximum(fan_area, length) * _BENT_SLACK)
     quads = np.flatnonzero(counts == 4)
     both = _quad_areas(positions[starts[quads][:, None] + np.arange(4)])
     # A flat quad has the area of its better diagonal, unless its sides cross: then both fold.
     best = both.min(axis=1)
-    simple = flat[quads] & (best <= length[quads] * (1 + _CROSSING))
+    simple = sure[quads] & (best <= length[quads] * (1 + _CROSSING))
     lower[quads] = best
     upper[quads] = np.where(simple, best, both.max(axis=1))
     volumes = np.einsum("ij,ij->i", positions[starts] - center, vector) / 3.0
@@ -67,6 +79,46 @@ def measure(positions: Array, counts: Indices, center: Array) -> FaceMeasures:
         normals,
         flat,
     )
+
+
+def _convex(positions: Array, starts: Indices, counts: Indices, normals: Array) -> np.ndarray:
+    """(faces,) whether no corner turns against its face's normal."""
+    face = np.repeat(np.arange(len(counts)), counts)
+    local = np.arange(len(positions)) - starts[face]
+    after = positions[starts[face] + (local + 1) % counts[face]]
+    before = positions[starts[face] + (local - 1) % counts[face]]
+    turns = (np.cross(positions - before, after - positions) * normals[face]).sum(axis=1)
+    return np.asarray(np.minimum.reduceat(turns, starts) >= 0.0)
+
+
+def _crossing(
+    positions: Array, starts: Indices, counts: Indices, normals: Array, asked: np.ndarray
+) -> Indices:
+    """Which of the flat faces that are `asked` for have sides that cross."""
+    found = [np.zeros(0, np.int64)]
+    for size in np.unique(counts[asked]):
+        faces = np.flatnonzero(asked & (counts == size))
+        for chunk in np.array_split(faces, 1 + len(faces) * int(size) ** 2 // _PAIRS):
+            corners = positions[starts[chunk][:, None] + np.arange(size)]
+            along = corners[:, 1] - corners[:, 0]
+            axes = np.stack([along, np.cross(normals[chunk], along)], axis=2)
+            flat = (corners - corners[:, :1]) @ axes
+            found.append(chunk[_crosses(flat)])
+    return np.concatenate(found)
+
+
+def _crosses(corners: Array) -> np.ndarray:
+    """(n,) whether two sides that do not meet cross, of (n, k, 2) polygons."""
+    ends = np.roll(corners, -1, axis=1)
+    side = ends - corners
+
+    def turn(points: Array) -> Array:
+        """On which side of each line (second index) each point (third index) lies."""
+        away = points[:, None] - corners[:, :, None]
+        return side[:, :, None, 0] * away[..., 1] - side[:, :, None, 1] * away[..., 0]
+
+    parted = turn(corners) * turn(ends) < 0.0
+    return np.asarray((parted & parted.transpose(0, 2, 1)).any(axis=(1, 2)))
 
 
 def _quad_areas(corners: Array) -> Array:

@@ -50,8 +50,8 @@ class Corners:
     """Each (n, 2), by primvar name (stage) or attribute name (output), v upward."""
     colors: Array | None = None
     """(n, 4) linear RGBA."""
-    undefined_colors: bool = False
-    """Whether display colors lie on parts of a gprim whose order USD does not define."""
+    undefined_colors: tuple[str, ...] = ()
+    """Display primvars on parts of a gprim whose order USD does not define: they are left out."""
     materials: Indices | None = None
     """(n,) index into `material_paths` of each corner's material; -1 for none."""
     material_paths: list[str] = dataclasses.field(default_factory=list)
@@ -74,9 +74,9 @@ class Surface:
     matrix: Array
     """(4, 4) from the prim's space to the world in meters."""
     color: Array | None = None
-    """(4,) display color and opacity; None where none or several are authored."""
-    undefined_colors: bool = False
-    """Whether several display colors are authored."""
+    """(4,) display color and opacity, a fallback in place of several; None for none."""
+    undefined_colors: tuple[str, ...] = ()
+    """Display primvars of which several values are authored: they are left out."""
     material: str = ""
     """Path of the bound material; empty for none."""
 
@@ -119,8 +119,8 @@ class Scene:
 
     corners: dict[str, Corners] = dataclasses.field(default_factory=dict)
     surfaces: dict[str, list[Surface]] = dataclasses.field(default_factory=dict)
-    cameras: dict[str, Camera] = dataclasses.field(default_factory=dict)
-    lights: dict[str, Light] = dataclasses.field(default_factory=dict)
+    cameras: dict[str, list[Camera]] = dataclasses.field(default_factory=dict)
+    lights: dict[str, list[Light]] = dataclasses.field(default_factory=dict)
     matrices: dict[str, list[Array]] = dataclasses.field(default_factory=dict)
     """World matrices of the nodes that stand for a prim, by prim path."""
     other: dict[str, str] = dataclasses.field(default_factory=dict)

@@ -48,10 +48,10 @@ class OutputReader:
                 continue
             node, key, world = self.file.nodes[index], self.keys[index], pose.worlds[index]
             if node.camera is not None:
-                scene.cameras[key] = self._camera(node.camera, world)
+                scene.cameras.setdefault(key, []).append(self._camera(node.camera, world))
             light = (node.extensions or {}).get(_LIGHTS)
             if light is not None:
-                scene.lights[key] = self._light(light["light"], world)
+                scene.lights.setdefault(key, []).append(self._light(light["light"], world))
             if node.mesh is not None:
                 pieces.setdefault(key, []).extend(self._pieces(index, pose))
         for key, parts in pieces.items():

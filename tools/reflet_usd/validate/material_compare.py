@@ -8,22 +8,25 @@ import math
 import numpy as np
 
 from .checks import Checks
+from .excuses import (
+    LOST_FILE,
+    NO_PLACE,
+    NORMAL_SCALE,
+    OTHER_SURFACE,
+    PACKED,
+    REWRITTEN,
+    UNREAD_FILE,
+)
 from .facts import Array, Scene
 from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
+from .usd_materialx import materialx_inputs
 from .usd_stage import TruthStage
 from .uv_compare import UvUse
 
 _SAMPLES = 16
-_PACKED = ("texture-packed-transform",)
-_UNREAD_FILE = ("texture-too-large", "asset-not-a-file")
-_LOST_FILE = (*_UNREAD_FILE, "asset-outside-roots", "texture-missing", "texture-unreadable")
-_NO_PLACE = {
-    "displacement": ((0.0,), "displacement-dropped"),
-    "normal": ((0.0, 0.0, 1.0), "normal-constant-dropped"),
-    "occlusion": ((1.0,), "occlusion-dropped"),
-}
+_NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
 _VALUES = tuple(name for name in DEFAULTS if name not in ("opacityThreshold", "normal"))
 
 
@@ -52,20 +55,22 @@ def compare_materials(
     used |= {surface.material for many in rest.surfaces.values() for surface in many}
     for path in sorted(used - {""}):
         shader = preview_shader(truth.stage.GetPrimAtPath(path))
+        other = None
         if shader is None:
             # Another kind of surface: what the file shows in its place has to be declared.
-            told = ("material-unsupported", "material-approximated")
             text = "is not a UsdPreviewSurface"
-            checks.add("materials", path, math.inf, text, excuses=told)
-            if checks.excuse(path, ("material-unsupported",)):
-                for index in outputs.get(path, []):
-                    _compare_plain(checks, path, OutputMaterial(file, index))
+            checks.add("materials", path, math.inf, text, excuses=OTHER_SURFACE)
+            other = materialx_inputs(truth.stage.GetPrimAtPath(path), truth.roots)
+        if shader is None and other is None:
+            for index in outputs.get(path, []):
+                _compare_plain(checks, path, OutputMaterial(file, index))
             continue
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:
-            one = _Comparison(checks, path, _inputs(checks, shader, truth.roots))
+            read = other or _preview_inputs(shader, truth.roots)
+            one = _Comparison(checks, path, _without_lost(checks, read))
             output = OutputMaterial(file, index)
             one.compare(output)
             uses += one.uv_uses(output)
@@ -80,15 +85,18 @@ def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
         checks.add("materials", path, wrong, name)
 
 
-def _inputs(checks: Checks, shader: object, roots: tuple[str, ...]) -> dict[str, PreviewInput]:
-    """All inputs; the fallback of each texture whose file the converter names as lost."""
+def _preview_inputs(shader: object, roots: tuple[str, ...]) -> dict[str, PreviewInput]:
+    names = (*DEFAULTS, "displacement", "useSpecularWorkflow")
+    return {name: read_input(shader, name, roots) for name in names}  # type: ignore[arg-type]
+
+
+def _without_lost(checks: Checks, inputs: dict[str, PreviewInput]) -> dict[str, PreviewInput]:
+    """The inputs; the fallback of each texture whose file the converter names as lost."""
     result = {}
-    for name in (*DEFAULTS, "displacement", "useSpecularWorkflow"):
-        source = read_input(shader, name, roots)  # type: ignore[arg-type]
-        told = _LOST_FILE if source.reason else _UNREAD_FILE
-        if source.fallback is not None and checks.excuse(source.prim, told):
-            source = source.without_file()
-        result[name] = source
+    for name, source in inputs.items():
+        told = LOST_FILE if source.reason else UNREAD_FILE
+        lost = source.fallback is not None and checks.excuse(source.prim, told)
+        result[name] = source.without_file() if lost else source
     return result
 
 
@@ -129,15 +137,15 @@ class _Comparison:
             texture, number = self.inputs[name].texture, found.texcoord(name)
             if texture is None or not texture.primvar or number is None:
                 continue
-            if not self.checks.excuse(texture.prim, _PACKED):
+            if not self.checks.excuse(texture.prim, PACKED):
                 uses.append(UvUse(self.path, texture.primvar, f"TEXCOORD_{number}"))
         return list(dict.fromkeys(uses))
 
     def _losses(self) -> None:
         """Constants that no glTF material holds, each named by its own warning."""
-        for name, (neutral, warning) in _NO_PLACE.items():
+        for name, warning in NO_PLACE.items():
             source = self.inputs[name]
-            if source.constant is not None and not np.array_equal(source.constant, neutral):
+            if source.constant is not None and not np.array_equal(source.constant, _NEUTRAL[name]):
                 self.checks.add_lost(self.path, (warning,), f"{name} {source.constant.tolist()}")
 
     def _channel(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
@@ -161,10 +169,10 @@ class _Comparison:
         if texture is None:
             return []
         size = found.image_size(name)
-        rewritten = self.checks.excuse(texture.prim, ("texture-repacked", "texture-converted"))
+        rewritten = self.checks.excuse(texture.prim, REWRITTEN)
         if rewritten and size is not None and size != texture.texels.size:
             texture = texture.resized(size, name in ("diffuseColor", "emissiveColor"))
-        if not self.checks.excuse(texture.prim, _PACKED):
+        if not self.checks.excuse(texture.prim, PACKED):
             return [texture]
         others = [source.texture for source in self.inputs.values() if source.texture is not None]
         return [
@@ -202,7 +210,7 @@ class _Comparison:
             read = dataclasses.replace(read, linearize=False)
         if np.allclose(read.scale[:3], 1) and np.allclose(read.bias[:3], 0):
             # Taken as if it had what makes directions of texels.
-            named = self.checks.excuse(self.path, ("normal-scale-missing",))
+            named = self.checks.excuse(self.path, NORMAL_SCALE)
             if named:
                 read = dataclasses.replace(read, scale=np.full(4, 2.0), bias=np.full(4, -1.0))
         size = found.image_size("normal")

@@ -29,9 +29,12 @@ _NOT_IN_GLTF = (
 
 def read_camera(
     prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d
-) -> Camera:
-    """The camera at `time`; `world` is its local-to-world matrix in the stage."""
+) -> Camera | None:
+    """The camera at `time`, None where its lens is none; `world` is its local-to-world matrix."""
     lens = UsdGeom.Camera(prim).GetCamera(time)
+    sizes = lens.horizontalAperture, lens.verticalAperture, lens.focalLength
+    if not all(0.0 < size < math.inf for size in sizes):
+        return None
     # usd-core returns the clipping range in the stage's units, as it does lengths of apertures
     # in tenths of them (GfCamera::APERTURE_UNIT).
     near, far = (

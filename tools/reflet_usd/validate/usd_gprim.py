@@ -1,6 +1,8 @@
-"""Owns the truth about gprims that are not meshes: surfaces, cubes, planes, points and lines."""
+"""Owns the truth about gprims that are not meshes: surfaces, cubes, planes, patches, tetrahedra."""
 
 from __future__ import annotations
+
+import dataclasses
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
@@ -56,39 +58,33 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
 
 
 def _material(prim: Usd.Prim) -> str:
-    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
     return str(binding.GetPath()) if binding else ""
 
 
-def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, bool]:
-    """The one display color and opacity, and whether there are several."""
+def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, tuple[str, ...]]:
+    """The one display color and opacity, and which of both have several values: no value counts."""
     api = UsdGeom.PrimvarsAPI(prim)
-    rgb = flattened(api.FindPrimvarWithInheritance("displayColor"), time, 3)
-    alpha = flattened(api.FindPrimvarWithInheritance("displayOpacity"), time, 1)
-    if not len(rgb) and not len(alpha):
-        return None, False
-    if len(rgb) > 1 or len(alpha) > 1:
-        return None, True
-    rgb = rgb[0] if len(rgb) else np.full(3, NO_COLOR)
-    return np.append(rgb, alpha[0] if len(alpha) else 1.0), False
-
-
-def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Array | None:
-    """Positions of point clouds and linear curves; None for everything else."""
-    linear = prim.IsA(UsdGeom.BasisCurves) and (
-        UsdGeom.BasisCurves(prim).GetTypeAttr().Get(time) == UsdGeom.Tokens.linear
+    names = ("displayColor", "displayOpacity")
+    rgb, alpha = (
+        flattened(api.FindPrimvarWithInheritance(name), time, width)
+        for name, width in zip(names, (3, 1), strict=True)
     )
-    if not (prim.IsA(UsdGeom.Points) or linear):
-        return None
-    points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
-    return points[np.isfinite(points).all(axis=1)]
+    if not len(rgb) and not len(alpha):
+        return None, ()
+    several = tuple(n for n, v in zip(names, (rgb, alpha), strict=True) if len(v) > 1)
+    color = rgb[0] if len(rgb) == 1 else np.full(3, NO_COLOR)
+    color = np.append(color, alpha[0] if len(alpha) == 1 else 1.0)
+    return np.clip(color, 0.0, 1.0), several
 
 
 def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
-    """Cubes and planes, whose corners are exact."""
+    """Cubes and planes, whose corners are exact, and the boundary of tetrahedra."""
     if prim.IsA(UsdGeom.Cube):
         half = float(prim.GetAttribute("size").Get(time) or 0.0) / 2
         return _flat_mesh(prim, time, np.array(_CUBE_POINTS) * half, np.array(_CUBE_FACES))
+    if prim.IsA(UsdGeom.TetMesh):
+        return _boundary(prim, time)
     if not prim.IsA(UsdGeom.Plane):
         return None
     width = float(prim.GetAttribute("width").Get(time) or 0.0) / 2
@@ -102,17 +98,43 @@ def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
     return _flat_mesh(prim, time, points, np.array(_PLANE_FACES[axis != 2]))
 
 
+def _boundary(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
+    """The faces of a TetMesh that are its surface; None where one of them is no triangle."""
+    schema = UsdGeom.TetMesh(prim)
+    points = array_of(schema.GetPointsAttr().Get(time), np.float64, 3)
+    raw = schema.GetSurfaceFaceVertexIndicesAttr().Get(time)
+    raw = raw if raw else UsdGeom.TetMesh.ComputeSurfaceFaces(schema, time)
+    faces = array_of(raw, np.int64, 3)
+    ordered = np.sort(faces, axis=1)
+    whole = len(faces) and ordered[:, 0].min() >= 0 and ordered[:, 2].max() < len(points)
+    if not whole or (np.diff(ordered, axis=1) == 0).any() or not np.isfinite(points).all():
+        return None
+    return _oriented(prim, time, points, faces)
+
+
+def read_grid(prim: Usd.Prim, time: Usd.TimeCode, grid: Array) -> LocalMesh:
+    """The quads between the (rows, columns, 3) points on a patch."""
+    index = np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
+    sides = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    result = _oriented(prim, time, grid.reshape(-1, 3), np.stack(sides, axis=-1).reshape(-1, 4))
+    return dataclasses.replace(result, flat_shaded=False)
+
+
+def _oriented(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
+    turned = UsdGeom.Gprim(prim).GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded
+    return _flat_mesh(prim, time, points, faces[:, ::-1] if turned else faces)
+
+
 def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
     material = _material(prim)
     color, undefined = _color(prim, time)
-    if undefined and prim.IsA(UsdGeom.Cube):
+    colors = None if color is None else np.tile(color, (faces.size, 1))
+    if prim.IsA(UsdGeom.Cube):
         colors = corner_colors(prim, time, CornerMap.whole(faces, len(points)))
-        undefined = False
-    else:
-        colors = None if color is None else np.tile(color, (faces.size, 1))
+        undefined = ()
     return LocalMesh(
         points[faces].reshape(-1, 3).astype(np.float64),
-        np.full(len(faces), 4),
+        np.full(len(faces), faces.shape[1]),
         np.zeros((0, 3)),
         0,
         None,

@@ -31,7 +31,7 @@ DEFAULTS: dict[str, tuple[float, ...]] = {
 }
 _PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 """The second is MaterialX's name for the same."""
-_TIME = Usd.TimeCode.EarliestTime()
+TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
 
 
@@ -114,13 +114,19 @@ class PreviewInput:
         return PreviewInput(self.fallback, None)
 
 
-def preview_shader(material: Usd.Prim) -> UsdShade.Shader | None:
-    """The material's UsdPreviewSurface shader; None where it has another surface or none."""
+def surface_shader(material: Usd.Prim) -> UsdShade.Shader | None:
+    """The shader of the material's surface, for any renderer or for MaterialX; None without."""
     for context in ("", "mtlx"):
         shader = UsdShade.Material(material).ComputeSurfaceSource(context)[0]
         if shader:
-            return shader if shader.GetIdAttr().Get() in _PREVIEW_SURFACES else None
+            return shader
     return None
+
+
+def preview_shader(material: Usd.Prim) -> UsdShade.Shader | None:
+    """The material's UsdPreviewSurface shader; None where it has another surface or none."""
+    shader = surface_shader(material)
+    return shader if shader and shader.GetIdAttr().Get() in _PREVIEW_SURFACES else None
 
 
 def read_input(
@@ -128,11 +134,11 @@ def read_input(
 ) -> PreviewInput:
     """Input `name` of a preview surface shader; files outside `roots`, if given, are lost."""
     fallback = np.array(DEFAULTS.get(name, (0.0,)))
-    attribute = _producer(shader.GetInput(name))
+    attribute = producer(shader.GetInput(name))
     if attribute is None:
         return PreviewInput(fallback, None)
     if UsdShade.Input.IsInput(attribute):
-        value = attribute.Get(_TIME)
+        value = attribute.Get(TIME)
         if value is None:
             return PreviewInput(fallback, None)
         number = np.atleast_1d(np.array(value, dtype=np.float64))
@@ -144,18 +150,20 @@ def read_input(
     return PreviewInput(None, None, f"comes from a {identifier}")
 
 
-def _producer(source: UsdShade.Input | None) -> Usd.Attribute | None:
+def producer(source: UsdShade.Input | None) -> Usd.Attribute | None:
+    """Where the value of an input comes from; None where nothing is authored."""
     if not source:
         return None
     found = UsdShade.Utils.GetValueProducingAttributes(source)
     return found[0] if found else None
 
 
-def _value(shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
-    attribute = _producer(shader.GetInput(name))
+def input_value(shader: UsdShade.Shader, name: str, fallback: Any) -> Any:
+    """A plain value of input `name`, also from the material's interface."""
+    attribute = producer(shader.GetInput(name))
     if attribute is None or not UsdShade.Input.IsInput(attribute):
         return fallback
-    value = attribute.Get(_TIME)
+    value = attribute.Get(TIME)
     return fallback if value is None else value
 
 
@@ -167,22 +175,22 @@ def _texture(
     if width == 3 and len(channels) == 1:
         channels = channels * 3
     channels = channels[:width]
-    stated = np.array(_value(shader, "fallback", (0.0, 0.0, 0.0, 1.0)), dtype=np.float64)
+    stated = np.array(input_value(shader, "fallback", (0.0, 0.0, 0.0, 1.0)), dtype=np.float64)
     fallback = stated[channels]
-    attribute = _producer(shader.GetInput("file"))
-    asset = attribute.Get(_TIME) if attribute is not None else None
+    attribute = producer(shader.GetInput("file"))
+    asset = attribute.Get(TIME) if attribute is not None else None
     if not isinstance(asset, Sdf.AssetPath) or "<UDIM>" in asset.path:
         return PreviewInput(None, None, "names no single texture file", fallback, prim)
     texels = None
     if roots is None or is_within(asset.resolvedPath, roots):
-        texels = _load(asset.resolvedPath)
+        texels = load_texture(asset.resolvedPath)
     if texels is None:
         reason = f"texture {asset.path} cannot be read"
         return PreviewInput(None, None, reason, fallback, prim)
-    wraps = tuple(str(_value(shader, name, "useMetadata")) for name in ("wrapS", "wrapT"))
+    wraps = tuple(str(input_value(shader, name, "useMetadata")) for name in ("wrapS", "wrapT"))
     # Sampled at texel centers inside the image, black and useMetadata act as repeat does.
     first, second = (w if w in ("repeat", "mirror", "clamp") else "repeat" for w in wraps)
-    space = str(_value(shader, "sourceColorSpace", "auto"))
+    space = str(input_value(shader, "sourceColorSpace", "auto"))
     linearize = space == "sRGB" or (space == "auto" and texels.eight_bit and texels.channels >= 3)
     placed = _transform(shader)
     if placed is None:
@@ -191,8 +199,8 @@ def _texture(
     read = TextureRead(
         texels,
         channels,
-        np.array(_value(shader, "scale", (1.0, 1.0, 1.0, 1.0)), dtype=np.float64),
-        np.array(_value(shader, "bias", (0.0, 0.0, 0.0, 0.0)), dtype=np.float64),
+        np.array(input_value(shader, "scale", (1.0, 1.0, 1.0, 1.0)), dtype=np.float64),
+        np.array(input_value(shader, "bias", (0.0, 0.0, 0.0, 0.0)), dtype=np.float64),
         (first, second),
         linearize,
         transform,
@@ -206,33 +214,33 @@ def _texture(
 def _transform(shader: UsdShade.Shader) -> tuple[Array, str] | None:
     """The chain of UsdTransform2d between the texture and its primvar, and the primvar's name."""
     result = _IDENTITY
-    attribute = _producer(shader.GetInput("st"))
+    attribute = producer(shader.GetInput("st"))
     for _ in range(8):
         if attribute is None or UsdShade.Input.IsInput(attribute):
             return None
         source = UsdShade.Shader(attribute.GetPrim())
         identifier = source.GetIdAttr().Get() or ""
         if identifier.startswith("UsdPrimvarReader"):
-            return result, str(_value(source, "varname", ""))
+            return result, str(input_value(source, "varname", ""))
         if identifier != "UsdTransform2d":
             return None
         result = _transform2d(source) @ result
-        attribute = _producer(source.GetInput("in"))
+        attribute = producer(source.GetInput("in"))
     return None
 
 
 def _transform2d(shader: UsdShade.Shader) -> Array:
     """in · scale · rotation (counter-clockwise, degrees) + translation."""
-    scale = np.diag([*map(float, _value(shader, "scale", (1.0, 1.0))), 1.0])
-    angle = np.radians(float(_value(shader, "rotation", 0.0)))
+    scale = np.diag([*map(float, input_value(shader, "scale", (1.0, 1.0))), 1.0])
+    angle = np.radians(float(input_value(shader, "rotation", 0.0)))
     cosine, sine = np.cos(angle), np.sin(angle)
     turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     move = np.eye(3)
-    move[2, :2] = tuple(map(float, _value(shader, "translation", (0.0, 0.0))))
+    move[2, :2] = tuple(map(float, input_value(shader, "translation", (0.0, 0.0))))
     return scale @ turn @ move
 
 
-def _load(resolved: str) -> Texels | None:
+def load_texture(resolved: str) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
     parts = re.split(r"[\[\]]+", resolved.rstrip("]"))
     try:

@@ -37,8 +37,8 @@ class LocalMesh:
     double_sided: bool
     optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
     """(faces,) corners of each face that may be dropped."""
-    undefined_colors: bool = False
-    """Whether it has display colors on parts whose order USD does not define."""
+    undefined_colors: tuple[str, ...] = ()
+    """Display primvars on parts whose order USD does not define: they are left out."""
 
 
 def read_mesh(

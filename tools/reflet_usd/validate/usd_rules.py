@@ -14,6 +14,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 from .usd_skel import split_instances
+from .usd_stage import MAX_CODE
 
 _STAYS = re.compile(r"^animated (.+) stay at their first value")
 _FROZEN = {
@@ -31,13 +32,14 @@ _INSTANCER_PARTS = {
 }
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 _VELOCITIES = ("velocities", "angularVelocities", "accelerations")
+_NORMALIZED = "instance-rotation-normalized"
 _FAR = 1e9
 """A weight that no animation reaches."""
 
 
 def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.TimeCode) -> None:
     """Let the stage say what the file must show where the sidecar's `warnings` name a rule."""
-    chosen = [w for w in warnings if w["name"] in _FROZEN or w["name"] in _RULES]
+    chosen = [w for w in warnings if w["name"] in NAMES]
     with Usd.EditContext(stage, stage.GetSessionLayer()):
         for warning in chosen:
             if Sdf.Path.IsValidPathString(warning["prim"]):
@@ -48,6 +50,8 @@ def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.
                 continue
             if warning["name"] in _FROZEN:
                 _freeze(prim, warning.get("message", ""), rest)
+            elif warning["name"] == _NORMALIZED:
+                _normalize_instances(prim, warning.get("message", ""))
             else:
                 _RULES[warning["name"]](prim)
 
@@ -142,6 +146,13 @@ def _normalize_rotations(prim: Usd.Prim) -> None:
             attribute.Set(Vt.QuatfArray([Gf.Quatf(q).GetNormalized() for q in value]), time)
 
 
+def _stay_at_rest(prim: Usd.Prim) -> None:
+    """Joints move no curves and no points."""
+    indices = prim.GetAttribute("primvars:skel:jointIndices")
+    if indices and not prim.IsA(UsdGeom.Mesh):
+        indices.Block()
+
+
 def _finite_weights(prim: Usd.Prim) -> None:
     """Weights of blend shapes that are no numbers are 0."""
     source = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
@@ -157,6 +168,39 @@ def _finite_weights(prim: Usd.Prim) -> None:
     for time, values in found:
         usable = np.where(np.isfinite(values), values, np.float32(0.0))
         attribute.Set(Vt.FloatArray.FromNumpy(usable), time)
+
+
+def _forget_far_samples(prim: Usd.Prim) -> None:
+    """No time sample is further than anything that a clock reaches."""
+    for attribute in prim.GetAuthoredAttributes():
+        codes = attribute.GetTimeSamples()
+        near = [(code, attribute.Get(code)) for code in codes if abs(code) <= MAX_CODE]
+        if 0 < len(near) < len(codes):
+            for code, value in near:
+                attribute.Set(Sdf.ValueBlock() if value is None else value, code)
+
+
+def _normalize_instances(prim: Usd.Prim, message: str) -> None:
+    """Quaternions of the instances of the prototypes that the warning names have length 1."""
+    schema = UsdGeom.PointInstancer(prim)
+    targets = [str(path) for path in schema.GetPrototypesRel().GetForwardedTargets()]
+    named = [index for index, path in enumerate(targets) if f"'{path}'" in message]
+    exact, half = schema.GetOrientationsfAttr(), schema.GetOrientationsAttr()
+    source = exact if exact.Get(Usd.TimeCode.EarliestTime()) else half
+    codes = source.GetTimeSamples()
+    times = [Usd.TimeCode(code) for code in codes] or [Usd.TimeCode.Default()]
+    found = []
+    for time in times:
+        at = time if codes else Usd.TimeCode.EarliestTime()
+        rows = np.array(source.Get(time), dtype=np.float64).reshape(-1, 4)
+        chosen = np.isin(np.array(schema.GetProtoIndicesAttr().Get(at)), named)
+        lengths = np.linalg.norm(rows, axis=1, keepdims=True)
+        unit = rows / np.where(lengths > 0.0, lengths, 1.0)
+        if len(chosen) == len(rows):
+            rows = np.where(chosen[:, None], unit, rows)
+        found.append((time, Vt.QuatfArray([Gf.Quatf(r[3], *r[:3]) for r in rows.tolist()])))
+    for time, value in found:
+        exact.Set(value, time)
 
 
 def _without_perspective(prim: Usd.Prim) -> None:
@@ -188,9 +232,13 @@ _RULES: dict[str, Callable[[Usd.Prim], None]] = {
     "joint-index-out-of-range": _normalize_weights,
     "joint-rotation-normalized": _normalize_rotations,
     "points-non-finite": _finite_weights,
+    "skinning-invalid": _stay_at_rest,
     "skinning-dq-as-linear": _skin_linearly,
+    "time-sample-dropped": _forget_far_samples,
     "transform-non-finite": _without_perspective,
     "transform-projective": _without_perspective,
     "velocities-dropped": _forget_velocities,
     "weights-normalized": _normalize_weights,
 }
+NAMES = frozenset({*_FROZEN, *_RULES, _NORMALIZED})
+"""All warnings that choose a rule."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from pxr import Gf, Usd, UsdGeom, UsdSkel
 
 from .facts import Array
@@ -83,22 +85,28 @@ def keyed_skeletons(stage: Usd.Stage) -> int:
     )
 
 
+def moving_points(stage: Usd.Stage) -> frozenset[str]:
+    """Prims whose own points have values over time."""
+    return frozenset(
+        str(prim.GetPath())
+        for prim in _prims(stage)
+        if prim.IsA(UsdGeom.PointBased)
+        and UsdGeom.PointBased(prim).GetPointsAttr().ValueMightBeTimeVarying()
+    )
+
+
 def bake(stage: Usd.Stage) -> frozenset[str]:
     """Replace skinning and blend shapes by points at all times.
 
     Returns the changed prims.
 
-    Writes into the stage's session layer only. Native instances that hold skeletons are made
-    ordinary prims first, because baking cannot edit what is shared; their paths stay.
+    Writes into the stage's session layer only.
     """
-    roots = [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]
-    if not roots:
+    if not any(prim.IsA(UsdSkel.Root) for prim in _prims(stage)):
         return frozenset()
     codes = skin_times(stage)
     interval = Gf.Interval(codes[0], codes[-1]) if codes else Gf.Interval.GetFullInterval()
     with Usd.EditContext(stage, stage.GetSessionLayer()):
-        for path in [prim.GetPath() for prim in roots]:
-            split_instances(stage, path)
         skinned = _skinned_prims(stage)
         for prim in list(_prims(stage)):
             if prim.IsA(UsdSkel.Root) and not prim.IsInstanceProxy():
@@ -122,6 +130,39 @@ def split_instances(stage: Usd.Stage, path: object) -> None:
             return
         above.SetInstanceable(False)
         prim = stage.GetPrimAtPath(path)
+
+
+def split_skeletons(stage: Usd.Stage) -> None:
+    """Make native instances that hold skeletons ordinary prims, in the session layer.
+
+    Baking cannot edit what is shared. The paths stay.
+    """
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for path in [prim.GetPath() for prim in _prims(stage) if prim.IsA(UsdSkel.Root)]:
+            split_instances(stage, path)
+            _split_below(stage, path)
+
+
+def baked_codes(stage: Usd.Stage, skinned: Iterable[str]) -> dict[str, set[float]]:
+    """The codes at which baked prims are exact: those of their points, else of their matrices."""
+    found: dict[str, set[float]] = {}
+    for path in skinned:
+        points = UsdGeom.PointBased(stage.GetPrimAtPath(path))
+        for codes in (points.GetPointsAttr().GetTimeSamples(), points.GetTimeSamples()):
+            if len(codes) > 1:
+                found.setdefault(path, set(codes))
+    return found
+
+
+def _split_below(stage: Usd.Stage, path: object) -> None:
+    """Make the prim and all native instances below it ordinary prims, in the edit target."""
+    while True:
+        prims = Usd.PrimRange(stage.GetPrimAtPath(path), Usd.PrimDefaultPredicate)
+        found = [prim for prim in prims if prim.IsInstance()]
+        for prim in found:
+            prim.SetInstanceable(False)
+        if not found:
+            return
 
 
 def _skinned_prims(stage: Usd.Stage) -> frozenset[str]:

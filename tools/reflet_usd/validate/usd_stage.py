@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import itertools
 import math
@@ -17,7 +18,7 @@ from .facts import Array, StageError
 
 _SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
 _HALF_TYPES = ("half", "half3", "quath")
-_MAX_CODE = 1e9
+MAX_CODE = 1e9
 """Samples beyond this are declared as dropped."""
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """Row-vector rotation: Z becomes Y, Y becomes −Z."""
@@ -68,6 +69,7 @@ def _without_w(matrix: Gf.Matrix4d) -> Array:
 def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     """Open `path` with the purposes and variants of a sidecar's settings; raises StageError."""
     try:
+        _forget_old_layers()
         layer = Sdf.Layer.FindOrOpen(str(path))
         if layer is not None:
             _repair_time_rate(layer)
@@ -107,6 +109,18 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     )
 
 
+def _forget_old_layers() -> None:
+    """Read anew from disk what this process still holds of earlier stages.
+
+    USD frees a stage's layers on another thread some time after the stage is gone; until then it
+    gives out what it read before, or what was edited in memory.
+    """
+    for layer in Sdf.Layer.GetLoadedLayers():
+        if layer and not layer.anonymous and os.path.isfile(layer.realPath):
+            with contextlib.suppress(Tf.ErrorException):  # broken by now: who opens it will say
+                layer.Reload(force=True)
+
+
 def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
     """Whether a resolved asset, or the package around it, lies in one of the folders."""
     real = os.path.realpath(resolved.split("[")[0])
@@ -131,7 +145,7 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
         codes.update(attribute.GetTimeSamples())
         if attribute.HasSpline():
             codes.update(attribute.GetSpline().GetKnots().keys())
-    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+    return sorted(code for code in codes if abs(code) <= MAX_CODE)
 
 
 def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
@@ -144,7 +158,7 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
         return []
     stated = [_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode")]
     low, high = (
-        float(code) if isinstance(code, (int, float)) and abs(code) <= _MAX_CODE else fallback
+        float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else fallback
         for code, fallback in zip(
             stated, (min(codes, default=0.0), max(codes, default=0.0)), strict=True
         )
@@ -164,7 +178,7 @@ def codes_in_splines(stage: Usd.Stage) -> list[float]:
             knots = [float(code) for code in spline.GetKnotsWithInnerLoopsBaked()]
             for first, last in itertools.pairwise(sorted(knots)):
                 codes.update(first + (last - first) * share for share in _SPLINE_PROBES)
-    return sorted(code for code in codes if abs(code) <= _MAX_CODE)
+    return sorted(code for code in codes if abs(code) <= MAX_CODE)
 
 
 @dataclasses.dataclass

@@ -10,7 +10,8 @@ from pxr import Usd, UsdGeom, UsdShade
 from .faces import measure
 from .facts import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
-from .usd_gprim import read_points, read_polyhedron, read_surface
+from .usd_curves import read_patch, read_points
+from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_light import read_light
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
@@ -21,8 +22,15 @@ from .usd_walk import StageWalk, is_light
 class TruthReader:
     """Evaluates one stage at any time; meshes are read once per time and prototype prim."""
 
-    def __init__(self, truth: TruthStage, cages: frozenset[str] = frozenset()) -> None:
+    def __init__(
+        self,
+        truth: TruthStage,
+        cages: frozenset[str] = frozenset(),
+        deformed: frozenset[str] = frozenset(),
+    ) -> None:
         self.truth = truth
+        self.deformed = deformed
+        """Skinned and morphed prims, whose points move within them."""
         self.cages = cages
         """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
@@ -43,21 +51,32 @@ class TruthReader:
             if place.key != str(prim.GetPath()):
                 scene.made_of.setdefault(place.key, set()).add(str(prim.GetPath()))
             if prim.IsA(UsdGeom.Camera):
-                scene.cameras[place.key] = read_camera(prim, time, self.truth, place.matrix)
+                camera = read_camera(prim, time, self.truth, place.matrix)
+                if camera is None:
+                    scene.lost[str(prim.GetPath())] = [("camera-invalid", "apertures and focus")]
+                else:
+                    scene.cameras.setdefault(place.key, []).append(camera)
                 continue
             if is_light(prim) and prim.IsA(UsdGeom.Gprim):
                 scene.mesh_lights.add(str(prim.GetPath()))
             elif is_light(prim):
                 light = read_light(prim, time, self.truth, place.matrix)
                 if light:
-                    scene.lights[place.key] = light
+                    scene.lights.setdefault(place.key, []).append(light)
                 else:
                     scene.other[place.key] = prim.GetTypeName()
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
-            elif (points := read_points(prim, time)) is not None:
-                clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+            elif (drawn := read_points(prim, time)) is not None:
+                points, scene.lost[str(prim.GetPath())] = drawn
+                if len(points):
+                    clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+            elif prim.IsA(UsdGeom.NurbsPatch):
+                grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
+                if grid is not None:
+                    patch = read_grid(prim, time, grid)
+                    pieces.setdefault(place.key, []).append((patch, matrix))
             else:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
@@ -67,7 +86,7 @@ class TruthReader:
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
         for key, placed in pieces.items():
-            scene.corners[key] = place_meshes(placed)
+            scene.corners[key] = place_meshes(placed, key in self.deformed)
         for key, parts in clouds.items():
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
             scene.corners.setdefault(key, empty).points = np.vstack(parts)
@@ -75,6 +94,9 @@ class TruthReader:
         self.outermost = walk.outermost
         for path in walk.not_finite:
             lost = ("instancer-invalid", "instances that are not finite or name no prototype")
+            scene.lost.setdefault(path, []).append(lost)
+        for path in walk.cyclic:
+            lost = ("instancer-cycle", "it is part of its own prototype")
             scene.lost.setdefault(path, []).append(lost)
         scene.matrices = self.matrices(time)
         return scene
@@ -120,7 +142,7 @@ def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
     )
 
 
-def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
+def place_meshes(placed: list[tuple[LocalMesh, Array]], deformed: bool = False) -> Corners:
     """World-space corners of several placed meshes that share one comparison key."""
     worlds = [transform_points(mesh.positions, matrix) for mesh, matrix in placed]
     optional = [transform_points(mesh.optional_positions, matrix) for mesh, matrix in placed]
@@ -132,7 +154,7 @@ def place_meshes(placed: list[tuple[LocalMesh, Array]]) -> Corners:
     for (mesh, matrix), world in zip(placed, worlds, strict=True):
         with np.errstate(invalid="ignore"):
             sign = math.copysign(1.0, float(np.linalg.det(matrix[:3, :3])))
-        faces = measure(world, mesh.counts, center)
+        faces = measure(world, mesh.counts, center, deformed)
         result.triangles += int((mesh.counts - 2).sum())
         result.optional_triangles += mesh.optional_triangles
         if len(mesh.optional_counts):
@@ -172,7 +194,8 @@ def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
-    result.undefined_colors = any(mesh.undefined_colors for mesh in meshes)
+    names = {name for mesh in meshes for name in mesh.undefined_colors}
+    result.undefined_colors = tuple(sorted(names))
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
     if len(colors) == len(meshes):
         result.colors = np.vstack(colors)
@@ -222,13 +245,14 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
     paths: list[str] = []
 
     def label(target: Usd.Prim) -> int:
-        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial()[0]
+        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
         if not material:
             return -1
         return _place_of(str(material.GetPath()), paths)
 
     result[:] = label(prim)
-    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+    # Of subsets that share a face the first one has it.
+    for subset in reversed(UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()):
         faces = array_of(subset.GetIndicesAttr().Get(time), np.int64)
         index = label(subset.GetPrim())
         result[faces[(faces >= 0) & (faces < len(result))]] = index

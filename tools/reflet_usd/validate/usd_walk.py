@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
-_MAX_INSTANCER_DEPTH = 8
 _IDENTITY = Gf.Matrix4d(1.0)
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 
@@ -36,8 +35,11 @@ class StageWalk:
         """Paths of the outermost instancers that were met."""
         self.outermost: dict[str, set[str]] = {}
         """By path of each instancer within another's prototype, the outermost ones around it."""
+        self._open: set[str] = set()
         self.not_finite: set[str] = set()
         """Instancers with instances that nothing can draw."""
+        self.cyclic: set[str] = set()
+        """Instancers that are part of their own prototypes."""
         self.skipped: dict[str, str] = {}
         """Drawable prims left out, by path: `invisible` or their purpose."""
 
@@ -56,7 +58,7 @@ class StageWalk:
                     path = str(prim.GetPath())
                     self.instancers.append(path)
                     world = self.xforms.GetLocalToWorldTransform(prim)
-                    yield from self._instances(prim, path, world, 0)
+                    yield from self._instances(prim, path, world)
             elif self._is_relevant(prim) and self._drawn(prim):
                 world = self.xforms.GetLocalToWorldTransform(prim)
                 yield Placement(prim, str(prim.GetPath()), world)
@@ -78,11 +80,16 @@ class StageWalk:
             self.skipped[str(prim.GetPath())] = reason
         return reason is None
 
-    def _instances(
-        self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d, depth: int
-    ) -> Iterator[Placement]:
-        if depth > _MAX_INSTANCER_DEPTH:
+    def _instances(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
+        own = str(instancer.GetPath())
+        if own in self._open:
+            self.cyclic.add(own)  # as documented, the inner one is left out
             return
+        self._open.add(own)
+        yield from self._placed(instancer, key, world)
+        self._open.discard(own)
+
+    def _placed(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
         schema = UsdGeom.PointInstancer(instancer)
         targets = schema.GetPrototypesRel().GetForwardedTargets()
         indices = np.asarray(schema.GetProtoIndicesAttr().Get(self.time) or [], dtype=np.int64)
@@ -114,11 +121,13 @@ class StageWalk:
             if not 0 <= index < len(targets) or not _fits_float32(transform):
                 self.not_finite.add(str(instancer.GetPath()))
                 continue
-            for prim, relative in parts.get(int(index), ()):
-                place = relative * own.get(int(index), _IDENTITY) * transform * world
+            for prim, relative, reset in parts.get(int(index), ()):
+                # A reset stack leaves what is above it in the prototype, not the instance (Hydra).
+                root = _IDENTITY if reset else own.get(int(index), _IDENTITY)
+                place = relative * root * transform * world
                 if prim.IsA(UsdGeom.PointInstancer):
                     self.outermost.setdefault(str(prim.GetPath()), set()).add(key)
-                    yield from self._instances(prim, key, place, depth + 1)
+                    yield from self._instances(prim, key, place)
                 else:
                     yield Placement(prim, key, place)
 
@@ -131,8 +140,8 @@ class StageWalk:
         first = min((codes[0] for codes in samples if codes), default=None)
         return Usd.TimeCode.Default() if first is None else Usd.TimeCode(first)
 
-    def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d]]:
-        """Drawn prims below a prototype, with their transform to the prototype's root."""
+    def _prototype_parts(self, root: Usd.Prim) -> Iterator[tuple[Usd.Prim, Gf.Matrix4d, bool]]:
+        """Drawn prims below a prototype, their transform to its root, and whether it is reset."""
         if not root:
             return
         # Prototypes are often kept as overs or classes, so being defined is not asked for.
@@ -146,7 +155,7 @@ class StageWalk:
             if nested:
                 prims.PruneChildren()
             if nested or self._is_relevant(prim):
-                yield prim, self.xforms.ComputeRelativeTransform(prim, root)[0]
+                yield prim, *self.xforms.ComputeRelativeTransform(prim, root)
 
     def _hidden_within(self, prim: Usd.Prim, root: Usd.Prim) -> bool:
         imageable = UsdGeom.Imageable(prim)

@@ -1,0 +1,385 @@
+"""Damaged outputs where the truth follows a documented rule: the rule must not hide the damage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_materials import MESH as BOUND
+from convert_materials import noise, save
+from convert_reading import convert_text
+from reflet_usd.convert import instance_motion, instancer, joints
+from reflet_usd.validate.proof import prove
+from tampering import (
+    FACE,
+    UNIT,
+    Damage,
+    Output,
+    animate,
+    change,
+    expect_found,
+    grow,
+    hide_colors,
+    light,
+    look,
+    lose,
+    mesh,
+    place,
+    turn,
+    zoom,
+)
+from test_convert_instances import MOVING_INSTANCER, POINTS, TURNED
+from test_convert_skel import STAGE as SKELETON
+from test_convert_skel import UNIT as QUARTER
+
+SKELETON = SKELETON.format(meters=1)
+
+
+def nudge(out: Output) -> None:
+    """Many instances are a little off, but within four times what normalizing them changed."""
+    for node in out.gltf.nodes:
+        instancing = (node.extensions or {}).get("EXT_mesh_gpu_instancing")
+        if instancing:
+            moved = instancing["attributes"]["TRANSLATION"]
+            out.rewrite(moved, lambda values: values + 0.01)
+
+
+def drift(out: Output) -> None:
+    """Keys are a little off."""
+    for sampler in out.gltf.animations[0].samplers:
+        out.rewrite(sampler.output, lambda values: values + 0.01)
+
+
+def weigh(out: Output) -> None:
+    """The second joint of each vertex has more weight than it should."""
+    (weights,) = out.attributes("WEIGHTS_0")
+    out.rewrite(weights, lambda values: np.roll(values, 1, axis=1))
+
+
+def bend(out: Output) -> None:
+    """The shapes lead elsewhere."""
+    for primitive in out.gltf.meshes[0].primitives:
+        for target in primitive.targets:
+            accessor = target["POSITION"] if isinstance(target, dict) else target.POSITION
+            out.rewrite(accessor, lambda values: values * 1.5)
+
+
+def invent_camera(out: Output) -> None:
+    """A camera stands where the stage has none that works."""
+    bad = next(n for n in out.gltf.nodes if (n.extras or {}).get("prim") == "/Bad")
+    bad.camera = 0
+
+
+INSTANCES = "def PointInstancer" + POINTS.split("def PointInstancer", 1)[1]
+STRETCHED = INSTANCES.replace("(1,0,0,0)", "(0.6,0.6,0.1,0)")
+CYCLE = f"""
+def PointInstancer "I"
+{{
+    rel prototypes = </I/A>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0), (5, 0, 0)]
+    def Xform "A"
+    {{
+        def Mesh "m"
+        {{{FACE}
+        }}
+        def PointInstancer "J"
+        {{
+            rel prototypes = </I>
+            int[] protoIndices = [0]
+            point3f[] positions = [(0, 3, 0)]
+        }}
+    }}
+}}
+"""
+DAMAGED = f"""
+def Mesh "D"
+{{
+    int[] faceVertexCounts = [3]
+    float faceVertexIndices = 3
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
+    def Mesh "Below"
+    {{{FACE}
+    }}
+}}
+{mesh("Dx")}
+"""
+FAR = mesh(
+    "M",
+    """
+    double3 xformOp:translate.timeSamples = { -1e12: (5, 0, 0), 0: (0, 0, 0), 24: (1, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    """,
+)
+NO_LENS = """
+def Camera "Bad"
+{
+    float focalLength = 0
+}
+def Camera "C"
+{
+}
+"""
+LINES = """
+def BasisCurves "Bad"
+{
+    int[] curveVertexCounts = [9]
+    point3f[] points = [(0, 0, 0), (1, 0, 0)]
+}
+def BasisCurves "L"
+{
+    uniform token type = "linear"
+    int[] curveVertexCounts = [3, 1]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (7, 7, 7)]
+}
+"""
+CUBIC = """
+def BasisCurves "L"
+{
+    uniform token basis = "BASIS"
+    uniform token wrap = "WRAP"
+    int[] curveVertexCounts = [6, 4]
+    point3f[] points = [(0, 0, 0), (1, 3, 0), (2, -3, 0), (3, 0, 0), (4, 1, 2), (5, 5, 1),
+        (0, 0, 5), (1, 3, 5), (2, -3, 5), (3, 0, 5)]
+}
+"""
+PATCH = """
+def NurbsPatch "P"
+{
+    int uVertexCount = 3
+    int vVertexCount = 4
+    int uOrder = 3
+    int vOrder = 4
+    double[] uKnots = [0, 0, 0, 1, 1, 1]
+    double[] vKnots = [0, 0, 0, 0, 1, 1, 1, 1]
+    double[] pointWeights = [1, 2, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1]
+    point3f[] points = [(0, 0, 0), (1, 0, 1), (2, 0, 0), (0, 1, 0), (1, 1, 2), (2, 1, 0),
+        (0, 2, 0), (1, 2, 3), (2, 2, 0), (0, 3, 0), (1, 3, 1), (2, 3, 0)]
+}
+"""
+TETRAHEDRON = """
+def TetMesh "T"
+{
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    int4[] tetVertexIndices = [(0, 1, 2, 3)]
+}
+"""
+PORTAL = f"""
+def PortalLight "P"
+{{
+    def Mesh "Below"
+    {{{FACE}
+    }}
+}}
+def SphereLight "S"
+{{
+}}
+"""
+SPHERE = """
+def Sphere "S"
+{
+    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0)] (interpolation = "uniform")
+    float[] primvars:displayOpacity = [0.5]
+}
+"""
+SURFACES = {
+    "standard_surface": """
+        float inputs:base = 0.5
+        color3f inputs:base_color = (0.8, 0.4, 0.2)
+        float inputs:metalness = 0.25
+        float inputs:specular_roughness = 0.3
+        float inputs:emission = 0.75
+        float inputs:coat = 0.5
+        float inputs:specular_IOR = 1.4
+        color3f inputs:opacity = (0.5, 0.6, 0.7)
+        float inputs:subsurface = 1""",
+    "open_pbr_surface": """
+        float inputs:base_weight = 0.5
+        float inputs:base_metalness = 0.25
+        float inputs:emission_luminance = 20
+        color3f inputs:emission_color = (0.1, 0.02, 0.03)
+        float inputs:geometry_opacity = 0.5
+        float inputs:coat_weight = 0.5""",
+    "gltf_pbr": """
+        color3f inputs:base_color.connect = </Mat/T.outputs:out>
+        float inputs:metallic = 0.25
+        float inputs:roughness = 0.3
+        color3f inputs:emissive = (0.5, 0.5, 0.1)
+        float inputs:emissive_strength = 3
+        float inputs:alpha = 0.5""",
+}
+
+
+def materialx(name: str) -> str:
+    """A quad with a MaterialX surface of that name."""
+    kind = {"gltf_pbr": "ND_gltf_pbr_surfaceshader"}.get(name, f"ND_{name}_surfaceshader")
+    return f"""
+def Material "Mat"
+{{
+    token outputs:mtlx:surface.connect = </Mat/S.outputs:out>
+    def Shader "S"
+    {{
+        uniform token info:id = "{kind}"
+        {SURFACES[name]}
+        token outputs:out
+    }}
+    def Shader "T"
+    {{
+        uniform token info:id = "ND_image_color3"
+        asset inputs:file = @t.png@ (colorSpace = "srgb_texture")
+        color3f outputs:out
+    }}
+}}
+{BOUND.format(body="")}
+"""
+
+
+FROZEN_LENS = """
+def Camera "C"
+{
+    float focalLength.timeSamples = { 0: 20, 24: 50 }
+}
+"""
+FROZEN_LIGHT = """
+def SphereLight "L"
+{
+    float inputs:intensity.timeSamples = { 0: 20, 24: 50 }
+}
+"""
+FROZEN_INSTANCES = f"""
+def PointInstancer "I"
+{{
+    rel prototypes = </I/A>
+    int[] protoIndices.timeSamples = {{ 0: [0, 0], 24: [0, 0, 0] }}
+    point3f[] positions.timeSamples = {{
+        0: [(0, 0, 0), (5, 0, 0)], 24: [(0, 0, 0), (5, 0, 0), (9, 9, 9)] }}
+    {mesh("A")}
+}}
+"""
+WEIGHTS = SKELETON.replace("[1,0, 0.5,0.5,", "[3,0, 0.5,0.5,")
+DUAL = SKELETON.replace(
+    'uniform token[] skel:joints = ["A/B/C", "A", "A/B"]',
+    'uniform token[] skel:joints = ["A/B/C", "A", "A/B"]\n'
+    'uniform token primvars:skel:skinningMethod = "dualQuaternion"',
+)
+BETWEEN = SKELETON.replace(
+    "uniform int[] pointIndices = [2, 5]",
+    "uniform int[] pointIndices = [2, 5]\n"
+    "uniform vector3f[] inbetweens:half = [(0,9,0), (0,0,9)] (weight = 0.5)",
+)
+CASES: list[tuple[str, str, str, Damage]] = [
+    ("a damaged prim and another", DAMAGED, "prim-damaged", lose("/Dx")),
+    ("a damaged prim and its neighbor", DAMAGED + UNIT, "prim-damaged", grow),
+    ("samples of no time", FAR + UNIT, "time-sample-dropped", animate),
+    ("samples of no time and a lost prim", FAR + UNIT, "time-sample-dropped", lose("/M")),
+    ("a cycle", CYCLE + UNIT, "instancer-cycle", place),
+    ("a lost cycle", CYCLE + UNIT, "instancer-cycle", lose("/I")),
+    ("a camera", NO_LENS + UNIT, "camera-invalid", lose("/C")),
+    ("a camera's lens", NO_LENS + UNIT, "camera-invalid", zoom),
+    ("a camera too many", NO_LENS + UNIT, "camera-invalid", invent_camera),
+    ("curves", LINES + UNIT, "curves-invalid", lose("/L")),
+    ("places of curves", LINES, "curves-invalid", grow),
+    ("patches", PATCH, "curves-approximated", grow),
+    ("a patch's turn", PATCH, "curves-approximated", turn),
+    ("tetrahedra", TETRAHEDRON, "tetrahedra-dropped", grow),
+    ("tetrahedra's turn", TETRAHEDRON, "tetrahedra-dropped", turn),
+    ("another light", PORTAL, "light-dropped", light(intensity=9.0)),
+    ("a lost light", PORTAL, "light-dropped", lose("/S")),
+    ("below a light", PORTAL, "light-dropped", lose("/P/Below")),
+    ("left-out colors", SPHERE, "primvar-interpolation-dropped", hide_colors),
+    ("a sphere of such colors", SPHERE, "primvar-interpolation-dropped", grow),
+    ("a frozen lens", FROZEN_LENS + UNIT, "camera-animation-frozen", zoom),
+    ("a frozen light", FROZEN_LIGHT + UNIT, "light-animation-frozen", light(intensity=9.0)),
+    ("frozen instances", FROZEN_INSTANCES, "instancer-animation-frozen", place),
+    ("weights", WEIGHTS, "weights-normalized", weigh),
+    ("joints", WEIGHTS, "weights-normalized", drift),
+    ("dual quaternions", DUAL, "skinning-dq-as-linear", weigh),
+    ("in-betweens", BETWEEN, "inbetween-dropped", bend),
+    *(
+        (f"{basis} {wrap}", CUBIC.replace("BASIS", basis).replace("WRAP", wrap), *rest)
+        for basis in ("bezier", "bspline", "catmullRom")
+        for wrap in ("nonperiodic", "periodic", "pinned")
+        for rest in [("curves-approximated", change("POSITION", lambda values: values * 1.01))]
+    ),
+    *(
+        (f"{name} {field}", materialx(name), "material-approximated", look(**{field: value}))
+        for name in SURFACES
+        for field, value in (
+            ("baseColorFactor", [0.1, 0.2, 0.1, 0.5]),
+            ("metallicFactor", 0.5),
+            ("roughnessFactor", 0.6),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "warning", "damage"),
+    [case[1:] for case in CASES],
+    ids=[case[0].replace(" ", "-") for case in CASES],
+)
+def test_a_rule_hides_no_damage(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    text: str,
+    warning: str,
+    damage: Damage,
+) -> None:
+    save(tmp_path, "t.png", noise("RGB", (16, 16)))
+    done = convert_text(tmp_path, text)
+    assert warning in done.warnings()
+    expect_found(done, damage, capsys)
+
+
+@pytest.mark.parametrize("name", list(SURFACES))
+def test_emission_of_materialx_is_compared(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    def darken(out: Output) -> None:
+        assert max(out.gltf.materials[0].emissiveFactor) > 0.0
+        out.gltf.materials[0].emissiveFactor = [0.0, 0.0, 0.0]
+
+    save(tmp_path, "t.png", noise("RGB", (16, 16)))
+    expect_found(convert_text(tmp_path, materialx(name)), darken, capsys)
+
+
+def test_many_turned_instances_are_compared_with_normalized_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(instancer, "MAX_INSTANCE_NODES", 1)
+    monkeypatch.setattr(instancer, "MAX_SHEARED_NODES", 1)
+    done = convert_text(tmp_path, STRETCHED)
+    assert "instance-rotation-normalized" in done.warnings("/I")
+    expect_found(done, nudge, capsys)
+
+
+def test_turning_instances_are_compared_with_normalized_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(instance_motion, "MAX_MATRIX_KEYS", 1)
+    done = convert_text(tmp_path, MOVING_INSTANCER.format(more=TURNED))
+    assert "instance-rotation-normalized" in done.warnings("/I")
+    expect_found(done, drift, capsys)
+
+
+def test_many_turning_joints_are_compared_with_normalized_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(joints, "MAX_MATRIX_KEYS", 1)
+    done = convert_text(tmp_path, SKELETON.replace(QUARTER, "(0.7,0.5,0.3,0.2)"))
+    assert "joint-rotation-normalized" in done.warnings("/Root/Skel")
+    expect_found(done, drift, capsys)
+
+
+def test_area_and_winding_of_skinned_meshes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = convert_text(tmp_path, SKELETON)
+    expect_found(done, turn, capsys)
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    checks = {check.name: check for check in proof.checks}
+    assert checks["winding"].silent > 0
+    assert checks["skinning"].passed
+    assert checks["area"].passed
+    assert checks["area"].compared == checks["skinning"].compared > 3

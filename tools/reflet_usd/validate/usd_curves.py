@@ -1,0 +1,114 @@
+"""Owns the truth about points, curves and NURBS patches, cubics by scipy's splines."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
+
+from .facts import Array, Lost
+from .usd_mesh import array_of
+
+_STEPS = 8
+"""Lines for each span of a cubic, as documented, and quads for each span of a patch."""
+_MOST_SAMPLES = 1024
+"""Of a patch in each direction."""
+_BASES = ("bezier", "bspline", "catmullRom")
+_UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
+
+
+def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array, Lost] | None:
+    """Where points and curves are drawn, and what of them cannot be; None for everything else."""
+    curves = prim.IsA(UsdGeom.BasisCurves) or prim.IsA(UsdGeom.HermiteCurves)
+    if not (prim.IsA(UsdGeom.Points) or curves):
+        return None
+    points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
+    finite = np.abs(points) <= float(np.finfo(np.float32).max)
+    if not curves:
+        return points[finite.all(axis=1)], []
+    counts = array_of(UsdGeom.Curves(prim).GetCurveVertexCountsAttr().Get(time), np.int64)
+    if not len(counts) or (counts < 0).any() or counts.sum() > len(points):
+        return points[:0], _UNFIT if len(points) else []
+    lost: Lost = [("curves-invalid", "curves of one point")] if (counts < 2).any() else []
+    if not finite.all():
+        return points[:0], [*lost, ("points-non-finite", "curves with such points")]
+    runs = np.split(points[: counts.sum()], np.cumsum(counts)[:-1])
+    schema = UsdGeom.BasisCurves(prim)
+    if prim.IsA(UsdGeom.HermiteCurves) or schema.GetTypeAttr().Get(time) == UsdGeom.Tokens.linear:
+        return np.vstack([run for run in runs if len(run) > 1] or [points[:0]]), lost
+    basis, wrap = str(schema.GetBasisAttr().Get(time)), str(schema.GetWrapAttr().Get(time))
+    if basis not in _BASES:
+        return None
+    found = np.vstack([points[:0], *(_cubic(run, basis, wrap) for run in runs)])
+    return found, lost if len(found) else _UNFIT
+
+
+def _cubic(control: Array, basis: str, wrap: str) -> Array:
+    """(n, 3) points at every eighth of each span of one curve."""
+    step = 3 if basis == "bezier" else 1
+    if wrap == UsdGeom.Tokens.periodic:
+        control = np.vstack([control, control[: 4 - step]])
+    elif wrap == UsdGeom.Tokens.pinned and step == 1 and len(control) > 1:
+        ends = 2 * control[0] - control[1], 2 * control[-1] - control[-2]
+        control = np.vstack([ends[0], control, ends[1]])
+    spans = (len(control) - 4) // step + 1
+    if len(control) < 4:
+        return control[:0]
+    t = np.arange(spans * _STEPS + 1) / _STEPS
+    if basis == "bezier":
+        rows = np.arange(4)[:, None] + 3 * np.arange(spans)
+        return np.asarray(BPoly(control[rows], np.arange(spans + 1))(t))
+    if basis == "bspline":
+        return np.asarray(BSpline(np.arange(-3.0, len(control) + 1), control, 3)(t))
+    slopes = (control[2:] - control[:-2]) / 2
+    return np.asarray(CubicHermiteSpline(np.arange(spans + 1), control[1:-1], slopes)(t))
+
+
+def read_patch(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, Lost]:
+    """(rows, columns, 3) points on a NURBS patch at every eighth of its spans."""
+    schema = UsdGeom.NurbsPatch(prim)
+    points = array_of(schema.GetPointsAttr().Get(time), np.float64, 3)
+    attributes = [
+        (schema.GetVVertexCountAttr(), schema.GetVOrderAttr(), schema.GetVKnotsAttr()),
+        (schema.GetUVertexCountAttr(), schema.GetUOrderAttr(), schema.GetUKnotsAttr()),
+    ]
+    ranges = [schema.GetVRangeAttr().Get(time), schema.GetURangeAttr().Get(time)]
+    counts = [int(entry[0].Get(time) or 0) for entry in attributes]
+    if not len(points):
+        return None, []
+    unfit: Lost = [("curves-invalid", "orders, knots and points that do not fit")]
+    if counts[0] * counts[1] != len(points):
+        return None, unfit
+    weights = array_of(schema.GetPointWeightsAttr().Get(time), np.float64)
+    if len(weights) != len(points) or not (weights > 0.0).all():
+        weights = np.ones(len(points))
+    grid = np.column_stack([points * weights[:, None], weights]).reshape(*counts, 4)
+    for axis, (entry, limits) in enumerate(zip(attributes, ranges, strict=True)):
+        knots = array_of(entry[2].Get(time), np.float64)
+        moved = _along(np.moveaxis(grid, axis, 0), knots, int(entry[1].Get(time) or 0), limits)
+        if moved is None:
+            return None, unfit
+        grid = np.moveaxis(moved, 0, axis)
+    if not np.isfinite(points).all():
+        return None, [("points-non-finite", "a patch with such points")]
+    return grid[..., :3] / grid[..., 3:], []
+
+
+def _along(control: Array, knots: Array, order: int, limits: object) -> Array | None:
+    """The spline of `control` along its first axis at every eighth of the visible spans."""
+    count = len(control)
+    if order < 2 or count < order or len(knots) != count + order:
+        return None
+    if not np.isfinite(knots).all() or (np.diff(knots) < 0.0).any():
+        return None
+    low, high = float(knots[order - 1]), float(knots[count])
+    chosen = np.array(limits, dtype=np.float64).reshape(-1) if limits is not None else np.zeros(0)
+    if len(chosen) == 2 and low <= chosen[0] < chosen[1] <= high:
+        low, high = float(chosen[0]), float(chosen[1])
+    if not low < high:
+        return None
+    breaks = np.unique([low, *knots[(knots > low) & (knots < high)], high])
+    steps = max(1, min(_STEPS, _MOST_SAMPLES // len(breaks)))
+    inner = np.arange((len(breaks) - 1) * steps + 1) / steps
+    places = np.interp(inner, np.arange(len(breaks)), breaks)
+    return np.asarray(BSpline(knots, np.nan_to_num(control), order - 1)(places))
