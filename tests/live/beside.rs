@@ -2,6 +2,7 @@
 //! next ends it.
 
 use std::{
+    fs,
     sync::mpsc::RecvTimeoutError,
     time::{Duration, Instant},
 };
@@ -67,7 +68,9 @@ impl Watched {
     }
 
     fn save_script(&self, text: &str) {
-        self.folder.write("sub/move.rhai", text);
+        // In one step: half a script is a mistake.
+        let beside = self.folder.write("next.rhai", text);
+        fs::rename(beside, self.folder.path("sub/move.rhai")).expect("renamed");
     }
 
     /// Waits for what `found` looks for; no report before may tell a mistake.
@@ -152,7 +155,8 @@ fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
     preview.save_script(&format!("import \"parts/new\" as other;\n{SCRIPT}"));
     preview.begins();
     preview.look_from(4.0);
-    std::fs::write(slow, "fn x() {}").expect("writable");
+    let mended = preview.folder.write("next.rhai", "fn x() {}");
+    fs::rename(mended, slow).expect("renamed");
     preview.until("the reload", |report| match report {
         Report::Reloaded(reload, _) => {
             assert!(reload.ok);

@@ -84,7 +84,7 @@ pub(super) struct Errands {
     posing: Option<(Running, u32)>,
     /// Since when something runs, as it was told.
     told: Option<Instant>,
-    /// When something that runs must be looked at again.
+    /// When what runs must be looked at again.
     look: Option<Instant>,
 }
 
@@ -101,9 +101,13 @@ impl Errands {
         let end = running.started + GRACE;
         let has_grace = Instant::now() < end;
         if has_grace {
-            self.look = Some(self.look.map_or(end, |look| look.min(end)));
+            self.look_at(end);
         }
         has_grace
+    }
+
+    fn look_at(&mut self, time: Instant) {
+        self.look = Some(self.look.map_or(time, |look| look.min(time)));
     }
 }
 
@@ -176,12 +180,15 @@ impl State {
             posing.as_ref().map(|(running, _)| running.started),
         ];
         let since = since.into_iter().flatten().min();
-        if since != self.errands.told {
-            self.errands.told = since;
-            if self.errands.reading.is_some() {
-                // What it imports may be mended while it runs.
+        if reading.is_some() {
+            // What it imports may be mended while it runs, and is looked for one by one.
+            self.errands.look_at(Instant::now() + GRACE);
+            if self.live.watch_list().0 != self.watched {
                 self.watch(watcher);
             }
+        }
+        if since != self.errands.told {
+            self.errands.told = since;
             self.tell(Report::Script(since));
         }
         is_new

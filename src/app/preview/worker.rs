@@ -20,7 +20,7 @@ use crate::{
     app::{
         aov,
         live::{Edit, Live, Reload, Wishes},
-        watch::{Change, Watcher},
+        watch::{Change, WatchList, Watcher},
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats, targets::Target},
@@ -49,7 +49,7 @@ impl Worker {
             let desk = inbox.clone();
             let watcher =
                 Watcher::new(move |changes, since| desk.ask(Task::Reload(changes, since)));
-            let state = State {
+            let mut state = State {
                 gpu,
                 live,
                 view: None,
@@ -57,6 +57,7 @@ impl Worker {
                 heat: None,
                 errands: Errands::default(),
                 reloads: Vec::new(),
+                watched: WatchList::default(),
                 told_frame: 0,
                 number: 0,
                 pixel_ms: 1e-4,
@@ -104,6 +105,8 @@ pub(super) struct State {
     pub(super) errands: Errands,
     /// What was reloaded since the last picture, and when that was saved.
     pub(super) reloads: Vec<(Reload, Instant)>,
+    /// What was last said to be watched.
+    pub(super) watched: WatchList,
     /// The frame of the facts that were told last.
     told_frame: u32,
     number: u64,
@@ -125,9 +128,10 @@ impl State {
         self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
     }
 
-    pub(super) fn watch(&self, watcher: Option<&Watcher>) {
+    pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {
+        let (list, since) = self.live.watch_list();
+        self.watched.clone_from(&list);
         if let Some(watcher) = watcher {
-            let (list, since) = self.live.watch_list();
             watcher.watch(list, since);
         }
     }
