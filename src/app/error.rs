@@ -38,7 +38,7 @@ pub enum AppError {
         /// Frames without a file.
         missing: Vec<u32>,
     },
-    /// A full disk or one that cannot be written to: exit code 1.
+    /// A full disk or one that cannot be written to, or an encoder of films that ends: exit code 1.
     Disk(String),
     /// Anything else: exit code 1.
     Internal(String),

@@ -3,9 +3,10 @@
 
 use std::{
     fs::File,
-    io::{BufWriter, ErrorKind, Read as _, Write as _},
+    io::{self, BufWriter, ErrorKind, Read, Write as _},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
+    thread::{self, JoinHandle},
 };
 
 use super::{
@@ -21,6 +22,9 @@ const CONTAINERS: [(&str, &str, &str); 4] = [
     ("mkv", "matroska", "libx264"),
     ("webm", "webm", "libvpx-vp9"),
 ];
+
+/// Most of what ffmpeg says that a message repeats, bytes: the last of it.
+const WORDS: usize = 600;
 
 /// A film that is being written.
 pub struct Film {
@@ -38,6 +42,8 @@ enum Encoder {
 struct Pipe {
     child: Child,
     pixels: Option<ChildStdin>,
+    /// Gathers what it says: it would wait for somebody to listen.
+    words: Option<JoinHandle<String>>,
 }
 
 /// Whether a name is that of a film.
@@ -90,12 +96,10 @@ impl Film {
     /// Adds a frame, RGBA.
     ///
     /// # Errors
-    /// [`AppError::Internal`] with what the encoder says.
+    /// [`AppError::Disk`] with what the encoder says; there will be no film.
     pub fn add(&mut self, rgba: &[u8]) -> Result<(), AppError> {
         let result = match &mut self.encoder {
-            Encoder::Apng(writer) => writer
-                .write_image_data(&rgb(rgba))
-                .map_err(|e| e.to_string()),
+            Encoder::Apng(writer) => writer.write_image_data(&rgb(rgba)).map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.add(&rgb(rgba)),
         };
         result.map_err(|why| failed(&self.goal, &why))
@@ -108,49 +112,108 @@ impl Film {
     pub fn finish(self) -> Result<PathBuf, AppError> {
         let goal = self.goal;
         let ended = match self.encoder {
-            Encoder::Apng(writer) => writer.finish().map_err(|e| e.to_string()),
+            Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.finish(),
         };
-        ended.map_err(|why| failed(&goal, &why))?;
         // The encoder has written through its own handle.
-        let synced = File::open(self.temporary.path()).and_then(|file| file.sync_all());
+        let synced = ended.and_then(|()| {
+            let file = File::open(self.temporary.path()).map_err(Why::from)?;
+            if file.metadata().map_err(Why::from)?.len() == 0 {
+                return Err(Why::Encoder("the encoder has written nothing".to_owned()));
+            }
+            file.sync_all().map_err(Why::from)
+        });
         synced
-            .and_then(|()| self.temporary.rename_to(&goal))
-            .map_err(|e| failed(&goal, &e.to_string()))?;
+            .and_then(|()| self.temporary.rename_to(&goal).map_err(Why::from))
+            .map_err(|why| failed(&goal, &why))?;
         Ok(goal)
     }
 }
 
-fn failed(goal: &Path, why: &str) -> AppError {
-    AppError::Internal(format!("cannot write {}: {why}", goal.display()))
+/// Why a film cannot be written.
+enum Why {
+    /// What the system says of its file.
+    File(String),
+    /// What its encoder says.
+    Encoder(String),
+}
+
+impl From<io::Error> for Why {
+    fn from(error: io::Error) -> Self {
+        Self::File(error.to_string())
+    }
+}
+
+fn apng_failed(error: png::EncodingError) -> Why {
+    match error {
+        png::EncodingError::IoError(error) => error.into(),
+        other => Why::Encoder(other.to_string()),
+    }
+}
+
+/// No film, why, and what to do.
+fn failed(goal: &Path, why: &Why) -> AppError {
+    let frames = goal.with_extension("####.png");
+    let (goal, frames) = (goal.display(), frames.display());
+    AppError::Disk(match why {
+        Why::File(why) => format!(
+            "cannot write {goal}: {why}; there is no film: make room, or write frames ({frames}), \
+             with which --resume goes on"
+        ),
+        Why::Encoder(why) => format!(
+            "cannot write {goal}: {why}; there is no film: mend that, or write .apng or frames \
+             ({frames})"
+        ),
+    })
 }
 
 impl Pipe {
-    fn add(&mut self, pixels: &[u8]) -> Result<(), String> {
+    fn add(&mut self, pixels: &[u8]) -> Result<(), Why> {
         let written = self.pixels.as_mut().map(|pipe| pipe.write_all(pixels));
         match written {
-            Some(Err(error)) => Err(self.last_words().unwrap_or_else(|| error.to_string())),
+            Some(Err(error)) => match self.end() {
+                Ok(()) => Err(Why::Encoder(format!("ffmpeg takes no pixels: {error}"))),
+                Err(why) => Err(why),
+            },
             _ => Ok(()),
         }
     }
 
-    fn finish(mut self) -> Result<(), String> {
-        self.pixels = None; // the end of its input
-        let words = self.last_words();
-        match self.child.wait() {
-            Ok(status) if status.success() => Ok(()),
-            Ok(status) => Err(words.unwrap_or_else(|| format!("ffmpeg ended with {status}"))),
-            Err(error) => Err(error.to_string()),
-        }
+    fn finish(mut self) -> Result<(), Why> {
+        self.end()
     }
 
-    /// What ffmpeg has to say, when it is at its end.
-    fn last_words(&mut self) -> Option<String> {
-        let mut text = String::new();
-        self.child.stderr.take()?.read_to_string(&mut text).ok()?;
-        let text = text.trim();
-        (!text.is_empty()).then(|| format!("ffmpeg says: {text}"))
+    /// Waits for its end. It may succeed after it could not write all: what it says tells.
+    fn end(&mut self) -> Result<(), Why> {
+        self.pixels = None; // the end of its input
+        let words = self.words.take().and_then(|words| words.join().ok());
+        let words = words.unwrap_or_default();
+        let status = self.child.wait()?;
+        if words.is_empty() && status.success() {
+            Ok(())
+        } else if words.is_empty() {
+            Err(Why::Encoder(format!("ffmpeg ended with {status}")))
+        } else {
+            Err(Why::Encoder(format!("ffmpeg says: {words}")))
+        }
     }
+}
+
+/// The last of what is said until the end.
+fn last_words(mut from: impl Read) -> String {
+    let (mut said, mut part) = (Vec::new(), [0; 4096]);
+    while let Ok(length @ 1..) = from.read(&mut part) {
+        said.extend_from_slice(&part[..length]);
+        if said.len() > WORDS {
+            said.drain(..said.len() - WORDS);
+        }
+    }
+    let cut = said.len() == WORDS;
+    let text = String::from_utf8_lossy(&said);
+    let text = text.trim();
+    // The first line may have lost its beginning.
+    let whole = text.split_once('\n').filter(|_| cut);
+    whole.map_or(text, |(_, rest)| rest).replace('\n', "; ")
 }
 
 impl Drop for Pipe {
@@ -197,14 +260,26 @@ fn ffmpeg(
 ) -> Result<Encoder, String> {
     let [width, height] = size;
     if width % 2 == 1 || height % 2 == 1 {
+        let even = [width, height].map(|side| side.next_multiple_of(2));
         return Err(format!(
-            "{width}x{height} is not even, which this format needs; choose --size, or write .apng"
+            "{width}x{height} is not even, which this format needs; choose --size {}x{}, or write \
+             .apng",
+            even[0], even[1]
         ));
     }
     let size = format!("{width}x{height}");
     let rate = fps.to_string();
-    let child = Command::new("ffmpeg")
-        .args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y"])
+    let mut command = Command::new("ffmpeg");
+    command
+        // With `-xerror` a write that fails ends it.
+        .args([
+            "-hide_banner",
+            "-loglevel",
+            "error",
+            "-xerror",
+            "-nostdin",
+            "-y",
+        ])
         .args([
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate, "-i", "pipe:0",
         ])
@@ -214,22 +289,24 @@ fn ffmpeg(
             "-vf",
             "scale=out_color_matrix=bt709:out_range=tv,\
              setparams=color_primaries=bt709:color_trc=bt709",
-            "-colorspace",
-            "bt709",
         ])
-        .args([
-            "-color_primaries",
-            "bt709",
-            "-color_trc",
-            "bt709",
-            "-f",
-            container,
-        ])
-        .arg(goal)
+        .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
+        .args(["-color_trc", "bt709"])
+        .args(["-f", container])
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn();
+        .stderr(Stdio::piped());
+    if matches!(container, "mp4" | "mov") {
+        // Players on the web begin before they have all of it.
+        command.args(["-movflags", "+faststart"]);
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt as _;
+        // Ctrl-C of a terminal is for this program, which ends the film at a whole frame.
+        command.process_group(0);
+    }
+    let child = command.arg(goal).spawn();
     let mut child = child.map_err(|error| match error.kind() {
         ErrorKind::NotFound => {
             "ffmpeg is not installed, and films other than .apng need it; install it, or write \
@@ -239,15 +316,29 @@ fn ffmpeg(
         _ => format!("ffmpeg cannot be started: {error}"),
     })?;
     let pixels = child.stdin.take().ok_or("ffmpeg has no input")?;
+    let errors = child.stderr.take().ok_or("ffmpeg has no errors")?;
     Ok(Encoder::Ffmpeg(Pipe {
         child,
         pixels: Some(pixels),
+        words: Some(thread::spawn(move || last_words(errors))),
     }))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::delay;
+    use super::{WORDS, delay, last_words};
+
+    #[test]
+    fn of_what_an_encoder_says_the_last_is_told() {
+        assert_eq!(last_words(&b"one\ntwo \n"[..]), "one; two");
+        let long = "noise\n".repeat(9000) + "No space left\n";
+        let told = last_words(long.as_bytes());
+        assert!(
+            told.len() < 2 * WORDS && told.starts_with("noise; "),
+            "{told}"
+        );
+        assert!(told.ends_with("; No space left"), "{told}");
+    }
 
     #[test]
     fn delays_are_never_without_a_denominator() {

@@ -31,11 +31,14 @@ use crate::{
     },
 };
 
+mod errand;
 mod pose;
 mod reload;
 
+pub use errand::{Done, Errand, Keeps};
+use errand::{Read, pose_of};
 pub use pose::Edit;
-use reload::{Read, Waiting, options_of, read_library};
+use reload::{Waiting, options_of, read_library};
 
 /// What is shown where there is no scene.
 const NOTHING: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
@@ -106,13 +109,29 @@ pub struct Reload {
     pub driver: Duration,
 }
 
+impl Reload {
+    /// Both, one after the other.
+    pub fn and(self, next: Self) -> Self {
+        Self {
+            ok: self.ok && next.ok,
+            files: self.files || next.files,
+            shaders: self.shaders + next.shaders,
+            pipelines: self.pipelines + next.pipelines,
+            redone: self.redone.and(next.redone),
+            took: self.took + next.took,
+            parse: self.parse + next.parse,
+            driver: self.driver + next.driver,
+        }
+    }
+}
+
 /// A scene, its renderer and what is wrong with their files now.
 #[derive(Debug)]
 pub struct Live {
     gpu: Arc<Gpu>,
     origin: Origin,
     library: ShaderLibrary,
-    desc: SceneDesc,
+    desc: Arc<SceneDesc>,
     world: World,
     kept: Kept,
     renderer: Renderer,
@@ -121,6 +140,8 @@ pub struct Live {
     trail: Trail,
     /// Scripts that were looked for.
     scripts: Trail,
+    /// The same for a scene that is being read.
+    ahead: Trail,
     read_since: SystemTime,
     declared: Declared,
     tuned: Tuned,
@@ -145,7 +166,7 @@ impl Live {
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let scripts = Trail::default();
-        let read = reload::read(&origin, &Tuned::default(), &scripts, 0);
+        let read = errand::read(&origin, &Tuned::default(), &scripts, 0);
         Self::build(
             gpu,
             origin,
@@ -156,17 +177,21 @@ impl Live {
         )
     }
 
-    /// An empty picture in place of a scene that has mistakes, until they are gone; they are among
-    /// its problems.
+    /// An empty picture in place of a scene that has mistakes, until it is read anew without.
     ///
     /// # Errors
     /// As [`Live::open`], but none of the scene.
-    pub fn open_waiting(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
+    pub fn open_waiting(
+        gpu: Arc<Gpu>,
+        origin: Origin,
+        wishes: Wishes,
+        mistakes: Vec<Diagnostic>,
+    ) -> Result<Self, AppError> {
         let empty = nothing(&origin).map_err(AppError::Scene)?;
         let (scripts, now) = (Trail::default(), SystemTime::now());
         let mut live = Self::build(gpu, origin, wishes, scripts, empty, now)?;
         live.warnings.clear(); // that there is nothing to see
-        live.reload(&[Change::Scene, Change::Asset].into());
+        live.problems.scene = mistakes;
         Ok(live)
     }
 
@@ -180,7 +205,7 @@ impl Live {
         read_since: SystemTime,
     ) -> Result<Self, AppError> {
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
-        let state = read.pose().map_err(AppError::Scene)?;
+        let state = pose_of(&read.desc, read.frame).map_err(AppError::Scene)?;
         let loaded = load::load_kept(&read.desc, &read.options);
         let (mut world, kept) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
@@ -206,6 +231,7 @@ impl Live {
             wishes,
             trail: read.options.trail,
             scripts,
+            ahead: Trail::default(),
             read_since,
             declared: read.declared,
             tuned: read.tuned,
@@ -229,7 +255,9 @@ impl Live {
         };
         let scene = self.origin.path.iter();
         let scene = scene.map(|path| (path.clone(), kind(path)));
-        let of_script = self.scripts.paths().into_iter();
+        let of_script = [&self.scripts, &self.ahead]
+            .into_iter()
+            .flat_map(Trail::paths);
         let of_script = of_script.map(|path| (path, Change::Script));
         // Among the world's files the script has its names without links.
         let resolved: Vec<PathBuf> = self.desc.script.iter().flat_map(|s| s.files()).collect();
@@ -277,7 +305,8 @@ impl Live {
     /// The frames of the scene as it is on disk, also while it waits for one that can be posed.
     pub fn timeline(&self) -> Option<&TimelineDesc> {
         let waiting = self.waiting.as_ref().map(Waiting::desc);
-        waiting.unwrap_or(&self.desc).timeline.as_ref()
+        let desc = waiting.unwrap_or(&self.desc);
+        desc.timeline.as_ref()
     }
 
     /// The scene as loaded, at the frame that is shown.
@@ -321,7 +350,7 @@ impl Live {
 fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
     let (desc, warnings) = parse::parse(NOTHING, Path::new("nothing"), &[])?;
     Ok(Read {
-        desc,
+        desc: Arc::new(desc),
         warnings,
         declared: Declared::default(),
         tuned: Tuned::default(),

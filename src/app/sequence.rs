@@ -115,7 +115,7 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 ///
 /// # Errors
 /// [`AppError::Frames`] with those that failed; the others are there. [`AppError::Unwritten`] as soon
-/// as the disk takes no more.
+/// as the disk takes no more, [`AppError::Disk`] if all were to be one film.
 pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &studio.loaded, &studio.gpu)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
@@ -202,6 +202,9 @@ fn judge(
     failures.extend(outcome.failures);
     failures.sort();
     if let Some(why) = outcome.full {
+        if matches!(target, Target::Film(_)) {
+            return Err(AppError::Disk(why));
+        }
         if !failures.is_empty() {
             AppError::Frames(failures).print();
         }

@@ -37,7 +37,7 @@ use super::{
     trail::Trail,
 };
 
-pub use self::returned::Returned;
+pub use self::{engine::DEADLINE, limited::Halt, returned::Returned};
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);

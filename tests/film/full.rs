@@ -90,3 +90,41 @@ fn a_full_disk_leaves_no_picture() {
     assert!(text.ends_with("filler\n"), "{text}");
     assert!(fs::read_dir(folder.join("disk")).is_ok_and(|mut d| d.next().is_none()));
 }
+
+#[test]
+fn a_full_disk_leaves_no_film() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("full-film");
+    let reflet = env!("CARGO_BIN_EXE_reflet");
+    for (name, encoder) in [
+        ("f.apng", None),
+        ("f.mp4", Some("ffmpeg")),
+        ("f.webm", Some("ffmpeg")),
+    ] {
+        let is_there = |tool| Command::new(tool).arg("-version").output().is_ok();
+        if encoder.is_some_and(|tool| !is_there(tool)) {
+            eprintln!("SKIPPED: ffmpeg is not installed");
+            continue;
+        }
+        let film = "render scene.toml --set timeline.end=39 --size 320x200";
+        let line = format!(
+            "{reflet} {film} -o disk/{name}; code=$?; ls -A disk | sed s/^/left:/ >&2; exit $code"
+        );
+        let Some((code, text)) = with_disk(&folder, 8, &line) else {
+            return;
+        };
+        assert_eq!(code, 1, "{name}: {text}");
+        let start = format!("error: cannot write disk/{name}: ");
+        assert!(text.contains(&start), "{text}");
+        for says in [
+            "No space left on device",
+            "there is no film",
+            "disk/f.####.png",
+        ] {
+            assert!(text.contains(says), "{name}: {says}: {text}");
+        }
+        assert!(!text.contains("left:"), "{text}");
+    }
+}

@@ -1,13 +1,23 @@
 //! What a script that fails, or a save that is not whole, leaves as it was.
 
-use std::fs;
+use std::{fs, sync::Arc};
 
 use reflet::{
-    app::{params::Tuned, watch::Change},
+    app::{
+        cli::SceneArgs,
+        error::AppError,
+        live::{Live, Origin, Wishes},
+        params::Tuned,
+        watch::Change,
+    },
     scene::desc::ParamValue,
 };
 
-use crate::scripts::{SCRIPT, Session};
+use crate::{
+    common::gpu_or_skip,
+    kit::{AtOnce, Folder, SCENE, open, picture},
+    scripts::{SCRIPT, Session},
+};
 
 #[test]
 fn an_error_in_a_frame_keeps_the_last_good_one() {
@@ -19,14 +29,14 @@ fn an_error_in_a_frame_keeps_the_last_good_one() {
         "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n",
     );
     assert!(session.save_script(&failing).ok);
-    session.live.pose(5);
+    session.live.pose_now(5);
     let good = session.picture();
-    assert!(!session.live.pose(12));
+    assert!(!session.live.pose_now(12));
     assert_eq!(session.place(), "move.rhai:10");
     let message = &session.live.problems.pose[0].message;
     assert!(message.contains("too late") && message.contains("in frame 12"));
     assert!(session.live.posed_frame() == 5 && session.picture() == good);
-    assert!(session.live.pose(5) && session.live.problems.is_empty());
+    assert!(session.live.pose_now(5) && session.live.problems.is_empty());
 }
 
 #[test]
@@ -39,31 +49,31 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
         "fn frame(ctx) {\n    if ctx.frame > 9 { throw \"too late\"; }\n    \
          ctx.light(\"lamp\", #{ color: [1, 0, 0] });\n",
     );
-    session.live.pose(12);
+    session.live.pose_now(12);
     let good = session.picture();
     assert!(!session.save_script(&failing).ok);
     assert_eq!(session.place(), "move.rhai:10");
     assert!(session.live.problems.scene.is_empty(), "the text is right");
     assert!(session.live.posed_frame() == 12 && session.picture() == good);
     // Other frames that fail change the message only.
-    assert!(!session.live.pose(20) && session.picture() == good);
+    assert!(!session.live.pose_now(20) && session.picture() == good);
     assert!(
         session.live.problems.pose[0]
             .message
             .contains("in frame 20")
     );
-    assert!(session.live.pose(5) && session.live.problems.is_empty());
+    assert!(session.live.pose_now(5) && session.live.problems.is_empty());
     let new = session.picture();
     assert!(new != good && new == session.afresh(5, &[]));
     // Now it is the scene that is shown.
-    assert!(!session.live.pose(12) && session.picture() == new);
+    assert!(!session.live.pose_now(12) && session.picture() == new);
     // One that waits is forgotten with the next save, also a wrong one.
-    assert!(session.save_script(SCRIPT).ok && session.live.pose(12));
+    assert!(session.save_script(SCRIPT).ok && session.live.pose_now(12));
     assert!(session.picture() == good);
-    assert!(!session.save_script(&failing).ok && !session.live.pose(20));
+    assert!(!session.save_script(&failing).ok && !session.live.pose_now(20));
     assert!(!session.save_script("fn frame(ctx) {").ok);
     assert!(session.live.problems.pose.is_empty() && session.picture() == good);
-    assert!(session.live.pose(20) && session.picture() != good);
+    assert!(session.live.pose_now(20) && session.picture() != good);
     assert_eq!(session.live.posed_frame(), 20);
     assert!(session.save_script(SCRIPT).ok && session.live.problems.is_empty());
     assert!(session.picture() == session.afresh(20, &[]));
@@ -74,7 +84,7 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     let Some(mut session) = Session::new() else {
         return;
     };
-    session.live.pose(12);
+    session.live.pose_now(12);
     let good = session.picture();
     let failing = "fn frame(ctx) { if ctx.frame < 42 { throw \"too early\"; } }";
     let text = fs::read_to_string(&session.scene).expect("readable");
@@ -96,7 +106,7 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     );
     assert!(session.picture() == good);
     // The only good frames are those that the shown scene does not have.
-    assert!(session.live.pose(48) && session.live.problems.is_empty());
+    assert!(session.live.pose_now(48) && session.live.problems.is_empty());
     assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
 }
 
@@ -108,7 +118,7 @@ fn parameters_outlive_a_save_that_fails() {
     let count = session.live.declared()[0].1.clone();
     let mut tuned = Tuned::default();
     tuned.set("count", ParamValue::Integer(3), &count);
-    assert!(session.live.tune(tuned.clone()).ok);
+    assert!(session.live.tune_now(tuned.clone()).ok);
     let three = session.picture();
     let text = fs::read_to_string(&session.scene).expect("readable");
     let cut = text.find("[params]").expect("it has parameters");
@@ -121,4 +131,46 @@ fn parameters_outlive_a_save_that_fails() {
     fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
     assert!(*session.live.tuned() == tuned && session.picture() == three);
+}
+
+#[test]
+fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    let path = folder.write(
+        "scene.toml",
+        SCENE.replace("kind = \"box\"", "kind = \"bx\""),
+    );
+    let origin = Origin {
+        path: Some(path),
+        from: SceneArgs {
+            set: Vec::new(),
+            assets: Vec::new(),
+        },
+        shaders: None,
+    };
+    let mistakes = match Live::open(gpu.clone(), origin.clone(), Wishes::default()) {
+        Err(AppError::Scene(mistakes)) => mistakes,
+        other => panic!("{other:?}"),
+    };
+    let mut live = Live::open_waiting(gpu.clone(), origin, Wishes::default(), mistakes)
+        .unwrap_or_else(|e| panic!("{e:?}"));
+    for changes in [[].into(), [Change::Scene].into()] {
+        live.reload(&changes);
+        assert!(live.problems.scene[0].to_string().contains("bx"));
+    }
+    assert!(live.world().instances.is_empty());
+    assert!(!picture(&gpu, &mut live).is_empty());
+    let (list, _) = live.watch_list();
+    assert!(
+        list.files
+            .iter()
+            .any(|(path, _)| path.ends_with("scene.toml"))
+    );
+    let path = folder.write("scene.toml", SCENE);
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert!(live.problems.is_empty() && live.warnings.is_empty());
+    let mended = picture(&gpu, &mut live);
+    assert!(mended == picture(&gpu, &mut open(&gpu, &path, None)));
 }

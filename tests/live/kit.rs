@@ -14,7 +14,8 @@ use std::{
 use reflet::{
     app::{
         cli::SceneArgs,
-        live::{Live, Origin, Wishes},
+        live::{Keeps, Live, Origin, Reload, Wishes},
+        params::Tuned,
         watch::{Changes, WatchList, Watcher},
     },
     gpu::Gpu,
@@ -121,6 +122,31 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
             error.print();
             panic!("the scene does not open");
         }
+    }
+}
+
+/// What the preview does beside the picture, done at once.
+pub trait AtOnce {
+    /// Whether the frame is shown.
+    fn pose_now(&mut self, frame: u32) -> bool;
+    fn tune_now(&mut self, tuned: Tuned) -> Reload;
+}
+
+impl AtOnce for Live {
+    fn pose_now(&mut self, frame: u32) -> bool {
+        if let Some(errand) = self.posing(frame) {
+            self.take(errand.run());
+        }
+        self.problems.pose.is_empty()
+    }
+
+    fn tune_now(&mut self, tuned: Tuned) -> Reload {
+        self.tune(tuned);
+        let errand = self.reading(Keeps {
+            files: true,
+            edits: true,
+        });
+        self.take(errand.run())
     }
 }
 

@@ -5,6 +5,7 @@
 mod common;
 
 mod animation;
+mod beside;
 mod failing;
 mod kit;
 mod latency;

@@ -6,8 +6,7 @@ use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
 use glam::Vec3;
 use reflet::{
     app::{
-        cli::SceneArgs,
-        live::{Edit, Live, Origin, Reload, Wishes},
+        live::{Edit, Live, Reload},
         params::Tuned,
         watch::Change,
     },
@@ -18,7 +17,7 @@ use reflet::{
 
 use crate::{
     common::gpu_or_skip,
-    kit::{Folder, SCENE, Watch, open, open_with, picture},
+    kit::{AtOnce, Folder, SCENE, Watch, open, open_with, picture},
     saves::{ROUNDS, SAVES, Save},
 };
 
@@ -43,8 +42,8 @@ const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
 
 /// A scripted scene on disk, opened.
 pub struct Session {
-    gpu: Arc<Gpu>,
-    folder: Folder,
+    pub gpu: Arc<Gpu>,
+    pub folder: Folder,
     pub scene: PathBuf,
     pub live: Live,
 }
@@ -76,7 +75,7 @@ impl Session {
     /// The picture of a frame after a fresh start.
     pub fn afresh(&self, frame: u32, set: &[&str]) -> Vec<u8> {
         let mut live = open_with(&self.gpu, &self.scene, None, set);
-        assert!(live.pose(frame));
+        assert!(live.pose_now(frame));
         picture(&self.gpu, &mut live)
     }
 
@@ -145,7 +144,7 @@ fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
     let Some(mut session) = Session::new() else {
         return;
     };
-    assert!(session.live.pose(20));
+    assert!(session.live.pose_now(20));
     let before = session.picture();
     assert!(before == session.afresh(20, &[]));
     let reload = session.save_script(&SCRIPT.replace("path::place(i, ctx.t)", "vec3(i, 1, 0)"));
@@ -178,7 +177,7 @@ fn frames_are_what_a_fresh_start_shows_in_any_order() {
     };
     for frame in [30, 3, 40, 0, 99, 30] {
         let made = (session.gpu.made.shaders(), session.gpu.made.pipelines());
-        assert!(session.live.pose(frame));
+        assert!(session.live.pose_now(frame));
         assert_eq!(session.live.posed_frame(), frame.min(40));
         let now = session.picture();
         let made_now = (session.gpu.made.shaders(), session.gpu.made.pipelines());
@@ -192,7 +191,7 @@ fn broken_then_good_keeps_the_last_picture() {
     let Some(mut session) = Session::new() else {
         return;
     };
-    session.live.pose(8);
+    session.live.pose_now(8);
     for round in 0..ROUNDS {
         let before = session.picture();
         let (broken, line) = match round % 4 {
@@ -262,13 +261,13 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     let Some(mut session) = Session::new() else {
         return;
     };
-    session.live.pose(10);
+    session.live.pose_now(10);
     let first = session.picture();
     let own = session.live.declared().clone();
     assert_eq!(own[0], ("count".to_owned(), ParamValue::Integer(2)));
     let mut tuned = Tuned::default();
     tuned.set("count", ParamValue::Integer(3), &own[0].1);
-    assert!(session.live.tune(tuned.clone()).ok);
+    assert!(session.live.tune_now(tuned.clone()).ok);
     let three = session.picture();
     assert!(three != first && three == session.afresh(10, &["params.count=3"]));
     // A save keeps it, a mistake of the value keeps the picture.
@@ -276,10 +275,10 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     assert!(reload.ok && reload.redone == Redone::default());
     assert!(session.picture() == three);
     tuned.set("count", ParamValue::Integer(60_000), &own[0].1);
-    assert!(!session.live.tune(tuned.clone()).ok);
+    assert!(!session.live.tune_now(tuned.clone()).ok);
     assert!(session.picture() == three && !session.live.problems.is_empty());
     tuned.set("count", ParamValue::Integer(3), &own[0].1);
-    assert!(session.live.tune(tuned).ok && session.live.problems.is_empty());
+    assert!(session.live.tune_now(tuned).ok && session.live.problems.is_empty());
     // The parameter goes, and with it what was laid over it.
     let text = fs::read_to_string(&session.scene).expect("readable");
     fs::write(&session.scene, text.replace("count = 2", "number = 2")).expect("written");
@@ -301,7 +300,7 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
         let materials = &session.live.world().materials;
         materials.iter().position(|m| m.name == "red").expect("red")
     };
-    session.live.pose(10);
+    session.live.pose_now(10);
     let material = red(&session);
     let mut edit = Edit::new(material);
     for (field, value) in MATERIAL.iter().zip(&mut edit.values) {
@@ -323,13 +322,13 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
         dielectric == (0.9, 0.0, 1.0) && now.emission == Vec3::new(0.0, 1.0, 4.0)
     };
     assert!(shiny(&session));
-    session.live.pose(30);
+    session.live.pose_now(30);
     assert!(shiny(&session), "also in another frame");
     let count = session.live.declared()[0].1.clone();
     let mut tuned = Tuned::default();
     tuned.set("count", ParamValue::Integer(4), &count);
     assert!(
-        session.live.tune(tuned).ok && shiny(&session),
+        session.live.tune_now(tuned).ok && shiny(&session),
         "with other parameters"
     );
     assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);
@@ -350,44 +349,9 @@ fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
     fs::write(&session.scene, &text).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
     let unit_m = session.live.renderer().unit_m();
-    session.live.pose(40);
+    session.live.pose_now(40);
     fs::write(&session.scene, format!("{text}# edited\n")).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
     assert_eq!(session.live.renderer().unit_m(), unit_m);
     assert!(session.picture() == session.afresh(40, &[]));
-}
-
-#[test]
-fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
-    let Some(gpu) = gpu_or_skip() else { return };
-    let gpu = Arc::new(gpu);
-    let folder = Folder::new();
-    let path = folder.write(
-        "scene.toml",
-        SCENE.replace("kind = \"box\"", "kind = \"bx\""),
-    );
-    let origin = Origin {
-        path: Some(path),
-        from: SceneArgs {
-            set: Vec::new(),
-            assets: Vec::new(),
-        },
-        shaders: None,
-    };
-    let mut live = Live::open_waiting(gpu.clone(), origin, Wishes::default())
-        .unwrap_or_else(|e| panic!("{e:?}"));
-    assert!(live.problems.scene[0].to_string().contains("bx"));
-    assert!(live.world().instances.is_empty());
-    assert!(!picture(&gpu, &mut live).is_empty());
-    let (list, _) = live.watch_list();
-    assert!(
-        list.files
-            .iter()
-            .any(|(path, _)| path.ends_with("scene.toml"))
-    );
-    let path = folder.write("scene.toml", SCENE);
-    assert!(live.reload(&[Change::Scene].into()).ok);
-    assert!(live.problems.is_empty() && live.warnings.is_empty());
-    let mended = picture(&gpu, &mut live);
-    assert!(mended == picture(&gpu, &mut open(&gpu, &path, None)));
 }

@@ -1,12 +1,12 @@
 //! Another frame of the shown scene, and edits of its materials that are not on disk.
 
-use super::{Live, reload::pose_of};
+use super::Live;
 use crate::{
     render::{Redone, RenderError},
     scene::{
         desc::MaterialDesc,
         diagnostic::Diagnostic,
-        motion::{Values, number::MATERIAL},
+        motion::{FrameState, Values, number::MATERIAL},
     },
     world::World,
 };
@@ -52,28 +52,10 @@ impl Edit {
 }
 
 impl Live {
-    /// Shows another frame, moved into the timeline: poses, the top level over them and the numbers
-    /// of materials are uploaded, nothing else is done again. Whether that frame is shown now; if
-    /// not, [`super::Problems::pose`] says why and the last good one stays. A saved scene whose
-    /// wanted frame could not be posed is taken over with the first frame that can; afterwards
-    /// [`Live::watch_list`] may be another.
-    pub fn pose(&mut self, frame: u32) -> bool {
-        if let Some(is_shown) = self.show_waiting(frame) {
-            return is_shown;
-        }
-        let timeline = self.desc.timeline.as_ref();
-        let frame = timeline.map_or(0, |t| frame.clamp(t.start, t.end));
-        // A scene that waited and was never taken over has moved the wanted frame on.
-        let was_left = self.posed != self.frame && self.problems.pose.is_empty();
-        if frame != self.frame || was_left {
-            self.frame = frame;
-            self.problems.pose = self.try_pose(frame).err().unwrap_or_default();
-        }
-        self.problems.pose.is_empty()
-    }
-
-    fn try_pose(&mut self, frame: u32) -> Result<(), Vec<Diagnostic>> {
-        if let Some(state) = pose_of(&self.desc, frame)? {
+    /// Shows a posed frame: poses, the top level over them and the numbers of materials are uploaded,
+    /// nothing else is done again.
+    pub(super) fn apply(&mut self, state: Option<FrameState>) -> Result<(), Vec<Diagnostic>> {
+        if let Some(state) = state {
             self.world.apply(&state)?;
             for edit in &self.edits {
                 edit.put(&mut self.world);
@@ -81,7 +63,7 @@ impl Live {
             self.renderer.update(&self.gpu, &self.world);
             self.log = state.log;
         }
-        self.posed = frame;
+        self.posed = self.frame;
         Ok(())
     }
 

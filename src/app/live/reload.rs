@@ -1,64 +1,42 @@
 //! Taking over what changed on disk, or a script's parameters.
 
-use std::time::{Instant, SystemTime};
+use std::{
+    sync::Arc,
+    time::{Instant, SystemTime},
+};
 
-use super::{Edit, Live, Origin, Reload, Wishes};
+use super::{
+    Edit, Live, Origin, Reload, Wishes,
+    errand::{Keeps, Pose, Read},
+};
 use crate::{
     app::{
-        params::{Declared, Tuned},
-        scene::{load_options, source},
+        scene::load_options,
         watch::{Change, Changes},
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
     render::{Redone, RenderError, RenderOptions},
-    scene::{
-        desc::SceneDesc,
-        diagnostic::Diagnostic,
-        motion::{FrameState, Motion},
-        parse,
-        trail::Trail,
-    },
-    world::{
-        World,
-        load::{self, LoadOptions},
-    },
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState},
+    world::{World, load},
 };
-
-/// A scene as it is on disk, and which frame is wanted; nothing is posed or loaded yet.
-#[derive(Debug)]
-pub(super) struct Read {
-    pub(super) desc: SceneDesc,
-    pub(super) warnings: Vec<Diagnostic>,
-    pub(super) declared: Declared,
-    /// What of the values laid over the parameters still fits them.
-    pub(super) tuned: Tuned,
-    /// The wanted frame, moved into the timeline.
-    pub(super) frame: u32,
-    /// For loading: what was read and looked for already.
-    pub(super) options: LoadOptions,
-}
-
-impl Read {
-    /// The wanted frame, where frames differ.
-    pub(super) fn pose(&self) -> Result<Option<FrameState>, Vec<Diagnostic>> {
-        pose_of(&self.desc, self.frame)
-    }
-}
 
 /// A scene that was read well, but whose wanted frame cannot be posed: it is taken over with the
 /// first frame that can.
 #[derive(Debug)]
 pub(super) struct Waiting {
     read: Read,
-    from_files: bool,
-    /// Whether edits of materials outlive it.
-    keeps_edits: bool,
+    keeps: Keeps,
 }
 
 impl Waiting {
     /// As it is on disk.
-    pub(super) fn desc(&self) -> &SceneDesc {
+    pub(super) fn desc(&self) -> &Arc<SceneDesc> {
         &self.read.desc
+    }
+
+    /// The frame that cannot be posed.
+    pub(super) fn frame(&self) -> u32 {
+        self.read.frame
     }
 }
 
@@ -76,69 +54,21 @@ impl From<Vec<Diagnostic>> for Refused {
     }
 }
 
-/// Reads the scene and runs its script's `setup`; scripts that are looked for are added to
-/// `scripts`.
-pub(super) fn read(
-    origin: &Origin,
-    tuned: &Tuned,
-    scripts: &Trail,
-    frame: u32,
-) -> Result<Read, Vec<Diagnostic>> {
-    let options = load_options(&origin.from, &Trail::default());
-    let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
-    let declared = parse::params(&text, &origin.from.set);
-    let declared: Option<Declared> =
-        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
-    let mut tuned = tuned.clone();
-    if let Some(declared) = &declared {
-        tuned.keep_what_fits(declared);
-    }
-    let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
-    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, scripts)?;
-    let frame = (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end));
-    Ok(Read {
-        desc,
-        warnings,
-        declared: declared.unwrap_or_default(),
-        tuned,
-        frame,
-        options,
-    })
-}
-
-/// A frame of a scene, where frames differ.
-pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Result<Option<FrameState>, Vec<Diagnostic>> {
-    let motion = Motion::new(desc);
-    if motion.is_still() {
-        return Ok(None);
-    }
-    motion.pose(frame).map(Some)
-}
-
 impl Live {
     /// Takes over what changed on disk. Afterwards [`Live::watch_list`] may be another.
     pub fn reload(&mut self, changes: &Changes) -> Reload {
-        self.measured(|live, reload| {
-            if changes.contains(&Change::Shader) {
-                live.reload_shaders(reload);
+        let shaders = self.reload_shaders(changes);
+        match Self::after(changes) {
+            Some(keeps) => {
+                let done = self.reading(keeps).run();
+                shaders.and(self.take(done))
             }
-            let of_scene = [Change::Scene, Change::Script, Change::Asset];
-            if of_scene.iter().any(|change| changes.contains(change)) {
-                let from_files = changes.contains(&Change::Asset);
-                live.reload_scene(from_files, false, reload);
-            }
-        })
-    }
-
-    /// Lays other values over the script's parameters.
-    pub fn tune(&mut self, tuned: Tuned) -> Reload {
-        self.tuned = tuned;
-        self.measured(|live, reload| live.reload_scene(false, true, reload))
+            None => shaders,
+        }
     }
 
     /// What `work` did and how long it took.
-    fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
-        self.read_since = SystemTime::now();
+    pub(super) fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
         let started = Instant::now();
         let made = (self.gpu.made.shaders(), self.gpu.made.pipelines());
         let driver = self.gpu.made.driver_time();
@@ -154,7 +84,17 @@ impl Live {
         reload
     }
 
-    fn reload_shaders(&mut self, reload: &mut Reload) {
+    /// Takes over the shaders on disk, if they are among what changed.
+    pub fn reload_shaders(&mut self, changes: &Changes) -> Reload {
+        self.measured(|live, reload| {
+            if changes.contains(&Change::Shader) {
+                live.read_since = SystemTime::now();
+                live.build_shaders(reload);
+            }
+        })
+    }
+
+    fn build_shaders(&mut self, reload: &mut Reload) {
         let started = Instant::now();
         let options = *self.renderer.options();
         let world = &self.world;
@@ -177,24 +117,19 @@ impl Live {
         }
     }
 
-    /// Shows the scene on disk; else its problems are kept.
-    fn reload_scene(&mut self, from_files: bool, keeps_edits: bool, reload: &mut Reload) {
-        let started = Instant::now();
+    /// Shows the scene that was read; else its problems are kept.
+    pub(super) fn take_scene(
+        &mut self,
+        read: Result<(Read, Pose), Vec<Diagnostic>>,
+        keeps: Keeps,
+        reload: &mut Reload,
+    ) {
+        self.scripts = std::mem::take(&mut self.ahead);
         if self.waiting.take().is_some() {
             self.problems.pose.clear();
         }
-        self.scripts = Trail::default();
-        let read = read(&self.origin, &self.tuned, &self.scripts, self.frame);
-        reload.parse += started.elapsed();
         match read {
-            Ok(read) => {
-                let waiting = Waiting {
-                    read,
-                    from_files,
-                    keeps_edits,
-                };
-                self.show(waiting, reload);
-            }
+            Ok((read, pose)) => self.show(Waiting { read, keeps }, pose, reload),
             Err(errors) => {
                 self.problems.scene = errors;
                 reload.ok = false;
@@ -202,53 +137,47 @@ impl Live {
         }
     }
 
-    /// Another frame for the scene that waits for one; `None` where none waits.
-    pub(super) fn show_waiting(&mut self, frame: u32) -> Option<bool> {
-        let mut waiting = self.waiting.take()?;
-        let timeline = waiting.read.desc.timeline.as_ref();
-        let frame = timeline.map_or(0, |t| frame.clamp(t.start, t.end));
-        if frame == waiting.read.frame {
-            self.waiting = Some(waiting);
-            return Some(false);
+    /// Shows another frame, if it is of the scene that is shown or waits; else its problems are
+    /// kept, and the last good one stays.
+    pub(super) fn take_pose(
+        &mut self,
+        desc: &Arc<SceneDesc>,
+        frame: u32,
+        pose: Pose,
+        reload: &mut Reload,
+    ) {
+        if let Some(mut waiting) = self.waiting.take_if(|w| Arc::ptr_eq(w.desc(), desc)) {
+            (self.frame, waiting.read.frame) = (frame, frame);
+            self.show(waiting, pose, reload);
+        } else if self.waiting.is_none() && Arc::ptr_eq(&self.desc, desc) {
+            self.frame = frame;
+            let posed = pose.and_then(|state| self.apply(state));
+            reload.ok = posed.is_ok();
+            self.problems.pose = posed.err().unwrap_or_default();
         }
-        (self.frame, waiting.read.frame) = (frame, frame);
-        let mut reload = Reload {
-            ok: true,
-            ..Reload::default()
-        };
-        self.show(waiting, &mut reload);
-        Some(reload.ok)
     }
 
     /// Takes over a scene; else its problems are kept, and it waits for a frame that can be posed.
-    fn show(&mut self, waiting: Waiting, reload: &mut Reload) {
-        let Waiting {
-            read,
-            from_files,
-            keeps_edits,
-        } = waiting;
+    fn show(&mut self, waiting: Waiting, pose: Pose, reload: &mut Reload) {
+        let Waiting { read, keeps } = waiting;
         let edited: Vec<_> = (self.edits.iter())
             .map(|edit| (self.world.materials[edit.material].name.clone(), *edit))
             .collect();
-        let shown = self.try_show(read, from_files, reload);
+        let shown = self.try_show(read, pose, keeps.files, reload);
         reload.ok &= shown.is_ok();
         self.problems.scene.clear();
         self.problems.pose.clear();
         match shown {
             Ok(()) => {
                 self.edits.clear();
-                if keeps_edits {
+                if keeps.edits {
                     self.edit_again(edited);
                 }
             }
             Err(Refused::Scene(errors)) => self.problems.scene = errors,
             Err(Refused::Pose(read, errors)) => {
                 self.problems.pose = errors;
-                self.waiting = Some(Waiting {
-                    read: *read,
-                    from_files,
-                    keeps_edits,
-                });
+                self.waiting = Some(Waiting { read: *read, keeps });
             }
         }
     }
@@ -268,22 +197,20 @@ impl Live {
     fn try_show(
         &mut self,
         read: Read,
-        from_files: bool,
+        pose: Pose,
+        keeps_files: bool,
         reload: &mut Reload,
     ) -> Result<(), Refused> {
-        let started = Instant::now();
-        let posed = read.pose();
-        reload.parse += started.elapsed();
-        let state = match posed {
+        let state = match pose {
             Ok(state) => state,
             Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
-        let relaid = if from_files {
-            None
-        } else {
+        let relaid = if keeps_files {
             let options = load_options(&self.origin.from, &self.trail);
             self.kept.relay(&self.world, &read.desc, &options)?
+        } else {
+            None
         };
         let wanted = options_of(&read.desc, self.wishes);
         if let Some(mut world) = relaid {

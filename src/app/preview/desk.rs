@@ -5,6 +5,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     sync::{Arc, Condvar, Mutex, PoisonError},
+    time::Instant,
 };
 
 use super::facts::{Task, View};
@@ -13,6 +14,7 @@ use super::facts::{Task, View};
 struct Inbox {
     view: Option<View>,
     tasks: VecDeque<Task>,
+    wakes: bool,
     ends: bool,
 }
 
@@ -50,17 +52,32 @@ impl Desk {
         self.change(|inbox| inbox.ends = true);
     }
 
-    /// Waits for something to do; `None` at the end.
-    pub fn take(&self) -> Option<(Option<View>, VecDeque<Task>)> {
+    /// Has the thread look around, though nothing is asked for.
+    pub fn wake(&self) {
+        self.change(|inbox| inbox.wakes = true);
+    }
+
+    /// Waits for something to do, or until then; `None` at the end.
+    pub fn take(&self, until: Option<Instant>) -> Option<(Option<View>, VecDeque<Task>)> {
         let mut inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             if inbox.ends {
                 return None;
             }
-            if inbox.view.is_some() || !inbox.tasks.is_empty() {
+            let left = until.map(|until| until.saturating_duration_since(Instant::now()));
+            let is_time = left.is_some_and(|left| left.is_zero());
+            let woken = std::mem::take(&mut inbox.wakes) || is_time;
+            if woken || inbox.view.is_some() || !inbox.tasks.is_empty() {
                 return Some((inbox.view.take(), std::mem::take(&mut inbox.tasks)));
             }
-            inbox = self.0.1.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+            let waits = &self.0.1;
+            inbox = match left {
+                None => waits.wait(inbox).unwrap_or_else(PoisonError::into_inner),
+                Some(left) => {
+                    let waited = waits.wait_timeout(inbox, left);
+                    waited.unwrap_or_else(PoisonError::into_inner).0
+                }
+            };
         }
     }
 
@@ -110,14 +127,20 @@ mod tests {
             tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
             desk.ask(Task::Tune(tuned));
         }
-        let (view, tasks) = desk.take().expect("something to do");
+        let (view, tasks) = desk.take(None).expect("something to do");
         assert!(view.is_none() && desk.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
         assert_eq!(left.len(), 5, "{left:?}");
         assert!(left[0].starts_with("Reload") && left[3] == "Judge");
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
         assert!(left[4].contains("Integer(7)"), "{left:?}");
+        // Woken, or when it is time: with nothing to do.
+        desk.wake();
+        for until in [None, Some(Instant::now())] {
+            let (view, tasks) = desk.take(until).expect("not the end");
+            assert!(view.is_none() && tasks.is_empty());
+        }
         desk.end();
-        assert!(desk.take().is_none());
+        assert!(desk.take(None).is_none());
     }
 }

@@ -68,6 +68,8 @@ pub struct View {
     pub eye: Eye,
     /// When: a frame of the timeline.
     pub frame: u32,
+    /// Whether frames follow each other by themselves.
+    pub plays: bool,
     /// Pixels of the viewport.
     pub size: [u32; 2],
     /// The left side, or all of it.
@@ -80,6 +82,16 @@ pub struct View {
 }
 
 impl View {
+    /// Whether the same frame is another picture in it.
+    pub fn looks_other(&self, other: &Self) -> bool {
+        let of = |view: &Self| Self {
+            frame: 0,
+            plays: false,
+            ..view.clone()
+        };
+        of(self) != of(other)
+    }
+
     /// Whether it shows the same of the scene as another, in whatever size.
     pub fn shows_what(&self, other: &Self) -> bool {
         (&self.eye, self.frame, self.a) == (&other.eye, other.frame, other.a)
@@ -218,6 +230,8 @@ pub enum Report {
     Tuned(Reload),
     /// A reload, and from the first word of it to the new picture, milliseconds.
     Reloaded(Reload, f64),
+    /// Since when a script runs that pictures do not wait for; `None` when it has ended.
+    Script(Option<Instant>),
     /// A frame.
     Shown(Box<Shown>),
     /// An error map.

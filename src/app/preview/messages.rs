@@ -5,7 +5,10 @@ use eframe::egui::{self, Color32, RichText, Ui};
 use super::facts::Facts;
 use crate::{
     app::live::Problems,
-    scene::diagnostic::{Diagnostic, Severity},
+    scene::{
+        diagnostic::{Diagnostic, Severity},
+        script::DEADLINE,
+    },
 };
 
 /// Keys and what they do.
@@ -33,6 +36,41 @@ pub const KEYS: [(&str, &str); 19] = [
     ("H", "this list"),
     ("Ctrl Q", "close"),
 ];
+
+/// What the window is busy with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// Frame after frame; with what it leaves out for that.
+    Plays(String),
+    /// Another picture.
+    Draws,
+    /// Nothing: nothing has changed.
+    Rests,
+}
+
+/// The status line. `script_s` is how long a script has been running that pictures do not wait for.
+pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, note: &str) {
+    ui.horizontal(|ui| {
+        if let Some(script_s) = script_s {
+            let most_s = DEADLINE.as_secs();
+            let text = format!("script running {script_s:.1} s");
+            ui.colored_label(ui.visuals().warn_fg_color, text)
+                .on_hover_text(format!(
+                    "a call is ended after {most_s} s, or by a newer save"
+                ));
+            ui.separator();
+        }
+        ui.label(match doing {
+            Doing::Plays(less) => format!("playing: picture {picture}{less}"),
+            Doing::Draws => format!("drawing after picture {picture} …"),
+            Doing::Rests => format!("still: nothing changed since picture {picture}"),
+        });
+        if !note.is_empty() {
+            ui.separator();
+            ui.weak(note);
+        }
+    });
+}
 
 /// Where a message points: `file:line:column`, or the file.
 pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {

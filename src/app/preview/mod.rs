@@ -21,9 +21,10 @@ use crate::{
     scene::desc::Method,
 };
 
-mod canvas;
-mod desk;
-mod facts;
+pub mod canvas;
+pub mod desk;
+mod errands;
+pub mod facts;
 mod inspect;
 mod materials;
 mod messages;
@@ -35,7 +36,7 @@ mod receive;
 mod timeline;
 mod tuning;
 mod window;
-mod worker;
+pub mod worker;
 
 use facts::Facts;
 use window::Window;
@@ -140,7 +141,7 @@ fn open(gpu: &Arc<Gpu>, origin: Origin, wishes: Wishes, waits: bool) -> Result<L
     match Live::open(gpu.clone(), origin.clone(), wishes) {
         Err(AppError::Scene(errors)) if waits && is_there => {
             print_diagnostics(&errors);
-            Live::open_waiting(gpu.clone(), origin, wishes)
+            Live::open_waiting(gpu.clone(), origin, wishes, errors)
         }
         opened => opened,
     }

@@ -11,7 +11,7 @@ use crate::{
         live::Problems,
         preview::{
             facts::Row,
-            messages::{help, log, place_of, problems},
+            messages::{Doing, help, log, place_of, problems, status},
             timeline::{self, Timeline},
             tuning,
         },
@@ -296,6 +296,25 @@ fn what_a_script_prints_is_listed() {
     harness.run();
     click(&mut harness, "Script output");
     assert!(harness.query_by_label("three figures").is_some());
+}
+
+#[test]
+fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
+    let mut harness = harness(|ui, state| {
+        let script_s = (state.now_s > 0.0).then_some(state.now_s);
+        let doing = match state.shown {
+            None => Doing::Draws,
+            Some(_) => Doing::Rests,
+        };
+        status(ui, 7, &doing, script_s, "saved");
+    });
+    harness.get_by_label("drawing after picture 7 …");
+    harness.get_by_label("saved");
+    assert!(harness.query_by_label_contains("script").is_none());
+    (harness.state_mut().now_s, harness.state_mut().shown) = (3.24, Some(0));
+    harness.run();
+    harness.get_by_label("script running 3.2 s");
+    harness.get_by_label("still: nothing changed since picture 7");
 }
 
 #[test]

@@ -15,6 +15,7 @@ impl Window {
         loop {
             match self.worker.reports.try_recv() {
                 Ok(Report::Facts(facts)) => self.take_facts(*facts, now_s),
+                Ok(Report::Script(since)) => self.script = since,
                 Ok(Report::Shown(shown)) => self.take_shown(*shown, now_s),
                 Ok(Report::Tuned(reload)) => {
                     let ms = reload.took.as_secs_f64() * 1e3;

@@ -4,6 +4,7 @@
 use std::{
     collections::{HashMap, VecDeque},
     path::PathBuf,
+    time::Instant,
 };
 
 use eframe::egui::{self, Key, Ui};
@@ -13,7 +14,8 @@ use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
 use super::{
     desk::free_name,
     facts::{Eye, Facts, Judged, Shown, Task, View},
-    materials, messages,
+    materials,
+    messages::{self, Doing},
     navigate::{Navigator, as_text},
     panels::{self, Choice, METHODS, Wish},
     timeline::{self, Timeline},
@@ -25,6 +27,9 @@ use super::{
 const SETTLE_S: f64 = 0.15;
 /// Longest that a picture should take while the camera moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
+/// How long a script runs before that is told, seconds, and how often from then on.
+const LONG_S: f64 = 0.3;
+const TOLD_EVERY_S: f32 = 0.1;
 /// Part of a frame's time that its picture may take while time runs.
 const PLAYING_SHARE: f64 = 0.8;
 
@@ -48,6 +53,8 @@ pub struct Window {
     /// When the camera moved last, seconds.
     moved_at: f64,
     pub(super) note: String,
+    /// Since when a script runs that the picture does not wait for.
+    pub(super) script: Option<Instant>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
     shots: PathBuf,
@@ -82,6 +89,7 @@ impl Window {
             asked: None,
             moved_at: f64::NEG_INFINITY,
             note: String::new(),
+            script: None,
             is_busy: false,
             viewport: [0, 0],
             shots,
@@ -205,6 +213,7 @@ impl Window {
                 None => Eye::Free(self.navigator.camera.clone()),
             },
             frame,
+            plays: self.timeline.as_ref().is_some_and(Timeline::is_playing),
             size: self.viewport,
             a: self.choice.a,
             b: self.choice.wipe.then_some(self.choice.b),
@@ -256,20 +265,21 @@ impl Window {
     }
 
     fn status(&self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            let number = self.shown.as_ref().map_or(0, |shown| shown.number);
-            if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
-                ui.label(format!("playing: picture {number}{}", self.reduced()));
-            } else if self.is_busy {
-                ui.label(format!("drawing after picture {number} …"));
-            } else {
-                ui.label(format!("still: nothing changed since picture {number}"));
-            }
-            if !self.note.is_empty() {
-                ui.separator();
-                ui.weak(&self.note);
-            }
-        });
+        let picture = self.shown.as_ref().map_or(0, |shown| shown.number);
+        let doing = if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
+            Doing::Plays(self.reduced())
+        } else if self.is_busy {
+            Doing::Draws
+        } else {
+            Doing::Rests
+        };
+        messages::status(ui, picture, &doing, self.script_s(), &self.note);
+    }
+
+    /// How long a script has been running, once that is worth telling, seconds.
+    fn script_s(&self) -> Option<f64> {
+        let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
+        ran_s.filter(|ran_s| *ran_s >= LONG_S)
     }
 
     fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
@@ -315,11 +325,15 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if self.script.is_some() {
+            ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
+        }
+        let is_slow = self.script_s().is_some();
         if let Some(timeline) = &mut self.timeline {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);
                 let shown = self.shown.as_ref().map(|shown| shown.frame);
-                let is_stuck = !self.facts.problems.pose.is_empty();
+                let is_stuck = !self.facts.problems.pose.is_empty() || is_slow;
                 timeline::panel(ui, timeline, shown, is_stuck, now_s);
                 ui.add_space(1.0);
             });

@@ -13,14 +13,14 @@ use std::{
 use super::{
     canvas::Canvas,
     desk::Desk,
+    errands::Errands,
     facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
 };
 use crate::{
     app::{
         aov,
         live::{Edit, Live, Reload, Wishes},
-        params::Tuned,
-        watch::Watcher,
+        watch::{Change, WatchList, Watcher},
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats, targets::Target},
@@ -49,21 +49,31 @@ impl Worker {
             let desk = inbox.clone();
             let watcher =
                 Watcher::new(move |changes, since| desk.ask(Task::Reload(changes, since)));
-            let state = State {
+            let mut state = State {
                 gpu,
                 live,
                 view: None,
                 canvases: Vec::new(),
                 heat: None,
+                errands: Errands::default(),
+                reloads: Vec::new(),
+                watched: WatchList::default(),
                 told_frame: 0,
                 number: 0,
                 pixel_ms: 1e-4,
                 sender,
                 woken: Box::new(woken),
             };
-            match &watcher {
-                Ok(watcher) => state.watch(watcher),
-                Err(why) => state.tell(Report::Note(why.clone())),
+            state.watch(watcher.as_ref().ok());
+            if let Err(why) = &watcher {
+                state.tell(Report::Note(why.clone()));
+            }
+            if !state.live.problems.is_empty() {
+                // It waits for the scene, and what that imports is not watched yet.
+                inbox.ask(Task::Reload(
+                    [Change::Scene, Change::Asset].into(),
+                    Instant::now(),
+                ));
             }
             state.run(&inbox, watcher.as_ref().ok());
         };
@@ -91,6 +101,12 @@ pub(super) struct State {
     pub(super) view: Option<View>,
     canvases: Vec<Canvas>,
     pub(super) heat: Option<Canvas>,
+    /// Scripts that run.
+    pub(super) errands: Errands,
+    /// What was reloaded since the last picture, and when that was saved.
+    pub(super) reloads: Vec<(Reload, Instant)>,
+    /// What was last said to be watched.
+    pub(super) watched: WatchList,
     /// The frame of the facts that were told last.
     told_frame: u32,
     number: u64,
@@ -107,48 +123,47 @@ impl State {
         (self.woken)();
     }
 
-    fn tell_facts(&mut self) {
+    pub(super) fn tell_facts(&mut self) {
         self.told_frame = self.live.posed_frame();
         self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
     }
 
-    fn watch(&self, watcher: &Watcher) {
+    pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {
         let (list, since) = self.live.watch_list();
-        watcher.watch(list, since);
+        self.watched.clone_from(&list);
+        if let Some(watcher) = watcher {
+            watcher.watch(list, since);
+        }
     }
 
     fn run(mut self, desk: &Desk, watcher: Option<&Watcher>) {
         self.tell_facts();
-        while let Some((view, tasks)) = desk.take() {
-            let mut redraw = view.is_some() && view != self.view;
-            if view.is_some() {
-                self.view = view;
+        while let Some((view, tasks)) = desk.take(self.until()) {
+            let mut redraw = false;
+            if let Some(view) = view {
+                redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
+                self.view = Some(view);
             }
-            let (mut reloads, mut after) = (Vec::new(), Vec::new());
+            let mut after = Vec::new();
             for task in tasks {
                 match task {
-                    Task::Reload(changes, since) => {
-                        let reload = self.live.reload(&changes);
-                        if let Some(watcher) = watcher {
-                            self.watch(watcher);
-                        }
-                        redraw |= reload.ok;
-                        reloads.push((reload, since));
-                        self.tell_facts();
-                    }
+                    Task::Reload(changes, since) => self.reload(&changes, since),
                     Task::Edit(edit) => {
                         redraw = true;
                         self.edit(edit);
                     }
-                    Task::Tune(tuned) => redraw |= self.tune(tuned, watcher),
+                    Task::Tune(tuned) => self.tune(tuned),
                     task => after.push(task),
                 }
             }
-            if redraw {
-                self.pose(watcher);
+            redraw |= self.errands(desk, watcher);
+            if redraw || self.reloads.iter().any(|(reload, _)| reload.ok) {
                 self.draw();
             }
-            self.tell_reloads(reloads);
+            for (reload, since) in std::mem::take(&mut self.reloads) {
+                let ms = since.elapsed().as_secs_f64() * 1e3;
+                self.tell(Report::Reloaded(reload, ms));
+            }
             for task in after {
                 self.look(task);
             }
@@ -156,38 +171,6 @@ impl State {
                 self.tell(Report::Idle);
             }
         }
-    }
-
-    fn tell_reloads(&self, reloads: Vec<(Reload, Instant)>) {
-        for (reload, since) in reloads {
-            let ms = since.elapsed().as_secs_f64() * 1e3;
-            self.tell(Report::Reloaded(reload, ms));
-        }
-    }
-
-    /// Goes to the view's frame; what is wrong there is told, and told again when it is over.
-    fn pose(&mut self, watcher: Option<&Watcher>) {
-        if let Some(view) = &self.view {
-            let before = self.live.problems.pose.clone();
-            self.live.pose(view.frame);
-            if self.live.problems.pose != before {
-                // A saved scene may only now have been taken over.
-                if let Some(watcher) = watcher {
-                    self.watch(watcher);
-                }
-                self.tell_facts();
-            }
-        }
-    }
-
-    fn tune(&mut self, tuned: Tuned, watcher: Option<&Watcher>) -> bool {
-        let reload = self.live.tune(tuned);
-        if let Some(watcher) = watcher {
-            self.watch(watcher);
-        }
-        self.tell(Report::Tuned(reload));
-        self.tell_facts();
-        reload.ok
     }
 
     fn edit(&mut self, edit: Edit) {

@@ -1,8 +1,13 @@
-//! A call within its limits: its own thread, what it has used of them, and what it printed.
+//! A call within its limits: its own thread, what it has used of them, who may halt it, and what it
+//! printed.
 
 use std::{
     cell::{Cell, RefCell},
     panic::resume_unwind,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -20,6 +25,34 @@ const MEMORY_EVERY: Duration = Duration::from_millis(5);
 const FINDING: Duration = Duration::from_secs(2);
 /// The same where the first run has met its time: wherever the second is then is as good.
 const FINDING_ANY: Duration = Duration::from_secs(1);
+
+/// Ends calls of scripts from another thread; clones share it.
+#[derive(Clone, Debug, Default)]
+pub struct Halt(Arc<AtomicBool>);
+
+impl Halt {
+    /// Ends what runs under it within a few operations, and what would begin.
+    pub fn halt(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Does work, on this thread, whose calls of scripts it can end; they fail then.
+    pub fn over<T>(&self, work: impl FnOnce() -> T) -> T {
+        let before = HALT.replace(Some(self.clone()));
+        let result = work();
+        HALT.set(before);
+        result
+    }
+
+    fn is_halted(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+thread_local! {
+    /// What can end the calls that this thread begins.
+    static HALT: RefCell<Option<Halt>> = const { RefCell::new(None) };
+}
 
 /// How much a call may use.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +109,7 @@ struct Used {
     /// Set once a limit was met: functions such as `sort` go on when their closure fails.
     why: RefCell<Option<String>>,
     by_time: Cell<bool>,
+    halt: RefCell<Option<Halt>>,
     log: RefCell<Vec<String>>,
 }
 
@@ -89,13 +123,15 @@ thread_local! {
             memory_at_start: Cell::new(None),
             why: RefCell::new(None),
             by_time: Cell::new(false),
+            halt: RefCell::new(None),
             log: RefCell::new(Vec::new()),
         }
     };
 }
 
 impl Used {
-    fn start(&self, bounds: Bounds) {
+    fn start(&self, bounds: Bounds, halt: Option<Halt>) {
+        self.halt.replace(halt);
         let now = Instant::now();
         self.bounds.set(bounds);
         self.end.set(Some(now + bounds.time));
@@ -112,6 +148,9 @@ impl Used {
         if before / CLOCK_EVERY == count / CLOCK_EVERY {
             return None;
         }
+        if self.is_halted() {
+            return Some("it was halted".to_owned());
+        }
         let now = Instant::now();
         if self.end.get().is_some_and(|end| now > end) {
             self.by_time.set(true);
@@ -126,8 +165,19 @@ impl Used {
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
     }
 
+    fn is_halted(&self) -> bool {
+        self.halt.borrow().as_ref().is_some_and(Halt::is_halted)
+    }
+
     fn again(&self) -> Bounds {
         let is_ended = self.why.borrow().is_some();
+        if self.is_halted() {
+            // Nobody waits for its place.
+            return Bounds {
+                time: Duration::ZERO,
+                operations: 0,
+            };
+        }
         Bounds {
             time: if self.by_time.get() {
                 FINDING_ANY
@@ -190,8 +240,9 @@ fn resident_bytes() -> Option<u64> {
 
 /// Runs a call on its own thread, whose stack holds the deepest calls, and within bounds.
 pub fn run_limited<T: Send>(bounds: Bounds, work: impl FnOnce() -> T + Send) -> Run<T> {
+    let halt = HALT.with_borrow(Clone::clone);
     let limited = || {
-        USED.with(|used| used.start(bounds));
+        USED.with(|used| used.start(bounds, halt));
         let result = work();
         USED.with(|used| Run {
             result,

@@ -1,8 +1,13 @@
 //! Every example of the reference is run; purity and speed of calls.
 
-use std::{path::Path, sync::Arc};
+use std::{
+    path::Path,
+    sync::{Arc, mpsc},
+    thread,
+    time::Duration,
+};
 
-use super::{Script, api};
+use super::{Halt, Script, api};
 use crate::scene::{
     desc::SceneDesc,
     motion::{FrameState, Motion, Names},
@@ -197,4 +202,44 @@ fn a_thousand_instances() {
         best = best.min(started.elapsed().as_secs_f64() * 1e3);
     }
     println!("1,000 instances: {best:.2} ms a frame at best of 50");
+}
+
+#[test]
+fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
+    // Each step reads a long text: the limit of operations is far away.
+    let slow = "let text = \"abcdefgh\";
+        for i in 0..12 { text += text; }
+        loop { text.contains(\"no\"); }";
+    for script in [
+        format!("fn frame(ctx) {{ {slow} }}"),
+        format!("fn setup(ctx) {{ {slow} }}"),
+        format!("fn frame(ctx) {{ [3, 2, 1].sort(|a, b| {{ {slow} }}); }}"),
+    ] {
+        let script = Script::from_text("slow.rhai", &script).expect("compiles");
+        let mut desc = scene();
+        desc.script = Some(script.clone());
+        let halt = Halt::default();
+        let call = || match script.has_frame() {
+            true => Motion::new(&desc).pose(3).map(drop),
+            false => script.setup(&[], None).map(drop).map_err(|e| vec![*e]),
+        };
+        let ended = thread::scope(|scope| {
+            let (sender, begins) = mpsc::channel();
+            let (halt, call) = (&halt, &call);
+            let called = scope.spawn(move || {
+                sender.send(()).expect("is waited for");
+                halt.over(call)
+            });
+            begins.recv().expect("begins");
+            thread::sleep(Duration::from_millis(50));
+            halt.halt();
+            called.join().expect("ends")
+        });
+        for ended in [ended, halt.over(call)] {
+            let message = &ended.expect_err("is halted")[0].message;
+            assert!(message.contains("it was halted"), "{message}");
+        }
+    }
+    // Only what is under it.
+    assert!(frame("fn frame(ctx) { }").is_ok());
 }

@@ -1,0 +1,259 @@
+//! The part of a change that runs scripts. It needs nothing of what is shown, so that any thread can
+//! do it while pictures are drawn.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant, SystemTime},
+};
+
+use super::{Live, Origin, Reload};
+use crate::{
+    app::{
+        params::{Declared, Tuned},
+        scene::{load_options, source},
+        watch::{Change, Changes},
+    },
+    scene::{
+        desc::SceneDesc,
+        diagnostic::Diagnostic,
+        motion::{FrameState, Motion},
+        parse,
+        trail::Trail,
+    },
+    world::load::LoadOptions,
+};
+
+/// What a script leaves of a frame, where frames differ.
+pub(super) type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
+
+/// A scene as it is on disk, and which frame is wanted; nothing is loaded yet.
+#[derive(Debug)]
+pub(super) struct Read {
+    pub(super) desc: Arc<SceneDesc>,
+    pub(super) warnings: Vec<Diagnostic>,
+    pub(super) declared: Declared,
+    /// What of the values laid over the parameters still fits them.
+    pub(super) tuned: Tuned,
+    /// The wanted frame, moved into the timeline.
+    pub(super) frame: u32,
+    /// For loading: what was read and looked for already.
+    pub(super) options: LoadOptions,
+}
+
+/// What of what is shown goes on when another scene takes its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Keeps {
+    /// Models, images and other files.
+    pub files: bool,
+    /// Edits of materials.
+    pub edits: bool,
+}
+
+impl Keeps {
+    /// Of two changes in one.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            files: self.files && other.files,
+            edits: self.edits && other.edits,
+        }
+    }
+}
+
+/// Reading the scene and posing its wanted frame, or posing another frame of a known scene.
+#[derive(Debug)]
+pub struct Errand(Work);
+
+#[derive(Debug)]
+enum Work {
+    Read {
+        origin: Origin,
+        tuned: Tuned,
+        scripts: Trail,
+        frame: u32,
+        keeps: Keeps,
+    },
+    Pose {
+        desc: Arc<SceneDesc>,
+        frame: u32,
+    },
+}
+
+/// An errand that is done; [`Live::take`] shows what came of it.
+#[derive(Debug)]
+pub struct Done {
+    pub(super) outcome: Outcome,
+    since: SystemTime,
+    took: Duration,
+}
+
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// The scene and its wanted frame.
+    Read {
+        read: Result<(Read, Pose), Vec<Diagnostic>>,
+        keeps: Keeps,
+    },
+    /// Another frame of this scene.
+    Posed {
+        desc: Arc<SceneDesc>,
+        frame: u32,
+        pose: Pose,
+    },
+}
+
+impl Errand {
+    /// The frame that is posed, if the scene is not read anew.
+    pub fn posed_frame(&self) -> Option<u32> {
+        match self.0 {
+            Work::Read { .. } => None,
+            Work::Pose { frame, .. } => Some(frame),
+        }
+    }
+
+    /// Does it, on this thread. A [`crate::scene::script::Halt`] over it ends its scripts, and then
+    /// what came of it is worth nothing.
+    pub fn run(self) -> Done {
+        let (since, started) = (SystemTime::now(), Instant::now());
+        let outcome = match self.0 {
+            Work::Read {
+                origin,
+                tuned,
+                scripts,
+                frame,
+                keeps,
+            } => Outcome::Read {
+                read: read(&origin, &tuned, &scripts, frame).map(|read| {
+                    let pose = pose_of(&read.desc, read.frame);
+                    (read, pose)
+                }),
+                keeps,
+            },
+            Work::Pose { desc, frame } => Outcome::Posed {
+                pose: pose_of(&desc, frame),
+                desc,
+                frame,
+            },
+        };
+        Done {
+            outcome,
+            since,
+            took: started.elapsed(),
+        }
+    }
+}
+
+/// Reads the scene and runs its script's `setup`; scripts that are looked for are added to
+/// `scripts`.
+pub(super) fn read(
+    origin: &Origin,
+    tuned: &Tuned,
+    scripts: &Trail,
+    frame: u32,
+) -> Result<Read, Vec<Diagnostic>> {
+    let options = load_options(&origin.from, &Trail::default());
+    let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
+    let declared = parse::params(&text, &origin.from.set);
+    let declared: Option<Declared> =
+        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
+    let mut tuned = tuned.clone();
+    if let Some(declared) = &declared {
+        tuned.keep_what_fits(declared);
+    }
+    let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
+    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, scripts)?;
+    let frame = within(&desc, frame);
+    Ok(Read {
+        desc: Arc::new(desc),
+        warnings,
+        declared: declared.unwrap_or_default(),
+        tuned,
+        frame,
+        options,
+    })
+}
+
+/// A frame moved into the timeline.
+pub(super) fn within(desc: &SceneDesc, frame: u32) -> u32 {
+    (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end))
+}
+
+/// A frame of a scene.
+pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Pose {
+    let motion = Motion::new(desc);
+    if motion.is_still() {
+        return Ok(None);
+    }
+    motion.pose(frame).map(Some)
+}
+
+impl Live {
+    /// What changed files other than shaders need done, and what stays meanwhile; `None` without
+    /// such.
+    pub fn after(changes: &Changes) -> Option<Keeps> {
+        let of_scene = [Change::Scene, Change::Script, Change::Asset];
+        let is_any = of_scene.iter().any(|change| changes.contains(change));
+        is_any.then(|| Keeps {
+            files: !changes.contains(&Change::Asset),
+            edits: false,
+        })
+    }
+
+    /// Reading the scene that is on disk. Scripts that it looks for are in [`Live::watch_list`] as
+    /// soon as they are known.
+    pub fn reading(&mut self, keeps: Keeps) -> Errand {
+        self.read_since = SystemTime::now();
+        self.ahead = Trail::default();
+        Errand(Work::Read {
+            origin: self.origin.clone(),
+            tuned: self.tuned.clone(),
+            scripts: self.ahead.clone(),
+            frame: self.frame,
+            keeps,
+        })
+    }
+
+    /// Lays other values over the script's parameters, for the next [`Live::reading`].
+    pub fn tune(&mut self, tuned: Tuned) {
+        self.tuned = tuned;
+    }
+
+    /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
+    /// already.
+    pub fn posing(&self, frame: u32) -> Option<Errand> {
+        let (desc, is_known) = if let Some(waiting) = &self.waiting {
+            let frame = within(waiting.desc(), frame);
+            (waiting.desc(), frame == waiting.frame())
+        } else {
+            // A scene that waited and was never taken over has moved the wanted frame on.
+            let was_left = self.posed != self.frame && self.problems.pose.is_empty();
+            let is_known = within(&self.desc, frame) == self.frame && !was_left;
+            (&self.desc, is_known)
+        };
+        (!is_known).then(|| {
+            Errand(Work::Pose {
+                frame: within(desc, frame),
+                desc: desc.clone(),
+            })
+        })
+    }
+
+    /// Shows what came of an errand; after a mistake the last good scene stays, and
+    /// [`Live::problems`] says why. Afterwards [`Live::watch_list`] may be another.
+    pub fn take(&mut self, done: Done) -> Reload {
+        let Done {
+            outcome,
+            since,
+            took,
+        } = done;
+        let mut reload = self.measured(|live, reload| match outcome {
+            Outcome::Read { read, keeps } => {
+                live.read_since = since;
+                live.take_scene(read, keeps, reload);
+            }
+            Outcome::Posed { desc, frame, pose } => live.take_pose(&desc, frame, pose, reload),
+        });
+        reload.took += took;
+        reload.parse += took;
+        reload
+    }
+}

@@ -1,0 +1,259 @@
+//! Scripts run beside the rendering thread, which goes on with the last good scene meanwhile.
+
+use std::{
+    sync::mpsc::{self, Receiver, RecvTimeoutError},
+    thread,
+    time::{Duration, Instant},
+};
+
+use super::{desk::Desk, facts::Report, worker::State};
+use crate::{
+    app::{
+        live::{Done, Errand, Keeps, Live, Reload},
+        params::Tuned,
+        watch::{Changes, Watcher},
+    },
+    scene::script::Halt,
+};
+
+/// So long a picture waits for a script: most are done by then, and no picture is drawn twice.
+const PATIENCE: Duration = Duration::from_millis(30);
+/// So long a script goes on though another frame or other parameters are wanted by now: something
+/// is seen while a slider moves.
+const GRACE: Duration = Duration::from_millis(300);
+
+/// Why the scene is read anew.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    keeps: Keeps,
+    /// Since when a save is known; `None` for parameters.
+    saved: Option<Instant>,
+    /// What was done for the same changes already.
+    before: Reload,
+}
+
+/// An errand on its thread; dropping it halts its scripts.
+struct Running {
+    halt: Halt,
+    answer: Receiver<Done>,
+    started: Instant,
+}
+
+impl Running {
+    fn start(errand: Errand, desk: &Desk) -> Self {
+        let (sender, answer) = mpsc::channel();
+        let halt = Halt::default();
+        let (own, desk) = (halt.clone(), desk.clone());
+        thread::spawn(move || {
+            let done = own.over(|| errand.run());
+            // Nobody waits for one that was halted.
+            if sender.send(done).is_ok() {
+                desk.wake();
+            }
+        });
+        Self {
+            halt,
+            answer,
+            started: Instant::now(),
+        }
+    }
+
+    /// What came of it, if it is done or soon will be.
+    fn answer(&self) -> Option<Done> {
+        let patience = PATIENCE.saturating_sub(self.started.elapsed());
+        match self.answer.recv_timeout(patience) {
+            Ok(done) => Some(done),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => panic!("the thread of a script has panicked"),
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.halt.halt();
+    }
+}
+
+/// What runs, and what waits for it.
+#[derive(Default)]
+pub(super) struct Errands {
+    wanted: Option<Wanted>,
+    reading: Option<(Running, Wanted)>,
+    /// With its frame.
+    posing: Option<(Running, u32)>,
+    /// Since when something runs, as it was told.
+    told: Option<Instant>,
+    /// When what runs must be looked at again.
+    look: Option<Instant>,
+}
+
+impl Errands {
+    fn want(&mut self, new: Wanted) {
+        self.wanted = Some(match self.wanted.take() {
+            Some(old) => old.then(new),
+            None => new,
+        });
+    }
+
+    /// Whether something may go on; if so, only for a while.
+    fn has_grace(&mut self, running: &Running) -> bool {
+        let end = running.started + GRACE;
+        let has_grace = Instant::now() < end;
+        if has_grace {
+            self.look_at(end);
+        }
+        has_grace
+    }
+
+    fn look_at(&mut self, time: Instant) {
+        self.look = Some(self.look.map_or(time, |look| look.min(time)));
+    }
+}
+
+impl Wanted {
+    fn then(self, new: Self) -> Self {
+        Self {
+            keeps: self.keeps.and(new.keeps),
+            saved: new.saved.or(self.saved),
+            before: self.before.and(new.before),
+        }
+    }
+}
+
+impl State {
+    /// Takes over shaders; what else changed is read in [`State::errands`].
+    pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
+        let before = self.live.reload_shaders(changes);
+        match Live::after(changes) {
+            Some(keeps) => self.errands.want(Wanted {
+                keeps,
+                saved: Some(since),
+                before,
+            }),
+            None => {
+                self.reloads.push((before, since));
+                self.tell_facts();
+            }
+        }
+    }
+
+    /// Has the scene read with other parameters.
+    pub(super) fn tune(&mut self, tuned: Tuned) {
+        self.live.tune(tuned);
+        self.errands.want(Wanted {
+            keeps: Keeps {
+                files: true,
+                edits: true,
+            },
+            saved: None,
+            before: Reload {
+                ok: true,
+                ..Reload::default()
+            },
+        });
+    }
+
+    /// When there is something to do though nobody asks for anything.
+    pub(super) fn until(&self) -> Option<Instant> {
+        let frame = self.view.as_ref().map(|view| view.frame);
+        let is_behind = self.errands.posing.is_none()
+            && frame.is_some_and(|frame| self.live.posing(frame).is_some());
+        if is_behind {
+            Some(Instant::now())
+        } else {
+            self.errands.look
+        }
+    }
+
+    /// Starts what is wanted and takes over what is done; whether there is something new to see.
+    pub(super) fn errands(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> bool {
+        self.errands.look = None;
+        let mut is_new = false;
+        while let Some(is_shown) = self.read_scene(desk, watcher) {
+            is_new |= is_shown;
+        }
+        is_new |= self.pose(desk, watcher);
+        let (reading, posing) = (&self.errands.reading, &self.errands.posing);
+        let since = [
+            reading.as_ref().map(|(running, _)| running.started),
+            posing.as_ref().map(|(running, _)| running.started),
+        ];
+        let since = since.into_iter().flatten().min();
+        if reading.is_some() {
+            // What it imports may be mended while it runs, and is looked for one by one.
+            self.errands.look_at(Instant::now() + GRACE);
+            if self.live.watch_list().0 != self.watched {
+                self.watch(watcher);
+            }
+        }
+        if since != self.errands.told {
+            self.errands.told = since;
+            self.tell(Report::Script(since));
+        }
+        is_new
+    }
+
+    /// Whether a scene that was read is shown; `None` while there is none.
+    fn read_scene(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> Option<bool> {
+        if let Some(wanted) = self.errands.wanted.take() {
+            let old = self.errands.reading.take();
+            match old {
+                Some((running, of))
+                    if wanted.saved.is_none() && self.errands.has_grace(&running) =>
+                {
+                    self.errands.reading = Some((running, of));
+                    self.errands.wanted = Some(wanted);
+                }
+                old => {
+                    let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
+                    let errand = self.live.reading(wanted.keeps);
+                    self.errands.reading = Some((Running::start(errand, desk), wanted));
+                }
+            }
+        }
+        let (running, wanted) = self.errands.reading.as_ref()?;
+        let (done, wanted) = (running.answer()?, *wanted);
+        self.errands.reading = None;
+        self.errands.posing = None; // of the scene before
+        let reload = wanted.before.and(self.live.take(done));
+        self.watch(watcher);
+        match wanted.saved {
+            Some(since) => self.reloads.push((reload, since)),
+            None => self.tell(Report::Tuned(reload)),
+        }
+        self.tell_facts();
+        Some(reload.ok)
+    }
+
+    /// Goes to the view's frame; what is wrong there is told, and told again when it is over.
+    /// Whether another frame is shown.
+    fn pose(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> bool {
+        let Some((frame, plays)) = self.view.as_ref().map(|view| (view.frame, view.plays)) else {
+            return false;
+        };
+        let errand = self.live.posing(frame);
+        let wanted = errand.as_ref().and_then(Errand::posed_frame);
+        let old = self.errands.posing.take();
+        // What plays shows each frame that is ready, however late.
+        let goes_on = |(running, of): &(Running, u32), errands: &mut Errands| {
+            plays || wanted == Some(*of) || (wanted.is_some() && errands.has_grace(running))
+        };
+        let old = old.filter(|old| goes_on(old, &mut self.errands));
+        let new = |errand| (Running::start(errand, desk), wanted.unwrap_or(frame));
+        self.errands.posing = old.or_else(|| errand.map(new));
+        let running = self.errands.posing.as_ref();
+        let Some(done) = running.and_then(|(running, _)| running.answer()) else {
+            return false;
+        };
+        self.errands.posing = None;
+        let before = self.live.problems.clone();
+        let is_shown = self.live.take(done).ok;
+        if self.live.problems != before {
+            // A saved scene may only now have been taken over.
+            self.watch(watcher);
+            self.tell_facts();
+        }
+        is_shown
+    }
+}

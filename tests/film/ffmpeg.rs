@@ -1,0 +1,201 @@
+//! Films through ffmpeg: what the real one writes, where there is one (`SKIPPED` where not), and
+//! what becomes of a film whose ffmpeg fails, with ones that a test has made up.
+
+use std::{
+    env, fs,
+    io::{BufRead as _, BufReader, Read as _},
+    os::unix::{fs::PermissionsExt as _, process::CommandExt as _},
+    path::Path,
+    process::{Command, Stdio},
+};
+
+use crate::{common::gpu_or_skip, folder};
+
+fn is_there(tool: &str) -> bool {
+    let found = Command::new(tool).arg("-version").output().is_ok();
+    if !found {
+        eprintln!("SKIPPED: {tool} is not installed");
+    }
+    found
+}
+
+fn reflet(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+    command
+        .current_dir(folder)
+        .args(["render", "scene.toml"])
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .stdin(Stdio::null());
+    command
+}
+
+/// Runs it with only this folder in `PATH`; exit code and standard error.
+fn with_path(folder: &Path, path: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = reflet(folder, arguments).env("PATH", path).output();
+    let output = output.expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!text.contains("panicked"), "{text}");
+    (output.status.code(), text)
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable");
+    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn films_have_every_frame_at_its_time() {
+    if gpu_or_skip().is_none() || !is_there("ffmpeg") || !is_there("ffprobe") {
+        return;
+    }
+    let folder = folder("ffmpeg");
+    for name in ["f.mp4", "f.webm", "f.mov", "f.mkv"] {
+        crate::render(&folder, &["-o", name], 0);
+        let shown = "stream=nb_read_frames,width,height,r_frame_rate,pix_fmt,color_space";
+        let probe = Command::new("ffprobe")
+            .current_dir(&folder)
+            .args(["-v", "error", "-count_frames", "-of", "default=nk=0:nw=1"])
+            .args(["-show_entries", shown, name])
+            .output()
+            .expect("it starts");
+        let facts = String::from_utf8_lossy(&probe.stdout).into_owned();
+        for fact in [
+            "width=24",
+            "height=16",
+            "pix_fmt=yuv420p",
+            "color_space=bt709",
+            "r_frame_rate=10/1",
+            "nb_read_frames=6",
+        ] {
+            assert!(facts.lines().any(|line| line == fact), "{name}: {facts}");
+        }
+    }
+    // Players need not have all of it to begin.
+    let bytes = fs::read(folder.join("f.mp4")).expect("it is there");
+    let place = |tag: &[u8]| bytes.windows(4).position(|part| part == tag);
+    assert!(place(b"moov").is_some() && place(b"moov") < place(b"mdat"));
+    let text = crate::render(&folder, &["-o", "odd.mp4", "--size", "25x15"], 2);
+    assert!(
+        text.contains("choose --size 26x16, or write .apng"),
+        "{text}"
+    );
+    assert!(!folder.join("odd.mp4").exists());
+}
+
+/// As a terminal does: to everything that the command has started.
+#[test]
+fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {
+    if gpu_or_skip().is_none() || !is_there("ffmpeg") {
+        return;
+    }
+    let folder = folder("ffmpeg-stopped");
+    let before = names(&folder);
+    let long = ["-o", "f.mp4", "--set", "timeline.end=2000"];
+    let mut command = reflet(&folder, &long);
+    command.stderr(Stdio::piped()).process_group(0);
+    let mut child = command.spawn().expect("the program starts");
+    let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+    let mut text = String::new();
+    while !text.contains("(2 of 2001)") {
+        let read = errors.read_line(&mut text).expect("readable");
+        assert!(read > 0, "it has ended: {text}");
+    }
+    let group = format!("-{}", child.id());
+    let sent = Command::new("kill").args(["-INT", "--", &group]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+    errors.read_to_string(&mut text).expect("readable");
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{text}");
+    assert!(text.contains("no film was written"), "{text}");
+    assert_eq!(names(&folder), before);
+}
+
+#[test]
+fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("ffmpeg-fails");
+    let tools = folder.join("tools");
+    fs::create_dir(&tools).expect("new");
+    let path = format!(
+        "{}:{}",
+        tools.display(),
+        env::var("PATH").unwrap_or_default()
+    );
+    let before = names(&folder);
+    let film = ["-o", "f.mp4"];
+    // Large enough that its pipe cannot hold all of them.
+    let large = ["-o", "f.mp4", "--size", "160x120"];
+    let last = "for last; do :; done";
+    for (arguments, script, says) in [
+        (&film, "exit 7", "ffmpeg ended with exit status: 7"),
+        (
+            &film,
+            "echo \"Unknown encoder 'libx264'\" >&2; exit 8",
+            "ffmpeg says: Unknown encoder 'libx264'; there is no film: mend that, or write .apng \
+             or frames (f.####.png)",
+        ),
+        (
+            &film,
+            "head -c 2000 > /dev/null; kill -9 $$",
+            "ffmpeg ended with signal: 9",
+        ),
+        (&film, "cat > /dev/null", "the encoder has written nothing"),
+        // It says more than a pipe holds before it takes a pixel, and goes on.
+        (
+            &film,
+            "yes noise | head -c 300000 >&2; echo the end >&2; cat > /dev/null",
+            "noise; the end; there is no film",
+        ),
+        // The real one ends well where the disk was full at the end.
+        (
+            &film,
+            "cat > \"$last\"; echo Error writing trailer >&2",
+            "ffmpeg says: Error writing trailer",
+        ),
+    ]
+    .map(|(arguments, script, says)| (&arguments[..], script, says))
+    .into_iter()
+    .chain([(
+        &large[..],
+        "exec 0<&-; sleep 0.2",
+        "ffmpeg takes no pixels: ",
+    )]) {
+        let stub = tools.join("ffmpeg");
+        fs::write(&stub, format!("#!/bin/sh\n{last}\n{script}\n")).expect("writable");
+        fs::set_permissions(&stub, fs::Permissions::from_mode(0o755)).expect("settable");
+        let (code, text) = with_path(&folder, &path, arguments);
+        assert_eq!(code, Some(1), "{script}: {text}");
+        assert!(
+            text.contains("error: cannot write f.mp4: "),
+            "{script}: {text}"
+        );
+        assert!(text.contains(says) && text.len() < 4000, "{script}: {text}");
+        assert_eq!(names(&folder), before, "{script}");
+    }
+    let stub = tools.join("ffmpeg");
+    fs::write(&stub, format!("#!/bin/sh\n{last}\ncat > \"$last\"\n")).expect("writable");
+    let (code, text) = with_path(&folder, &path, &film);
+    assert_eq!(code, Some(0), "one that does: {text}");
+    let pixels = fs::read(folder.join("f.mp4")).expect("it is there");
+    assert_eq!(pixels.len(), 6 * 24 * 16 * 3);
+}
+
+#[test]
+fn without_ffmpeg_it_is_said_what_to_do() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("ffmpeg-none");
+    let before = names(&folder);
+    let (code, text) = with_path(&folder, "/nowhere", &["-o", "f.mp4"]);
+    assert_eq!(code, Some(2), "{text}");
+    for says in ["ffmpeg is not installed", "write .apng or frames"] {
+        assert!(text.contains(says), "{text}");
+    }
+    assert_eq!(names(&folder), before);
+}

@@ -1,0 +1,221 @@
+//! A script that takes long beside the pictures: views are answered meanwhile, and what is wanted
+//! next ends it.
+
+use std::{
+    fs,
+    sync::mpsc::RecvTimeoutError,
+    time::{Duration, Instant},
+};
+
+use glam::Vec3;
+use reflet::{
+    app::preview::{
+        facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+        worker::Worker,
+    },
+    scene::desc::{CameraDesc, Method, ParamValue},
+};
+
+use crate::scripts::{SCRIPT, Session};
+
+/// A test fails only past this.
+const MOST: Duration = Duration::from_secs(60);
+
+/// Runs for as long as a call may: each step reads a long text.
+const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..12 { text += text; } \
+                    loop { text.contains(\"no\"); }";
+
+struct Watched {
+    worker: Worker,
+    folder: crate::kit::Folder,
+    view: View,
+    /// Whether a script runs that pictures do not wait for.
+    runs: bool,
+}
+
+impl Watched {
+    /// The session's scene in the preview's thread, drawn once.
+    fn new(session: Session) -> Self {
+        let Session {
+            gpu, folder, live, ..
+        } = session;
+        let side = Side {
+            method: Method::Hybrid,
+            look: Look::Picture,
+        };
+        let mut this = Self {
+            worker: Worker::start(gpu, live, || ()),
+            folder,
+            view: View {
+                eye: Eye::Through("main".to_owned()),
+                frame: 0,
+                plays: false,
+                size: [24, 16],
+                a: side,
+                b: None,
+                draft_ms: None,
+            },
+            runs: false,
+        };
+        this.show(|_| ());
+        this.shown(|_| true);
+        this
+    }
+
+    fn show(&mut self, change: impl FnOnce(&mut View)) {
+        change(&mut self.view);
+        self.worker.desk.show(self.view.clone());
+    }
+
+    fn save_script(&self, text: &str) {
+        // In one step: half a script is a mistake.
+        let beside = self.folder.write("next.rhai", text);
+        fs::rename(beside, self.folder.path("sub/move.rhai")).expect("renamed");
+    }
+
+    /// Waits for what `found` looks for; no report before may tell a mistake.
+    fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
+        let deadline = Instant::now() + MOST;
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let report = match self.worker.reports.recv_timeout(left) {
+                Ok(report) => report,
+                Err(RecvTimeoutError::Timeout) => panic!("{what} never came"),
+                Err(RecvTimeoutError::Disconnected) => panic!("it ended before {what}"),
+            };
+            match &report {
+                Report::Script(since) => self.runs = since.is_some(),
+                Report::Facts(facts) => assert!(facts.problems.is_empty(), "{:?}", facts.problems),
+                _ => {}
+            }
+            if let Some(found) = found(&report) {
+                return found;
+            }
+        }
+    }
+
+    fn shown(&mut self, is_right: impl Fn(&Shown) -> bool) {
+        self.until("a picture", |report| match report {
+            Report::Shown(shown) => is_right(shown).then_some(()),
+            _ => None,
+        });
+    }
+
+    fn facts(&mut self, is_right: impl Fn(&Facts) -> bool) {
+        self.until("facts", |report| match report {
+            Report::Facts(facts) => is_right(facts).then_some(()),
+            _ => None,
+        });
+    }
+
+    fn begins(&mut self) {
+        self.until("a long script", |report| {
+            matches!(report, Report::Script(Some(_))).then_some(())
+        });
+    }
+
+    /// A picture from there while a script runs.
+    fn look_from(&mut self, x: f32) {
+        let camera = CameraDesc {
+            eye: Vec3::new(x, 2.0, 5.0),
+            ..CameraDesc::default()
+        };
+        self.show(|view| view.eye = Eye::Free(camera.clone()));
+        self.shown(|shown| shown.camera == camera);
+        assert!(self.runs, "the script has ended first");
+    }
+
+    /// Waits until nothing runs any more.
+    fn rest(&mut self) {
+        while self.runs {
+            self.until("a rest", |report| {
+                matches!(report, Report::Script(None)).then_some(())
+            });
+        }
+    }
+}
+
+#[test]
+fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
+    let Some(session) = Session::new() else {
+        return;
+    };
+    let mut preview = Watched::new(session);
+    preview.save_script(&SCRIPT.replace("let all = [];", &format!("{SLOW} let all = [];")));
+    preview.begins();
+    for step in 0..3 {
+        preview.look_from(step as f32);
+        preview.show(|view| view.frame += 7);
+        let frame = preview.view.frame;
+        preview.shown(|shown| shown.frame == frame);
+        assert!(preview.runs, "the script has ended first");
+    }
+    // So is a newer endless one, and one in what only the new script imports.
+    let slow = preview.folder.write("parts/new.rhai", SLOW);
+    preview.save_script(&format!("import \"parts/new\" as other;\n{SCRIPT}"));
+    preview.begins();
+    preview.look_from(4.0);
+    let mended = preview.folder.write("next.rhai", "fn x() {}");
+    fs::rename(mended, slow).expect("renamed");
+    preview.until("the reload", |report| match report {
+        Report::Reloaded(reload, _) => {
+            assert!(reload.ok);
+            Some(())
+        }
+        _ => None,
+    });
+    preview.rest();
+}
+
+#[test]
+fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
+    let Some(session) = Session::new() else {
+        return;
+    };
+    let mut preview = Watched::new(session);
+    let slow = format!("fn frame(ctx) {{\n if ctx.frame == 9 {{ {SLOW} }}");
+    preview.save_script(&SCRIPT.replace("fn frame(ctx) {", &slow));
+    preview.until("the reload", |report| match report {
+        Report::Reloaded(reload, _) => reload.ok.then_some(()),
+        _ => None,
+    });
+    preview.show(|view| view.frame = 9);
+    preview.begins();
+    preview.look_from(1.0);
+    preview.show(|view| view.frame = 3);
+    preview.shown(|shown| shown.frame == 3);
+    // Back to it, and from there to what is shown: nothing is to be done.
+    preview.show(|view| view.frame = 9);
+    preview.begins();
+    preview.show(|view| view.frame = 3);
+    preview.rest();
+    // It ends with the window.
+    preview.show(|view| view.frame = 9);
+    preview.begins();
+}
+
+#[test]
+fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
+    let Some(session) = Session::new() else {
+        return;
+    };
+    let count = session.live.declared()[0].1.clone();
+    let mut preview = Watched::new(session);
+    let slow = format!("if ctx.params.count == 3 {{ {SLOW} }} let all = [];");
+    preview.save_script(&SCRIPT.replace("let all = [];", &slow));
+    preview.until("the reload", |report| {
+        matches!(report, Report::Reloaded(..)).then_some(())
+    });
+    let tune = |preview: &Watched, to| {
+        let mut tuned = reflet::app::params::Tuned::default();
+        tuned.set("count", ParamValue::Integer(to), &count);
+        preview.worker.desk.ask(Task::Tune(tuned));
+    };
+    tune(&preview, 3);
+    preview.begins();
+    preview.look_from(1.0);
+    tune(&preview, 4);
+    let seen = |facts: &Facts| facts.bounds.max.x > 2.9; // four boxes
+    preview.facts(seen);
+    preview.rest();
+}
