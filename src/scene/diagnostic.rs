@@ -8,6 +8,7 @@ pub use render::render_all;
 use std::{
     ops::Range,
     path::{Path, PathBuf},
+    string::FromUtf8Error,
     sync::Arc,
 };
 
@@ -84,6 +85,22 @@ impl Source {
 }
 
 impl Span {
+    /// The first byte of a file that is no UTF-8.
+    pub fn not_utf8(path: &Path, wrong: &FromUtf8Error) -> Self {
+        let start = wrong.utf8_error().valid_up_to();
+        let source = Source {
+            path: path.to_owned(),
+            // The valid part keeps its length; the first wrong bytes show as one replacement
+            // character.
+            text: String::from_utf8_lossy(wrong.as_bytes()).into_owned(),
+            returned: None,
+        };
+        Self {
+            source: Some(source.into()),
+            range: start..start + '\u{FFFD}'.len_utf8(),
+        }
+    }
+
     /// Where messages point: into a script for what that returned.
     pub fn shown(self) -> Self {
         self.in_script().map_or(self, |(span, _)| span)

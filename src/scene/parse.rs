@@ -27,7 +27,7 @@ use self::{
 };
 use super::{
     desc::{Entry, ParamValue, SceneDesc},
-    diagnostic::{Diagnostic, Source, Span},
+    diagnostic::{Diagnostic, Span},
     trail::Trail,
 };
 
@@ -78,24 +78,11 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
         error[0].help = Some("geometry belongs in glTF files, named by `file`".into());
         return Err(error);
     }
-    String::from_utf8(bytes).map_err(|e| vec![not_utf8(path, e)])
-}
-
-fn not_utf8(path: &Path, error: std::string::FromUtf8Error) -> Diagnostic {
-    let start = error.utf8_error().valid_up_to();
-    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-    // The valid part keeps its length; the first wrong bytes show as one replacement character.
-    let source = Source {
-        path: path.to_owned(),
-        text,
-        returned: None,
-    };
-    let span = Span {
-        source: Some(source.into()),
-        range: start..start + '\u{FFFD}'.len_utf8(),
-    };
-    let message = "a scene must be UTF-8 text, and this byte is not";
-    Diagnostic::at("not-utf8", span, message).help("save the file as UTF-8 in your editor")
+    String::from_utf8(bytes).map_err(|wrong| {
+        let message = "a scene must be UTF-8 text, and this byte is not";
+        let error = Diagnostic::at("not-utf8", Span::not_utf8(path, &wrong), message);
+        vec![error.help("save the file as UTF-8 in your editor")]
+    })
 }
 
 /// Reads scene text. `path` is what messages call it, and its folder is where relative file names

@@ -10,8 +10,10 @@ mod engine;
 mod error;
 mod limited;
 mod locate;
+mod nested;
 mod returned;
 mod set;
+mod sort;
 mod sources;
 
 use std::{
@@ -145,7 +147,8 @@ impl Script {
     fn check(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
         let run = |engine: &Engine| engine.run_ast_with_scope(&mut Scope::new(), &this.ast);
-        let ran = run_limited(Bounds::CALL, || run(&this.engine)).or_limit();
+        let work = || run(&this.engine).map_err(error::portable);
+        let ran = run_limited(Bounds::CALL, work).or_limit();
         let ended = |wrong| self.ended(wrong, ran.again, run);
         ran.result
             .map_err(|wrong| self.explain(&ended(wrong), &[], None))?;
@@ -200,14 +203,15 @@ impl Script {
         }
         let call = Call::new(params, timeline, timeline.map_or(0, |t| t.start));
         let contexts = [call.clone(), call].map(Context::for_setup);
-        let (result, log) = self.call("setup", contexts);
+        let (result, log) = self.call("setup", contexts, additions::text);
         self.0.setup_log.get_or_init(|| log);
-        let returned = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
-        let text = additions::text(&returned).map_err(|message| {
-            let start = self.0.sources.start_of_function(&self.0.name, "setup");
-            Box::new(Diagnostic::at("script-result", start, message))
-        })?;
-        Ok(text)
+        let text = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
+        text.map_err(|wrong| {
+            let at = self.returned().place(&wrong.path);
+            let mut error = Diagnostic::at("script-result", at, wrong.message);
+            error.help = wrong.help;
+            Box::new(error)
+        })
     }
 
     /// What mistakes of the text that [`Script::setup`] gave are explained by.
@@ -234,29 +238,38 @@ impl Script {
         let call = Call::new(&desc.params, desc.timeline.as_ref(), frame);
         let context = |state| Context::for_frame(call.clone(), state, Arc::clone(names));
         let (posed, afresh) = (context(state.clone()), context(state));
-        let (result, log) = self.call("frame", [posed.clone(), afresh]);
+        let (result, log) = self.call("frame", [posed.clone(), afresh], |_| ());
         let when = format!("in frame {frame}");
         let explain = |wrong| vec![*self.explain(&wrong, &desc.params, Some(&when))];
-        let _ = result.map_err(explain)?;
+        result.map_err(explain)?;
         let (mut state, touched) = posed.into_result();
         state.log.extend(log);
         Ok((state, touched))
     }
 
-    /// Calls a function. The second context is as the first, for finding the place of an error.
-    fn call(
+    /// Calls a function, and takes what is needed of its result, which may be nested too deep for
+    /// any other thread. The second context is as the first, for finding the place of an error.
+    fn call<T: Send>(
         &self,
         function: &str,
         [context, afresh]: [Context; 2],
-    ) -> (Result<Dynamic, Ended>, Vec<String>) {
+        take: impl FnOnce(&Dynamic) -> T + Send,
+    ) -> (Result<T, Ended>, Vec<String>) {
         let this = &*self.0;
         let run = |engine: &Engine, context: Context| {
             // A new scope each time, and constants and imports evaluated anew.
             let options = CallFnOptions::new().eval_ast(true).rewind_scope(true);
             let mut scope = Scope::new();
-            engine.call_fn_with_options(options, &mut scope, &this.ast, function, (context,))
+            let arguments = (context,);
+            engine.call_fn_with_options::<Dynamic>(
+                options, &mut scope, &this.ast, function, arguments,
+            )
         };
-        let ran = run_limited(Bounds::CALL, || run(&this.engine, context)).or_limit();
+        let work = move || {
+            let result = run(&this.engine, context);
+            result.map(|value| take(&value)).map_err(error::portable)
+        };
+        let ran = run_limited(Bounds::CALL, work).or_limit();
         let again = |engine: &Engine| run(engine, afresh);
         let ended = |wrong| self.ended(wrong, ran.again, again);
         (ran.result.map_err(ended), ran.log)

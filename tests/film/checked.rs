@@ -76,3 +76,33 @@ fn check_shows_what_the_script_prints_in_the_order_of_the_frames() {
         .collect();
     assert_eq!(lines, wanted);
 }
+
+/// A limit may take all of a call's time: one is enough to know. Other mistakes do not end it.
+#[test]
+fn check_stops_after_a_script_met_a_limit() {
+    let folder = folder("check-limit");
+    let said = |frames: &str| {
+        let script = format!(
+            "fn fill() {{ let s = \"x\"; loop {{ s += s; }} }}\n\
+             fn frame(ctx) {{\n    switch ctx.frame {{ {frames} }}\n}}\n"
+        );
+        fs::write(folder.join("s.rhai"), script).expect("temporary script");
+        let (code, out, err) = reflet(&folder, "check", "scene.toml");
+        assert_eq!((code, out.as_str()), (Some(3), ""), "{err}");
+        err
+    };
+    // Posed are 0, 5, 4, 2, 1 and 3, in this order.
+    let at_first = said("0 => fill(), _ => { throw \"posed\"; }");
+    assert_eq!(at_first.matches("error[").count(), 1, "{at_first}");
+    assert!(at_first.contains("(in frame 0)"), "{at_first}");
+    let between =
+        said("5 => { throw \"last\"; }, 2 => fill(), 1 | 3 => { throw \"posed\"; }, _ => ()");
+    for says in ["last (in frame 5)", "error[script-limit]", "(in frame 2)"] {
+        assert_eq!(between.matches(says).count(), 1, "{says}: {between}");
+    }
+    assert!(!between.contains("posed (in frame"), "{between}");
+    let no_limit = said("0 => { throw \"first\"; }, 3 => { throw \"third\"; }, _ => ()");
+    for says in ["first (in frame 0)", "third (in frame 3)"] {
+        assert!(no_limit.contains(says), "{says}: {no_limit}");
+    }
+}

@@ -110,6 +110,50 @@ fn files_that_cannot_be_scenes_say_why() {
     std::fs::remove_dir_all(&folder).expect("it was made here");
 }
 
+/// The place is in the script, also in one that is imported; the scene or the import that names it
+/// is told as well.
+#[test]
+fn scripts_that_are_not_utf8_are_placed_in_their_file() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene-latin1");
+    std::fs::create_dir_all(folder.join("parts")).expect("temporary folder");
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).expect("file");
+    write("scene.toml", b"version = 1\nscript = \"s.rhai\"\n");
+    let said = || {
+        let errors = parse::load(&folder.join("scene.toml"), &[]).expect_err("it is not UTF-8");
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        errors[0].to_string()
+    };
+    write(
+        "s.rhai",
+        b"// good\n// \xe9t\xe9 caf\xe9\nfn frame(ctx) { }\n",
+    );
+    let text = said();
+    for says in [
+        "error[not-utf8]: a script must be UTF-8 text, and this byte is not",
+        "s.rhai:2:4\n",
+        "2 | // \u{FFFD}t\u{FFFD} caf\u{FFFD}\n  |    ^\n",
+        "scene.toml:2:10",
+        "the script is named here",
+        "save the file as UTF-8",
+    ] {
+        assert!(text.contains(says), "no {says:?} in\n{text}");
+    }
+    write(
+        "s.rhai",
+        b"import \"parts/legs\" as legs;\nfn frame(ctx) { }\n",
+    );
+    write("parts/legs.rhai", b"fn f() { }\nlet s = \"\xff\";\n");
+    let text = said();
+    for says in [
+        "a script must be UTF-8 text, and this byte is not",
+        "legs.rhai:2:10\n",
+        "s.rhai:1:",
+        "an import is called here",
+    ] {
+        assert!(text.contains(says), "no {says:?} in\n{text}");
+    }
+}
+
 /// A hundred messages are shown; one more is counted, even if it is the only one.
 #[test]
 fn the_first_message_that_is_left_out_is_counted() {

@@ -98,6 +98,21 @@ pub fn signatures(name: &str) -> Vec<String> {
         .collect()
 }
 
+/// Properties and functions whose signatures begin with an owner such as `ctx.`.
+pub fn members(owner: &str) -> (Vec<&'static str>, Vec<&'static str>) {
+    let entries = API.iter().flat_map(|group| group.entries);
+    let forms = entries.flat_map(|e| e.signature.split("; "));
+    let own = forms.filter_map(|form| form.strip_prefix(owner));
+    let mut members = (Vec::new(), Vec::new());
+    for form in own {
+        match form.split_once('(') {
+            None => members.0.push(form),
+            Some((name, _)) => members.1.push(name),
+        }
+    }
+    members
+}
+
 /// The manual of scripts as Markdown, `docs/scripting.md`.
 pub fn manual() -> String {
     let mut out = INTRODUCTION.to_owned();

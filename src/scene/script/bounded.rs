@@ -1,11 +1,9 @@
 //! Functions of Rhai whose work or whose result is a product of what they are given, within the
 //! limits: Rhai's own measure a result only once it is there.
 
-use rhai::{
-    Array, Dynamic, Engine, EvalAltResult, ImmutableString, Map, NativeCallContext, Position,
-};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
-use super::{api::value::fail, engine::TEXT, limited::progress};
+use super::{api::value::fail, engine::TEXT, nested::equal};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -82,48 +80,20 @@ fn pad(text: &mut ImmutableString, length: i64, padding: &str) -> Result<()> {
     Ok(())
 }
 
-/// Values that are copied with one.
-fn weight(value: &Dynamic) -> u64 {
-    if let Some(list) = value.read_lock::<Array>() {
-        1 + list.iter().map(weight).sum::<u64>()
-    } else if let Some(map) = value.read_lock::<Map>() {
-        1 + map.values().map(weight).sum::<u64>()
-    } else {
-        1
-    }
-}
-
-/// Index of the first element that is equal to a value, or -1; each comparison counts as
-/// operations, since it copies the value.
+/// Index of the first element that is equal to a value, or -1.
 fn find(
     context: &NativeCallContext,
     array: &mut Array,
     value: &Dynamic,
     start: i64,
 ) -> Result<i64> {
-    let operations = weight(value);
     let start = if start < 0 {
         array.len().saturating_sub(start.unsigned_abs() as usize)
     } else {
         start as usize
     };
-    for (i, item) in array.iter_mut().enumerate().skip(start) {
-        if let Some(why) = progress(operations) {
-            return Err(EvalAltResult::ErrorTerminated(why.into(), Position::NONE).into());
-        }
-        let same_type = item.type_id() == value.type_id();
-        let equal = context.call_native_fn_raw("==", true, &mut [item, &mut value.clone()]);
-        let equal = match equal {
-            Ok(equal) => equal.as_bool().unwrap_or(false),
-            // Values of different types are not equal.
-            Err(wrong)
-                if !same_type && matches!(*wrong, EvalAltResult::ErrorFunctionNotFound(..)) =>
-            {
-                false
-            }
-            Err(wrong) => return Err(wrong),
-        };
-        if equal {
+    for (i, item) in array.iter().enumerate().skip(start) {
+        if equal(context, item, value, 0)? {
             return Ok(i as i64);
         }
     }

@@ -15,6 +15,8 @@ use rhai::{
 use super::{
     api, bounded,
     limited::{print, progress},
+    nested::{self, NESTED},
+    sort,
     sources::{MOST_BYTES, Resolver, Sources},
 };
 
@@ -44,8 +46,10 @@ pub const VARIABLES: usize = 64;
 pub const LINES: usize = 1000;
 /// Most memory that a call may add to the process, bytes, where the system tells (Linux).
 pub const MEMORY: u64 = 1 << 30;
-/// Stack of the thread that a call runs on, bytes.
-pub const STACK: usize = 32 << 20;
+/// Stack of the thread that a call runs on, bytes: for the deepest calls, and a KiB for each array
+/// or map of the deepest value, which is copied and freed by recursion. What is not used of it takes
+/// no memory.
+pub const STACK: usize = (32 << 20) + ((ARRAY + MAP) << 10);
 
 /// What ends a call, for the manual: what is limited, and where.
 pub fn limits() -> Vec<(&'static str, String)> {
@@ -73,6 +77,10 @@ pub fn limits() -> Vec<(&'static str, String)> {
         (
             "entries of an object map, with those inside its entries, where it is passed or returned",
             count(MAP),
+        ),
+        (
+            "arrays and maps inside each other where they are compared, written or returned",
+            count(NESTED),
         ),
         ("variables of a function at a time", count(VARIABLES)),
         ("functions", count(FUNCTIONS)),
@@ -104,6 +112,8 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     engine.register_global_module(BasicIteratorPackage::new().as_shared_module());
     engine.register_global_module(BasicFnPackage::new().as_shared_module());
     engine.disable_symbol("eval");
+    // Functions inside functions inside functions have no limit of Rhai's.
+    engine.disable_symbol("curry");
     engine.set_strict_variables(true);
     engine.set_fail_on_invalid_map_property(true);
     engine.set_max_expr_depths(DEPTH[0], DEPTH[1]);
@@ -130,6 +140,8 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     register_print::<Dynamic>(&mut engine);
     engine.set_module_resolver(Resolver(Arc::clone(sources)));
     bounded::register(&mut engine);
+    nested::register(&mut engine);
+    sort::register(&mut engine);
     api::register(&mut engine);
     engine
 }

@@ -1,13 +1,17 @@
 //! What Rhai reports, as messages for people: file, line, column, the calls that led there, the
 //! frame, and what was probably meant.
 
+mod missing;
+
 use rhai::{EvalAltResult as Wrong, ParseError, ParseErrorType, Position};
 
+use self::missing::{missing_function, missing_key, missing_property};
 use super::{
-    api,
+    api::value::WrongKey,
     engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
     locate::{Ended, Met, Place},
-    sources::Sources,
+    nested::{NESTED, is_deeper},
+    sources::{self, Sources},
 };
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
 
@@ -16,7 +20,15 @@ pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
     let span = sources
         .span(name, wrong.position())
         .unwrap_or_else(|| sources.start_of(name));
-    let (message, help) = explain_syntax(wrong.err_type(), sources, name);
+    let source = span.source.as_ref();
+    let word = source.and_then(|source| source.text.get(span.range.clone()));
+    let (message, help) = match word {
+        Some(word @ ("eval" | "curry")) => {
+            let help = "write a function, or a `for` loop".to_owned();
+            (format!("`{word}` is not part of scripts"), Some(help))
+        }
+        _ => explain_syntax(wrong.err_type(), sources, name),
+    };
     let error = Diagnostic::at("script-syntax", span, message);
     match help {
         Some(help) => error.help(help),
@@ -38,7 +50,7 @@ fn explain_syntax(
                 .find(|(n, _)| n == name)
                 .map_or("", |(_, t)| t.as_str());
             let known = variables(text);
-            let own = "functions see their parameters and what they define with `let`";
+            let own = "functions and closures see their parameters and what they define with `let`";
             let help = if known.contains(&variable.as_str()) {
                 format!("{own}; of what stands outside only `const NAME`, as `global::NAME`")
             } else {
@@ -184,9 +196,32 @@ pub fn runtime(
     let span = own
         .or_else(last_call)
         .unwrap_or_else(|| sources.start_of_function(&file, function));
-    let mut error = Diagnostic::at(kind, span, message);
+    let key = match inner {
+        Wrong::ErrorRuntime(value, _) => value.read_lock::<WrongKey>().map(|w| w.key.clone()),
+        _ => None,
+    };
+    let written = key.and_then(|key| sources::key_of_call(&span, &key));
+    let mut error = Diagnostic::at(kind, written.unwrap_or(span), message);
     error.help = help;
     with_calls(error, &calls, sources)
+}
+
+/// An error that any thread can write and free: what was thrown may be nested too deep for that.
+pub fn portable(mut wrong: Box<Wrong>) -> Box<Wrong> {
+    let mut inner = &mut *wrong;
+    loop {
+        match inner {
+            Wrong::ErrorInFunctionCall(_, _, next, _) | Wrong::ErrorInModule(_, next, _) => {
+                inner = next;
+            }
+            Wrong::ErrorRuntime(value, _) if is_deeper(value, NESTED) => {
+                let what = format!("a value was thrown that is nested more than {NESTED} deep");
+                *value = what.into();
+                return wrong;
+            }
+            _ => return wrong,
+        }
+    }
 }
 
 /// Adds the way to the mistake: the last call as a second place, all of them in words.
@@ -251,19 +286,12 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
             format!("there is no variable {}", suggest::key(name)),
             None,
         ),
-        Wrong::ErrorPropertyNotFound(name, _) => {
-            let help = suggest::nearest(name, known.params.iter().copied()).map_or_else(
-                || "write `\"name\" in map` to ask whether it is there".to_owned(),
-                |meant| format!("did you mean {}?", suggest::key(meant)),
-            );
-            (
-                "script-error",
-                format!("there is no property {}", suggest::key(name)),
-                Some(help),
-            )
-        }
+        Wrong::ErrorPropertyNotFound(name, _) => missing_key(name, known),
         Wrong::ErrorDotExpr(text, _) => missing_property(text),
-        Wrong::ErrorRuntime(value, _) => ("script-error", value.to_string(), None),
+        Wrong::ErrorRuntime(value, _) => match value.read_lock::<WrongKey>() {
+            Some(wrong) => ("script-error", wrong.message.clone(), wrong.help.clone()),
+            None => ("script-error", value.to_string(), None),
+        },
         other => {
             let text = other.to_string();
             let text = text.split(" (line ").next().unwrap_or(&text);
@@ -288,53 +316,4 @@ fn too_large(what: &str) -> String {
         "{what} would be too large: at most {} {unit}",
         grouped(most as u64)
     )
-}
-
-fn missing_function(signature: &str, functions: &[&str]) -> (&'static str, String, Option<String>) {
-    let (name, arguments) = signature.split_once('(').unwrap_or((signature, ""));
-    let name = name.trim();
-    let arguments = plain_types(arguments.trim_end_matches(')'));
-    let own = api::signatures(name);
-    if !own.is_empty() {
-        let message = format!("{} does not take ({arguments})", suggest::key(name));
-        return (
-            "script-error",
-            message,
-            Some(format!("it is {}", own.join(", or "))),
-        );
-    }
-    let message = format!("there is no function {}", suggest::key(name));
-    let known = api::names().into_iter().chain(functions.iter().copied());
-    let help = suggest::nearest(name, known).map_or_else(
-        || "all functions are listed in docs/scripting.md".to_owned(),
-        |meant| format!("did you mean {}?", suggest::key(meant)),
-    );
-    ("script-error", message, Some(help))
-}
-
-/// Rhai's words for types, as people call them.
-fn plain_types(arguments: &str) -> String {
-    let one = |argument: &str| match argument.trim() {
-        "&str | ImmutableString | String" => "text".to_owned(),
-        "i64" => "integer".to_owned(),
-        "f64" => "float".to_owned(),
-        other => other.to_owned(),
-    };
-    arguments.split(',').map(one).collect::<Vec<_>>().join(", ")
-}
-
-fn missing_property(text: &str) -> (&'static str, String, Option<String>) {
-    let name = text.split('\'').nth(1).unwrap_or_default();
-    if !text.starts_with("Unknown property") && !text.contains("property") || name.is_empty() {
-        return ("script-error", lower_first(text), None);
-    }
-    if text.contains("setter") && api::names().contains(&name) {
-        let help = "only what functions such as `ctx.place` set is shown".to_owned();
-        let message = format!("{} is read-only", suggest::key(name));
-        return ("script-error", message, Some(help));
-    }
-    let message = format!("there is no property {}", suggest::key(name));
-    let help = suggest::nearest(name, api::names())
-        .map(|meant| format!("did you mean {}?", suggest::key(meant)));
-    ("script-error", message, help)
 }

@@ -87,7 +87,7 @@ pub struct Run<T> {
 }
 
 impl<T> Run<Result<T, Box<EvalAltResult>>> {
-    /// With an error where a limit was met though the call came to its end: `sort` passes over the
+    /// With an error where a limit was met though the call came to its end: `dedup` passes over the
     /// errors of its closure. No place is looked for: a second run would pass over it as well.
     pub fn or_limit(mut self) -> Self {
         if let (Ok(_), Some(why)) = (&self.result, &self.met) {
@@ -106,7 +106,7 @@ struct Used {
     end: Cell<Option<Instant>>,
     next_memory: Cell<Option<Instant>>,
     memory_at_start: Cell<Option<u64>>,
-    /// Set once a limit was met: functions such as `sort` go on when their closure fails.
+    /// Set once a limit was met: functions such as `dedup` go on when their closure fails.
     why: RefCell<Option<String>>,
     by_time: Cell<bool>,
     halt: RefCell<Option<Halt>>,

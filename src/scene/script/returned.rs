@@ -88,8 +88,12 @@ impl Returned {
         if let Some(value) = found.value.clone().and_then(|value| text.get(value)) {
             message += &format!(" = {}", suggest::clip(value));
         }
-        let place = self.locate(&found.path);
-        (place.unwrap_or_else(|| self.setup.clone()), message)
+        (self.place(&found.path), message)
+    }
+
+    /// The place of what names lead to, or of `setup`.
+    pub fn place(&self, path: &[String]) -> Span {
+        self.locate(path).unwrap_or_else(|| self.setup.clone())
     }
 
     /// Where the last name of a path is written as a key: the only such place, or the first after

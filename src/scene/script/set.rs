@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
-use super::api::value::{fail, number, pair, vector};
+use super::api::value::{WrongKey, fail, number, pair, vector};
 use crate::scene::{
     desc::MaterialDesc,
     motion::{
@@ -30,11 +30,19 @@ pub fn values<T>(
     for (key, value) in keys {
         let Some(field) = known().find(|field| field.key == key.as_str()) else {
             let known: Vec<_> = known().map(|field| field.key).collect();
-            let hint = suggest::hint(key, &known, suggest::key, "there are");
-            let key = suggest::key(key);
-            return fail(format!("{of} has no {key} that can be set; {hint}"));
+            let meant = suggest::nearest(key, known.iter().copied());
+            let meant = meant.map(|meant| format!("; did you mean {}?", suggest::key(meant)));
+            let (shown, meant) = (suggest::key(key), meant.unwrap_or_default());
+            let all: Vec<_> = known.iter().map(|key| suggest::key(key)).collect();
+            return Err(WrongKey {
+                key: key.to_string(),
+                message: format!("{of} has no {shown} that can be set{meant}"),
+                help: Some(format!("there are {}", all.join(", "))),
+            }
+            .into());
         };
-        found.push((field, lanes(value, key, field.form, &field.range)?));
+        let lanes = lanes(value, key, field.form, &field.range);
+        found.push((field, lanes.map_err(WrongKey::of(key))?));
     }
     Ok(found)
 }
@@ -61,7 +69,8 @@ pub fn refuse_lacking(
                 "`{}` cannot be set, because `[{}]` has none; write `{lacking}` there",
                 field.key,
                 path()
-            ));
+            ))
+            .map_err(WrongKey::of(field.key));
         }
     }
     Ok(())

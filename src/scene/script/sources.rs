@@ -6,8 +6,9 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use rhai::{EvalAltResult, ImmutableString, Position, Scope, Shared};
+use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
+use super::nested::{NESTED, is_deeper};
 use crate::scene::{
     diagnostic::{Diagnostic, Source, Span},
     trail::Trail,
@@ -42,12 +43,35 @@ struct State {
 pub struct Problem {
     message: String,
     help: &'static str,
+    /// Where in the file, if it is there.
+    inside: Option<Span>,
 }
 
 impl Problem {
-    /// At the place that names the file.
+    /// At its place in the file, or at the place that names the file.
     pub fn at(self, at: &Span) -> Box<Diagnostic> {
-        Box::new(Diagnostic::at("script-file", at.clone(), self.message).help(self.help))
+        let error = match self.inside {
+            Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
+                .related(at.clone(), "the script is named here"),
+            None => Diagnostic::at("script-file", at.clone(), self.message),
+        };
+        Box::new(error.help(self.help))
+    }
+
+    /// For the import at `at`.
+    fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
+        let Some(Span { source, range }) = self.inside else {
+            let text = format!("{}; {}", self.message, self.help);
+            return EvalAltResult::ErrorRuntime(text.into(), at).into();
+        };
+        let source = source.expect("it is in a file");
+        let (name, place) = (source.path.display().to_string(), source.place(range.start));
+        sources.state().texts.push((name.clone(), source));
+        let [line, column] =
+            [place.line, place.column].map(|n| u16::try_from(n).unwrap_or(u16::MAX));
+        let text = format!("{}; {}", self.message, self.help);
+        let wrong = EvalAltResult::ErrorRuntime(text.into(), Position::new(line, column));
+        EvalAltResult::ErrorInModule(name, wrong.into(), at).into()
     }
 }
 
@@ -82,7 +106,13 @@ impl Sources {
 
     /// Reads a file below the folder; gives what messages call it, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
-        let refuse = |message: String, help| Err(Problem { message, help });
+        let refuse = |message: String, help| {
+            Err(Problem {
+                message,
+                help,
+                inside: None,
+            })
+        };
         let shown = crate::scene::parse::suggest::text(file);
         let Some(folder) = &self.folder else {
             return refuse(format!("{shown} cannot be read here"), "");
@@ -100,6 +130,7 @@ impl Sources {
         let missing = |what: &str| Problem {
             message: format!("\"{}\" {what}", path.display()),
             help: "file names of scripts start from the scene's folder and end in .rhai",
+            inside: None,
         };
         let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
             std::io::ErrorKind::NotFound => missing("does not exist"),
@@ -117,17 +148,10 @@ impl Sources {
             ));
         }
         let bytes = fs::read(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
-        let text = String::from_utf8(bytes).map_err(|wrong| {
-            let valid = &wrong.as_bytes()[..wrong.utf8_error().valid_up_to()];
-            let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-            Problem {
-                message: format!(
-                    "{}:{line}: a script must be UTF-8 text, and byte {} is not",
-                    path.display(),
-                    valid.len() + 1
-                ),
-                help: "save the file as UTF-8 in your editor",
-            }
+        let text = String::from_utf8(bytes).map_err(|wrong| Problem {
+            message: "a script must be UTF-8 text, and this byte is not".to_owned(),
+            help: "save the file as UTF-8 in your editor",
+            inside: Some(Span::not_utf8(&path, &wrong)),
         })?;
         let name = path.display().to_string();
         self.add(&name, &text);
@@ -259,7 +283,7 @@ impl rhai::ModuleResolver for Resolver {
         }
         let (name, text) = match sources.read(&file) {
             Ok(read) => read,
-            Err(problem) => return fail(format!("{}; {}", problem.message, problem.help)),
+            Err(problem) => return Err(problem.in_import(sources, at)),
         };
         sources.state().open.push(file.clone());
         let inside = |wrong| Box::new(EvalAltResult::ErrorInModule(name.clone(), wrong, at));
@@ -270,9 +294,83 @@ impl rhai::ModuleResolver for Resolver {
                 ast.set_source(ImmutableString::from(name.as_str()));
                 rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine).map_err(inside)
             });
+        // It outlives this thread.
+        let is_deep = |(_, value): (&str, &Dynamic)| is_deeper(value, NESTED);
+        if (module.iter().flat_map(|module| module.iter_var())).any(is_deep) {
+            return fail(format!(
+                "\"{path}\" exports a value that is nested more than {NESTED} deep"
+            ));
+        }
         sources.state().open.pop();
         let module: Shared<rhai::Module> = module?.into();
         sources.state().modules.push((file, module.clone()));
         Ok(module)
     }
+}
+
+/// Where a key is written in a map that is a call's own argument, `call` being where that begins.
+pub fn key_of_call(call: &Span, key: &str) -> Option<Span> {
+    let source = call.source.as_ref()?;
+    let mut open = Vec::new();
+    let mut at = call.range.end;
+    while let Some(c) = source.text.get(at..)?.chars().next() {
+        let rest = &source.text[at..];
+        let skipped = match c {
+            '"' | '`' | '\'' => {
+                let end = end_of_text(&rest[1..], c)?;
+                let is_key = rest[1..].get(..end) == Some(key)
+                    && rest[end + 2..].trim_start().starts_with(':');
+                if is_key && open == ['(', '{'] {
+                    let range = at..at + end + 2;
+                    return Some(Span {
+                        source: Some(Arc::clone(source)),
+                        range,
+                    });
+                }
+                end + 2
+            }
+            '/' if rest.starts_with("//") => rest.find('\n')?,
+            '/' if rest.starts_with("/*") => rest.find("*/")? + 2,
+            '(' | '[' | '{' => {
+                open.push(c);
+                1
+            }
+            ')' | ']' | '}' => {
+                open.pop();
+                if open.is_empty() {
+                    return None;
+                }
+                1
+            }
+            c if c.is_alphanumeric() || c == '_' => {
+                let is_name = |c: char| c.is_alphanumeric() || c == '_';
+                let word = rest.split(|c| !is_name(c)).next().unwrap_or_default();
+                let is_key = word == key && rest[word.len()..].trim_start().starts_with(':');
+                if is_key && open == ['(', '{'] {
+                    let range = at..at + word.len();
+                    return Some(Span {
+                        source: Some(Arc::clone(source)),
+                        range,
+                    });
+                }
+                word.len()
+            }
+            c => c.len_utf8(),
+        };
+        at += skipped;
+    }
+    None
+}
+
+/// Where the quotes of a text close.
+fn end_of_text(text: &str, quote: char) -> Option<usize> {
+    let mut is_escaped = false;
+    let mut chars = text.char_indices();
+    chars.find_map(|(i, c)| {
+        if c == quote && !is_escaped {
+            return Some(i);
+        }
+        is_escaped = c == '\\' && !is_escaped && quote != '`';
+        None
+    })
 }

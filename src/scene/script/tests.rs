@@ -1,13 +1,20 @@
 //! Every example of the reference is run; purity and speed of calls.
 
 use std::{
+    hash::{DefaultHasher, Hash as _},
     path::Path,
     sync::{Arc, mpsc},
     thread,
     time::Duration,
 };
 
-use super::{Halt, Script, api};
+use rhai::{Dynamic, Map};
+
+use super::{
+    Halt, Script, api,
+    engine::{ARRAY, MAP},
+    limited::{Bounds, run_limited},
+};
 use crate::scene::{
     desc::SceneDesc,
     motion::{FrameState, Motion, Names},
@@ -137,8 +144,24 @@ fn mistakes_say_where_and_what_was_meant() {
             "same place",
         ),
         ("let height = 1; heigth + 1", "did you mean `height`?"),
-        ("ctx.params.cuont", "did you mean `count`?"),
-        ("ctx.tt", "`tt`"),
+        (
+            "ctx.params.cuont",
+            "did you mean `count`?; [params] has `count`",
+        ),
+        (
+            "ctx.time",
+            "did you mean `ctx.t`? a ctx has `t`, `frame`, `fps`, `start`, `end`, `params`",
+        ),
+        ("ctx.time = 1", "did you mean `ctx.t`?"),
+        ("ctx.tme", "did you mean `ctx.t`?"),
+        ("ctx.frme", "did you mean `ctx.frame`?"),
+        ("ctx.place", "call it: `ctx.place(name, position)`"),
+        ("vec3(1, 2, 3).w", "a vec3 has `x`, `y`, `z`"),
+        (
+            "let k = 2; [1].map(|x| x * k)",
+            "functions and closures see",
+        ),
+        ("Fn(\"x\").curry(1)", "`curry` is not part of scripts"),
         ("ctx.t = 1.0", "`t` is read-only"),
         ("ctx.place(1, 2)", "does not take (ctx, integer, integer)"),
         ("eval(\"1\")", "eval"),
@@ -149,6 +172,79 @@ fn mistakes_say_where_and_what_was_meant() {
         assert!(error.contains(says), "{body}:\n{error}");
         assert!(error.contains("test.rhai:2:"), "{body}:\n{error}");
     }
+}
+
+#[test]
+fn wrong_keys_are_placed_where_they_are_written() {
+    for (body, place, says) in [
+        (
+            "ctx.material(\"brass\", #{ metallic: 1, rougness: 1 });",
+            "2:41",
+            "there are `base_color`, `metallic`, `roughness`",
+        ),
+        (
+            "ctx.material(\"brass\", #{ // rougness: here\n\"roughness\": 2 });",
+            "3:1",
+            "0 to 1, not 2",
+        ),
+        (
+            "ctx.material(\"brass\", #{ roughness: \"a\" });",
+            "2:28",
+            "`roughness` must be a number",
+        ),
+        (
+            "ctx.light(\"lamp\", #{ color: [1, 1], direction: [0, 1, 0] });",
+            "2:24",
+            "`color` must be a vec3 or three numbers",
+        ),
+        (
+            "ctx.camera(\"main\", #{ eyes: [0, 0, 0] });",
+            "2:25",
+            "did you mean `eye`?",
+        ),
+        // Written elsewhere, or as a text.
+        (
+            "let m = #{ rougness: 1 }; ctx.material(\"brass\", m);",
+            "2:33",
+            "did you mean `roughness`?",
+        ),
+        (
+            "ctx.material(\"brass\", same(\"rougness: \"));",
+            "2:7",
+            "`rougness: `",
+        ),
+    ] {
+        let script = format!(
+            "fn frame(ctx) {{\n  {body}\n}}\nfn same(key) {{ let m = #{{}}; m[key] = 1; m }}"
+        );
+        let error = frame(&script).expect_err(body);
+        let is_there = error.contains(&format!("test.rhai:{place}\n"));
+        assert!(is_there && error.contains(says), "{body}:\n{error}");
+    }
+    let caught = "fn frame(ctx) { try { ctx.material(\"brass\", #{ a: 1 }); } \
+                  catch (e) { throw `caught: ${e}`; } }";
+    let error = frame(caught).expect_err("it throws");
+    assert!(error.contains("caught: a material has no `a`"), "{error}");
+}
+
+/// What Rhai does by recursion with a value, on the stack of a call.
+#[test]
+fn the_stack_of_a_call_holds_the_deepest_values() {
+    let ran = run_limited(Bounds::CALL, || {
+        let mut value = Dynamic::from(1_i64);
+        for _ in 0..MAP {
+            value = Map::from([("a".into(), value)]).into();
+        }
+        for _ in 0..ARRAY {
+            value = vec![value].into();
+        }
+        let copy = value.clone();
+        copy.hash(&mut DefaultHasher::new());
+        let sizes = rhai::Engine::new_raw().ensure_data_size_within_limits(&copy);
+        drop(copy);
+        sizes.map(|()| format!("{value:?}").len())
+    });
+    assert!(ran.result.expect("it has no limits") > MAP + ARRAY);
 }
 
 #[test]

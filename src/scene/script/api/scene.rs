@@ -1,10 +1,13 @@
 //! `ctx`: the call's time and parameters, and posing the scene by name.
 
 use glam::DMat4;
-use rhai::{Dynamic, Map};
+use rhai::{Dynamic, Map, NativeCallContext as Call};
 
 use super::{
-    super::context::{Context, position},
+    super::{
+        context::{Context, position},
+        nested::maps_equal,
+    },
     Entry,
     value::fail,
 };
@@ -55,10 +58,12 @@ pub static CALL: &[Entry] = &[
         register: |e| {
             e.register_get("params", |c: &mut Context| c.call.params.clone());
             // Rhai writes back what a method was called on, changed or not.
-            e.register_set("params", |c: &mut Context, new: Map| {
-                let same = format!("{new:?}") == format!("{:?}", c.call.params);
+            e.register_set("params", |call: Call, c: &mut Context, new: Map| {
                 let why = "`ctx.params` is what the scene says, and cannot be set";
-                if same { Ok(()) } else { fail(why.to_owned()) }
+                match maps_equal(&call, &new, &c.call.params, 0)? {
+                    true => Ok(()),
+                    false => fail(why.to_owned()),
+                }
             });
         },
     },

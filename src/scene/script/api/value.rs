@@ -1,9 +1,9 @@
 //! Types that scripts have beside Rhai's own, and what stands for a number, a vector or a rotation.
 
 use glam::{DMat4, DQuat, DVec3};
-use rhai::{Array, Dynamic, Engine, EvalAltResult};
+use rhai::{Array, Dynamic, Engine, EvalAltResult, Position};
 
-use crate::scene::motion::turned;
+use crate::scene::{motion::turned, parse::suggest};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -13,6 +13,40 @@ pub fn register_types(engine: &mut Engine) {
     engine.register_type_with_name::<DQuat>("quat");
     engine.register_type_with_name::<DMat4>("mat4");
     engine.register_type_with_name::<super::super::context::Context>("ctx");
+    engine.register_type_with_name::<WrongKey>("error");
+    engine.register_fn("to_string", |wrong: &mut WrongKey| wrong.message.clone());
+}
+
+/// What is wrong with a key of a map, which may be written where the call is.
+#[derive(Clone, Debug)]
+pub struct WrongKey {
+    /// The key.
+    pub key: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+}
+
+impl WrongKey {
+    /// Says of an error's message which key it is about.
+    pub fn of(key: &str) -> impl FnOnce(Box<EvalAltResult>) -> Box<EvalAltResult> {
+        move |wrong| match *wrong {
+            EvalAltResult::ErrorRuntime(message, _) => Self {
+                key: key.to_owned(),
+                message: message.to_string(),
+                help: None,
+            }
+            .into(),
+            other => other.into(),
+        }
+    }
+}
+
+impl From<WrongKey> for Box<EvalAltResult> {
+    fn from(wrong: WrongKey) -> Self {
+        EvalAltResult::ErrorRuntime(Dynamic::from(wrong), Position::NONE).into()
+    }
 }
 
 /// An error at the place of the call.
@@ -20,16 +54,21 @@ pub fn fail<T>(message: String) -> Result<T> {
     Err(message.into())
 }
 
-fn named(value: &Dynamic) -> String {
+/// A value in messages.
+pub fn named(value: &Dynamic) -> String {
     match value.type_name() {
+        "i64" => "an integer".to_owned(),
+        "f64" => "a float".to_owned(),
+        "bool" => "true or false".to_owned(),
+        "Fn" => "a function".to_owned(),
         "string" => format!(
-            "the text \"{}\"",
-            value.clone().into_string().unwrap_or_default()
+            "the text {}",
+            suggest::text(&value.clone().into_string().unwrap_or_default())
         ),
-        "array" => format!(
-            "an array of {} values",
-            value.read_lock::<Array>().map_or(0, |a| a.len())
-        ),
+        "array" => match value.read_lock::<Array>().map_or(0, |a| a.len()) {
+            1 => "an array of 1 value".to_owned(),
+            n => format!("an array of {n} values"),
+        },
         "map" => "a map".to_owned(),
         "()" => "nothing".to_owned(),
         other if other.contains("DVec3") => "a vec3".to_owned(),

@@ -1,0 +1,89 @@
+//! Names that are not there: functions, properties, keys; and what there is.
+
+use super::{super::api, Known};
+use crate::scene::parse::suggest;
+
+/// Kind of the message, the message, and what to do.
+type Explained = (&'static str, String, Option<String>);
+
+pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
+    let (name, arguments) = signature.split_once('(').unwrap_or((signature, ""));
+    let name = name.trim();
+    let arguments = plain_types(arguments.trim_end_matches(')'));
+    let own = api::signatures(name);
+    if !own.is_empty() {
+        let message = format!("{} does not take ({arguments})", suggest::key(name));
+        return (
+            "script-error",
+            message,
+            Some(format!("it is {}", own.join(", or "))),
+        );
+    }
+    let message = format!("there is no function {}", suggest::key(name));
+    let known = api::names().into_iter().chain(functions.iter().copied());
+    let help = suggest::nearest(name, known).map_or_else(
+        || "all functions are listed in docs/scripting.md".to_owned(),
+        |meant| format!("did you mean {}?", suggest::key(meant)),
+    );
+    ("script-error", message, Some(help))
+}
+
+/// Rhai's words for types, as people call them.
+fn plain_types(arguments: &str) -> String {
+    let one = |argument: &str| match argument.trim() {
+        "&str | ImmutableString | String" => "text".to_owned(),
+        "i64" => "integer".to_owned(),
+        "f64" => "float".to_owned(),
+        other => other.to_owned(),
+    };
+    arguments.split(',').map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// A key that a map lacks; most often that of `ctx.params`.
+pub fn missing_key(name: &str, known: &Known) -> Explained {
+    let help = suggest::nearest(name, known.params.iter().copied()).map_or_else(
+        || "write `\"name\" in map` to ask whether it is there".to_owned(),
+        |meant| format!("did you mean {}?", suggest::key(meant)),
+    );
+    let params: Vec<_> = known.params.iter().map(|name| suggest::key(name)).collect();
+    let help = if params.is_empty() {
+        format!("{help}; the scene has no [params]")
+    } else {
+        format!("{help}; [params] has {}", params.join(", "))
+    };
+    let message = format!("there is no property {}", suggest::key(name));
+    ("script-error", message, Some(help))
+}
+
+pub fn missing_property(text: &str) -> Explained {
+    let quoted: Vec<_> = text.split('\'').skip(1).step_by(2).collect();
+    let (name, of) = match quoted[..] {
+        [name, of, ..] if text.contains("property") && !name.is_empty() => (name, of),
+        _ => return ("script-error", super::lower_first(text), None),
+    };
+    let shown = suggest::key(name);
+    if text.contains("setter") && api::names().contains(&name) {
+        let help = "only what functions such as `ctx.place` set is shown".to_owned();
+        return ("script-error", format!("{shown} is read-only"), Some(help));
+    }
+    let owner = if of == "ctx" { "ctx." } else { "v." };
+    let (properties, functions) = api::members(owner);
+    if functions.contains(&name) {
+        let forms = api::signatures(name).join(", or ");
+        let message = format!("{shown} is a function");
+        return ("script-error", message, Some(format!("call it: {forms}")));
+    }
+    let is_letter = |word: &&str| word.len() == 1 && name.starts_with(word);
+    let short = || properties.iter().copied().find(is_letter);
+    let all = properties.iter().chain(&functions).copied();
+    let meant = suggest::nearest(name, all).or_else(short);
+    let meant = meant.map(|meant| format!("did you mean `{owner}{meant}`? "));
+    let list: Vec<_> = properties.iter().map(|p| format!("`{p}`")).collect();
+    let help = format!(
+        "{}a {of} has {}",
+        meant.unwrap_or_default(),
+        list.join(", ")
+    );
+    let message = format!("there is no property {shown}");
+    ("script-error", message, Some(help))
+}

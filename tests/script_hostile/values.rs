@@ -1,0 +1,180 @@
+//! Values that are nested deep, contradict themselves or reach beyond their type: none may end the
+//! process, whose stack or whose assertions Rhai's own functions would meet.
+
+use std::fs;
+
+use reflet::scene::motion::Motion;
+
+use crate::{folder, load, run};
+
+/// What makes `a` thousands of arrays or maps deep, in steps that copy and in steps that move.
+const DEEP: [&str; 4] = [
+    "let a = []; for i in 0..1500 { a = [a]; }",
+    "let a = #{}; for i in 0..1500 { a = #{ a: a }; }",
+    "let a = [1]; for i in 0..1500 { a = [#{ b: [a.pop()] }]; }",
+    "let a = #{ a: 1 }; for i in 0..1500 { a = #{ a: [#{ a: a.remove(\"a\") }] }; }",
+];
+
+/// What is done with it, and what that says; nothing where it is right.
+const DONE: [(&str, &str); 16] = [
+    ("", ""),
+    ("a = 1;", ""),
+    ("let b = a; b = [a, b]; let c = b;", ""),
+    ("same(a); same(same(a));", ""),
+    ("switch a { 1 => throw \"1\", _ => () }", ""),
+    ("let t = `${a}`; if t.len() < 1500 { throw t; }", ""),
+    ("return a;", ""),
+    ("[1, 2].map(|x| x).contains(a);", ""),
+    ("a == a", "nested more than 64 deep"),
+    ("[a] != [a]", "nested more than 64 deep"),
+    ("[[a]].contains([a])", "nested more than 64 deep"),
+    ("a.to_string()", "nested more than 64 deep"),
+    ("print(a)", "nested more than 64 deep"),
+    ("debug([a])", "nested more than 64 deep"),
+    ("#{ a: a }.to_json()", "nested more than 64 deep"),
+    ("throw a", "nested more than 64 deep"),
+];
+
+/// Bodies of `frame`, and what the message must say.
+const BODIES: &[(&str, &str)] = &[
+    ("ctx.params = #{ a: [[1]] };", "cannot be set"),
+    (
+        "let a = []; for i in 0..1500 { a = [a]; } ctx.place(\"ball\", a)",
+        "not an array of 1 value",
+    ),
+    (
+        "let a = []; for i in 0..1500 { a = [a]; } ctx.camera(\"main\", #{ eye: a })",
+        "not an array of 1 value",
+    ),
+    // Functions that hold what is around them, or functions that hold functions.
+    (
+        "let f = || 1; loop { let g = f; f = || g; }",
+        "no variable `g`",
+    ),
+    ("let a = []; let f = || a; a.push(f);", "no variable `a`"),
+    (
+        "let f = Fn(\"same\"); loop { f = Fn(\"same\").curry(f); }",
+        "`curry` is not part",
+    ),
+    ("let f = |f| f.call(f); f.call(f);", "more than 32 deep"),
+    ("Fn(\"frame\").call(ctx)", "more than 32 deep"),
+    ("Fn(\"nothing\").call()", "no function `nothing`"),
+    // Texts.
+    ("let s = \"x\"; loop { s = s + s + s; }", "too large"),
+    ("let s = \"x\"; loop { s = `${s}${s}`; }", "too large"),
+    (
+        "let s = \"\"; s.pad(1000000, 'x'); s.split(\"\")",
+        "too large",
+    ),
+    (
+        "let a = []; a.pad(49000, 1.25); let s = a.to_string(); let t = [s, s, s, s, s, s];",
+        "too large",
+    ),
+    (
+        "let s = \"\"; s.pad(500000, 'x'); let a = [s]; let t = a.to_string() + a.to_string(); t + t",
+        "too large",
+    ),
+    ("parse_int(\"z\", 99)", "radix"),
+    ("parse_int(\"99999999999999999999\")", "too large"),
+    ("\"abc\"[-9223372036854775807]", "out of bounds"),
+    // Numbers beyond their type.
+    ("-(-9223372036854775807 - 1)", "overflow"),
+    ("abs(-9223372036854775807 - 1)", "overflow"),
+    ("(-9223372036854775807 - 1) / -1", "overflow"),
+    ("(-9223372036854775807 - 1) % -1", "overflow"),
+    ("2 ** 64", "overflow"),
+    ("2 ** -1", "negative power"),
+    ("1e300.to_int()", "overflow"),
+    ("for i in range(0, 9, 0) { }", "step value"),
+    // Sorting.
+    (
+        "[1, [2]].order()",
+        "an integer and an array of 1 value have no order",
+    ),
+    (
+        "[1, 2].sort(|a, b| \"a\")",
+        "must give an integer, or true where the first comes first, not the text \"a\"",
+    ),
+    ("[3, 1, 2].sort(|a, b| a.size)", "hostile.rhai:10:25"),
+    ("[3, 1, 2].sort(|a, b| { loop { } })", "was ended"),
+    (
+        "let a = []; for i in 0..40 { a += i; } loop { a.sort(|a, b| b - a); }",
+        "more than 10,000,000 operations",
+    ),
+];
+
+#[test]
+fn values_of_any_depth_are_made_used_and_freed() {
+    let folder = folder("deep");
+    for made in DEEP {
+        for (done, says) in DONE {
+            let script = format!("fn same(x) {{ x }}\nfn frame(ctx) {{\n{made}\n{done}\n}}");
+            let desc = load(&folder, &script).expect("it compiles");
+            let posed = Motion::new(&desc).pose(0);
+            match (posed, says) {
+                (Ok(_), "") => {}
+                (Err(errors), says) if !says.is_empty() => {
+                    let error = errors[0].to_string();
+                    assert!(error.contains(says), "{made} {done}:\n{error}");
+                    assert!(error.contains("s.rhai:4:"), "{made} {done}:\n{error}");
+                }
+                (posed, _) => panic!("{made} {done}: {posed:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn values_beyond_their_limits_are_ended_with_a_message() {
+    let wrong: Vec<_> = BODIES.iter().filter_map(run).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
+}
+
+/// It would be freed with the script, on another thread.
+#[test]
+fn deep_values_are_not_exported() {
+    let folder = folder("export");
+    let part = "let a = []; for i in 0..1500 { a = [a]; }\nexport a;";
+    fs::write(folder.join("parts/deep.rhai"), part).expect("temporary file");
+    let script = "import \"parts/deep\" as deep;\nfn frame(ctx) { }";
+    let error = load(&folder, script).expect_err("it is too deep");
+    assert!(error.contains("nested more than 64 deep"), "{error}");
+    assert!(error.contains("s.rhai:1:"), "{error}");
+}
+
+/// Comparisons that contradict themselves sort somehow; numbers that are none come last.
+#[test]
+fn sorting_takes_any_comparison() {
+    let folder = folder("sort");
+    let pose = |body: &str| {
+        let desc = load(&folder, &format!("fn frame(ctx) {{\n{body}\n}}")).expect("it compiles");
+        Motion::new(&desc).pose(0)
+    };
+    let many = "let a = []; for i in 0..2000 { a.push(i * 7919 % 2003); }";
+    for body in [
+        "a.sort(|x, y| if hash01(x, y) < 0.5 { 1 } else { -1 }); if a.len() != 2000 { throw a; }",
+        "a.sort(|x, y| true); a.sort(|x, y| 1); if a.len() != 2000 { throw a; }",
+        "a.sort(); for i in 1..2000 { if a[i] < a[i - 1] { throw i; } }",
+        "a.sort(|x, y| y < x); for i in 1..2000 { if a[i] > a[i - 1] { throw i; } }",
+        "a[5] = 0.0 / 0.0; a[900] = 0.0 / 0.0; a.sort(); \
+         for i in 1..1998 { if a[i] < a[i - 1] { throw i; } } if a[1999] == a[1999] { throw a; }",
+        "let b = a.order_desc(); if b[0] < b[1] || a.order() == b { throw b; }",
+        "let b = a.map(|x| [x / 100, x]); b.sort(|x, y| x[0] - y[0]); let c = b; \
+         c.sort(|x, y| x[0] < y[0]); if b != c { throw b; }",
+    ] {
+        let posed = pose(&format!("{many}\n{body}"));
+        assert!(posed.is_ok(), "{body}: {posed:?}");
+    }
+    for body in [
+        "if [3, 1.5, 2].order() != [1.5, 2, 3] { throw 1; }",
+        "if [\"b\", \"a\"].order() != [\"a\", \"b\"] || ['b', 'a'].order_desc() != ['b', 'a'] { throw 2; }",
+        "if [true, false].order() != [false, true] || [].order() != [] { throw 3; }",
+        // Equal ones stay as they were.
+        "if [#{ k: 1, n: 0 }, #{ k: 0, n: 1 }, #{ k: 1, n: 2 }].order_by(|a, b| a.k - b.k)\
+         .map(|x| x.n) != [1, 0, 2] { throw 4; }",
+        "let a = [3, 1, 2]; try { a.sort(|x, y| x.size); } catch { } if a != [3, 1, 2] { throw 5; }",
+    ] {
+        let posed = pose(body);
+        assert!(posed.is_ok(), "{body}: {posed:?}");
+    }
+}
