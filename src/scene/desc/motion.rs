@@ -59,8 +59,8 @@ pub struct CameraMotionDesc {
     pub tracks: Tracks,
 }
 
-/// `[motion.instance.NAME]`: of an instance; what moves it needs one that is placed by `translation`, `rotation_deg` or
-/// `rotation_quat`, and `scale`.
+/// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` are of an instance that is
+/// placed by these or `rotation_quat`, not by `matrix`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceMotionDesc {
     /// Track of where the model's origin goes, meters.
