@@ -10,7 +10,9 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
-pub use self::material::{FileMaterial, MaterialChange, Values, file_materials, written};
+pub use self::material::{
+    FileMaterial, MaterialChange, Values, changing_overrides, file_materials, override_of, written,
+};
 pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
 use self::{number::Field, track::Track};
 use super::{
@@ -40,6 +42,8 @@ pub struct FrameState {
     pub materials: Vec<MaterialDesc>,
     /// What changes of each of [`file_materials`].
     pub file_materials: Vec<MaterialChange>,
+    /// What changes of each instance's own `material = { … }`.
+    pub overrides: Vec<MaterialChange>,
     /// What the script printed.
     pub log: Vec<String>,
 }
@@ -59,6 +63,8 @@ pub struct Names {
     pub file_materials: HashMap<(String, String), usize>,
     /// What the scene's tables say of each of those.
     pub written: Vec<MaterialDesc>,
+    /// What the own `material = { … }` of an instance says, where it may change.
+    pub overrides: HashMap<usize, MaterialDesc>,
     /// Which instances may move.
     pub dynamic: Vec<bool>,
     /// Which instances play animations.
@@ -85,6 +91,10 @@ impl Names {
                 .map(|(i, m)| ((m.model.to_owned(), m.material.to_owned()), i))
                 .collect(),
             written: of_files.iter().map(|m| written(desc, m)).collect(),
+            overrides: (changing_overrides(desc).into_iter().enumerate())
+                .filter(|(_, changes)| *changes)
+                .filter_map(|(i, _)| Some((i, override_of(&desc.instances[i])?.clone())))
+                .collect(),
             dynamic: moving(desc),
             playing: desc
                 .instances
@@ -115,7 +125,8 @@ impl SceneDesc {
 
 /// Which instances may move: those that say so, and those with motion.
 pub fn moving(desc: &SceneDesc) -> Vec<bool> {
-    let named: HashSet<_> = desc.motion.instances.iter().map(|e| &e.name).collect();
+    let moved = desc.motion.instances.iter().filter(|e| e.value.moves());
+    let named: HashSet<_> = moved.map(|e| &e.name).collect();
     let moves = |name: &Option<String>| name.as_ref().is_some_and(|name| named.contains(name));
     let instances = desc.instances.iter();
     instances.map(|i| i.dynamic || moves(&i.name)).collect()
@@ -152,6 +163,7 @@ pub struct Motion<'a> {
     lights: Vec<Moved<'a>>,
     materials: Vec<Moved<'a>>,
     file_materials: Vec<Moved<'a>>,
+    overrides: Vec<Moved<'a>>,
 }
 
 /// Something that tracks move, by its index.
@@ -189,6 +201,7 @@ impl<'a> Motion<'a> {
             lights: desc.lights.iter().map(|e| e.value).collect(),
             materials: desc.materials.iter().map(|e| e.value.clone()).collect(),
             file_materials: vec![MaterialChange::default(); names.file_materials.len()],
+            overrides: vec![MaterialChange::default(); desc.instances.len()],
             ..FrameState::default()
         };
         let find = |name: &str| names.instances.get(name).copied();
@@ -227,7 +240,12 @@ impl<'a> Motion<'a> {
             let index = *names.file_materials.get(&key)?;
             Some(moved(index, &e.at, &e.value.tracks))
         });
+        let overrides = motion.instances.iter().filter_map(|e| {
+            let index = *names.instances.get(&e.name)?;
+            Some(moved(index, &e.at, &e.value.material.as_ref()?.tracks))
+        });
         Self {
+            overrides: overrides.collect(),
             instances: motion.instances.iter().filter_map(instance).collect(),
             cameras: cameras.collect(),
             lights: lights.collect(),
@@ -270,6 +288,10 @@ impl<'a> Motion<'a> {
         for moved in &self.file_materials {
             let change = material::change(&moved.tracks, state.time_s);
             state.file_materials[moved.index] = change;
+        }
+        for moved in &self.overrides {
+            let change = material::change(&moved.tracks, state.time_s);
+            state.overrides[moved.index] = change;
         }
         self.follow(&mut state, |_, _| true);
         if let Some(script) = &self.desc.script {

@@ -1,5 +1,7 @@
 //! A frame's poses laid over a loaded world: instances, lights, cameras and material values.
 
+use std::borrow::Cow;
+
 use glam::{Affine3A, Vec3};
 
 use super::{
@@ -12,7 +14,7 @@ use crate::{
     scene::{
         desc::{CameraDesc, LightDesc, LightKind, MaterialDesc, ReflectionMode},
         diagnostic::{Diagnostic, Span},
-        motion::FrameState,
+        motion::{FrameState, MaterialChange, number::PLAIN},
     },
 };
 
@@ -88,6 +90,8 @@ pub struct Moved<T> {
 /// What tells how a material changes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialSource {
+    /// The default of shapes, over which something changes.
+    Plain,
     /// A `[material.NAME]`, by its index in `SceneDesc::materials`.
     Named(usize),
     /// A material of a file.
@@ -110,8 +114,21 @@ pub struct MovingMaterial {
     pub material: usize,
     /// What the instance lays over it, which wins.
     pub over: MaterialDesc,
+    /// What changes of that, as an index into `FrameState::overrides`.
+    pub over_change: Option<usize>,
     /// As it was loaded; each frame begins with it.
     pub rest: Material,
+}
+
+impl MovingMaterial {
+    /// What the instance lays over it in a frame, where `below` is what it lies on.
+    fn over_at(&self, state: &FrameState, below: &MaterialDesc) -> Cow<'_, MaterialDesc> {
+        let change = self.over_change.map(|index| &state.overrides[index]);
+        match change.filter(|change| **change != MaterialChange::default()) {
+            Some(change) => Cow::Owned(change.over(&self.over, &PLAIN.overlaid(below))),
+            None => Cow::Borrowed(&self.over),
+        }
+    }
 }
 
 impl World {
@@ -137,9 +154,13 @@ impl World {
             let material = &mut self.materials[moving.material];
             material.clone_from(&moving.rest);
             match &moving.from {
+                MaterialSource::Plain => {
+                    material.set_numbers(&moving.over_at(state, &PLAIN));
+                }
                 MaterialSource::Named(index) => {
-                    material.set_numbers(&state.materials[*index]);
-                    material.set_numbers(&moving.over);
+                    let below = &state.materials[*index];
+                    material.set_numbers(below);
+                    material.set_numbers(&moving.over_at(state, below));
                 }
                 MaterialSource::File {
                     changes,
@@ -151,7 +172,8 @@ impl World {
                         desc = state.file_materials[*change].over(&desc, own);
                     }
                     material.set_numbers(own);
-                    material.set_numbers(&desc.overlaid(&moving.over));
+                    let over = moving.over_at(state, &own.overlaid(&desc));
+                    material.set_numbers(&desc.overlaid(&over));
                 }
             }
         }

@@ -15,5 +15,6 @@ mod image;
 mod kit;
 mod limits;
 mod material;
+mod overrides;
 mod scene;
 mod skin;

@@ -22,7 +22,8 @@ pub struct TimelineDesc {
 pub struct MotionDesc {
     /// `camera.NAME`: paths of a camera.
     pub cameras: Vec<Entry<CameraMotionDesc>>,
-    /// `instance.NAME`: motion of an instance, by its `name`; it is dynamic then.
+    /// `instance.NAME`: motion of an instance, by its `name`, which is dynamic then, and changing
+    /// numbers of its own `material`.
     pub instances: Vec<Entry<InstanceMotionDesc>>,
     /// `light.NAME`: motion of a light.
     pub lights: Vec<Entry<LightMotionDesc>>,
@@ -58,8 +59,8 @@ pub struct CameraMotionDesc {
     pub tracks: Tracks,
 }
 
-/// `[motion.instance.NAME]`: of an instance that is placed by `translation`, `rotation_deg` or
-/// `rotation_quat`, and `scale`.
+/// `[motion.instance.NAME]`: `translation`, `rotation_deg` and `scale` are of an instance that is
+/// placed by these or `rotation_quat`, not by `matrix`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceMotionDesc {
     /// Track of where the model's origin goes, meters.
@@ -69,6 +70,17 @@ pub struct InstanceMotionDesc {
     pub rotation_deg: Option<TrackDesc>,
     /// Track of the factors on the model's size; must not pass 0.
     pub scale: Option<TrackDesc>,
+    /// Changing numbers of its own `material = { … }`, which it must have and which may be empty;
+    /// what that leaves open begins at what is below it.
+    pub material: Option<MaterialMotionDesc>,
+}
+
+impl InstanceMotionDesc {
+    /// Whether it is more than its material that changes.
+    pub fn moves(&self) -> bool {
+        let tracks = [&self.translation, &self.rotation_deg, &self.scale];
+        self.material.is_none() || tracks.iter().any(|track| track.is_some())
+    }
 }
 
 /// `[motion.light.NAME]`: only what the light's `kind` has.

@@ -1,13 +1,15 @@
 //! Numbers of materials over time: of those that the scene names, whose values at rest are known
 //! here, and of those inside files, whose are not.
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 
 use super::{
     number::{MATERIAL, MATERIAL_FIELDS, PLAIN},
     track::Track,
 };
-use crate::scene::desc::{MaterialDesc, SceneDesc};
+use crate::scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, SceneDesc};
 
 /// A material inside a model's file, or all of them as `"*"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +39,30 @@ pub fn file_materials(desc: &SceneDesc) -> Vec<FileMaterial<'_>> {
         (model.value.materials.iter()).for_each(|e| add(model.name.as_str(), e.name.as_str()));
     }
     found
+}
+
+/// For each instance whether its own `material = { … }` may change: for those with tracks for it,
+/// and, for a script, for those with a name.
+pub fn changing_overrides(desc: &SceneDesc) -> Vec<bool> {
+    let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame());
+    let tracks = desc.motion.instances.iter();
+    let named: HashSet<_> = tracks
+        .filter(|e| e.value.material.is_some())
+        .map(|e| e.name.as_str())
+        .collect();
+    let changes = |i: &InstanceDesc| {
+        let name = i.name.as_deref();
+        override_of(i).is_some() && name.is_some_and(|name| by_script || named.contains(name))
+    };
+    desc.instances.iter().map(changes).collect()
+}
+
+/// What an instance's own `material = { … }` says.
+pub fn override_of(instance: &InstanceDesc) -> Option<&MaterialDesc> {
+    match instance.material.as_ref()? {
+        InstanceMaterialDesc::Override(own) => Some(own),
+        InstanceMaterialDesc::Named(_) => None,
+    }
 }
 
 /// What the scene's tables say at rest of a material inside a file: of `"*"`, what they say of

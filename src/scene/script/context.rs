@@ -290,13 +290,30 @@ impl Context {
         let mut scene = self.scene();
         let material = &mut scene.state.materials[index];
         refuse_lacking(&values, material, || {
-            format!("material.{}", suggest::clip(name))
+            format!("`[material.{}]`", suggest::clip(name))
         })?;
         for (field, value) in MATERIAL.iter().zip(values) {
             if let Some(value) = value {
                 (field.put)(material, value);
             }
         }
+        Ok(())
+    }
+
+    /// Sets numbers of what an instance lays over its materials.
+    pub fn instance_material(&self, name: &str, keys: &Map) -> Result<()> {
+        let index = self.find("instance", name, |n| &n.instances)?;
+        let Some(own) = self.names()?.overrides.get(&index) else {
+            let shown = suggest::text(name);
+            return fail(format!(
+                "instance {shown} has no `material = {{ … }}` of its own; write `material = {{}}` \
+                 in its [[instance]]"
+            ));
+        };
+        let values = material_values(keys)?;
+        let path = || format!("`material` of instance {}", suggest::text(name));
+        refuse_lacking(&values, own, path)?;
+        self.scene().state.overrides[index].put(&values);
         Ok(())
     }
 
@@ -323,7 +340,7 @@ impl Context {
         let values = material_values(keys)?;
         refuse_lacking(&values, &self.names()?.written[index], || {
             let [model, name] = [model, name].map(suggest::clip);
-            format!("model.{model}.material.{name}")
+            format!("`[model.{model}.material.{name}]`")
         })?;
         self.scene().state.file_materials[index].put(&values);
         Ok(())

@@ -57,7 +57,7 @@ pub fn material_values(keys: &Map) -> Result<Values> {
     Ok(MATERIAL.each_ref().map(value))
 }
 
-/// Refuses what a material's table, here at `path`, must have before it can be set.
+/// Refuses what a material's table, here called `path`, must have before it can be set.
 pub fn refuse_lacking(
     values: &Values,
     rest: &MaterialDesc,
@@ -66,7 +66,7 @@ pub fn refuse_lacking(
     for (field, _) in MATERIAL.iter().zip(values).filter(|(_, v)| v.is_some()) {
         if let Some(lacking) = field.lacks(rest) {
             return fail(format!(
-                "`{}` cannot be set, because `[{}]` has none; write `{lacking}` there",
+                "`{}` cannot be set, because {} has none; write `{lacking}` there",
                 field.key,
                 path()
             ))

@@ -35,6 +35,7 @@ name = \"ball\"
 model = \"ball\"
 translation = [0, 1, 0]
 dynamic = true
+material = {}
 [[instance]]
 name = \"walker\"
 model = \"walker\"

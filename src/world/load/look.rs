@@ -41,7 +41,7 @@ impl Loader<'_> {
             None => base,
         };
         self.apply(&over, &mut material);
-        self.add_moving_material(key, name, over, material)
+        self.add_moving_material(key, name, (over, job.over_change), material)
     }
 
     pub fn instance_material(&mut self, job: &Job<'_>, loaded: usize, index: usize) -> usize {
@@ -60,7 +60,8 @@ impl Loader<'_> {
                 ..Material::default()
             };
             let material = self.named_material(name, base);
-            return self.add_moving_material(key, Some(name), MaterialDesc::default(), material);
+            let over = (MaterialDesc::default(), None);
+            return self.add_moving_material(key, Some(name), over, material);
         }
         // "*" first, then by name, then the instance: merged before they are applied, so that
         // factors such as uv_scale act once.
@@ -76,14 +77,15 @@ impl Loader<'_> {
             _ => MaterialDesc::default(),
         };
         let changes = self.changes_of(job.model, &own.name);
-        let from = (!changes.is_empty()).then(|| MaterialSource::File {
+        let is_moving = !changes.is_empty() || job.over_change.is_some();
+        let from = is_moving.then(|| MaterialSource::File {
             changes,
             own: own.numbers(),
             overrides: Box::new(desc.clone()),
         });
         let material = self.file_material(loaded, index, &desc.overlaid(&over));
         match from {
-            Some(from) => self.add_source(key, from, over, material),
+            Some(from) => self.add_source(key, from, (over, job.over_change), material),
             None => self.add_material(key, material),
         }
     }
@@ -106,35 +108,45 @@ impl Loader<'_> {
         &mut self,
         key: MaterialKey,
         name: Option<&At<String>>,
-        over: MaterialDesc,
+        over: (MaterialDesc, Option<usize>),
         material: Material,
     ) -> usize {
         let desc = self.desc;
         let by_script = desc.script.as_ref().is_some_and(|s| s.has_frame());
-        let moves = |name: &str| by_script || desc.motion.materials.iter().any(|m| m.name == name);
+        let over_changes = over.1.is_some();
+        let moves = |name: &str| {
+            over_changes || by_script || desc.motion.materials.iter().any(|m| m.name == name)
+        };
         let found = name.filter(|name| moves(&name.value));
         let found = found.and_then(|n| desc.materials.iter().position(|m| m.name == n.value));
-        let Some(entry) = found else {
-            return self.add_material(key, material);
+        let from = match found {
+            Some(entry) => MaterialSource::Named(entry),
+            None if over_changes => MaterialSource::Plain,
+            None => return self.add_material(key, material),
         };
-        self.add_source(key, MaterialSource::Named(entry), over, material)
+        self.add_source(key, from, over, material)
     }
 
     fn add_source(
         &mut self,
         key: MaterialKey,
         from: MaterialSource,
-        over: MaterialDesc,
+        (over, over_change): (MaterialDesc, Option<usize>),
         material: Material,
     ) -> usize {
-        let alike = |m: &&MovingMaterial| m.from == from && m.over == over && m.rest == material;
-        let same = self.world.moving.materials.iter().find(alike);
+        let alike = |m: &&MovingMaterial| {
+            m.from == from && m.over == over && m.over_change.is_none() && m.rest == material
+        };
+        // What changes with an instance is its own.
+        let mut known = self.world.moving.materials.iter();
+        let same = known.find(|m| over_change.is_none() && alike(m));
         let index = same.map_or(self.world.materials.len(), |m| m.material);
         if index == self.world.materials.len() {
             self.world.moving.materials.push(MovingMaterial {
                 from,
                 material: index,
                 over,
+                over_change,
                 rest: material.clone(),
             });
             self.world.materials.push(material);

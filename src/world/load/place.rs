@@ -15,7 +15,7 @@ use crate::{
     scene::{
         desc::{InstanceDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
-        motion::moving,
+        motion::{changing_overrides, moving},
     },
     world::{Instance, animation::Listed, pose::MovingInstance, rig::Player},
 };
@@ -38,13 +38,15 @@ pub struct Job<'a> {
     at: &'a Span,
     /// Whether it may move.
     dynamic: bool,
+    /// The same index, if its own material may change.
+    pub over_change: Option<usize>,
 }
 
 /// Every `[[instance]]`, then the models that none of them names.
 fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     let mut named = vec![false; desc.models.len()];
     let mut jobs = Vec::new();
-    let dynamic = moving(desc);
+    let (dynamic, changes) = (moving(desc), changing_overrides(desc));
     for (index, instance) in desc.instances.iter().enumerate() {
         let name = &instance.model.value;
         // A name without a model was reported before.
@@ -56,6 +58,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
                 instance: Some(instance),
                 at: &instance.at,
                 dynamic: dynamic[index],
+                over_change: changes[index].then_some(index),
             });
         }
     }
@@ -70,6 +73,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
         instance: None,
         at: &entry.at,
         dynamic: false,
+        over_change: None,
     }));
     jobs
 }

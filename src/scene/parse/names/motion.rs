@@ -5,8 +5,9 @@ use toml::de::DeTable;
 use super::Names;
 use crate::scene::{
     desc::{
-        At, Entry, LightKind, LightMotionDesc, MaterialDesc, MaterialMotionDesc, ModelMotionDesc,
-        ModelSource, PlacementDesc, SceneDesc, TrackDesc, Tracks,
+        At, Entry, InstanceMaterialDesc, InstanceMotionDesc, LightKind, LightMotionDesc,
+        MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource, PlacementDesc, SceneDesc,
+        TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
     motion::{
@@ -29,10 +30,11 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     refer_all(&mut Names::of("model", root), &motion.models, report);
     for entry in &motion.instances {
         refer_instance(root, &entry.name, &entry.at, report);
+        check_override(scene, root, entry, report);
         let fixed = scene.instances.iter().find(|i| {
             i.name.as_ref() == Some(&entry.name) && matches!(i.placement, PlacementDesc::Matrix(_))
         });
-        if let Some(instance) = fixed {
+        if let Some(instance) = fixed.filter(|_| entry.value.moves()) {
             let message = "an instance that is placed by `matrix` cannot have motion";
             let error = Diagnostic::at("wrong-motion", entry.at.clone(), message)
                 .help("place it by `translation`, `rotation_deg` and `scale`")
@@ -62,7 +64,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     for entry in &motion.materials {
         check_tracks(root, &entry.value.tracks, &MATERIAL, &entry.at, report);
         if let Some(material) = scene.materials.iter().find(|m| m.name == entry.name) {
-            let path = || format!("material.{}", suggest::clip(&entry.name));
+            let path = || format!("`[material.{}]`", suggest::clip(&entry.name));
             check_material(&material.value, entry, path, report);
         }
     }
@@ -120,10 +122,46 @@ fn check_model(
         let path = || {
             let [model, name] = [of.model, of.material].map(suggest::clip);
             let name = if name == "*" { "\"*\"".into() } else { name };
-            format!("model.{model}.material.{name}")
+            format!("`[model.{model}.material.{name}]`")
         };
         check_material(&written(scene, &of), material, path, report);
     }
+}
+
+/// What changes of an instance's own material, which must be there.
+fn check_override(
+    scene: &SceneDesc,
+    root: &DeTable,
+    entry: &Entry<InstanceMotionDesc>,
+    report: &mut Report,
+) {
+    let Some(motion) = &entry.value.material else {
+        return;
+    };
+    check_tracks(root, &motion.tracks, &MATERIAL, &entry.at, report);
+    let mut named = scene.instances.iter();
+    let Some(instance) = named.find(|i| i.name.as_ref() == Some(&entry.name)) else {
+        return;
+    };
+    let help = match &instance.material {
+        Some(InstanceMaterialDesc::Override(rest)) => {
+            let motion = Entry {
+                name: entry.name.clone(),
+                at: entry.at.clone(),
+                value: motion.clone(),
+            };
+            let path = || format!("`material` of instance {}", suggest::text(&entry.name));
+            return check_material(rest, &motion, path, report);
+        }
+        Some(InstanceMaterialDesc::Named(name)) => {
+            let name = suggest::clip(&name.value);
+            format!("write `[motion.material.{name}]`, or `material = {{}}` in its [[instance]]")
+        }
+        None => "write `material = {}` in its [[instance]]".to_owned(),
+    };
+    let message = "this instance has no `material = { … }` of its own that could change";
+    let error = Diagnostic::at("wrong-motion", entry.at.clone(), message).help(help);
+    report.push(error.related(instance.at.clone(), "the instance is here"));
 }
 
 fn first_motion(scene: &SceneDesc) -> Option<Span> {
@@ -213,7 +251,7 @@ fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut R
     }
 }
 
-/// What moves only where a material's table, at `path`, has it at rest.
+/// What moves only where a material's table, called `path`, has it at rest.
 fn check_material(
     rest: &MaterialDesc,
     entry: &Entry<MaterialMotionDesc>,
@@ -223,9 +261,9 @@ fn check_material(
     for (field, _) in &entry.value.tracks {
         let field = &MATERIAL[*field];
         if let Some(lacking) = field.lacks(rest) {
-            let message = format!("`{}` moves, but `[{}]` has none", field.key, path());
+            let message = format!("`{}` moves, but {} has none", field.key, path());
             let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
-            report.push(error.help(format!("write `{lacking}` in `[{}]`", path())));
+            report.push(error.help(format!("write `{lacking}` in {}", path())));
         }
     }
 }

@@ -81,6 +81,7 @@ impl Section for InstanceMotionDesc {
             translation: track::<Vec3>(t, "translation", ANY),
             rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
             scale: track::<Vec3>(t, "scale", ANY),
+            material: t.table("material"),
         })
     }
 }

@@ -173,6 +173,18 @@ pub static POSE: &[Entry] = &[
         },
     },
     Entry {
+        signature: "ctx.instance_material(name, #{ … })",
+        gives: "()",
+        text: "The same for an instance's own `material = { … }`, which it must have and which may be empty; it lays these numbers over all of its materials.",
+        example: "ctx.instance_material(\"ball\", #{ roughness: 0.3 }); true",
+        register: |e| {
+            e.register_fn(
+                "instance_material",
+                |c: &mut Context, name: &str, keys: Map| c.instance_material(name, &keys),
+            );
+        },
+    },
+    Entry {
         signature: "print(value); debug(value)",
         gives: "(); ()",
         text: "Writes a line to standard error, with the file and the line that it is written in; `debug` puts texts in quotes.",

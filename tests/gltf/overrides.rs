@@ -1,0 +1,178 @@
+//! An instance's own `material = { … }` over time: by tracks, by a script, over shapes, named
+//! materials and files, and of that instance alone.
+
+use reflet::{
+    scene::{desc::SceneDesc, parse},
+    world::{Material, World},
+};
+
+use crate::{
+    animation::posed,
+    kit::{Folder, stone},
+};
+
+const SCENE: &str = "
+version = 1
+timeline = { fps = 2, end = 8 }
+[material.brass]
+roughness = 0.5
+metallic = 1
+[model.ball]
+shape = { kind = \"box\" }
+material = \"brass\"
+[model.bare]
+shape = { kind = \"box\" }
+[model.stone]
+file = \"m.glb\"
+material.stone = { roughness = 0.5 }
+[[instance]]
+name = \"still\"
+model = \"ball\"
+material = { roughness = 0.25 }
+[[instance]]
+name = \"ball\"
+model = \"ball\"
+material = { roughness = 0.25 }
+[[instance]]
+name = \"bare\"
+model = \"bare\"
+material = {}
+[[instance]]
+name = \"stone\"
+model = \"stone\"
+material = { metallic = 0.5 }
+[[instance]]
+name = \"other\"
+model = \"stone\"
+[camera.main]
+";
+
+const MOTION: &str = "
+[motion.instance.ball.material]
+roughness = { keys = [{ at_s = 0, value = 0.25 }, { at_s = 2, value = 1 }] }
+metallic = { rate = -0.25 }
+[motion.instance.bare.material]
+base_color = { rate = [-0.5, 0, 0] }
+[motion.instance.stone.material]
+roughness = { rate = 0.25 }
+metallic = { rate = -0.25 }
+";
+
+fn read(folder: &Folder, text: &str) -> Result<SceneDesc, String> {
+    folder.write("m.glb", stone().glb());
+    let path = folder.write("scene.toml", text);
+    parse::load(&path, &[])
+        .map(|(desc, _)| desc)
+        .map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
+}
+
+/// The material of the first mesh of each instance of the scene, in their order.
+fn materials(world: &World) -> Vec<&Material> {
+    let instances = world.instances.iter();
+    instances.map(|i| &world.materials[i.material]).collect()
+}
+
+#[test]
+fn they_change_by_tracks() {
+    let folder = Folder::new();
+    let desc = read(&folder, &format!("{SCENE}{MOTION}")).expect("it is right");
+    for (frame, ball, bare, stone) in [
+        (0, (0.25, 1.0), 1.0, (0.5, 0.5)),
+        (2, (0.625, 0.75), 0.5, (0.75, 0.25)),
+        (8, (1.0, 0.0), 0.0, (1.0, 0.0)),
+    ] {
+        let world = posed(&desc, frame);
+        let found = materials(&world);
+        let of = |i: usize| (found[i].roughness, found[i].metallic);
+        assert_eq!(of(0), (0.25, 1.0), "what stands still, in frame {frame}");
+        assert_eq!(of(1), ball, "frame {frame}");
+        assert_eq!(found[2].base_color.x, bare, "frame {frame}");
+        assert_eq!(of(3), stone, "frame {frame}");
+        assert_eq!(of(4), (0.5, 0.25), "the file's, in frame {frame}");
+        // Numbers that change move nothing.
+        assert!(world.moving.instances.is_empty());
+    }
+}
+
+#[test]
+fn they_change_by_script_over_what_is_below_them() {
+    let folder = Folder::new();
+    folder.write(
+        "s.rhai",
+        "fn frame(ctx) {
+            ctx.material(\"brass\", #{ metallic: 0.125, roughness: 0.125 });
+            ctx.material(\"stone\", \"stone\", #{ roughness: 0.125 });
+            ctx.instance_material(\"ball\", #{ roughness: ctx.t });
+            ctx.instance_material(\"bare\", #{ base_color: [0, ctx.t, 0] });
+            ctx.instance_material(\"stone\", #{ metallic: ctx.t });
+        }",
+    );
+    let text = format!("script = \"s.rhai\"\n{SCENE}");
+    let desc = read(&folder, &text).expect("it is right");
+    let world = posed(&desc, 1);
+    let found = materials(&world);
+    let of = |i: usize| (found[i].roughness, found[i].metallic);
+    assert_eq!(of(0), (0.25, 0.125));
+    assert_eq!(of(1), (0.5, 0.125));
+    assert_eq!(found[2].base_color.truncate().to_array(), [0.0, 0.5, 0.0]);
+    assert_eq!(of(3), (0.125, 0.5));
+    assert_eq!(of(4), (0.125, 0.25));
+}
+
+#[test]
+fn what_has_none_of_its_own_is_refused() {
+    let folder = Folder::new();
+    for (motion, says) in [
+        (
+            "other.material]\nroughness = { rate = 1 }",
+            "write `material = {}` in its [[instance]]",
+        ),
+        (
+            "ball.material]\nalpha_cutoff = { rate = 1 }",
+            "`alpha_cutoff` moves, but `material` of instance \"ball\" has none",
+        ),
+        (
+            "ball.material]\nroughnes = { rate = 1 }",
+            "did you mean `roughness`?",
+        ),
+        (
+            "ball.material]\nbase_color = { orbit = { period_s = 1 } }",
+            "a color is no position",
+        ),
+        (
+            "nobody.material]\nroughness = { rate = 1 }",
+            "no instance is named \"nobody\"",
+        ),
+    ] {
+        let text = format!("{SCENE}[motion.instance.{motion}\n");
+        let error = read(&folder, &text).expect_err(motion);
+        assert!(error.contains(says), "{motion}: {error}");
+    }
+    let named = SCENE.replace("material = {}", "material = \"brass\"");
+    let motion = "[motion.instance.bare.material]\nroughness = { rate = 1 }\n";
+    let error = read(&folder, &format!("{named}{motion}")).expect_err("it is named");
+    assert!(error.contains("[motion.material.brass]"), "{error}");
+    for (call, says) in [
+        (
+            "\"other\", #{}",
+            "write `material = {}` in its [[instance]]",
+        ),
+        ("\"bal\", #{}", "did you mean \"ball\"?"),
+        (
+            "\"ball\", #{ checker_size_m: 1 }",
+            "`material` of instance \"ball\" has none",
+        ),
+    ] {
+        let script = format!("fn frame(ctx) {{ ctx.instance_material({call}); }}");
+        folder.write("s.rhai", script);
+        let desc = read(&folder, &format!("script = \"s.rhai\"\n{SCENE}")).expect("it is right");
+        let errors = reflet::scene::motion::Motion::new(&desc)
+            .pose(0)
+            .expect_err(call);
+        assert!(
+            errors[0].to_string().contains(says),
+            "{call}: {}",
+            errors[0]
+        );
+    }
+}
