@@ -389,3 +389,15 @@ def test_a_crowd_of_instanced_mirrored_and_delayed_characters(tmp_path: Path) ->
     assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
     checks = {check.name: check.compared for check in proof.checks}
     assert min(checks[name] for name in ("skinning", "joints", "area", "winding")) > 20
+
+
+@pytest.mark.parametrize("frames", [None, (5.5, 20.0)])
+@pytest.mark.parametrize("scales", ["[(1, 1, 1)]", "{ 0: [(1, 1, 1)], 24: [(3, 1, 1)] }"])
+def test_characters_agree_between_the_ends_of_a_range(
+    tmp_path: Path, scales: str, frames: tuple[float, float] | None
+) -> None:
+    name = "scales.timeSamples" if "{" in scales else "scales"
+    text = CHARACTER.replace("scales = [(1, 1, 1)]", f"{name} = {scales}")
+    done = convert_text(tmp_path, text, frames=frames)
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]

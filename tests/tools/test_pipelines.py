@@ -138,12 +138,36 @@ def Xform "G" (
 """
     done = proven(tmp_path, text)
     assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[1, 0, 0]]
-    told = [w["message"] for w in done.sidecar["warnings"] if w["prim"] == "/G"]
-    assert sorted(message.split("'")[1] for message in told) == [
-        "material:binding:collection:preview:some",
-        "material:binding:preview",
-    ]
+    assert done.warnings("/G/S") == done.warnings("/G/M") == {"binding-purpose-dropped"}
+    assert done.warnings("/G") == set()
+
+
+def test_a_binding_for_previews_alone_counts(tmp_path: Path) -> None:
+    text = f"""
+def Xform "G" (
+    prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:some"]
+)
+{{
+    rel material:binding:collection:preview:some = [</G.collection:some>, </Blue>]
+    rel material:binding:odd = </Red>
+    uniform token collection:some:expansionRule = "expandPrims"
+    rel collection:some:includes = </G/S>
+    def Sphere "S"
+    {{
+    }}
+    def Mesh "M" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
+    {{{GRID}
+        rel material:binding:preview = </Blue>
+    }}
+}}
+{BLUE}{RED}
+"""
+    done = proven(tmp_path, text)
+    assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[0, 0, 1]]
     assert done.warnings("/G") == {"binding-purpose-dropped"}
+    assert done.warnings("/G/S") == done.warnings("/G/M") == set()
 
 
 def test_a_face_in_several_subsets_is_the_first_ones(tmp_path: Path) -> None:

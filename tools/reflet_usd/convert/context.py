@@ -45,6 +45,8 @@ class Context:
     """Bounds of prims at `time`, made when the first transform needs them."""
     bound_collections: set[str] | None = None
     """Paths of the collections that bind materials, found when the first collection is met."""
+    previewed: bool = False
+    """Whether a binding for the purpose `preview` was met."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 

@@ -12,6 +12,7 @@ from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Array
 
 _BINDING = "material:binding:"
+_PREVIEW = UsdShade.Tokens.preview
 
 
 @dataclass
@@ -25,27 +26,45 @@ class FaceGroup:
 
 
 def bound_material(prim: Usd.Prim) -> Usd.Prim | None:
-    """The material that wins for `prim`: inherited, collection and purpose bindings included."""
-    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(
-        materialPurpose=UsdShade.Tokens.full
-    )
+    """The material that wins for `prim`: inherited, collection and purpose bindings included.
+
+    Bindings for `preview` count where nothing is bound for `full` or for all purposes.
+    """
+    return _material_for(prim, UsdShade.Tokens.full) or _material_for(prim, _PREVIEW)
+
+
+def _material_for(prim: Usd.Prim, purpose: str) -> Usd.Prim | None:
+    api = UsdShade.MaterialBindingAPI(prim)
+    material, _ = api.ComputeBoundMaterial(materialPurpose=purpose)
     return material.GetPrim() if material else None
 
 
-def warn_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]) -> None:
-    """Name the bindings among the authored `names` that are for other purposes than `full`."""
+def note_binding_purposes(context: Context, prim: Usd.Prim, names: Iterable[str]) -> None:
+    """Name the bindings among the authored `names` whose purpose nothing asks for."""
     for name in names:
         if name.startswith(_BINDING):
             parts = name.removeprefix(_BINDING).split(":")
             purposes = parts[1:-1] if parts[0] == "collection" else parts
-            if purposes and purposes[0] != UsdShade.Tokens.full:
-                message = f"'{name}' is not followed, only bindings for all purposes and 'full'"
+            if purposes and purposes[0] == _PREVIEW:
+                context.previewed = True
+            elif purposes and purposes[0] != UsdShade.Tokens.full:
+                message = f"'{name}' is for a purpose that is not followed"
                 context.ledger.warn("binding-purpose-dropped", prim, message)
+
+
+def _winner(context: Context, prim: Usd.Prim) -> Usd.Prim | None:
+    """`bound_material`, with a warning where another one is bound for previews."""
+    own = bound_material(prim)
+    other = _material_for(prim, _PREVIEW) if own and context.previewed else None
+    if own and other and own != other:
+        message = f"its material for 'preview', {other.GetPath()}, is not carried"
+        context.ledger.warn("binding-purpose-dropped", prim, message)
+    return own
 
 
 def face_groups(context: Context, prim: Usd.Prim) -> list[FaceGroup]:
     """One group per material-bind subset, then one for the faces that no subset names."""
-    own = bound_material(prim)
+    own = _winner(context, prim)
     if not prim.IsA(UsdGeom.Mesh) or not prim.GetAllChildrenNames():
         return [FaceGroup(own, None)]
     subsets = UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim))
@@ -86,7 +105,7 @@ def _split(
             context.ledger.warn("subset-overlap", subset.GetPrim(), message)
         faces = faces[free[faces]]
         free[faces] = False
-        material = bound_material(subset.GetPrim()) or own
+        material = _winner(context, subset.GetPrim()) or own
         groups.append(FaceGroup(material, faces, subset.GetPrim()))
         context.ledger.carry(subset.GetPrim())
     if free.any():

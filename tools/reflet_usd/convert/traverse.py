@@ -28,7 +28,7 @@ from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
-from reflet_usd.convert.subsets import warn_binding_purposes
+from reflet_usd.convert.subsets import note_binding_purposes
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import column_matrix, place
 
@@ -187,7 +187,7 @@ class Traversal:
         names = [str(name) for name in prim.GetAuthoredPropertyNames()]
         keep_custom_properties(self.context, prim, node, names)
         keep_collections(self.context, prim, node, names)
-        warn_binding_purposes(self.context, prim, names)
+        note_binding_purposes(self.context, prim, names)
         keep_metadata(self.context, prim, node)
         warn_schemas(self.context, prim)
 

@@ -147,6 +147,7 @@ def _compare(
     from .usd_skel import (
         JointTruth,
         bake,
+        key_ends,
         keyed_skeletons,
         moving_points,
         skin_times,
@@ -163,6 +164,7 @@ def _compare(
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
     split_skeletons(truth.stage)
+    key_ends(truth.stage, frames or ())
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
     proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
@@ -211,7 +213,7 @@ def _compare_moving(
         for key in outermost if inner in keyed.prims else ():
             own = keyed.prims[inner]
             keyed.prims[key] = keyed.prims.get(key, own) & own
-    baked = baked_codes(truth.stage, comparer.skinned)
+    baked = baked_codes(truth.stage, comparer.skinned, skin_codes)
     for code in sorted({*_spread(codes, _GEOMETRY_TIMES), *between}):
         at = f"at time code {code:g}"
         seconds = (code - truth.time_origin) / truth.codes_per_second

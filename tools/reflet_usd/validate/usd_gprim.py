@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices, Surface
+from .usd_material import bound_material
 from .usd_mesh import NO_COLOR, CornerMap, LocalMesh, array_of, corner_colors, flattened
 
 _AXES = {"X": 0, "Y": 1, "Z": 2}
@@ -52,14 +53,9 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
     else:
         return None
     shape = kind.removesuffix("_1").lower()
-    material = _material(prim)
+    material = bound_material(prim)
     color, undefined = _color(prim, time)
     return Surface(shape, radius, height, axis, matrix, color, undefined, material)
-
-
-def _material(prim: Usd.Prim) -> str:
-    binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
-    return str(binding.GetPath()) if binding else ""
 
 
 def _color(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, tuple[str, ...]]:
@@ -126,7 +122,7 @@ def _oriented(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices)
 
 
 def _flat_mesh(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:
-    material = _material(prim)
+    material = bound_material(prim)
     color, undefined = _color(prim, time)
     colors = None if color is None else np.tile(color, (faces.size, 1))
     if prim.IsA(UsdGeom.Cube):

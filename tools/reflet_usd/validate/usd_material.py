@@ -114,6 +114,16 @@ class PreviewInput:
         return PreviewInput(self.fallback, None)
 
 
+def bound_material(prim: Usd.Prim) -> str:
+    """Path of the material that final renders show, else of the one for previews; empty without."""
+    api = UsdShade.MaterialBindingAPI(prim)
+    for purpose in (UsdShade.Tokens.full, UsdShade.Tokens.preview):
+        material = api.ComputeBoundMaterial(purpose)[0]
+        if material:
+            return str(material.GetPath())
+    return ""
+
+
 def surface_shader(material: Usd.Prim) -> UsdShade.Shader | None:
     """The shader of the material's surface, for any renderer or for MaterialX; None without."""
     for context in ("", "mtlx"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pxr import Gf, Usd, UsdGeom, UsdSkel
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
 from .facts import Array
 from .usd_stage import TruthStage
@@ -132,6 +132,18 @@ def split_instances(stage: Usd.Stage, path: object) -> None:
         prim = stage.GetPrimAtPath(path)
 
 
+def key_ends(stage: Usd.Stage, frames: Iterable[float]) -> None:
+    """Give skeleton animations keys at the ends of a range, as the converter does, in memory."""
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for prim in [prim for prim in _prims(stage) if prim.IsA(UsdSkel.Animation)]:
+            for attribute in () if prim.IsInstanceProxy() else prim.GetAttributes():
+                codes = attribute.GetTimeSamples()
+                ends = [code for code in frames if len(codes) > 1 and codes[0] < code < codes[-1]]
+                keys = [(code, attribute.Get(code)) for code in sorted({*codes, *ends})]
+                for code, value in keys if ends else ():
+                    attribute.Set(Sdf.ValueBlock() if value is None else value, code)
+
+
 def split_skeletons(stage: Usd.Stage) -> None:
     """Make native instances that hold skeletons ordinary prims, in the session layer.
 
@@ -143,14 +155,20 @@ def split_skeletons(stage: Usd.Stage) -> None:
             _split_below(stage, path)
 
 
-def baked_codes(stage: Usd.Stage, skinned: Iterable[str]) -> dict[str, set[float]]:
-    """The codes at which baked prims are exact: those of their points, else of their matrices."""
+def baked_codes(
+    stage: Usd.Stage, skinned: Iterable[str], keys: Iterable[float]
+) -> dict[str, set[float]]:
+    """The codes at which baked prims are exact: those of their points, else of their matrices.
+
+    Of these only the animations' own `keys` count: between them USD rounds scales to half floats.
+    """
+    authored = set(keys)
     found: dict[str, set[float]] = {}
     for path in skinned:
         points = UsdGeom.PointBased(stage.GetPrimAtPath(path))
         for codes in (points.GetPointsAttr().GetTimeSamples(), points.GetTimeSamples()):
             if len(codes) > 1:
-                found.setdefault(path, set(codes))
+                found.setdefault(path, authored & set(codes))
     return found
 
 

@@ -13,6 +13,7 @@ from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_light import read_light
+from .usd_material import bound_material
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
@@ -245,10 +246,8 @@ def face_materials(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Indices, list[st
     paths: list[str] = []
 
     def label(target: Usd.Prim) -> int:
-        material = UsdShade.MaterialBindingAPI(target).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
-        if not material:
-            return -1
-        return _place_of(str(material.GetPath()), paths)
+        path = bound_material(target)
+        return _place_of(path, paths) if path else -1
 
     result[:] = label(prim)
     # Of subsets that share a face the first one has it.
