@@ -115,7 +115,8 @@ impl Watched {
 
     /// Waits until the script that prints this is shown.
     fn taken(&mut self, line: &str) {
-        self.facts(|facts| facts.log.iter().any(|known| known == line));
+        let line = format!(": {line}"); // after its place
+        self.facts(|facts| facts.log.iter().any(|known| known.ends_with(&line)));
     }
 
     fn begins(&mut self) {
