@@ -9,7 +9,7 @@ use std::{
 use crate::{
     scene::{diagnostic::Diagnostic, parse::toml_text},
     world::{
-        gltf::{self, Fault, Playable, Sandbox},
+        gltf::{Fault, Playable, Sandbox},
         load::LoadOptions,
         usd,
     },
@@ -91,7 +91,8 @@ fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, 
     }
     let glb = usd::convert(&path, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
-    gltf::playable(&glb, &Sandbox::new([folder], options.max_file_bytes))
+    let sandbox = Sandbox::new([folder], options.max_file_bytes);
+    Ok(options.ahead.read(&glb, &sandbox))
 }
 
 /// What is played, and how long that takes; broken animations cannot be.

@@ -37,7 +37,7 @@ mod skin;
 mod transform;
 pub(super) mod uri;
 
-pub use animation::{Clip, Playable, Stage, StageTime, playable};
+pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
 pub use uri::Sandbox;

@@ -267,7 +267,8 @@ impl<'a> Loader<'a> {
         let converted = usd::convert(path, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
-        let mut model = read_guarded(&converted.glb, &sandbox)?;
+        let ready = self.options.ahead.take(&converted.glb);
+        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox), Ok)?;
         model.warnings.extend(converted.warnings);
         model.files = converted.files;
         Ok(model)

@@ -236,7 +236,9 @@ fn a_file_tells_what_it_can_play() {
     let path = folder.write("m.glb", cart().glb());
     let sandbox = gltf::Sandbox::new([folder.0.as_path()], 1 << 20);
     let path = path.canonicalize().expect("it is there");
-    let playable = gltf::playable(&path, &sandbox).expect("it can be read");
+    let playable = gltf::read(&path, &sandbox)
+        .expect("it can be read")
+        .playable();
     let found: Vec<_> = (playable.clips.iter())
         .map(|c| {
             (
@@ -251,7 +253,9 @@ fn a_file_tells_what_it_can_play() {
     doc.json["scenes"][0]["extras"] = json!({"usd": {"timeCodesPerSecond": 30, "timeOrigin": 101,
         "startTimeCode": null, "endTimeCode": 150, "upAxis": "Y", "domeRadiance": [1, 0.5, 0]}});
     folder.write("m.glb", doc.glb());
-    let playable = gltf::playable(&path, &sandbox).expect("it can be read");
+    let playable = gltf::read(&path, &sandbox)
+        .expect("it can be read")
+        .playable();
     assert_eq!(playable.stage.dome_radiance, Some([1.0, 0.5, 0.0]));
     let stage = playable.stage.time.expect("it was a stage");
     assert_eq!((stage.rate, stage.origin), (30.0, 101.0));

@@ -142,10 +142,11 @@ impl AtOnce for Live {
 
     fn tune_now(&mut self, tuned: Tuned) -> Reload {
         self.tune(tuned);
-        let errand = self.reading(Keeps {
+        let keeps = Keeps {
             files: true,
             edits: true,
-        });
+        };
+        let errand = self.reading(keeps, self.posed_frame());
         self.take(errand.run())
     }
 }

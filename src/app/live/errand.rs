@@ -2,7 +2,10 @@
 //! do it while pictures are drawn.
 
 use std::{
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant, SystemTime},
 };
 
@@ -61,7 +64,11 @@ impl Keeps {
 
 /// Reading the scene and posing its wanted frame, or posing another frame of a known scene.
 #[derive(Debug)]
-pub struct Errand(Work);
+pub struct Errand {
+    work: Work,
+    /// Whether it has come so far that it poses its frame.
+    pub poses: Arc<AtomicBool>,
+}
 
 #[derive(Debug)]
 enum Work {
@@ -102,11 +109,15 @@ pub(super) enum Outcome {
 }
 
 impl Errand {
-    /// The frame that is posed, if the scene is not read anew.
-    pub fn posed_frame(&self) -> Option<u32> {
-        match self.0 {
-            Work::Read { .. } => None,
-            Work::Pose { frame, .. } => Some(frame),
+    fn new(work: Work) -> Self {
+        let poses = Arc::new(AtomicBool::new(matches!(work, Work::Pose { .. })));
+        Self { work, poses }
+    }
+
+    /// The frame that is wanted; that of a scene which is not read yet may be outside of it.
+    pub fn frame(&self) -> u32 {
+        match self.work {
+            Work::Read { frame, .. } | Work::Pose { frame, .. } => frame,
         }
     }
 
@@ -114,7 +125,7 @@ impl Errand {
     /// what came of it is worth nothing.
     pub fn run(self) -> Done {
         let (since, started) = (SystemTime::now(), Instant::now());
-        let outcome = match self.0 {
+        let outcome = match self.work {
             Work::Read {
                 origin,
                 tuned,
@@ -123,6 +134,7 @@ impl Errand {
                 keeps,
             } => Outcome::Read {
                 read: read(&origin, &tuned, &scripts, frame).map(|read| {
+                    self.poses.store(true, Ordering::Relaxed);
                     let pose = pose_of(&read.desc, read.frame);
                     (read, pose)
                 }),
@@ -198,16 +210,16 @@ impl Live {
         })
     }
 
-    /// Reading the scene that is on disk. Scripts that it looks for are in [`Live::watch_list`] as
+    /// Reading the scene that is on disk, at a frame. Scripts that it looks for are in [`Live::watch_list`] as
     /// soon as they are known.
-    pub fn reading(&mut self, keeps: Keeps) -> Errand {
+    pub fn reading(&mut self, keeps: Keeps, frame: u32) -> Errand {
         self.read_since = SystemTime::now();
         self.ahead = Trail::default();
-        Errand(Work::Read {
+        Errand::new(Work::Read {
             origin: self.origin.clone(),
             tuned: self.tuned.clone(),
             scripts: self.ahead.clone(),
-            frame: self.frame,
+            frame,
             keeps,
         })
     }
@@ -230,7 +242,7 @@ impl Live {
             (&self.desc, is_known)
         };
         (!is_known).then(|| {
-            Errand(Work::Pose {
+            Errand::new(Work::Pose {
                 frame: within(desc, frame),
                 desc: desc.clone(),
             })

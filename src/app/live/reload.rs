@@ -60,7 +60,7 @@ impl Live {
         let shaders = self.reload_shaders(changes);
         match Self::after(changes) {
             Some(keeps) => {
-                let done = self.reading(keeps).run();
+                let done = self.reading(keeps, self.frame).run();
                 shaders.and(self.take(done))
             }
             None => shaders,

@@ -1,7 +1,11 @@
 //! Scripts run beside the rendering thread, which goes on with the last good scene meanwhile.
 
 use std::{
-    sync::mpsc::{self, Receiver, RecvTimeoutError},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{self, Receiver, RecvTimeoutError},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -37,10 +41,13 @@ struct Running {
     halt: Halt,
     answer: Receiver<Done>,
     started: Instant,
+    frame: u32,
+    poses: Arc<AtomicBool>,
 }
 
 impl Running {
     fn start(errand: Errand, desk: &Desk) -> Self {
+        let (frame, poses) = (errand.frame(), errand.poses.clone());
         let (sender, answer) = mpsc::channel();
         let halt = Halt::default();
         let (own, desk) = (halt.clone(), desk.clone());
@@ -55,7 +62,14 @@ impl Running {
             halt,
             answer,
             started: Instant::now(),
+            frame,
+            poses,
         }
+    }
+
+    /// Whether it poses another frame than this.
+    fn poses_other(&self, frame: u32) -> bool {
+        self.frame != frame && self.poses.load(Ordering::Relaxed)
     }
 
     /// What came of it, if it is done or soon will be.
@@ -80,8 +94,7 @@ impl Drop for Running {
 pub(super) struct Errands {
     wanted: Option<Wanted>,
     reading: Option<(Running, Wanted)>,
-    /// With its frame.
-    posing: Option<(Running, u32)>,
+    posing: Option<Running>,
     /// Since when something runs, as it was told.
     told: Option<Instant>,
     /// When what runs must be looked at again.
@@ -177,7 +190,7 @@ impl State {
         let (reading, posing) = (&self.errands.reading, &self.errands.posing);
         let since = [
             reading.as_ref().map(|(running, _)| running.started),
-            posing.as_ref().map(|(running, _)| running.started),
+            posing.as_ref().map(|running| running.started),
         ];
         let since = since.into_iter().flatten().min();
         if reading.is_some() {
@@ -196,6 +209,16 @@ impl State {
 
     /// Whether a scene that was read is shown; `None` while there is none.
     fn read_scene(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> Option<bool> {
+        let (frame, plays) = (self.view.as_ref()).map_or((0, false), |v| (v.frame, v.plays));
+        if let Some((running, of)) = self.errands.reading.take() {
+            let is_left = !plays && running.poses_other(frame);
+            if is_left && !self.errands.has_grace(&running) {
+                let wanted = self.errands.wanted.take();
+                self.errands.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
+            } else {
+                self.errands.reading = Some((running, of));
+            }
+        }
         if let Some(wanted) = self.errands.wanted.take() {
             let old = self.errands.reading.take();
             match old {
@@ -207,7 +230,7 @@ impl State {
                 }
                 old => {
                     let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
-                    let errand = self.live.reading(wanted.keeps);
+                    let errand = self.live.reading(wanted.keeps, frame);
                     self.errands.reading = Some((Running::start(errand, desk), wanted));
                 }
             }
@@ -233,17 +256,16 @@ impl State {
             return false;
         };
         let errand = self.live.posing(frame);
-        let wanted = errand.as_ref().and_then(Errand::posed_frame);
+        let wanted = errand.as_ref().map(Errand::frame);
         let old = self.errands.posing.take();
         // What plays shows each frame that is ready, however late.
-        let goes_on = |(running, of): &(Running, u32), errands: &mut Errands| {
-            plays || wanted == Some(*of) || (wanted.is_some() && errands.has_grace(running))
+        let goes_on = |old: &Running, errands: &mut Errands| {
+            plays || wanted == Some(old.frame) || (wanted.is_some() && errands.has_grace(old))
         };
         let old = old.filter(|old| goes_on(old, &mut self.errands));
-        let new = |errand| (Running::start(errand, desk), wanted.unwrap_or(frame));
+        let new = |errand| Running::start(errand, desk);
         self.errands.posing = old.or_else(|| errand.map(new));
-        let running = self.errands.posing.as_ref();
-        let Some(done) = running.and_then(|(running, _)| running.answer()) else {
+        let Some(done) = self.errands.posing.as_ref().and_then(Running::answer) else {
             return false;
         };
         self.errands.posing = None;

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{
     facts::{Facts, Row},
-    panels::{Choice, Wish},
+    panels::{Choice, Wish, named},
 };
 use crate::{
     app::live::Edit,
@@ -88,13 +88,15 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     let range = least..=most;
     match field.form {
         Form::Number if field.range.max < LIMIT => {
-            let slider = Slider::new(&mut value.x, range).text(field.key);
-            let changed = ui.add(slider.max_decimals(3)).changed();
+            let slider = Slider::new(&mut value.x, range).max_decimals(3);
+            let changed = named(ui, slider, field.key).changed();
             *value = Vec3::splat(value.x);
             changed
         }
         form => {
             ui.horizontal(|ui| {
+                // Three numbers and a name must find room.
+                ui.spacing_mut().item_spacing.x = 4.0;
                 let mut changed = false;
                 let lanes = match form {
                     Form::Number => 1,
@@ -111,7 +113,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
                         ui.add(drag.speed(SPEED).max_decimals(3))
                     })
                     .collect();
-                let label = ui.label(field.key);
+                let label = ui.add(egui::Label::new(field.key).truncate());
                 for drag in drags {
                     changed |= drag.labelled_by(label.id).changed();
                 }

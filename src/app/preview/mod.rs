@@ -122,6 +122,10 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     }));
     let create = move |context: &eframe::CreationContext<'_>| {
         context.egui_ctx.set_theme(egui::Theme::Dark);
+        (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
+            // Units and hints are read too.
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+        });
         let repaint = context.egui_ctx.clone();
         let worker = Worker::start(gpu, live, move || repaint.request_repaint());
         let window = Window::new(worker, facts, method, camera, (shots, stem));

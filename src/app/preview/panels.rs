@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use eframe::egui::{self, Color32, Ui};
+use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
     facts::{Facts, Judged, Look, Side},
@@ -87,6 +87,16 @@ impl Choice {
             heat: false,
         }
     }
+}
+
+/// A control with its name beside it, which is cut off where it is too long.
+pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> Response {
+    ui.horizontal(|ui| {
+        let control = ui.add(control);
+        let label = ui.add(egui::Label::new(name).truncate());
+        control.labelled_by(label.id)
+    })
+    .inner
 }
 
 /// In menus.

@@ -148,6 +148,9 @@ impl Timeline {
     }
 }
 
+/// Narrower than this, points, the slider has a row of its own.
+const ONE_ROW: f32 = 620.0;
+
 /// What keys do to it; `presses` counts those of a key since the last time.
 pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64) {
     if presses(Key::Space) % 2 == 1 {
@@ -170,60 +173,75 @@ pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64)
 /// The row below the picture. While it plays it tells the frame that is `shown`: the clock is ahead
 /// of slow pictures. If it is stuck, for the wanted frame cannot be posed, it tells both.
 pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, is_stuck: bool, now_s: f64) {
-    ui.horizontal(|ui| {
-        let mut button = |text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
-        let to_start = button("|<", "Home: first frame");
-        let back = button("<", "left arrow: one frame back");
-        let word = if timeline.is_playing() {
-            "pause"
-        } else {
-            "play"
-        };
-        let toggles = button(word, "Space");
-        let forward = button(">", "right arrow: one frame on");
-        let to_end = button(">|", "End: last frame");
-        ui.checkbox(&mut timeline.repeats, "loop")
-            .on_hover_text("L: the first frame follows the last");
-        let wanted = timeline.frame();
-        let stuck = shown.filter(|shown| is_stuck && *shown != wanted);
-        let shown = shown.filter(|_| timeline.is_playing());
-        let mut frame = shown.unwrap_or(wanted);
-        let time_s = f64::from(stuck.unwrap_or(frame)) * timeline.frame_s();
+    let wanted = timeline.frame();
+    let stuck = shown.filter(|shown| is_stuck && *shown != wanted);
+    let shown = shown.filter(|_| timeline.is_playing());
+    let mut frame = shown.unwrap_or(wanted);
+    let told = stuck.unwrap_or(frame);
+    let pace = timeline.pace(now_s);
+    let range = timeline.start()..=timeline.end();
+    let mut is_moved = false;
+    let slider = |ui: &mut Ui, frame: &mut u32| {
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        ui.with_layout(right, |ui| {
+            ui.weak(&pace);
+            ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
+            let slider = egui::Slider::new(frame, range.clone()).show_value(false);
+            ui.add(slider).on_hover_text("scrub").changed()
+        })
+        .inner
+    };
+    let is_wide = ui.available_width() >= ONE_ROW;
+    let row = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(!is_wide);
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, row, |ui| {
+        buttons(ui, timeline, now_s);
         let label = ui.label("frame");
-        let range = timeline.start()..=timeline.end();
-        let number = ui.add(egui::DragValue::new(&mut frame).range(range.clone()));
-        let number = number.labelled_by(label.id);
+        let number = egui::DragValue::new(&mut frame).range(timeline.start()..=timeline.end());
+        is_moved |= ui.add(number).labelled_by(label.id).changed();
         ui.label(format!("of {}", timeline.end()));
-        ui.monospace(format!("{time_s:7.3} s"));
+        ui.monospace(format!("{:7.3} s", f64::from(told) * timeline.frame_s()));
         if let Some(shown) = stuck {
             let text = format!("frame {shown} shown, {wanted} wanted");
             ui.colored_label(ui.visuals().error_fg_color, text);
         }
-        let pace = timeline.pace(now_s);
-        let right = egui::Layout::right_to_left(egui::Align::Center);
-        let slid = ui.with_layout(right, |ui| {
-            ui.weak(pace);
-            ui.spacing_mut().slider_width = (ui.available_width() - 8.0).max(40.0);
-            let slider = egui::Slider::new(&mut frame, range).show_value(false);
-            ui.add(slider).labelled_by(label.id).on_hover_text("scrub")
-        });
-        if number.changed() || slid.inner.changed() {
-            timeline.seek(frame, now_s);
-        }
-        if toggles {
-            timeline.toggle(now_s);
-        }
-        for (pressed, frame) in [(to_start, timeline.start()), (to_end, timeline.end())] {
-            if pressed {
-                timeline.seek(frame, now_s);
-            }
-        }
-        for (pressed, by) in [(back, -1), (forward, 1)] {
-            if pressed {
-                timeline.step(by);
-            }
+        if is_wide {
+            is_moved |= slider(ui, &mut frame);
         }
     });
+    if !is_wide {
+        ui.horizontal(|ui| is_moved |= slider(ui, &mut frame));
+    }
+    if is_moved {
+        timeline.seek(frame, now_s);
+    }
+}
+
+fn buttons(ui: &mut Ui, timeline: &mut Timeline, now_s: f64) {
+    let button =
+        |ui: &mut Ui, text: &str, hover: &str| ui.button(text).on_hover_text(hover).clicked();
+    if button(ui, "|<", "Home: first frame") {
+        timeline.seek(timeline.start(), now_s);
+    }
+    if button(ui, "<", "left arrow: one frame back") {
+        timeline.step(-1);
+    }
+    let word = if timeline.is_playing() {
+        "pause"
+    } else {
+        "play"
+    };
+    if button(ui, word, "Space") {
+        timeline.toggle(now_s);
+    }
+    if button(ui, ">", "right arrow: one frame on") {
+        timeline.step(1);
+    }
+    if button(ui, ">|", "End: last frame") {
+        timeline.seek(timeline.end(), now_s);
+    }
+    ui.checkbox(&mut timeline.repeats, "loop")
+        .on_hover_text("L: the first frame follows the last");
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
+use super::panels::named;
 use crate::{
     app::params::{Declared, Tuned},
     scene::desc::ParamValue,
@@ -50,14 +51,15 @@ fn row(ui: &mut Ui, name: &str, own: &ParamValue, value: &mut ParamValue) {
         (ParamValue::Integer(now), ParamValue::Integer(own)) => {
             let (least, most) = range(*own as f64, 10.0).into_inner();
             let range = (least as i64).min(*now)..=(most as i64).max(*now);
-            let slider = Slider::new(now, range).text(label);
             // A typed number may lie beyond the guess.
-            ui.add(slider.clamping(SliderClamping::Never));
+            let slider = Slider::new(now, range).clamping(SliderClamping::Never);
+            named(ui, slider, label);
         }
         (ParamValue::Number(now), ParamValue::Number(own)) => {
             let (least, most) = range(*own, 1.0).into_inner();
-            let slider = Slider::new(now, least.min(*now)..=most.max(*now)).text(label);
-            ui.add(slider.clamping(SliderClamping::Never).max_decimals(4));
+            let slider = Slider::new(now, least.min(*now)..=most.max(*now));
+            let slider = slider.clamping(SliderClamping::Never).max_decimals(4);
+            named(ui, slider, label);
         }
         (ParamValue::Switch(on), _) => {
             ui.checkbox(on, label);

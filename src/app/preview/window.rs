@@ -27,6 +27,9 @@ use super::{
 const SETTLE_S: f64 = 0.15;
 /// Longest that a picture should take while the camera moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
+/// Width of the panel beside the picture, points, and of the narrowest window that has one.
+const SIDE: f32 = 320.0;
+const HAS_SIDE: f32 = 560.0;
 /// How long a script runs before that is told, seconds, and how often from then on.
 const LONG_S: f64 = 0.3;
 const TOLD_EVERY_S: f32 = 0.1;
@@ -338,10 +341,12 @@ impl eframe::App for Window {
                 ui.add_space(1.0);
             });
         }
-        egui::Panel::right("side")
-            .resizable(false)
-            .exact_size(300.0)
-            .show(ui, |ui| self.side_panel(ui, &mut wishes));
+        if ui.available_width() >= HAS_SIDE {
+            egui::Panel::right("side")
+                .resizable(false)
+                .exact_size(SIDE)
+                .show(ui, |ui| self.side_panel(ui, &mut wishes));
+        }
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
         let mut is_open = self.choice.help;
         egui::Window::new("Keys")

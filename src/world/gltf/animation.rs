@@ -2,7 +2,6 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    path::Path,
     rc::Rc,
     sync::Arc,
 };
@@ -11,9 +10,9 @@ use glam::DVec4;
 use serde::Deserialize;
 
 use super::{
-    Fault, Notes, Sandbox,
+    Fault, Notes,
     accessor::{self, Component, Data},
-    buffer, container, finite, label, schema,
+    container, finite, label, schema,
     schema::Root,
     uri::shorten,
 };
@@ -80,28 +79,6 @@ pub struct StageTime {
     pub start_time_code: Option<f64>,
     /// Last time code that the stage states.
     pub end_time_code: Option<f64>,
-}
-
-/// What the file at `path` can play, without the rest of it.
-///
-/// # Errors
-/// A file that cannot be read, or whose buffers cannot.
-pub fn playable(path: &Path, sandbox: &Sandbox) -> Result<Playable, Fault> {
-    let (root, binary) = container::open(sandbox.read(path)?)?;
-    let stage = Stage::of(&root);
-    if root.animations.is_empty() {
-        return Ok(Playable {
-            clips: Vec::new(),
-            stage,
-        });
-    }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let buffers = buffer::read(&root, binary, folder, sandbox, &mut Vec::new())?;
-    let data = Data::new(&root, buffers, super::GEOMETRY_BUDGET_BYTES)?;
-    Ok(Playable {
-        clips: read(&root, &data),
-        stage,
-    })
 }
 
 /// All animations of a file.
