@@ -138,8 +138,8 @@ pub struct Live {
     wishes: Wishes,
     /// Models, images and other files that were looked for.
     trail: Trail,
-    /// Scripts that were looked for.
-    scripts: Trail,
+    /// Scripts and included files that were looked for.
+    texts: Trail,
     /// The same for a scene that is being read.
     ahead: Trail,
     read_since: SystemTime,
@@ -165,13 +165,13 @@ impl Live {
     /// As the command `render`: there is nothing good to keep yet.
     pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
-        let scripts = Trail::default();
-        let read = errand::read(&origin, &Tuned::default(), &scripts, 0);
+        let texts = Trail::default();
+        let read = errand::read(&origin, &Tuned::default(), &texts, 0);
         Self::build(
             gpu,
             origin,
             wishes,
-            scripts,
+            texts,
             read.map_err(AppError::Scene)?,
             read_since,
         )
@@ -188,8 +188,8 @@ impl Live {
         mistakes: Vec<Diagnostic>,
     ) -> Result<Self, AppError> {
         let empty = nothing(&origin).map_err(AppError::Scene)?;
-        let (scripts, now) = (Trail::default(), SystemTime::now());
-        let mut live = Self::build(gpu, origin, wishes, scripts, empty, now)?;
+        let (texts, now) = (Trail::default(), SystemTime::now());
+        let mut live = Self::build(gpu, origin, wishes, texts, empty, now)?;
         live.warnings.clear(); // that there is nothing to see
         live.problems.scene = mistakes;
         Ok(live)
@@ -200,7 +200,7 @@ impl Live {
         gpu: Arc<Gpu>,
         origin: Origin,
         wishes: Wishes,
-        scripts: Trail,
+        texts: Trail,
         read: Read,
         read_since: SystemTime,
     ) -> Result<Self, AppError> {
@@ -230,7 +230,7 @@ impl Live {
             renderer,
             wishes,
             trail: read.options.trail,
-            scripts,
+            texts,
             ahead: Trail::default(),
             read_since,
             declared: read.declared,
@@ -255,17 +255,25 @@ impl Live {
         };
         let scene = self.origin.path.iter();
         let scene = scene.map(|path| (path.clone(), kind(path)));
-        let of_script = [&self.scripts, &self.ahead]
+        let texts = [&self.texts, &self.ahead]
             .into_iter()
             .flat_map(Trail::paths);
-        let of_script = of_script.map(|path| (path, Change::Script));
-        // Among the world's files the script has its names without links.
-        let resolved: Vec<PathBuf> = self.desc.script.iter().flat_map(|s| s.files()).collect();
+        let texts = texts.map(|path| {
+            let is_script = path.extension().is_some_and(|e| e == "rhai");
+            let kind = if is_script {
+                Change::Script
+            } else {
+                Change::Scene
+            };
+            (path, kind)
+        });
+        // Among the world's files these have their names without links.
+        let resolved = self.desc.text_files();
         let read = self.world.files.iter().cloned().chain(self.trail.paths());
         let assets = read
             .filter(|path| !resolved.contains(path))
             .map(|path| (path, Change::Asset));
-        let files: BTreeSet<(PathBuf, Change)> = scene.chain(of_script).chain(assets).collect();
+        let files: BTreeSet<(PathBuf, Change)> = scene.chain(texts).chain(assets).collect();
         let list = WatchList {
             files: files.into_iter().collect(),
             shader_folders: self.origin.shaders.iter().cloned().collect(),

@@ -5,6 +5,7 @@
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
 
 mod animation;
+mod include;
 mod light;
 mod motion;
 
@@ -14,6 +15,7 @@ use glam::{Mat4, Quat, Vec3};
 
 pub use self::{
     animation::{AnimationDesc, Playback},
+    include::Include,
     light::{LightDesc, LightKind, ShadowMode},
     motion::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
@@ -73,6 +75,9 @@ pub struct SceneDesc {
     pub motion: MotionDesc,
     /// `[params]`: parameters of the script, with names of your choice.
     pub params: Vec<Entry<ParamValue>>,
+    /// `include = ["….toml"]`: files of scene text below the scene's folder, whose tables and instances
+    /// stand behind the scene's own.
+    pub includes: Vec<Include>,
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
     pub script: Option<Script>,

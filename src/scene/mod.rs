@@ -1,5 +1,6 @@
 //! Scene text: what people write, read with all its errors at once.
 
+mod below;
 pub mod desc;
 pub mod diagnostic;
 pub mod manual;

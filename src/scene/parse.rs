@@ -1,6 +1,7 @@
 //! Scene text to [`SceneDesc`]: TOML 1.1, walked with the position of every value, so that all
 //! mistakes of a file are reported at once.
 
+mod include;
 mod names;
 mod notes;
 mod params;
@@ -21,7 +22,9 @@ use toml::de::{DeTable, DeValue};
 
 pub use self::notes::{Form, KeyNote, Notes, Rule, SectionNote, VariantNote};
 use self::{
+    include::Included,
     report::Report,
+    syntax::Shadow,
     table::{Place, Table},
     value::Node,
 };
@@ -94,7 +97,8 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     parse_traced(text, path, overrides, &Trail::default())
 }
 
-/// As [`parse`]; the script files that are looked for are added to `trail`, also when it fails.
+/// As [`parse`]; the included files and scripts that are looked for are added to `trail`, also when
+/// it fails.
 ///
 /// # Errors
 /// As [`parse`].
@@ -106,8 +110,8 @@ pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail
         .map(|o| report.add_source(Path::new("--set"), o))
         .collect();
     let scripted = OnceCell::new(); // before the tree, which borrows what a script adds
-    let (root, shadows) = syntax::parse(text, &mut report);
-    let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    let included = include::collect(text, path, trail, &mut report);
+    let (mut root, shadows) = tree(text, &included, &mut report);
     for (text, base) in overrides.iter().zip(bases) {
         set::apply(&mut root, text, base, &mut report);
     }
@@ -124,26 +128,42 @@ pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail
     scene.folder = folder.to_owned();
     scene.script.clone_from(&scripted.script);
     if shadows.is_empty() {
-        names::check(&scene, table, &mut report);
+        names::check(&scene, table, &included, &mut report);
     }
+    // Those of included files are there to be used, and stand nowhere by themselves.
+    let instances = &scene.instances;
+    let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
+    let is_wanted = |m: &Entry<_>| is_used(&m.name) || !included.has(&m.at);
+    scene.models.retain(is_wanted);
     report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
     if report.has("unsupported-version") {
         // In another version other keys may be right.
         report.retain(|d| d.name == "unsupported-version");
     }
     match report.finish() {
-        (messages, false) => Ok((scene, messages)),
+        (messages, false) => {
+            scene.includes = included.into_files();
+            Ok((scene, messages))
+        }
         (messages, true) => Err(messages),
     }
 }
 
+/// A text with what it includes as one tree, and what their broken lines make doubtful.
+fn tree<'i>(text: &'i str, included: &'i Included, report: &mut Report) -> (Node<'i>, Vec<Shadow>) {
+    let (root, mut shadows) = syntax::parse(text, 0, report);
+    let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    include::merge(&mut root, included, &mut shadows, report);
+    (root, shadows)
+}
+
 /// The parameters that a text declares, with overrides as [`parse`] takes them; `None` where that
 /// cannot be told. No script is run.
-pub fn params(text: &str, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
+pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
     let mut report = Report::default();
-    report.add_source(Path::new(""), text);
-    let (root, _) = syntax::parse(text, &mut report);
-    let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+    report.add_source(path, text);
+    let included = include::collect(text, path, &Trail::default(), &mut report);
+    let (mut root, _) = tree(text, &included, &mut report);
     for text in overrides {
         let base = report.add_source(Path::new("--set"), text);
         set::apply(&mut root, text, base, &mut report);

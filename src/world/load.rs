@@ -274,11 +274,9 @@ impl<'a> Loader<'a> {
         Ok(model)
     }
 
-    /// The script's files come after those that are kept: another text may have another script.
-    fn add_script(&mut self) {
-        if let Some(script) = &self.desc.script {
-            self.add_files(&script.files());
-        }
+    /// Files of texts come after those that are kept: another text may have others.
+    fn add_texts(&mut self) {
+        self.add_files(&self.desc.text_files());
     }
 
     fn add_files(&mut self, files: &[PathBuf]) {
@@ -314,7 +312,7 @@ impl<'a> Loader<'a> {
         camera::add_default(&mut self.world, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
-        self.add_script();
+        self.add_texts();
         let kept = Kept {
             sources: kept::sources(self.desc),
             models,

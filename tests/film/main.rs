@@ -28,6 +28,7 @@ use reflet::{
 const SCENE: &str = "
 version = 1
 script = \"s.rhai\"
+include = \"light.toml\"
 timeline = { fps = 10, end = 5 }
 params = { lift = 0.5 }
 image = { size = [24, 16] }
@@ -57,12 +58,15 @@ model = \"floor\"
 name = \"ball\"
 model = \"ball\"
 dynamic = true
+[motion.light.lamp]
+position = { oscillate = { amplitude = [1, 0, 0], period_s = 0.7 } }
+";
+
+const LIGHT: &str = "
 [light.lamp]
 kind = \"point\"
 position = [0, 3, 0]
 intensity_cd = 20
-[motion.light.lamp]
-position = { oscillate = { amplitude = [1, 0, 0], period_s = 0.7 } }
 ";
 
 const SCRIPT: &str = "fn frame(ctx) {
@@ -76,6 +80,7 @@ fn folder(name: &str) -> PathBuf {
     fs::create_dir_all(&folder).expect("temporary folder");
     fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
     fs::write(folder.join("s.rhai"), SCRIPT).expect("temporary script");
+    fs::write(folder.join("light.toml"), LIGHT).expect("temporary light");
     folder
 }
 
@@ -174,13 +179,17 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     let text = render(&folder, &frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     assert_eq!(pictures(&folder), first);
-    // Another parameter, another script, another size: nothing is the same.
+    // Another parameter, size, script or included light: nothing is the same.
     for change in [&["--set", "params.lift=0.6"][..], &["--size", "26x16"]] {
         let text = render(&folder, &[&frames, change].concat(), 0);
         assert_eq!(text.matches("wrote").count(), 3, "{text}");
     }
     let script = SCRIPT.replace("0.2", "0.21");
     fs::write(folder.join("s.rhai"), script).expect("writable");
+    let text = render(&folder, &frames, 0);
+    assert_eq!(text.matches("wrote").count(), 3, "{text}");
+    let light = LIGHT.replace("= 20", "= 21");
+    fs::write(folder.join("light.toml"), light).expect("writable");
     let text = render(&folder, &frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     let exr = ["-o", "f.#.exr", "--frames", "0-1", "--resume"];
@@ -205,7 +214,7 @@ fn failing_frames_are_told_and_the_others_are_there() {
     let text = render(&folder, &["-o", "f.apng", "--frames", "1-3"], 5);
     assert!(text.contains("no such day"), "{text}");
     let left = fs::read_dir(&folder).expect("readable").count();
-    assert_eq!(left, 4, "nothing half written stays");
+    assert_eq!(left, 5, "nothing half written stays"); // 2 frames and 3 texts
 }
 
 fn pixels(file: &Path) -> Vec<u8> {

@@ -7,6 +7,7 @@ mod common;
 mod animation;
 mod beside;
 mod failing;
+mod includes;
 mod kit;
 mod latency;
 mod models;

@@ -129,7 +129,7 @@ fn a_burst_of_a_thousand_saves_ends_with_the_last() {
     let folder = Folder::new();
     let path = folder.write("a.toml", "first");
     let watch = watch(&path);
-    for burst in 0..3 {
+    for burst in 0..ROUNDS {
         for i in 0..1000 {
             fs::write(&path, format!("{burst} {i}")).expect("written");
         }

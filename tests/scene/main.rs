@@ -6,6 +6,7 @@ mod common;
 mod bad;
 mod docs;
 mod hostile;
+mod include;
 mod moving;
 mod returned;
 mod schema;

@@ -75,7 +75,7 @@ enum Work {
     Read {
         origin: Origin,
         tuned: Tuned,
-        scripts: Trail,
+        texts: Trail,
         frame: u32,
         keeps: Keeps,
     },
@@ -129,11 +129,11 @@ impl Errand {
             Work::Read {
                 origin,
                 tuned,
-                scripts,
+                texts,
                 frame,
                 keeps,
             } => Outcome::Read {
-                read: read(&origin, &tuned, &scripts, frame).map(|read| {
+                read: read(&origin, &tuned, &texts, frame).map(|read| {
                     self.poses.store(true, Ordering::Relaxed);
                     let pose = pose_of(&read.desc, read.frame);
                     (read, pose)
@@ -154,17 +154,17 @@ impl Errand {
     }
 }
 
-/// Reads the scene and runs its script's `setup`; scripts that are looked for are added to
-/// `scripts`.
+/// Reads the scene and runs its script's `setup`; scripts and included files that are looked for are
+/// added to `texts`.
 pub(super) fn read(
     origin: &Origin,
     tuned: &Tuned,
-    scripts: &Trail,
+    texts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
     let options = load_options(&origin.from, &Trail::default());
     let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
-    let declared = parse::params(&text, &origin.from.set);
+    let declared = parse::params(&text, &name, &origin.from.set);
     let declared: Option<Declared> =
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
     let mut tuned = tuned.clone();
@@ -172,7 +172,7 @@ pub(super) fn read(
         tuned.keep_what_fits(declared);
     }
     let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
-    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, scripts)?;
+    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, texts)?;
     let frame = within(&desc, frame);
     Ok(Read {
         desc: Arc::new(desc),
@@ -218,7 +218,7 @@ impl Live {
         Errand::new(Work::Read {
             origin: self.origin.clone(),
             tuned: self.tuned.clone(),
-            scripts: self.ahead.clone(),
+            texts: self.ahead.clone(),
             frame,
             keeps,
         })

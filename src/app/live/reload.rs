@@ -124,7 +124,7 @@ impl Live {
         keeps: Keeps,
         reload: &mut Reload,
     ) {
-        self.scripts = std::mem::take(&mut self.ahead);
+        self.texts = std::mem::take(&mut self.ahead);
         if self.waiting.take().is_some() {
             self.problems.pose.clear();
         }

@@ -7,7 +7,7 @@ use std::{
 
 use toml::de::DeTable;
 
-use super::{report::Report, suggest};
+use super::{include::Included, report::Report, suggest};
 use crate::scene::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},
@@ -80,7 +80,7 @@ impl<'a> Names<'a> {
 }
 
 /// Checks all references of the scene; `root` is the tree it was read from.
-pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
+pub fn check(scene: &SceneDesc, root: &DeTable, included: &Included, report: &mut Report) {
     let mut models = Names::of("model", root);
     let mut materials = Names::of("material", root);
     for model in &scene.models {
@@ -118,7 +118,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
     }
     motion::check(scene, root, report);
     if report.errors() == 0 {
-        warn(scene, &materials, report);
+        warn(scene, &materials, included, report);
     }
 }
 
@@ -132,9 +132,10 @@ fn shape_of<'a>(scene: &'a SceneDesc, instance: &InstanceDesc) -> Option<&'a Ent
 }
 
 /// What is allowed but hardly meant.
-fn warn(scene: &SceneDesc, materials: &Names, report: &mut Report) {
+fn warn(scene: &SceneDesc, materials: &Names, included: &Included, report: &mut Report) {
     for material in &scene.materials {
-        if !materials.used.contains(material.name.as_str()) {
+        let is_used = materials.used.contains(material.name.as_str());
+        if !is_used && !included.has(&material.at) {
             let message = format!(
                 "no model or instance uses {}",
                 suggest::text(&material.name)

@@ -13,7 +13,7 @@ use glam::Vec3;
 use super::{
     range::{ABOVE_0, ANY, BOUNCES, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range},
     table::{Either, Section, Table},
-    value::Version,
+    value::{Names, Version},
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
@@ -41,9 +41,11 @@ impl Section for SceneDesc {
             timeline: t.table("timeline"),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
+            includes: Vec::new(),
             script: None,
         };
-        // Read before, because it adds to the tables above; asked for here, so that it is a key.
+        // Read before, because they add to the tables above; asked for here, so that they are keys.
+        t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
         if let Some(light) = scene.lights.get(MOST_LIGHTS) {
             let message = format!(

@@ -62,12 +62,12 @@ impl Report {
         self.floats.contains(&start)
     }
 
-    /// Notes that a script would add names to the scene, and failed to.
+    /// Notes that a script or an included file would add names to the scene, and failed to.
     pub fn note_lacking_names(&mut self) {
         self.lacks_names = true;
     }
 
-    /// Whether a name that nothing has may be one that a script would have added.
+    /// Whether a name that nothing has may be one that would have been added.
     pub fn lacks_names(&self) -> bool {
         self.lacks_names
     }

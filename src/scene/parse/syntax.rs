@@ -1,15 +1,17 @@
 //! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use toml::{Spanned, de::DeTable};
 
 use super::{report::Report, suggest};
-use crate::scene::diagnostic::{Diagnostic, Span};
+use crate::scene::diagnostic::{Diagnostic, Source, Span};
 
 /// The part of a file that a syntax error makes doubtful: what is reported there may only follow
 /// from it.
 pub struct Shadow {
+    /// The file.
+    source: Option<Arc<Source>>,
     /// From the header of the table that the error is in, to the next header.
     table: Range<usize>,
     /// The line of the error.
@@ -20,11 +22,10 @@ impl Shadow {
     /// Whether the message may only be a consequence.
     pub fn hides(&self, message: &Diagnostic) -> bool {
         let at = message.span.range.start;
-        let in_file = message
-            .span
-            .source
-            .as_ref()
-            .is_none_or(|s| s.path.as_os_str() != "--set");
+        let in_file = match (&message.span.source, &self.source) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, _) => a.is_none(),
+        };
         let syntax = matches!(message.name, "toml-syntax" | "duplicate-key" | "too-deep");
         let doubtful = match message.name {
             // What is missing may stand on the broken line.
@@ -35,8 +36,13 @@ impl Shadow {
     }
 }
 
-/// Parses as much as can be understood; mistakes go to the report.
-pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
+/// Parses as much as can be understood; mistakes go to the report, where the text begins at `base`.
+pub fn parse<'i>(
+    text: &'i str,
+    base: usize,
+    report: &mut Report,
+) -> (Spanned<DeTable<'i>>, Vec<Shadow>) {
+    let source = report.span(&(base..base)).source;
     let (root, mut errors) = DeTable::parse_recoverable(text);
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     errors.sort_by_key(|error| place(error).start);
@@ -51,16 +57,18 @@ pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, V
         }
         if report.is_full() {
             shadows.push(Shadow {
+                source: source.clone(),
                 table: 0..text.len() + 1,
                 line: 0,
             });
             break;
         }
-        explain(text, at.clone(), error.message(), report);
+        explain(text, base, at.clone(), error.message(), report);
         let start = text.floor_char_boundary(at.start);
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
         shadows.push(Shadow {
+            source: source.clone(),
             table: table_around(text, line),
             line,
         });
@@ -68,20 +76,22 @@ pub fn parse<'i>(text: &'i str, report: &mut Report) -> (Spanned<DeTable<'i>>, V
     (root, shadows)
 }
 
-fn explain(text: &str, at: Range<usize>, message: &str, report: &mut Report) {
+fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mut Report) {
+    let moved = |range: &Range<usize>| base + range.start..base + range.end;
     if message == "duplicate key" {
         let key = text.get(at.clone()).unwrap_or("");
         let message = format!("{} is written twice", suggest::key(key));
-        let first = first_place(text, &at).map(|range| report.span(&range));
-        let error = report.error("duplicate-key", &at, message);
+        let first = first_place(text, &at).map(|range| report.span(&moved(&range)));
+        let error = report.error("duplicate-key", &moved(&at), message);
         error.help = Some("remove one of the two, or give it another name".into());
         error.related = first.map(|span: Span| (span, "it is first written here".into()));
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
-        report.error("too-deep", &at, message).help = Some("a scene needs four levels".into());
+        report.error("too-deep", &moved(&at), message).help =
+            Some("a scene needs four levels".into());
     } else {
         let (message, help) = in_plain_words(text.get(at.clone()).unwrap_or(""), message);
-        report.error("toml-syntax", &at, message).help = help;
+        report.error("toml-syntax", &moved(&at), message).help = help;
     }
 }
 
@@ -90,6 +100,11 @@ pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
     let unquoted = message.starts_with("string values must be quoted");
     if unquoted && found.is_empty() {
         return ("a value is missing after `=`".into(), None);
+    }
+    let words: Vec<&str> = found.split_whitespace().collect();
+    if unquoted && words.len() > 1 && words.iter().all(|word| word.parse::<f64>().is_ok()) {
+        let help = format!("write {}", words.join(", "));
+        return ("a comma is missing between numbers".into(), Some(help));
     }
     if unquoted {
         let help = format!("write {}", suggest::text(found));

@@ -1,8 +1,7 @@
 //! The files of a script: read only below the scene's folder, kept for messages.
 
 use std::{
-    fs,
-    path::{Component, Path, PathBuf},
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
@@ -10,7 +9,9 @@ use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
 use super::nested::{NESTED, is_deeper};
 use crate::scene::{
+    below::{self, Found, Kind, Problem},
     diagnostic::{Diagnostic, Source, Span},
+    parse::suggest,
     trail::Trail,
 };
 
@@ -38,14 +39,13 @@ struct State {
     sealed: bool,
 }
 
-/// Why a file cannot be read.
-#[derive(Debug)]
-pub struct Problem {
-    message: String,
-    help: &'static str,
-    /// Where in the file, if it is there.
-    inside: Option<Span>,
-}
+/// Scripts, in messages about their files.
+const SCRIPTS: Kind = Kind {
+    one: "a script",
+    names: "file names of scripts start from the scene's folder and end in .rhai",
+    inside: "scripts are read only from the scene's folder and the folders below it",
+    most_mib: MOST_BYTES >> 20,
+};
 
 impl Problem {
     /// At its place in the file, or at the place that names the file.
@@ -106,53 +106,11 @@ impl Sources {
 
     /// Reads a file below the folder; gives what messages call it, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
-        let refuse = |message: String, help| {
-            Err(Problem {
-                message,
-                help,
-                inside: None,
-            })
-        };
-        let shown = crate::scene::parse::suggest::text(file);
         let Some(folder) = &self.folder else {
-            return refuse(format!("{shown} cannot be read here"), "");
+            let message = format!("{} cannot be read here", suggest::text(file));
+            return Err(Problem::new(message, ""));
         };
-        let inside = "scripts are read only from the scene's folder and the folders below it";
-        let relative = Path::new(file);
-        let plain = relative
-            .components()
-            .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-        if !plain || file.is_empty() || file.contains('\\') {
-            return refuse(format!("{shown} is not below the scene's folder"), inside);
-        }
-        let path = folder.join(relative);
-        self.trail.add(path.clone());
-        let missing = |what: &str| Problem {
-            message: format!("\"{}\" {what}", path.display()),
-            help: "file names of scripts start from the scene's folder and end in .rhai",
-            inside: None,
-        };
-        let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
-            std::io::ErrorKind::NotFound => missing("does not exist"),
-            _ => missing(&format!("cannot be read: {e}")),
-        })?;
-        let root = fs::canonicalize(Path::new(".").join(folder))
-            .map_err(|e| missing(&format!("cannot be read: {e}")))?;
-        if !real.starts_with(&root) {
-            return refuse(format!("{shown} leads out of the scene's folder"), inside);
-        }
-        let size = fs::metadata(&real).map_or(0, |m| if m.is_file() { m.len() } else { u64::MAX });
-        if size > MOST_BYTES {
-            return Err(missing(
-                "is not a script: it is no file, or larger than 1 MiB",
-            ));
-        }
-        let bytes = fs::read(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
-        let text = String::from_utf8(bytes).map_err(|wrong| Problem {
-            message: "a script must be UTF-8 text, and this byte is not".to_owned(),
-            help: "save the file as UTF-8 in your editor",
-            inside: Some(Span::not_utf8(&path, &wrong)),
-        })?;
+        let Found { path, real, text } = below::read(folder, file, &SCRIPTS, &self.trail)?;
         let name = path.display().to_string();
         self.add(&name, &text);
         self.state().files.push(real);

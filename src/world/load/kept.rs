@@ -82,7 +82,7 @@ impl Kept {
         if placed? {
             camera::add_default(&mut loader.world, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
-            loader.add_script();
+            loader.add_texts();
             loader.world.meshes = Vec::new();
             Ok(Some(loader.world))
         } else {

@@ -1,4 +1,4 @@
-//! A scene, its script and the shaders in a folder of their own, where they can be edited.
+//! A scene, what it includes, its script and the shaders in a folder of their own, where they can be edited.
 
 use std::{
     env, fs, io,
@@ -99,7 +99,7 @@ const SHADERS: &str = "shaders";
 const OWN_SCRIPT: &str = "reload.rhai";
 
 impl SceneCopy {
-    /// Copies a scene, or the built-in one, and its script; models and images stay where they are.
+    /// Copies a scene, or the built-in one, what it includes and its script; models and images stay where they are.
     ///
     /// # Errors
     /// What is wrong with the scene or the shaders; a temporary folder that cannot be written to.
@@ -128,6 +128,9 @@ impl SceneCopy {
         let scripts = desc.script.iter().flat_map(|s| s.texts());
         for (name, script) in scripts {
             folder.write(&local(&name), &script)?;
+        }
+        for file in &desc.includes {
+            folder.write(&file.name, &file.text)?;
         }
         folder.write(SCENE, &text)?;
         for (name, shader) in library.texts() {

@@ -1,0 +1,26 @@
+//! The texts that a scene is written in besides its own file.
+
+use std::path::PathBuf;
+
+use super::SceneDesc;
+use crate::scene::script::Script;
+
+impl SceneDesc {
+    /// The script, what it imports and included scene text, without links.
+    pub fn text_files(&self) -> Vec<PathBuf> {
+        let of_script = self.script.iter().flat_map(Script::files);
+        let included = self.includes.iter().map(|file| file.path.clone());
+        of_script.chain(included).collect()
+    }
+}
+
+/// A file of scene text that another includes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Include {
+    /// From the scene's folder, as it is named.
+    pub name: String,
+    /// The file, without links.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}

@@ -1,0 +1,213 @@
+//! `include = [...]`: files of scene text that are laid beside the scene's own, so that several
+//! scenes share materials, models or lights.
+
+use std::{
+    collections::HashSet,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use toml::{
+    Spanned,
+    de::{DeString, DeTable, DeValue},
+};
+
+use super::{
+    MOST_BYTES,
+    range::ANY,
+    report::Report,
+    set::shift,
+    suggest, syntax,
+    syntax::Shadow,
+    value::{Named, Names, Node, Value as _, Version},
+};
+use crate::scene::{
+    below::{self, Kind},
+    desc::{At, Include},
+    diagnostic::{Diagnostic, Source, Span},
+    trail::Trail,
+};
+
+/// Files of a scene, those that included files name among them.
+const MOST: usize = 100;
+
+/// Included scene text, in messages about its files.
+const SCENES: Kind = Kind {
+    one: "scene text",
+    names: "names of included files start from the scene's folder and end in .toml",
+    inside: "included files are read only from the scene's folder and the folders below it",
+    most_mib: MOST_BYTES >> 20,
+};
+
+/// Included files, and where their texts begin in the report.
+#[derive(Default)]
+pub struct Included {
+    files: Vec<(usize, Include)>,
+    sources: Vec<Arc<Source>>,
+}
+
+impl Included {
+    /// Whether this is written in one of the files.
+    pub fn has(&self, at: &Span) -> bool {
+        let source = at.source.as_ref();
+        source.is_some_and(|s| self.sources.iter().any(|own| Arc::ptr_eq(own, s)))
+    }
+
+    /// The files.
+    pub fn into_files(self) -> Vec<Include> {
+        self.files.into_iter().map(|(_, file)| file).collect()
+    }
+}
+
+/// Reads the files that a scene includes and those that they include, each once, in the order in
+/// which they are named. `path` is the scene's own file; what is looked for is added to `trail`.
+pub fn collect(text: &str, path: &Path, trail: &Trail, report: &mut Report) -> Included {
+    let mut included = Included::default();
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
+    // The last is read next.
+    let mut waiting = named(text, 0, true, report);
+    waiting.reverse();
+    while let Some(name) = waiting.pop() {
+        if included.files.len() == MOST {
+            let message = format!("a scene may include at most {MOST} files");
+            report.push(Diagnostic::at("too-many-files", name.at, message));
+            report.note_lacking_names();
+            break;
+        }
+        match below::read(folder, &name.value, &SCENES, trail) {
+            Ok(found) if known.insert(found.real.clone()) => {
+                let base = report.add_source(&found.path, &found.text);
+                waiting.extend(named(&found.text, base, false, report).into_iter().rev());
+                let file = Include {
+                    name: name.value,
+                    path: found.real,
+                    text: found.text,
+                };
+                included.files.push((base, file));
+                included.sources.extend(report.span(&(base..base)).source);
+            }
+            Ok(_) => {}
+            Err(problem) => {
+                let error = match problem.inside {
+                    Some(inside) => Diagnostic::at("not-utf8", inside, problem.message)
+                        .related(name.at, "the file is named here"),
+                    None => Diagnostic::at("include-file", name.at, problem.message),
+                };
+                report.push(error.help(problem.help));
+                report.note_lacking_names();
+            }
+        }
+    }
+    included
+}
+
+/// The files that a text includes. Mistakes of the scene's own text are reported when it is read.
+fn named(text: &str, base: usize, is_scene: bool, report: &mut Report) -> Vec<At<String>> {
+    // Texts are parsed once more for this, which most are spared.
+    if !text.contains("include") {
+        return Vec::new();
+    }
+    let (root, _) = DeTable::parse_recoverable(text);
+    let Some(node) = root.into_inner().remove("include") else {
+        return Vec::new();
+    };
+    let named = Named {
+        key: "include",
+        range: &ANY,
+    };
+    let node = shift(node, base);
+    if is_scene && Names::read(&node, &named, &mut report.unheard()).is_none() {
+        return Vec::new();
+    }
+    Names::read(&node, &named, report).map_or_else(Vec::new, |names| names.0)
+}
+
+/// Lays included files into the tree, those that are named first before the others, all of them
+/// behind what the scene says itself. What their broken lines make doubtful is added to `shadows`.
+pub fn merge<'i>(
+    root: &mut Node<'i>,
+    included: &'i Included,
+    shadows: &mut Vec<Shadow>,
+    report: &mut Report,
+) {
+    for (base, file) in &included.files {
+        let (added, more) = syntax::parse(&file.text, *base, report);
+        shadows.extend(more);
+        let DeValue::Table(root) = root.get_mut() else {
+            return;
+        };
+        let added = Node::new(added.span(), DeValue::Table(added.into_inner()));
+        let DeValue::Table(added) = shift(added, *base).into_inner() else {
+            return;
+        };
+        for (key, node) in added {
+            add(root, key, node, report);
+        }
+    }
+}
+
+/// Adds one key of an included file to the scene's.
+fn add<'i>(
+    root: &mut DeTable<'i>,
+    key: Spanned<DeString<'i>>,
+    node: Node<'i>,
+    report: &mut Report,
+) {
+    match key.get_ref().as_ref() {
+        "version" => {
+            let named = Named {
+                key: "version",
+                range: &ANY,
+            };
+            Version::read(&node, &named, report);
+        }
+        "include" => {}
+        "script" => {
+            let message = "an included file cannot have a script";
+            let error = report.error("include-script", &key.span(), message);
+            error.help = Some("name it in the scene itself; scripts share code by `import`".into());
+        }
+        "motion" => add_parts(root, key, node, 2, report),
+        _ => add_parts(root, key, node, 1, report),
+    }
+}
+
+/// Adds a value; where both have a table, its entries, down to `depth` tables. What both have then
+/// is an error.
+fn add_parts<'i>(
+    table: &mut DeTable<'i>,
+    key: Spanned<DeString<'i>>,
+    node: Node<'i>,
+    depth: u32,
+    report: &mut Report,
+) {
+    let name = key.get_ref().as_ref();
+    let Some((first, _)) = table.get_key_value(name) else {
+        table.insert(key, node);
+        return;
+    };
+    let first = first.span();
+    let Some(existing) = table.get_mut(name) else {
+        return;
+    };
+    match (existing.get_mut(), node.into_inner()) {
+        (DeValue::Array(list), DeValue::Array(more)) if name == "instance" => {
+            for item in more {
+                list.push(item);
+            }
+        }
+        (DeValue::Table(table), DeValue::Table(more)) if depth > 0 => {
+            for (key, node) in more {
+                add_parts(table, key, node, depth - 1, report);
+            }
+        }
+        _ => {
+            let message = format!("{} is written twice", suggest::key(name));
+            let first = report.span(&first);
+            let error = report.error("duplicate-key", &key.span(), message);
+            error.help = Some("remove one of the two, or give it another name".into());
+            error.related = Some((first, "it is first written here".into()));
+        }
+    }
+}

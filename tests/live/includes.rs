@@ -1,0 +1,54 @@
+//! Scene text that a scene includes is followed like its own.
+
+use std::sync::Arc;
+
+use reflet::app::watch::Change;
+
+use crate::{
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, open, picture},
+};
+
+const RED: &str = "[material.red]\nbase_color = [0.9, 0.1, 0.1]\n";
+
+#[test]
+fn an_included_file_is_watched_and_taken_over() {
+    let Some(gpu) = gpu_or_skip().map(Arc::new) else {
+        return;
+    };
+    let folder = Folder::new();
+    let text = format!("include = \"parts/red.toml\"\n{}", SCENE.replace(RED, ""));
+    let scene = folder.write("scene.toml", text);
+    let part = folder.write("parts/red.toml", RED);
+    let mut live = open(&gpu, &scene, None);
+    let (list, _) = live.watch_list();
+    assert!(
+        list.files.contains(&(part.clone(), Change::Scene)),
+        "{list:?}"
+    );
+    let first = picture(&gpu, &mut live);
+
+    folder.write("parts/red.toml", RED.replace("0.9, 0.1", "0.1, 0.9"));
+    let reload = live.reload(&[Change::Scene].into());
+    assert!(
+        reload.ok && !reload.files,
+        "materials read no file: {reload:?}"
+    );
+    let second = picture(&gpu, &mut live);
+    assert!(first != second, "the box has another color");
+
+    // A mistake there, and a file that is gone, keep the last good picture and stay watched.
+    folder.write("parts/red.toml", RED.replace("base_color", "base_colour"));
+    assert!(!live.reload(&[Change::Scene].into()).ok);
+    let problem = live.problems.scene[0].to_string();
+    assert!(problem.contains("parts/red.toml:2:1"), "{problem}");
+    std::fs::remove_file(&part).expect("it is there");
+    assert!(!live.reload(&[Change::Scene].into()).ok);
+    assert!(picture(&gpu, &mut live) == second);
+    let (list, _) = live.watch_list();
+    assert!(list.files.contains(&(part, Change::Scene)), "{list:?}");
+
+    folder.write("parts/red.toml", RED);
+    assert!(live.reload(&[Change::Scene].into()).ok);
+    assert!(picture(&gpu, &mut live) == first);
+}
