@@ -3,31 +3,40 @@
 
 use std::{
     fs,
-    sync::mpsc::RecvTimeoutError,
+    sync::{Arc, mpsc::RecvTimeoutError},
     time::{Duration, Instant},
 };
 
 use glam::Vec3;
 use reflet::{
-    app::preview::{
-        facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
-        worker::Worker,
+    app::{
+        live::{Live, Wishes},
+        preview::{
+            self,
+            facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+            worker::Worker,
+        },
     },
+    gpu::Gpu,
     scene::desc::{CameraDesc, Method, ParamValue},
 };
 
-use crate::scripts::{SCRIPT, Session};
+use crate::{
+    kit::Folder,
+    scripts::{SCRIPT, Session},
+};
 
 /// A test fails only past this.
 const MOST: Duration = Duration::from_secs(60);
 
-/// Runs for as long as a call may: each step reads a long text.
-const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..12 { text += text; } \
+/// Runs for as long as a call may, since each step reads a long text: the clock ends it before
+/// the count of steps does.
+const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
                     loop { text.contains(\"no\"); }";
 
 struct Watched {
     worker: Worker,
-    folder: crate::kit::Folder,
+    folder: Folder,
     view: View,
     /// Whether a script runs that pictures do not wait for.
     runs: bool,
@@ -39,12 +48,17 @@ impl Watched {
         let Session {
             gpu, folder, live, ..
         } = session;
+        Self::start(gpu, folder, live, false)
+    }
+
+    /// Some scene in the preview's thread, drawn once.
+    fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
         let side = Side {
             method: Method::Hybrid,
             look: Look::Picture,
         };
         let mut this = Self {
-            worker: Worker::start(gpu, live, || ()),
+            worker: Worker::start(gpu, live, is_waiting, || ()),
             folder,
             view: View {
                 eye: Eye::Through("main".to_owned()),
@@ -230,4 +244,26 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     let seen = |facts: &Facts| facts.bounds.max.x > 2.9; // four boxes
     preview.facts(seen);
     preview.rest();
+}
+
+#[test]
+fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_mended() {
+    let Some(Session {
+        gpu, folder, live, ..
+    }) = Session::new()
+    else {
+        return;
+    };
+    let endless = SCRIPT.replace("fn setup(ctx) {", &format!("fn setup(ctx) {{ {SLOW}"));
+    folder.write("sub/move.rhai", endless);
+    let (live, is_waiting) = preview::open(&gpu, live.origin().clone(), Wishes::default(), true)
+        .expect("it opens empty");
+    assert!(is_waiting && live.problems.is_empty(), "it only waits");
+    assert!(live.world().instances.is_empty());
+    let mut preview = Watched::start(gpu, folder, live, is_waiting);
+    if !preview.runs {
+        preview.begins(); // only after the first picture
+    }
+    preview.save_script(SCRIPT, "mended");
+    preview.taken("mended");
 }

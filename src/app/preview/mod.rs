@@ -4,6 +4,8 @@ use std::{
     env,
     path::{Path, PathBuf},
     sync::Arc,
+    thread,
+    time::Duration,
 };
 
 use eframe::{
@@ -18,7 +20,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuOptions},
-    scene::desc::Method,
+    scene::{desc::Method, script::Halt},
 };
 
 pub mod canvas;
@@ -44,6 +46,9 @@ use worker::Worker;
 
 /// In wgpu's words: a surface was configured while pictures were being drawn. It is tried again.
 const BUSY: &str = "wait for GPU to come idle";
+
+/// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
 fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
@@ -85,7 +90,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         method: args.method.map(Method::from),
         samples: Some(1),
     };
-    let live = open(&gpu, origin, wishes, args.camera.is_none())?;
+    let (live, is_waiting) = open(&gpu, origin, wishes, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
     let facts = Facts::of(&live);
     let method = args.method.map_or(facts.method, Method::from);
@@ -127,7 +132,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
         });
         let repaint = context.egui_ctx.clone();
-        let worker = Worker::start(gpu, live, move || repaint.request_repaint());
+        let worker = Worker::start(gpu, live, is_waiting, move || repaint.request_repaint());
         let window = Window::new(worker, facts, method, camera, (shots, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
@@ -138,16 +143,36 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     })
 }
 
-/// The scene; where its text is there but has mistakes, they are shown and mended in the window,
-/// unless that is not to wait.
-fn open(gpu: &Arc<Gpu>, origin: Origin, wishes: Wishes, waits: bool) -> Result<Live, AppError> {
-    let is_there = origin.path.as_deref().is_some_and(Path::is_file);
-    match Live::open(gpu.clone(), origin.clone(), wishes) {
-        Err(AppError::Scene(errors)) if waits && is_there => {
-            print_diagnostics(&errors);
-            Live::open_waiting(gpu.clone(), origin, wishes, errors)
+/// The scene, and whether it must be read anew: where its text is there but has mistakes, they are
+/// shown and mended in the window, unless that is not to wait. Nor does it wait for a slow script.
+///
+/// # Errors
+/// As [`Live::open`], where nothing can wait.
+pub fn open(
+    gpu: &Arc<Gpu>,
+    origin: Origin,
+    wishes: Wishes,
+    waits: bool,
+) -> Result<(Live, bool), AppError> {
+    let waits = waits && origin.path.as_deref().is_some_and(Path::is_file);
+    let halt = Halt::default();
+    if waits {
+        let halt = halt.clone();
+        thread::spawn(move || {
+            thread::sleep(PATIENCE);
+            halt.halt();
+        });
+    }
+    match halt.over(|| Live::open(gpu.clone(), origin.clone(), wishes)) {
+        Err(AppError::Scene(errors)) if waits => {
+            let mistakes = if halt.is_halted() { Vec::new() } else { errors };
+            print_diagnostics(&mistakes);
+            Ok((
+                Live::open_waiting(gpu.clone(), origin, wishes, mistakes)?,
+                true,
+            ))
         }
-        opened => opened,
+        opened => Ok((opened?, false)),
     }
 }
 

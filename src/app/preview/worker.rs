@@ -40,8 +40,14 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts rendering; `woken` is called after each report.
-    pub fn start(gpu: Arc<Gpu>, live: Live, woken: impl Fn() + Send + 'static) -> Self {
+    /// Starts rendering; `woken` is called after each report. One that is waiting for its scene has
+    /// that read at once.
+    pub fn start(
+        gpu: Arc<Gpu>,
+        live: Live,
+        is_waiting: bool,
+        woken: impl Fn() + Send + 'static,
+    ) -> Self {
         let desk = Desk::default();
         let (sender, reports) = mpsc::channel();
         let inbox = desk.clone();
@@ -68,8 +74,8 @@ impl Worker {
             if let Err(why) = &watcher {
                 state.tell(Report::Note(why.clone()));
             }
-            if !state.live.problems.is_empty() {
-                // It waits for the scene, and what that imports is not watched yet.
+            if is_waiting {
+                // What the scene imports is not watched yet either.
                 inbox.ask(Task::Reload(
                     [Change::Scene, Change::Asset].into(),
                     Instant::now(),

@@ -44,7 +44,8 @@ impl Halt {
         result
     }
 
-    fn is_halted(&self) -> bool {
+    /// Whether it was used.
+    pub fn is_halted(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
@@ -165,7 +166,8 @@ impl Used {
         (grown > MEMORY).then(|| format!("it takes more than {most} MiB of memory"))
     }
 
-    fn is_halted(&self) -> bool {
+    /// Whether it was used.
+    pub fn is_halted(&self) -> bool {
         self.halt.borrow().as_ref().is_some_and(Halt::is_halted)
     }
 
