@@ -10,9 +10,9 @@ use std::{
 const LAYERS: [(&str, &[&str]); 8] = [
     ("math", &[]),
     ("files", &[]),
-    ("scene", &["math"]),
+    ("scene", &["math", "files"]),
     ("world", &["scene", "math", "files"]),
-    ("gpu", &["math"]),
+    ("gpu", &["math", "files"]),
     ("render", &["gpu", "world", "scene", "math"]),
     (
         "bench",

@@ -7,7 +7,7 @@
 
 use std::{
     collections::{BTreeSet, HashMap},
-    fs::{self, File},
+    fs,
     io::{self, Read as _},
     path::{Component, Path, PathBuf},
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
@@ -17,6 +17,8 @@ use std::{
 
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 use sha2::{Digest as _, Sha256};
+
+use crate::files::open_regular;
 
 /// What has new content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -118,8 +120,8 @@ type Hash = [u8; 32];
 
 struct Watched {
     change: Change,
-    /// `None` where it cannot be read.
-    hash: Option<Hash>,
+    /// Of its content, or why that cannot be read.
+    hash: Result<Hash, io::ErrorKind>,
     /// Every place whose change may change what the name means: itself and the links on its way.
     places: Vec<PathBuf>,
 }
@@ -198,7 +200,7 @@ impl Watching {
                 |paths: &BTreeSet<PathBuf>| file.places.iter().any(|p| paths.contains(p));
             if paths.is_none_or(is_meant) {
                 file.places = places(name);
-                let hash = hash(name).ok();
+                let hash = hash(name);
                 if hash != file.hash {
                     file.hash = hash;
                     changes.insert(file.change);
@@ -230,7 +232,7 @@ impl Watching {
         let mut changes = Changes::new();
         for name in fresh {
             if let Some(file) = self.files.get_mut(&name) {
-                file.hash = hash(&name).ok();
+                file.hash = hash(&name);
                 if written_since(&name, since) {
                     changes.insert(file.change);
                 }
@@ -242,7 +244,7 @@ impl Watching {
     fn add(&mut self, name: &Path, change: Change) {
         let file = Watched {
             change,
-            hash: None,
+            hash: Err(io::ErrorKind::NotFound),
             places: places(name),
         };
         self.files.insert(name.to_owned(), file);
@@ -364,12 +366,13 @@ fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
     None
 }
 
-fn hash(path: &Path) -> io::Result<Hash> {
-    let mut file = File::open(path)?;
+/// A pipe or a device has none: reading it would block, or never end.
+fn hash(path: &Path) -> Result<Hash, io::ErrorKind> {
+    let mut file = open_regular(path, false).map_err(|error| error.kind())?;
     let mut hash = Sha256::new();
     let mut block = vec![0; 1 << 16];
     loop {
-        match file.read(&mut block)? {
+        match file.read(&mut block).map_err(|error| error.kind())? {
             0 => return Ok(hash.finalize().into()),
             length => hash.update(&block[..length]),
         }

@@ -5,9 +5,13 @@ use std::ops::{Add, Mul};
 use glam::DVec3;
 
 /// Uniform Catmull-Rom (Catmull & Rom, "A class of local interpolating splines", 1974): from `p[1]`
-/// at `u` = 0 to `p[2]` at 1, with the tangent (next − previous) / 2 at each.
-pub fn catmull_rom(p: [DVec3; 4], u: f64) -> DVec3 {
-    let (out, into) = ((p[2] - p[0]) / 2.0, (p[3] - p[1]) / 2.0);
+/// at `u` = 0 to `p[2]` at 1, with the tangent (next − previous) / 2 at each where the `times` from
+/// point to point are equal. Where they are not, each side has its share of them, so that the
+/// velocity is continuous (Kochanek & Bartels, "Interpolating splines with local tension, continuity,
+/// and bias control", 1984, "Adjustments for parametrization").
+pub fn catmull_rom(p: [DVec3; 4], times: [f64; 3], u: f64) -> DVec3 {
+    let out = (p[2] - p[0]) * (times[1] / (times[0] + times[1]));
+    let into = (p[3] - p[1]) * (times[1] / (times[1] + times[2]));
     hermite(p[1], out, p[2], into, u)
 }
 
@@ -127,7 +131,8 @@ mod tests {
 
     #[test]
     fn curves_pass_through_their_points() {
-        for curve in [catmull_rom, centripetal] {
+        let uniform = |p, u| catmull_rom(p, [1.0, 2.0, 0.5], u);
+        for curve in [uniform, centripetal] {
             assert!(curve(P, 0.0).distance(P[1]) < 1e-12);
             assert!(curve(P, 1.0).distance(P[2]) < 1e-12);
         }
@@ -162,7 +167,7 @@ mod tests {
         for i in 0..=20 {
             let u = f64::from(i) / 20.0;
             assert!(centripetal(P, u).distance(barry_goldman(P, 0.5, u)) < 1e-12);
-            assert!(catmull_rom(P, u).distance(barry_goldman(P, 0.0, u)) < 1e-12);
+            assert!(catmull_rom(P, [1.0; 3], u).distance(barry_goldman(P, 0.0, u)) < 1e-12);
         }
     }
 

@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::{diagnostic::Span, parse::suggest, trail::Trail};
+use crate::files::{open_regular, read_at_most};
 
 /// What messages say about files of a kind.
 #[derive(Debug)]
@@ -81,14 +82,12 @@ pub fn read(folder: &Path, file: &str, kind: &Kind, trail: &Trail) -> Result<Fou
         let message = format!("{shown} leads out of the scene's folder");
         return Err(Problem::new(message, kind.inside));
     }
-    let size = fs::metadata(&real).map_or(0, |m| if m.is_file() { m.len() } else { u64::MAX });
-    if size > kind.most_mib << 20 {
-        let Kind { one, most_mib, .. } = kind;
-        return Err(missing(&format!(
-            "is not {one}: it is no file, or larger than {most_mib} MiB"
-        )));
-    }
-    let bytes = fs::read(&real).map_err(|e| missing(&format!("cannot be read: {e}")))?;
+    let file = open_regular(&real, false);
+    let bytes = file.and_then(|file| read_at_most(&file, kind.most_mib << 20));
+    let bytes = bytes.map_err(|e| {
+        let message = format!("\"{}\" cannot be read: {e}", path.display());
+        Problem::new(message, "")
+    })?;
     let text = String::from_utf8(bytes).map_err(|wrong| Problem {
         message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
         help: "save the file as UTF-8 in your editor",

@@ -16,7 +16,7 @@ mod table;
 mod value;
 mod words;
 
-use std::{cell::OnceCell, fmt::Write as _, fs::File, io::Read as _, path::Path};
+use std::{cell::OnceCell, fmt::Write as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -28,6 +28,8 @@ use self::{
     table::{Place, Table},
     value::Node,
 };
+use crate::files::{open_regular, read_at_most};
+
 use super::{
     desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Span},
@@ -67,20 +69,19 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
         let message = "a folder was given where a scene file is expected";
         return Err(refuse("unreadable-file", message.into()));
     }
-    let file = File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
-    file.take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
-    if bytes.len() as u64 > MOST_BYTES {
+    let file = open_regular(path, false).map_err(unreadable)?;
+    let bytes = read_at_most(&file, MOST_BYTES).map_err(|error| {
+        if error.kind() != std::io::ErrorKind::FileTooLarge {
+            return unreadable(error);
+        }
         let most = MOST_BYTES >> 20;
         let mut error = refuse(
             "file-too-large",
             format!("a scene may have at most {most} MiB"),
         );
         error[0].help = Some("geometry belongs in glTF files, named by `file`".into());
-        return Err(error);
-    }
+        error
+    })?;
     String::from_utf8(bytes).map_err(|wrong| {
         let message = "a scene must be UTF-8 text, and this byte is not";
         let error = Diagnostic::at("not-utf8", Span::not_utf8(path, &wrong), message);

@@ -154,6 +154,22 @@ fn a_scene_in_parts_equals_the_scene_in_one_piece() {
 }
 
 #[test]
+fn includes_cannot_be_set_and_lists_are_no_tables() {
+    let mut files = library(SCENE);
+    let said = folder("set", &files).parse(&["include=[\"gone.toml\"]"]);
+    let said = said.expect_err("files are read before settings");
+    assert!(said.contains("`include` cannot be set"), "{said}");
+    files[3].1 = "[[model]]\nshape = { kind = \"box\" }\n".into();
+    let said = folder("kinds", &files)
+        .parse(&[])
+        .expect_err("a list beside a table");
+    assert!(
+        said.contains("`model` is of another kind elsewhere"),
+        "{said}"
+    );
+}
+
+#[test]
 fn each_file_is_read_once_and_circles_end() {
     let folder = Folder::new(
         "circle",
@@ -183,7 +199,7 @@ fn mistakes_are_placed_in_the_file_that_has_them() {
         .into();
     let said = folder("mistakes", &files).parse(&[]).expect_err("mistakes");
     for expected in [
-        "`chrome` is written twice\n --> library/colors.toml:1:11\n",
+        "`material.chrome` is written twice\n --> library/colors.toml:1:11\n",
         "it is first written here\n --> library/materials.toml:3:11\n",
         "`roughnes` is not a key of `[material.blue]`\n --> library/colors.toml:4:1\n",
         "did you mean `roughness`?",
@@ -202,7 +218,7 @@ fn files_that_cannot_be_read_are_told_where_they_are_named() {
         ("\"gone.toml\"", "gone.toml\" does not exist"),
         ("\"../up.toml\"", "is not below the scene's folder"),
         ("\"/etc/hostname\"", "is not below the scene's folder"),
-        ("\"library\"", "is not scene text: it is no file"),
+        ("\"library\"", "cannot be read: it is not a regular file"),
         ("\"latin.toml\"", "must be UTF-8"),
         ("3", "must be text in quotes, or an array of them"),
         ("[3]", "must be text in quotes"),

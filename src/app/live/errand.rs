@@ -206,7 +206,8 @@ impl Live {
         let is_any = of_scene.iter().any(|change| changes.contains(change));
         is_any.then(|| Keeps {
             files: !changes.contains(&Change::Asset),
-            edits: false,
+            // Materials are written in the scene.
+            edits: !changes.contains(&Change::Scene),
         })
     }
 

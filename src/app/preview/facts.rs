@@ -108,9 +108,9 @@ pub enum Task {
     /// Change the script's parameters.
     Tune(Tuned),
     /// Compare the left side's method with `rt`.
-    Judge,
+    Judge(u64),
     /// Write the left side's picture.
-    Shot(PathBuf),
+    Shot(PathBuf, String),
     /// Which material is at this part of the picture, from the top left.
     Pick([f32; 2]),
 }
@@ -215,6 +215,8 @@ pub struct Shown {
 pub struct Judged {
     /// Of what.
     pub view: View,
+    /// The number that its task had.
+    pub edits: u64,
     /// Whole frame.
     pub scores: Scores,
     /// FLIP per pixel.

@@ -3,11 +3,12 @@
 
 use super::{
     canvas::Canvas,
-    facts::{Judged, Report, Task},
+    desk::free_name,
+    facts::{Judged, Look, Report, Task},
     worker::State,
 };
 use crate::{
-    app::output,
+    app::{aov, output},
     bench::{
         metric::{Maps, flip},
         picture::{Pair, Picture},
@@ -20,9 +21,10 @@ impl State {
     /// Tasks that need a frame.
     pub(super) fn look(&mut self, task: Task) {
         let done = match task {
-            Task::Judge => self.judge(),
+            Task::Judge(edits) => self.judge(edits),
             Task::Pick(at) => self.pick(at),
-            Task::Shot(path) => {
+            Task::Shot(folder, stem) => {
+                let path = free_name(&folder, &stem);
                 let said = match self.shot() {
                     Ok(png) => match crate::files::write_whole(&path, &png) {
                         Ok(()) => format!("wrote {}", path.display()),
@@ -51,7 +53,7 @@ impl State {
         Ok((stats.size, rgba))
     }
 
-    fn judge(&mut self) -> Result<(), RenderError> {
+    fn judge(&mut self, edits: u64) -> Result<(), RenderError> {
         let Some(view) = self.view.clone() else {
             return Ok(());
         };
@@ -83,16 +85,23 @@ impl State {
         self.heat = Some(heat.clone());
         self.tell(Report::Judged(Box::new(Judged {
             view,
+            edits,
             scores: maps.scores(None),
             heat,
         })));
         Ok(())
     }
 
+    /// What is shown, or left of the wipe: the finished picture or another texture, at full size.
     fn shot(&mut self) -> Result<Vec<u8>, String> {
-        let method = self.view.as_ref().map(|view| view.a.method);
-        let method = method.ok_or("nothing is shown yet")?;
-        let (size, rgba) = self.read(method).map_err(|error| error.to_string())?;
+        let view = self.view.clone().ok_or("nothing is shown yet")?;
+        let read = self.read(view.a.method);
+        let (size, mut rgba) = read.map_err(|error| error.to_string())?;
+        if let Look::Aov(shown) = view.a.look {
+            let camera = self.camera(&view.eye);
+            let plane = shown.plane(&self.gpu, self.live.renderer(), &camera);
+            rgba = aov::view(&plane.map_err(|error| error.to_string())?);
+        }
         output::encode_png(size, &rgba, None)
     }
 

@@ -92,7 +92,10 @@ pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
 /// What keeps the newest content from being shown, with its places; click copies one.
 pub fn problems(ui: &mut Ui, problems: &Problems) {
     let red = Color32::from_rgb(255, 110, 100);
-    ui.colored_label(red, RichText::new("The last good picture stays:").strong());
+    ui.colored_label(
+        red,
+        RichText::new("Not taken over; what is shown stays:").strong(),
+    );
     egui::ScrollArea::vertical()
         .id_salt("problems")
         .max_height(160.0)

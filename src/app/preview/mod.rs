@@ -24,6 +24,7 @@ use crate::{
 };
 
 pub mod canvas;
+mod cost;
 pub mod desk;
 mod errands;
 pub mod facts;

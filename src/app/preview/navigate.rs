@@ -142,30 +142,38 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     } else {
         format!("{:?}", name.replace(|c: char| c.is_control(), " "))
     };
+    // To a ten-thousandth of the distance that is looked over, in scenes of any size.
+    let distance = camera.eye.distance(camera.target).max(1e-30);
+    let decimals = (4.0 - distance.log10().floor()).clamp(4.0, 30.0) as usize;
     let mut text = format!(
         "[camera.{name}]\neye = {}\ntarget = {}\n",
-        vector(camera.eye),
-        vector(camera.target)
+        vector(camera.eye, decimals),
+        vector(camera.target, decimals)
     );
     // Writing to a string cannot fail.
     if camera.up != defaults.up {
-        let _ = writeln!(text, "up = {}", vector(camera.up));
+        let _ = writeln!(text, "up = {}", vector(camera.up, 6));
     }
-    let _ = writeln!(text, "fov_deg = {}", number(camera.fov_deg));
+    let _ = writeln!(text, "fov_deg = {}", number(camera.fov_deg, 4));
     if camera.near_m != defaults.near_m {
         let _ = writeln!(text, "near_m = {}", camera.near_m);
     }
     text
 }
 
-fn vector(v: Vec3) -> String {
-    format!("[{}, {}, {}]", number(v.x), number(v.y), number(v.z))
+fn vector(v: Vec3, decimals: usize) -> String {
+    let [x, y, z] = v.to_array().map(|part| number(part, decimals));
+    format!("[{x}, {y}, {z}]")
 }
 
-/// To a tenth of a millimeter, without trailing zeros.
-fn number(v: f32) -> String {
-    let text = format!("{v:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
+/// With so many decimals, without trailing zeros.
+fn number(v: f32, decimals: usize) -> String {
+    let text = format!("{v:.decimals$}");
+    let text = if decimals > 0 {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &text
+    };
     if text == "-0" {
         "0".to_owned()
     } else {
@@ -275,5 +283,12 @@ mod tests {
             assert!((read.fov_deg - camera.fov_deg).abs() < 1e-4);
             assert_eq!(read.near_m, camera.near_m);
         }
+        // A view of something a micrometer away.
+        camera.target = Vec3::new(0.001, 0.002, 0.003);
+        camera.eye = camera.target + Vec3::new(1e-6, 0.0, 2e-6);
+        let text = format!("version = 1\n{}", as_text("near", &camera));
+        let (desc, _) = parse::parse(&text, Path::new("copied.toml"), &[]).expect(&text);
+        let read = &desc.cameras[0].value;
+        assert!(read.eye.distance(camera.eye) < 1e-9 && read.target.distance(camera.target) < 1e-9);
     }
 }

@@ -21,6 +21,7 @@ impl Window {
                     let ms = reload.took.as_secs_f64() * 1e3;
                     self.note = if reload.ok {
                         self.judged = None;
+                        self.edits += 1;
                         format!("the parameters took {ms:.0} ms")
                     } else {
                         "these parameters do not work".to_owned()
@@ -31,16 +32,21 @@ impl Window {
                     self.note = if reload.ok {
                         // Its map would hide what the save has changed.
                         self.judged = None;
+                        self.edits += 1;
                         format!(
                             "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
                         )
                     } else {
-                        "saved with a mistake".to_owned()
+                        "not taken over; see below the picture".to_owned()
                     };
                 }
                 Ok(Report::Judged(judged)) => {
-                    self.judged = Some(*judged);
-                    self.choice.heat = true;
+                    if judged.edits == self.edits {
+                        self.judged = Some(*judged);
+                        self.choice.heat = true;
+                    } else {
+                        self.note = "the scene has changed meanwhile; compare again".to_owned();
+                    }
                 }
                 Ok(Report::Picked(material)) => self.choice.material = material,
                 Ok(Report::Note(note)) => self.note = note,

@@ -7,7 +7,7 @@ use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 use super::panels::named;
 use crate::{
     app::params::{Declared, Tuned},
-    scene::desc::ParamValue,
+    scene::{desc::ParamValue, parse::range::LIMIT},
 };
 
 /// The panel; whether a value was changed.
@@ -53,13 +53,15 @@ fn row(ui: &mut Ui, name: &str, own: &ParamValue, value: &mut ParamValue) {
             let range = (least as i64).min(*now)..=(most as i64).max(*now);
             // A typed number may lie beyond the guess.
             let slider = Slider::new(now, range).clamping(SliderClamping::Never);
-            named(ui, slider, label);
+            named(ui, slider.update_while_editing(false), label);
+            *now = (*now).clamp(-(LIMIT as i64), LIMIT as i64);
         }
         (ParamValue::Number(now), ParamValue::Number(own)) => {
             let (least, most) = range(*own, 1.0).into_inner();
             let slider = Slider::new(now, least.min(*now)..=most.max(*now));
             let slider = slider.clamping(SliderClamping::Never).max_decimals(4);
-            named(ui, slider, label);
+            named(ui, slider.update_while_editing(false), label);
+            *now = now.clamp(-LIMIT, LIMIT);
         }
         (ParamValue::Switch(on), _) => {
             ui.checkbox(on, label);
@@ -77,6 +79,7 @@ fn row(ui: &mut Ui, name: &str, own: &ParamValue, value: &mut ParamValue) {
                 for (now, own) in now.iter_mut().zip(own) {
                     let speed = own.abs().max(0.5) * 0.01;
                     let number = DragValue::new(now).speed(speed).max_decimals(4);
+                    let number = number.range(-LIMIT..=LIMIT).update_while_editing(false);
                     ui.add(number).labelled_by(label.id);
                 }
             });

@@ -3,6 +3,7 @@
 
 use std::{
     collections::{HashMap, VecDeque},
+    iter,
     path::PathBuf,
     time::Instant,
 };
@@ -12,7 +13,6 @@ use eframe::egui::{self, Key, Ui};
 use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    desk::free_name,
     facts::{Eye, Facts, Judged, Shown, Task, View},
     materials,
     messages::{self, Doing},
@@ -32,7 +32,7 @@ const SIDE: f32 = 320.0;
 const HAS_SIDE: f32 = 560.0;
 /// How long a script runs before that is told, seconds, and how often from then on.
 const LONG_S: f64 = 0.3;
-const TOLD_EVERY_S: f32 = 0.1;
+const TOLD_EVERY_S: f32 = 1.0;
 /// Part of a frame's time that its picture may take while time runs.
 const PLAYING_SHARE: f64 = 0.8;
 
@@ -47,6 +47,8 @@ pub struct Window {
     pub(super) tuned: Tuned,
     pub(super) shown: Option<Shown>,
     pub(super) judged: Option<Judged>,
+    /// How often the scene has changed: what was compared before is of another.
+    pub(super) edits: u64,
     /// Of the last pictures, newest last.
     pub(super) history: VecDeque<FrameStats>,
     /// Registered textures by the number of their canvas.
@@ -87,6 +89,7 @@ impl Window {
             choice,
             shown: None,
             judged: None,
+            edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),
             asked: None,
@@ -107,6 +110,10 @@ impl Window {
 
     fn keys(&mut self, ui: &Ui, wishes: &mut Vec<Wish>) {
         if ui.ctx().egui_wants_keyboard_input() {
+            // It writes no text.
+            if ui.input(|i| i.key_pressed(Key::F12)) {
+                wishes.push(Wish::Shot);
+            }
             return;
         }
         let closes = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, Key::Q);
@@ -174,17 +181,17 @@ impl Window {
                     self.choice.through = None;
                 }
                 Wish::Copy => {
-                    ui.ctx()
-                        .copy_text(as_text("copied", &self.navigator.camera));
+                    ui.ctx().copy_text(self.camera_text());
                     self.note = "the camera is in the clipboard, as scene text".to_owned();
                 }
-                Wish::Judge => self.ask(Task::Judge),
-                Wish::Shot => self.ask(Task::Shot(free_name(&self.shots, &self.stem))),
+                Wish::Judge => self.ask(Task::Judge(self.edits)),
+                Wish::Shot => self.ask(Task::Shot(self.shots.clone(), self.stem.clone())),
                 Wish::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
                     }
                     self.judged = None;
+                    self.edits += 1;
                     self.ask(Task::Edit(edit));
                 }
                 Wish::Tune(tuned) => {
@@ -279,6 +286,14 @@ impl Window {
         messages::status(ui, picture, &doing, self.script_s(), &self.note);
     }
 
+    /// The camera as scene text, under a name that the scene does not have.
+    fn camera_text(&self) -> String {
+        let is_free = |name: &String| self.facts.cameras.iter().all(|(known, _)| known != name);
+        let names = (2..).map(|number| format!("copied{number}"));
+        let name = iter::once("copied".to_owned()).chain(names).find(is_free);
+        as_text(&name.unwrap_or_default(), &self.navigator.camera)
+    }
+
     /// How long a script has been running, once that is worth telling, seconds.
     fn script_s(&self) -> Option<f64> {
         let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
@@ -310,7 +325,7 @@ impl Window {
             messages::log(ui, &self.facts.log);
             messages::scene(ui, &self.facts);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
-                ui.monospace(as_text("copied", &self.navigator.camera));
+                ui.monospace(self.camera_text());
             });
         });
     }

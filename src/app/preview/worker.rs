@@ -12,6 +12,7 @@ use std::{
 
 use super::{
     canvas::Canvas,
+    cost::Cost,
     desk::Desk,
     errands::Errands,
     facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
@@ -66,7 +67,7 @@ impl Worker {
                 watched: WatchList::default(),
                 told_frame: 0,
                 number: 0,
-                pixel_ms: 1e-4,
+                cost: Cost::default(),
                 sender,
                 woken: Box::new(woken),
             };
@@ -116,8 +117,7 @@ pub(super) struct State {
     /// The frame of the facts that were told last.
     told_frame: u32,
     number: u64,
-    /// What a pixel of a sub-frame took last, milliseconds.
-    pixel_ms: f64,
+    cost: Cost,
     sender: Sender<Report>,
     woken: Box<dyn Fn() + Send>,
 }
@@ -234,7 +234,7 @@ impl State {
     }
 
     /// Where a view is taken from in the posed scene.
-    fn camera(&self, eye: &Eye) -> CameraDesc {
+    pub(super) fn camera(&self, eye: &Eye) -> CameraDesc {
         let cameras = &self.live.world().cameras;
         match eye {
             Eye::Free(camera) => camera.clone(),
@@ -259,12 +259,12 @@ impl State {
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;
             for _ in 0..3 {
-                if self.pixel_ms * pixels(size) > draft_ms {
+                if self.cost.is_too_large(pixels(size), draft_ms) {
                     size = size.map(|side| side.div_ceil(2));
                 }
             }
         }
-        while samples > 1 && self.pixel_ms * pixels(size) * f64::from(samples) > STILL_MS {
+        while samples > 1 && self.cost.ms(pixels(size) * f64::from(samples)) > STILL_MS {
             samples /= 2;
         }
         self.live.wish(Wishes {
@@ -273,10 +273,8 @@ impl State {
             samples: Some(samples),
         })?;
         let stats = self.live.render(&self.camera(&view.eye))?;
-        // Shadow maps take the same time whatever the size.
-        let shadow = stats.passes_ms.iter().find(|(name, _)| name == "shadow");
-        let sized_ms = stats.frame_ms - shadow.map_or(0.0, |(_, ms)| *ms);
-        self.pixel_ms = sized_ms.max(0.0) / (pixels(size) * f64::from(samples));
+        self.cost
+            .learn(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)
     }
 

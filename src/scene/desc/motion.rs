@@ -135,7 +135,7 @@ pub enum CurveKind {
     /// `"linear"`: straight pieces.
     #[default]
     Linear,
-    /// `"catmull_rom"`: smooth through all keys, uniform; may overshoot where keys lie unevenly.
+    /// `"catmull_rom"`: smooth through all keys, its speed too; may overshoot where keys lie unevenly.
     CatmullRom,
     /// `"centripetal"`: smooth through all keys, without loops or cusps between them.
     Centripetal,

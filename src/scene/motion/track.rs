@@ -153,7 +153,7 @@ impl Keys<'_> {
             CurveKind::Step if u < 1.0 => a,
             CurveKind::Step => b,
             CurveKind::Linear => a.lerp(b, u),
-            CurveKind::CatmullRom => catmull_rom(self.neighbors(i), u),
+            CurveKind::CatmullRom => catmull_rom(self.neighbors(i), self.times(i), u),
             CurveKind::Centripetal => centripetal(self.neighbors(i), u),
             CurveKind::Bezier => {
                 let third = (b - a) / 3.0;
@@ -162,6 +162,25 @@ impl Keys<'_> {
                 bezier([a, a + out, b + into, b], u)
             }
         }
+    }
+
+    /// How long the pieces before, at and after this one take: as long where the path ends, and all
+    /// the same where the speed is constant whatever the keys' times.
+    fn times(&self, i: isize) -> [f64; 3] {
+        let count = self.pieces() as isize;
+        let is_loop = self.0.loop_s.is_some();
+        [i - 1, i, i + 1].map(|piece| {
+            let piece = match is_loop {
+                true => piece.rem_euclid(count),
+                false if (0..count).contains(&piece) => piece,
+                false => i,
+            } as usize;
+            if self.0.constant_speed {
+                1.0
+            } else {
+                self.time(piece + 1) - self.time(piece)
+            }
+        })
     }
 
     /// The four points around a piece. Where the path ends, the missing one continues it straight.
@@ -256,6 +275,25 @@ mod tests {
             assert!(before > 0.0 && after > 0.0, "{curve:?} {before} {after}");
             if curve == CurveKind::CatmullRom {
                 assert!((before - after).abs() < 0.01, "{before} {after}");
+            }
+        }
+    }
+
+    #[test]
+    fn uneven_keys_make_no_jump_of_the_speed() {
+        let keys = || vec![key(0.0, 0.0), key(1.0, 1.0), key(5.0, 2.0), key(6.0, 3.0)];
+        for loop_s in [None, Some(9.0)] {
+            let track = TrackDesc {
+                loop_s,
+                ..with(keys(), CurveKind::CatmullRom)
+            };
+            let step = 1e-3;
+            for time in [1.0, 5.0] {
+                let before = f64::from(x(&track, time) - x(&track, time - step)) / step;
+                let after = f64::from(x(&track, time + step) - x(&track, time)) / step;
+                // The mean speed from key to key: 2 m in 5 s.
+                assert!((before - 0.4).abs() < 0.01, "{time}: {before}");
+                assert!((after - 0.4).abs() < 0.01, "{time}: {after}");
             }
         }
     }

@@ -34,7 +34,7 @@ const MOST: usize = 100;
 /// Included scene text, in messages about its files.
 const SCENES: Kind = Kind {
     one: "scene text",
-    names: "names of included files start from the scene's folder and end in .toml",
+    names: "names of included files start from the scene's folder",
     inside: "included files are read only from the scene's folder and the folders below it",
     most_mib: MOST_BYTES >> 20,
 };
@@ -168,15 +168,16 @@ fn add<'i>(
             let error = report.error("include-script", &key.span(), message);
             error.help = Some("name it in the scene itself; scripts share code by `import`".into());
         }
-        "motion" => add_parts(root, key, node, 2, report),
-        _ => add_parts(root, key, node, 1, report),
+        "motion" => add_parts(root, "", key, node, 2, report),
+        _ => add_parts(root, "", key, node, 1, report),
     }
 }
 
-/// Adds a value; where both have a table, its entries, down to `depth` tables. What both have then
-/// is an error.
+/// Adds a value to the table at `path`; where both have a table, its entries, down to `depth` tables.
+/// What both have then is an error.
 fn add_parts<'i>(
     table: &mut DeTable<'i>,
+    path: &str,
     key: Spanned<DeString<'i>>,
     node: Node<'i>,
     depth: u32,
@@ -198,15 +199,24 @@ fn add_parts<'i>(
             }
         }
         (DeValue::Table(table), DeValue::Table(more)) if depth > 0 => {
+            let path = format!("{path}{name}.");
             for (key, node) in more {
-                add_parts(table, key, node, depth - 1, report);
+                add_parts(table, &path, key, node, depth - 1, report);
             }
         }
-        _ => {
-            let message = format!("{} is written twice", suggest::key(name));
+        (old, new) => {
+            let same = old.type_str() == new.type_str();
+            let shown = suggest::key(&format!("{path}{name}"));
             let first = report.span(&first);
+            let (message, help) = if same {
+                let help = "remove one of the two, or give it another name";
+                (format!("{shown} is written twice"), help)
+            } else {
+                let help = "write both alike: `[name]` is a table, `[[name]]` one of a list";
+                (format!("{shown} is of another kind elsewhere"), help)
+            };
             let error = report.error("duplicate-key", &key.span(), message);
-            error.help = Some("remove one of the two, or give it another name".into());
+            error.help = Some(help.into());
             error.related = Some((first, "it is first written here".into()));
         }
     }

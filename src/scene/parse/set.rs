@@ -34,7 +34,10 @@ pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
         error.help = Some("such as `camera.main.fov_deg` or `instance.0.scale`".into());
         return;
     };
-    if let Some(value) = value {
+    if path[0].name == "include" {
+        let error = report.error("bad-set", &path[0].at, "`include` cannot be set");
+        error.help = Some("write it in the scene; what it brings can be set".into());
+    } else if let Some(value) = value {
         put(root, &path, value, report);
     }
 }

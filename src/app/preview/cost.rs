@@ -1,0 +1,89 @@
+//! What a picture takes: a part that is the same at any size, such as shadow maps and posing, and
+//! a part for each pixel.
+
+/// Of pictures so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Cost {
+    fixed_ms: f64,
+    pixel_ms: f64,
+    /// Pixels and milliseconds of the last picture, and of the last of another size.
+    last: Option<(f64, f64)>,
+    other: Option<(f64, f64)>,
+}
+
+impl Default for Cost {
+    /// A guess for the first picture.
+    fn default() -> Self {
+        Self {
+            fixed_ms: 0.0,
+            pixel_ms: 1e-4,
+            last: None,
+            other: None,
+        }
+    }
+}
+
+impl Cost {
+    /// Learns from a picture of so many pixels, sub-frames counted.
+    pub fn learn(&mut self, pixels: f64, ms: f64) {
+        if let Some(last) = self.last
+            && (last.0 > 1.5 * pixels || pixels > 1.5 * last.0)
+        {
+            self.other = Some(last);
+        }
+        self.last = Some((pixels, ms));
+        // Two sizes tell both parts; one tells their sum.
+        self.pixel_ms = match self.other {
+            Some((others, others_ms)) => ((ms - others_ms) / (pixels - others)).max(0.0),
+            None => ms / pixels,
+        };
+        self.fixed_ms = (ms - self.pixel_ms * pixels).max(0.0);
+    }
+
+    /// Of a picture of so many pixels, milliseconds.
+    pub fn ms(&self, pixels: f64) -> f64 {
+        self.fixed_ms + self.pixel_ms * pixels
+    }
+
+    /// Whether a picture takes too long and fewer pixels would mend it: what is the same at any
+    /// size is no reason for fewer.
+    pub fn is_too_large(&self, pixels: f64, most_ms: f64) -> bool {
+        self.ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_parts_are_found_from_two_sizes() {
+        let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
+        let mut cost = Cost::default();
+        for pixels in [270_000.0, 67_500.0, 67_500.0] {
+            cost.learn(pixels, truth(pixels));
+        }
+        for pixels in [1e4, 1e6] {
+            assert!((cost.ms(pixels) - truth(pixels)).abs() < 1e-6);
+        }
+        // Shadow maps alone are over the limit: a smaller picture would be no faster.
+        assert!(!cost.is_too_large(270_000.0, 40.0));
+        assert!(cost.is_too_large(4e6, 40.0));
+    }
+
+    #[test]
+    fn a_scene_that_changes_is_learned_anew() {
+        let mut cost = Cost::default();
+        for pixels in [1e5, 2.5e4, 1e5] {
+            cost.learn(pixels, 10.0 + 1e-3 * pixels);
+        }
+        // From here on pixels cost four times as much, at every size.
+        for pixels in [1e5, 2.5e4, 1e5] {
+            cost.learn(pixels, 10.0 + 4e-3 * pixels);
+        }
+        assert!((cost.ms(5e4) - 210.0).abs() < 1e-6);
+        // Noise may not give pixels that cost less than nothing.
+        cost.learn(2.5e4, 500.0);
+        assert!(cost.ms(1e6) >= cost.ms(1e4));
+    }
+}
