@@ -230,3 +230,38 @@ def Xform "X" {
     done = convert_text(tmp_path, text)
     assert done.warnings("/X") == {"time-sample-dropped"}
     assert done.world()[done.node("/X")][0, 3] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("counts", ["5", "-5, 3", "2147483647, 3, -5", "0"])
+def test_a_mesh_without_a_whole_face_keeps_its_children(tmp_path: Path, counts: str) -> None:
+    text = f"""
+def Mesh "Parent" {{
+    int[] faceVertexCounts = [{counts}]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    def Cube "child" {{}}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/Parent") == {"mesh-empty", "topology-invalid"}
+    assert done.gltf.nodes[done.node("/Parent/child")].mesh is not None
+
+
+def test_a_value_of_the_wrong_type_costs_its_prim_alone(tmp_path: Path) -> None:
+    text = 'def Mesh "M" {\n    string[] points = ["x"]\n    def Cube "child" {}\n}\n'
+    done = convert_text(tmp_path, text)
+    (found,) = [w for w in done.sidecar["warnings"] if w["prim"] == "/M"]
+    assert found["name"] == "prim-damaged"
+    assert "'points' holds a StringArray, expected a Vec3fArray" in found["message"]
+    assert done.gltf.nodes[done.node("/M/child")].mesh is not None
+
+
+def test_a_fault_of_the_converter_is_no_damage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fault(*_: object) -> None:
+        raise ValueError("zero-size array")
+
+    monkeypatch.setattr("reflet_usd.convert.geometry.GeometryBuilder.build", fault)
+    with pytest.raises(ValueError, match="zero-size"):
+        convert_text(tmp_path, CUBE.format(""))
