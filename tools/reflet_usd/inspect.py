@@ -6,11 +6,11 @@ import argparse
 import collections
 import dataclasses
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions
+from reflet_usd.printing import show
 
 _TARGET = "reflet_usd.inspect:summarize"
 _SHOWN = 20
@@ -47,6 +47,18 @@ class StageSummary:
 
 def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
     """Read `stage_path` in this process; `out` is where a trial conversion may write."""
+    from pxr import Tf
+
+    from reflet_usd.convert.stage import error_text
+
+    try:
+        return _summary(stage_path, out, options)
+    except Tf.ErrorException as error:
+        reason = error_text(error, stage_path)
+        raise ConvertError("stage-damaged", reason, str(stage_path)) from None
+
+
+def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
     from pxr import Usd, UsdUtils
 
     from reflet_usd.convert.ledger import Ledger
@@ -108,13 +120,9 @@ def run(args: argparse.Namespace) -> int:
     from reflet_usd.sandbox import run_confined
 
     options = dataclasses.asdict(ConvertOptions(extra_roots=tuple(args.root)))
-    try:
-        with run_confined(args.stage, options, target=_TARGET) as (summary, _):
-            pass
-    except ConvertError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    print(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
+    with run_confined(args.stage, options, target=_TARGET) as (summary, _):
+        pass
+    show(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
     return 0
 
 

@@ -48,7 +48,7 @@ def _read_by(prim: Usd.Prim) -> Iterator[Usd.Prim]:
     while above:
         waiting.append(above)
         above = above.GetParent()
-    seen = set()
+    seen: set[str] = set()
     for other in waiting:  # grows while it is walked
         path = str(other.GetPath())
         if path in seen or len(seen) > _MOST_PRIMS:

@@ -30,15 +30,12 @@ from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
 from reflet_usd.convert.subsets import note_binding_purposes
-from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 # Types that only group others: carried by being there.
 _GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
-# Nested instances multiply: a few lines of text can stand for any number of prims.
-MAX_PRIMS = 1_000_000
 PROGRESS_S = 5.0
 
 
@@ -122,9 +119,6 @@ class Traversal:
         self._visited += 1
         self.context.visited = str(prim.GetPath())
         self._report_progress()
-        if self._visited > MAX_PRIMS:
-            message = f"the composed stage has more than {MAX_PRIMS} prims"
-            raise ConvertError("too-many-prims", message, str(prim.GetPath()))
         try:
             warn_variants(self.context, prim)
             node = self._place(prim, tree)
