@@ -265,3 +265,42 @@ def test_a_fault_of_the_converter_is_no_damage(
     monkeypatch.setattr("reflet_usd.convert.geometry.GeometryBuilder.build", fault)
     with pytest.raises(ValueError, match="zero-size"):
         convert_text(tmp_path, CUBE.format(""))
+
+
+def test_prototypes_of_an_instancer_that_draws_nothing_are_named_so(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "P" {
+    rel prototypes = </P/c>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0)]
+    def Cube "c" {}
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/P") == {"instancer-invalid"}
+    assert done.warnings("/P/c") == {"prototype-unused"}
+
+
+def nested_instances(levels: int) -> str:
+    """Each level holds two instances of the one before."""
+    text = 'def "L0" {\n    def Cube "c" {}\n}\n'
+    for level in range(1, levels):
+        one = f"(references = </L{level - 1}>\n instanceable = true) {{}}\n"
+        text += f'def "L{level}" {{\ndef "a" {one}def "b" {one}}}\n'
+    return text
+
+
+def test_instances_are_counted_without_walking_them(tmp_path: Path) -> None:
+    with pytest.raises(ConvertError) as caught:
+        convert_text(tmp_path, nested_instances(100))
+    assert caught.value.name == "too-many-prims"
+
+
+def test_the_count_of_prims_is_that_of_a_walk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = convert_text(tmp_path, nested_instances(6))
+    prims = sum(sum(counts.values()) for counts in done.result.ledger.values())
+    monkeypatch.setattr("reflet_usd.convert.prim_count.MAX_PRIMS", prims - 1)
+    with pytest.raises(ConvertError, match=f"has {prims} prims"):
+        convert_text(tmp_path, nested_instances(6))

@@ -53,7 +53,7 @@ def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumm
 
     try:
         return _summary(stage_path, out, options)
-    except Tf.ErrorException as error:
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
         reason = error_text(error, stage_path)
         raise ConvertError("stage-damaged", reason, str(stage_path)) from None
 

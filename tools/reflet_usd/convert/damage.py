@@ -13,7 +13,7 @@ _MOST_PRIMS = 10_000
 
 def reason_of_damage(prim: Usd.Prim, error: Exception) -> str:
     """Which value of `prim`, or of what it reads, cannot be read; raises `error` if all can."""
-    if isinstance(error, Tf.ErrorException):
+    if isinstance(error, (Tf.ErrorException, UnicodeDecodeError)):
         return "USD cannot read the file's bytes"
     for other in _read_by(prim):
         for attribute in other.GetAuthoredAttributes():

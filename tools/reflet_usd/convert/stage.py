@@ -84,8 +84,10 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         layer.SetPermissionToEdit(was_editable)
 
 
-def error_text(error: Tf.ErrorException, path: Path) -> str:
+def error_text(error: Exception, path: Path) -> str:
     """USD's first reason, without the source places of its library."""
+    if isinstance(error, UnicodeDecodeError):
+        return "it holds text that is not UTF-8"
     try:
         text = " ".join(str(error).split())
     except UnicodeDecodeError:  # USD quotes the bytes that it could not read
