@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import subprocess
 import sys
@@ -247,3 +248,26 @@ def test_a_fault_of_a_command_has_a_name(
     monkeypatch.setattr("reflet_usd.report.read_roots", fault)
     assert cli.main(["report", str(tmp_path)]) == 1
     assert "odd [converter-internal]" in capsys.readouterr().err
+
+
+def test_the_wall_time_of_report_covers_the_check(
+    tmp_path: Path,
+    khronos: None,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "in").mkdir()
+    cube(tmp_path / "in")
+    monkeypatch.setattr("reflet_usd.validate.confined._TARGET", "sandbox_targets:sleep")
+    details = tmp_path / "details.json"
+    words = ["report", str(tmp_path / "in"), "--wall-s", "20", "--json", str(details)]
+    assert cli.main(words) == 3
+    (row,) = json.loads(details.read_text())
+    assert (row["converted"], row["passed"], row["reason"]) == (True, False, "time-limit")
+
+
+def test_inspect_has_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    many = tmp_path / "many.usda"
+    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
+    assert cli.main(["inspect", str(many), "--cpu-limit", "1"]) == 1
+    assert "[cpu-limit]" in capsys.readouterr().err

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions
+from reflet_usd.limit_arguments import add_limits, limits_from
 from reflet_usd.printing import show
 
 _TARGET = "reflet_usd.inspect:summarize"
@@ -113,6 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="a folder besides the stage's own from which layers and textures may be read",
     )
+    add_limits(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -120,7 +122,8 @@ def run(args: argparse.Namespace) -> int:
     from reflet_usd.sandbox import run_confined
 
     options = dataclasses.asdict(ConvertOptions(extra_roots=tuple(args.root)))
-    with run_confined(args.stage, options, target=_TARGET) as (summary, _):
+    limits = limits_from(args)
+    with run_confined(args.stage, options, target=_TARGET, limits=limits) as (summary, _):
         pass
     show(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
     return 0
