@@ -230,3 +230,77 @@ def Xform "X" {
     done = convert_text(tmp_path, text)
     assert done.warnings("/X") == {"time-sample-dropped"}
     assert done.world()[done.node("/X")][0, 3] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("counts", ["5", "-5, 3", "2147483647, 3, -5", "0"])
+def test_a_mesh_without_a_whole_face_keeps_its_children(tmp_path: Path, counts: str) -> None:
+    text = f"""
+def Mesh "Parent" {{
+    int[] faceVertexCounts = [{counts}]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    def Cube "child" {{}}
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/Parent") == {"mesh-empty", "topology-invalid"}
+    assert done.gltf.nodes[done.node("/Parent/child")].mesh is not None
+
+
+def test_a_value_of_the_wrong_type_costs_its_prim_alone(tmp_path: Path) -> None:
+    text = 'def Mesh "M" {\n    string[] points = ["x"]\n    def Cube "child" {}\n}\n'
+    done = convert_text(tmp_path, text)
+    (found,) = [w for w in done.sidecar["warnings"] if w["prim"] == "/M"]
+    assert found["name"] == "prim-damaged"
+    assert "'points' holds a StringArray, expected a Vec3fArray" in found["message"]
+    assert done.gltf.nodes[done.node("/M/child")].mesh is not None
+
+
+def test_a_fault_of_the_converter_is_no_damage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fault(*_: object) -> None:
+        raise ValueError("zero-size array")
+
+    monkeypatch.setattr("reflet_usd.convert.geometry.GeometryBuilder.build", fault)
+    with pytest.raises(ValueError, match="zero-size"):
+        convert_text(tmp_path, CUBE.format(""))
+
+
+def test_prototypes_of_an_instancer_that_draws_nothing_are_named_so(tmp_path: Path) -> None:
+    text = """
+def PointInstancer "P" {
+    rel prototypes = </P/c>
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0)]
+    def Cube "c" {}
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert done.warnings("/P") == {"instancer-invalid"}
+    assert done.warnings("/P/c") == {"prototype-unused"}
+
+
+def nested_instances(levels: int) -> str:
+    """Each level holds two instances of the one before."""
+    text = 'def "L0" {\n    def Cube "c" {}\n}\n'
+    for level in range(1, levels):
+        one = f"(references = </L{level - 1}>\n instanceable = true) {{}}\n"
+        text += f'def "L{level}" {{\ndef "a" {one}def "b" {one}}}\n'
+    return text
+
+
+def test_instances_are_counted_without_walking_them(tmp_path: Path) -> None:
+    with pytest.raises(ConvertError) as caught:
+        convert_text(tmp_path, nested_instances(100))
+    assert caught.value.name == "too-many-prims"
+
+
+def test_the_count_of_prims_is_that_of_a_walk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = convert_text(tmp_path, nested_instances(6))
+    prims = sum(sum(counts.values()) for counts in done.result.ledger.values())
+    monkeypatch.setattr("reflet_usd.convert.prim_count.MAX_PRIMS", prims - 1)
+    with pytest.raises(ConvertError, match=f"has {prims} prims"):
+        convert_text(tmp_path, nested_instances(6))

@@ -8,13 +8,17 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib
+import io
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from types import FrameType
 
 from reflet_usd import __version__
+from reflet_usd.convert.types import ConvertError
 
 # Subcommand, the module that owns it (`add_arguments(parser)`, `run(args) -> int`), its help line.
 COMMANDS: tuple[tuple[str, str, str], ...] = (
@@ -24,7 +28,7 @@ COMMANDS: tuple[tuple[str, str, str], ...] = (
     ("report", "reflet_usd.report", "convert and check every stage of a folder, print the table"),
 )
 
-
+EXIT_FAILED = 1
 EXIT_CODES = """exit codes:
   0    done; for validate and report: and everything is as it should be
   1    the work could not be done, for the reason named in brackets
@@ -83,8 +87,23 @@ def _clean_end_by_signals() -> Iterator[None]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand and return its exit code; a signal raises SystemExit after cleaning up."""
+    for stream in (sys.stdout, sys.stderr):  # names of files may be in any encoding
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     with _clean_end_by_signals():
-        return _run(argv)
+        try:
+            return _run(argv)
+        except ConvertError as error:
+            print(f"error: {error}", file=sys.stderr)
+        except Exception as error:  # the last boundary: whatever it is, it gets a name
+            frame = traceback.extract_tb(error.__traceback__)[-1]
+            place = f"{Path(frame.filename).name}:{frame.lineno}"
+            reason = " ".join(str(error).split())[:300]
+            print(
+                f"error: {type(error).__name__} at {place}: {reason} [converter-internal]",
+                file=sys.stderr,
+            )
+        return EXIT_FAILED
 
 
 def _run(argv: Sequence[str] | None) -> int:

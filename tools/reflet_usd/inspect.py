@@ -6,11 +6,12 @@ import argparse
 import collections
 import dataclasses
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions
+from reflet_usd.limit_arguments import add_limits, limits_from
+from reflet_usd.printing import show
 
 _TARGET = "reflet_usd.inspect:summarize"
 _SHOWN = 20
@@ -47,6 +48,18 @@ class StageSummary:
 
 def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
     """Read `stage_path` in this process; `out` is where a trial conversion may write."""
+    from pxr import Tf
+
+    from reflet_usd.convert.stage import error_text
+
+    try:
+        return _summary(stage_path, out, options)
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
+        reason = error_text(error, stage_path)
+        raise ConvertError("stage-damaged", reason, str(stage_path)) from None
+
+
+def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
     from pxr import Usd, UsdUtils
 
     from reflet_usd.convert.ledger import Ledger
@@ -101,6 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="a folder besides the stage's own from which layers and textures may be read",
     )
+    add_limits(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -108,13 +122,10 @@ def run(args: argparse.Namespace) -> int:
     from reflet_usd.sandbox import run_confined
 
     options = dataclasses.asdict(ConvertOptions(extra_roots=tuple(args.root)))
-    try:
-        with run_confined(args.stage, options, target=_TARGET) as (summary, _):
-            pass
-    except ConvertError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    print(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
+    limits = limits_from(args)
+    with run_confined(args.stage, options, target=_TARGET, limits=limits) as (summary, _):
+        pass
+    show(json.dumps(summary, indent=2) if args.json else _format(args.stage, summary))
     return 0
 
 

@@ -8,7 +8,6 @@ import dataclasses
 import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import time
@@ -19,11 +18,11 @@ from reflet_usd import __version__
 from reflet_usd.children import Children
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.peers import Root, read_peers, read_roots
+from reflet_usd.printing import show
 from reflet_usd.report_table import format_markdown
 from reflet_usd.sandbox import Limits, run_convert
+from reflet_usd.validate.confined import prove_apart
 from reflet_usd.validate.khronos import ValidatorMissingError, check_files, find_package
-
-_VALIDATE_S = 900.0
 
 
 @dataclasses.dataclass
@@ -79,7 +78,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="keep the outputs here")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="stages at a time")
     parser.add_argument(
-        "--wall-s", type=float, default=120.0, help="time limit of one conversion, seconds"
+        "--wall-s",
+        type=float,
+        default=120.0,
+        help="time limit of one conversion, and of its check, seconds",
     )
 
 
@@ -121,7 +123,7 @@ def run(args: argparse.Namespace) -> int:
     if args.output:
         _write(args.output, text)
     else:
-        print(text)
+        show(text)
     if args.json:
         details = json.dumps([row.to_json() for row in rows], indent=1)
         _write(args.json, details)
@@ -202,34 +204,11 @@ def _one(folder: Path, root: Root, place: Path, limits: Limits, children: Childr
         return row
     row = Row(root, True, convert_s=time.monotonic() - start)
     row.warnings = [warning.to_json() for warning in result.warnings]
-    _check(row, out, stage, folder, children)
+    try:  # in a process of its own, for usd-core may end the one that reads a stage
+        row.proof = prove_apart(out, stage, None, limits=limits, children=children).proof
+    except ConvertError as error:
+        row.reason, row.message = error.name, _without(str(error), folder)
     return row
-
-
-def _check(row: Row, out: Path, stage: Path, folder: Path, children: Children) -> None:
-    """Validate in a process of its own, for usd-core may end the one that reads a stage."""
-    command = [sys.executable, "-m", "reflet_usd", "validate", str(out), "--json", "--no-khronos"]
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(filter(None, sys.path)))
-    with children.started(
-        [*command, "--against", str(stage)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env=environment,
-    ) as child:
-        try:
-            printed, said = (
-                text.decode("utf-8", "replace") for text in child.communicate(timeout=_VALIDATE_S)
-            )
-        except subprocess.TimeoutExpired:
-            row.reason, row.message = "validate-time", f"the check took over {_VALIDATE_S:g} s"
-            return
-    try:
-        row.proof = json.loads(printed)
-    except ValueError:
-        last = " ".join(said.strip().splitlines()[-1:])
-        named = re.search(r"\[([a-z-]+)\]$", last)
-        row.reason = named.group(1) if named else "validate-internal"
-        row.message = _without(last or f"exit code {child.returncode}", folder)
 
 
 def _without(text: str, folder: Path) -> str:

@@ -23,11 +23,14 @@ from typing import Any
 
 from . import convert
 from .children import Children, end
-from .usdz_check import PackageError, check_package
+from .usdz_check import check_referenced
 
 _CONVERT_TARGET = "reflet_usd.convert:convert_stage"
 _CONVERT_OPTIONS = "reflet_usd.convert:ConvertOptions"
 _POLL_S = 0.05
+_STAGING = ".reflet-usd-"
+_MOST_NAME_BYTES = 220
+"""Of the output's name: the system's 255, less what is added for the files beside it."""
 _LOG_TAIL_CHARS = 2000
 _KINDS = {
     stat.S_IFDIR: "is a folder",
@@ -123,14 +126,38 @@ def run_confined(
 
 
 def _make_staging(folder: Path | None) -> Path:
+    folder = folder or Path(tempfile.gettempdir())
+    _sweep(folder)
     try:
-        return Path(tempfile.mkdtemp(prefix=".reflet-usd-", dir=folder))
+        return Path(tempfile.mkdtemp(prefix=f"{_STAGING}{os.getpid()}-", dir=folder))
     except OSError as error:
         message = f"no file can be made in {folder}: {error.strerror}"
         raise convert.ConvertError("output-unwritable", message, str(folder)) from error
 
 
+def _sweep(folder: Path) -> None:
+    """Remove what killed runs have left; only Linux tells which runs still live."""
+    if not Path("/proc/self").exists():
+        return
+    for left in folder.glob(f"{_STAGING}*"):
+        owner = left.name[len(_STAGING) :].partition("-")[0]
+        if owner.isdigit() and not Path("/proc", owner).exists() and not left.is_symlink():
+            shutil.rmtree(left, ignore_errors=True)
+
+
 def _checked_output(out: Path) -> Path:
+    name_bytes = len(os.fsencode(out.name))
+    if name_bytes > _MOST_NAME_BYTES:
+        message = f"its name has {name_bytes} bytes; use at most {_MOST_NAME_BYTES}"
+        raise convert.ConvertError("output-unwritable", message, str(out))
+    _check_utf8(out)
+    try:
+        os.stat(out.absolute().parent)
+    except FileNotFoundError:
+        pass  # said below
+    except OSError as error:
+        message = f"it cannot be written: {error.strerror}"
+        raise convert.ConvertError("output-unwritable", message, str(out)) from error
     if not out.parent.is_dir():
         raise convert.ConvertError(
             "output-folder-missing", f"{out.parent} is not a folder; make it first", str(out)
@@ -145,7 +172,17 @@ def _checked_output(out: Path) -> Path:
     return out.absolute()
 
 
+def _check_utf8(path: Path) -> None:
+    """USD and glTF name files in UTF-8."""
+    try:
+        str(path.absolute()).encode()
+    except UnicodeEncodeError as error:
+        message = "its path is not UTF-8; rename the file or its folder"
+        raise convert.ConvertError("name-not-utf8", message, str(path)) from error
+
+
 def _checked_stage(stage: Path) -> Path:
+    _check_utf8(stage)
     what = _other_than_file(stage)
     if what is not None:
         raise convert.ConvertError("stage-missing", f"{what}; name a USD file", str(stage))
@@ -153,11 +190,7 @@ def _checked_stage(stage: Path) -> Path:
         expected = ", ".join(_USD_SUFFIXES)
         raise convert.ConvertError("stage-suffix", f"expected one of {expected}", str(stage))
     stage = stage.resolve()
-    if stage.suffix.lower() == ".usdz":
-        try:
-            check_package(stage)
-        except PackageError as error:
-            raise convert.ConvertError(error.name, error.message, str(stage)) from error
+    check_referenced(str(stage))
     return stage
 
 
@@ -176,6 +209,8 @@ def _job(
     stage: Path, out: Path, options: Any, staging: Path, limits: Limits, target: str
 ) -> dict[str, Any]:
     values = dict(options) if isinstance(options, dict) else dataclasses.asdict(options)
+    for root in values.get("extra_roots") or ():
+        _check_utf8(Path(root))
     extra_roots = [str(Path(root).resolve()) for root in values.get("extra_roots") or ()]
     if extra_roots:
         values["extra_roots"] = extra_roots  # the child runs in another folder
@@ -274,13 +309,13 @@ def _failure(
 ) -> tuple[str, str]:
     """Name and message for a child that ended without a report."""
     if stopped_by == "time-limit":
-        longer = "`reflet-usd convert --time-limit SECONDS` gives it longer"
+        longer = "`--time-limit SECONDS` gives it longer (for `report`: `--wall-s`)"
         return "time-limit", f"not done within {limits.wall_s:g} s; {longer}"
     too_large = f"the output grew past {limits.output_bytes} bytes"
     if stopped_by == "output-limit" or exit_code == -signal.SIGXFSZ:
         return "output-limit", too_large
     if exit_code == -signal.SIGXCPU:
-        longer = "`reflet-usd convert --cpu-limit SECONDS` gives it longer"
+        longer = "`--cpu-limit SECONDS` gives it longer"
         return "cpu-limit", f"used more than {limits.cpu_s} s of processor time; {longer}"
     if any(word in log for word in ("bad_alloc", "MemoryError", "Cannot allocate memory")):
         return (
@@ -319,14 +354,37 @@ def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None
             "converter-internal", f"the conversion wrote no {out.name}", str(stage)
         )
     files.sort(key=lambda path: path == produced / out.name)
-    for path in files:
-        place = out.parent / path.relative_to(produced)
-        try:
+    places = [(path, out.parent / path.relative_to(produced)) for path in files]
+    for _, place in places:
+        if place.is_dir():
+            message = f"{place} is a folder; remove it, or name another output"
+            raise convert.ConvertError("output-unwritable", message, str(stage))
+    _replace_all(places, produced.parent / "before", stage)
+
+
+def _replace_all(places: list[tuple[Path, Path]], before: Path, stage: Path) -> None:
+    """Move all files to their places or none: what was there waits in `before` until all are."""
+    before.mkdir()
+    kept: list[tuple[Path, Path]] = []
+    moved: list[Path] = []
+    place = before
+    try:
+        for number, (path, place) in enumerate(places):
             place.parent.mkdir(parents=True, exist_ok=True)
+            if os.path.lexists(place):
+                os.replace(place, before / str(number))
+                kept.append((before / str(number), place))
             os.replace(path, place)
-        except OSError as error:
-            message = f"{place} cannot be written: {error.strerror}"
-            raise convert.ConvertError("output-unwritable", message, str(stage)) from error
+            moved.append(place)
+    except BaseException as error:  # a signal too
+        for path in moved:
+            path.unlink()
+        for path, former in kept:
+            os.replace(path, former)
+        if not isinstance(error, OSError):
+            raise
+        message = f"{place} cannot be written: {error.strerror}"
+        raise convert.ConvertError("output-unwritable", message, str(stage)) from error
 
 
 def _tree_bytes(folder: Path) -> int:

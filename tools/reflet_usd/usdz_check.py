@@ -10,10 +10,16 @@ from __future__ import annotations
 import dataclasses
 import io
 import re
+import struct
 import zipfile
 from pathlib import Path
 from typing import BinaryIO
 
+from reflet_usd.convert.types import ConvertError
+
+# A local file header: signature, flags, method, two sizes, lengths of name and extra field.
+_HEADER = struct.Struct("<4s2xHH8xIIHH")
+_SIGNATURE = b"PK\3\4"
 LAYER_SUFFIXES = (".usd", ".usda", ".usdc")
 
 
@@ -44,6 +50,18 @@ def check_package(path: Path, limits: PackageLimits | None = None) -> None:
         _check_stream(stream, path.name, path.stat().st_size, limits or PackageLimits(), 1)
 
 
+def check_referenced(path: str) -> None:
+    """As `check_package`, of a file that a stage names; other files than packages pass."""
+    if not path.lower().endswith(".usdz"):
+        return
+    try:
+        check_package(Path(path))
+    except PackageError as error:
+        raise ConvertError(error.name, error.message, path) from error
+    except OSError as error:
+        raise ConvertError("usdz-broken", f"cannot be read: {error.strerror}", path) from error
+
+
 def _check_stream(
     stream: BinaryIO, label: str, size: int, limits: PackageLimits, depth: int
 ) -> None:
@@ -61,6 +79,7 @@ def _check_stream(
         for entry in entries:
             _check_entry(entry, label, limits)
         _check_root(entries, label)
+        _check_headers(stream, entries, label)
         for entry in entries:
             # USD maps nested packages from the file, so it never unpacks a compressed one.
             stored = entry.compress_type == zipfile.ZIP_STORED
@@ -107,6 +126,33 @@ def _check_entry(entry: zipfile.ZipInfo, label: str, limits: PackageLimits) -> N
             f"{where} unpacks {entry.compress_size} bytes to {entry.file_size}"
             f" (more than {limits.ratio:g} times)",
         )
+
+
+def _check_headers(stream: BinaryIO, entries: list[zipfile.ZipInfo], label: str) -> None:
+    """USD reads the header before each file, zip tools the directory: both must say the same."""
+    listed = {entry.header_offset for entry in entries}
+    for entry in entries:
+        where = f"{label}[{entry.filename!r}]"
+        stream.seek(entry.header_offset)
+        header = stream.read(_HEADER.size)
+        if len(header) < _HEADER.size or header[:4] != _SIGNATURE:
+            raise PackageError("usdz-broken", f"{where}: there is no file where it should be")
+        _, flags, method, packed, size, name_size, extra_size = _HEADER.unpack(header)
+        name = stream.read(name_size).decode("utf-8" if flags & 0x800 else "cp437", "replace")
+        sizes = (entry.compress_size, entry.file_size)
+        streamed = bool(flags & 0x8)  # its sizes stand behind it, and USD takes them as 0
+        if (
+            name != entry.orig_filename
+            or method != entry.compress_type
+            or not (streamed or (packed, size) == sizes)
+        ):
+            message = f"{where}: the file's own header says otherwise ({name!r}, {size} bytes)"
+            raise PackageError("usdz-broken", f"{message} than the directory")
+        end = entry.header_offset + _HEADER.size + name_size + extra_size + entry.compress_size
+        stream.seek(end)
+        if stream.read(4) == _SIGNATURE and end not in listed:
+            message = f"{where}: a file follows that the directory does not list"
+            raise PackageError("usdz-broken", message)
 
 
 def _check_root(entries: list[zipfile.ZipInfo], label: str) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from reflet_usd.convert.types import DEFAULT_PURPOSES, ConvertOptions
 
 PURPOSES = ("default", "render", "proxy", "guide")
+_MOST_CODE = 1e9  # `MAX_CODE` of context.py, which would load USD
 _VARIANT = re.compile(r"^(?P<prim>/[^{}]*)\{(?P<set>[^={}]+)=(?P<value>[^{}]*)\}$")
 
 
@@ -20,6 +21,8 @@ def _frames(text: str) -> tuple[float, float]:
         raise argparse.ArgumentTypeError(
             f"'{text}' is not a frame range, write FIRST:LAST, for example 1:48"
         ) from None
+    if not all(abs(code) <= _MOST_CODE for code in frames):
+        raise argparse.ArgumentTypeError(f"'{text}': time codes go from -1e9 to 1e9")
     if not frames[0] <= frames[1]:
         raise argparse.ArgumentTypeError(f"'{text}' ends before it begins")
     return frames

@@ -7,35 +7,17 @@ import sys
 from collections import Counter
 
 from reflet_usd.convert import arguments
-from reflet_usd.convert.types import ConvertError, count_of
+from reflet_usd.convert.types import count_of
+from reflet_usd.limit_arguments import add_limits, limits_from
+from reflet_usd.printing import show
 
 SHOWN_WARNINGS = 20
-MOST_SECONDS = 7 * 24 * 3600
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The converter's own arguments."""
-    from reflet_usd.sandbox import Limits
-
     arguments.add_arguments(parser)
-    for name, most, what in (
-        ("--cpu-limit", Limits.cpu_s, "of processor time (over all threads)"),
-        ("--time-limit", Limits.wall_s, "on the clock"),
-    ):
-        parser.add_argument(
-            name,
-            type=_seconds,
-            default=int(most),
-            metavar="SECONDS",
-            help=f"stop the conversion after so much time {what} (default {most:g})",
-        )
-
-
-def _seconds(text: str) -> int:
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= MOST_SECONDS:
-        message = f"'{text}': expected whole seconds from 1 to {MOST_SECONDS}"
-        raise argparse.ArgumentTypeError(message)
-    return int(text)
+    add_limits(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -43,18 +25,16 @@ def run(args: argparse.Namespace) -> int:
     # Imported here: `sandbox` belongs to the validation half and needs no USD.
     from reflet_usd import sandbox
 
-    limits = sandbox.Limits(cpu_s=args.cpu_limit, wall_s=float(args.time_limit))
     options = arguments.options_from(args)
-    try:
-        result = sandbox.run_convert(args.stage, args.output, options, limits=limits)
-    except ConvertError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
+    result = sandbox.run_convert(args.stage, args.output, options, limits=limits_from(args))
     for warning in result.warnings[:SHOWN_WARNINGS]:
         print(f"warning: {warning.prim}: {warning.message} [{warning.name}]", file=sys.stderr)
     hidden = Counter(warning.name for warning in result.warnings[SHOWN_WARNINGS:])
     if hidden:
         counts = ", ".join(f"{count} {name}" for name, count in sorted(hidden.items()))
         print(f"warning: and {counts}; all are in {args.output}.json", file=sys.stderr)
-    print(f"{args.stage} -> {args.output} ({count_of(len(result.warnings), 'warning')})")
+    show(
+        f"{args.stage} -> {args.output} ({count_of(len(result.warnings), 'warning')})",
+        done=f"{args.output} is written, but ",
+    )
     return 0

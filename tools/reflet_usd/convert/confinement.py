@@ -12,6 +12,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError
+from reflet_usd.usdz_check import check_referenced
 
 MAX_LAYERS = 20_000
 # Named with their shader by the texture reader, which falls back to the node's value.
@@ -70,20 +71,27 @@ def _kept_dependencies(
     layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger, absent: set[str]
 ) -> list[str]:
     kept = []
+    refused: list[ConvertError] = []
 
     def judge(asset_path: str) -> str:
-        if "`" in asset_path:  # an expression; `check_used_layers` judges what it becomes
+        if (
+            refused or "`" in asset_path
+        ):  # an expression; `check_used_layers` judges what it becomes
             return asset_path
         if _is_outside(asset_path, roots):
             message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
-            ledger.warn("asset-outside-roots", "/", message)
-            return ""
+            return leave_out("asset-outside-roots", message, asset_path)
         identifier = layer.ComputeAbsolutePath(asset_path)
         resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
         if resolved and not is_plain_file(resolved):
             message = f"@{asset_path}@ is a pipe, device or folder, it is not opened"
-            ledger.warn("asset-not-a-file", "/", message)
-            return ""
+            return leave_out("asset-not-a-file", message, asset_path)
+        if resolved and is_allowed(resolved, roots):
+            try:
+                check_referenced(Ar.SplitPackageRelativePathOuter(resolved)[0])
+            except ConvertError as error:
+                refused.append(error)
+                return asset_path
         if not resolved:
             absent.update(_absent_file(layer, identifier, roots))
         if not _names_a_layer(identifier):
@@ -92,16 +100,27 @@ def _kept_dependencies(
             message = (
                 f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
             )
-            ledger.warn("asset-outside-roots", "/", message)
-            return ""
+            return leave_out("asset-outside-roots", message, asset_path)
         if resolved:
             kept.append(identifier)
+        return asset_path
+
+    def leave_out(name: str, message: str, asset_path: str) -> str:
+        if (
+            not Ar.IsPackageRelativePath(layer.identifier)
+            and layer.GetFileFormat().formatId != "usdz"
+        ):
+            ledger.warn(name, "/", message)
+            return ""
+        refused.append(ConvertError(name, message, layer.identifier))  # USD edits no package
         return asset_path
 
     was_editable = layer.permissionToEdit
     layer.SetPermissionToEdit(True)
     UsdUtils.ModifyAssetPaths(layer, judge)
     layer.SetPermissionToEdit(was_editable)
+    if refused:
+        raise refused[0]
     return kept
 
 
@@ -141,3 +160,4 @@ def check_used_layers(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
         if not layer.anonymous and layer.realPath and not is_allowed(layer.realPath, roots):
             message = f"@{layer.identifier}@ is outside the allowed folders; allow it with --root"
             raise ConvertError("asset-outside-roots", message, stage.GetRootLayer().identifier)
+        check_referenced(Ar.SplitPackageRelativePathOuter(layer.realPath)[0])  # expressions' too

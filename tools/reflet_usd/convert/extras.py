@@ -85,7 +85,8 @@ def property_value(context: Context, item: Usd.Property) -> Any:
     if isinstance(item, Usd.Relationship):
         targets = item.GetTargets()
         return [str(path) for path in targets] if len(targets) <= _MAX_VALUES else None
-    assert isinstance(item, Usd.Attribute)
+    if not isinstance(item, Usd.Attribute):  # a damaged file names a property and has none
+        return None
     return plain_value(item.Get(context.time))
 
 

@@ -95,6 +95,11 @@ class Instancers:
         self._account_children(prim, [str(path) for path in targets])
         instances = self._read(prim, len(targets))
         if instances is None:
+            message = "the instancer that would draw it draws nothing"
+            for target in targets:
+                child = self.context.stage.GetPrimAtPath(target)
+                if child and target.HasPrefix(prim.GetPath()):  # others are drawn where they are
+                    self.context.ledger.skip_subtree("prototype-unused", child, message)
             return
         self.context.ledger.carry(prim)
         self._warn_primvars(prim)

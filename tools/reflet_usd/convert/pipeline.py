@@ -23,7 +23,7 @@ def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> Conver
         raise ConvertError("output-suffix", "expected a name that ends in .glb or .gltf", str(out))
     try:
         return _convert(stage_path, out, options)
-    except Tf.ErrorException as error:
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
         raise ConvertError(
             "stage-damaged", error_text(error, stage_path), str(stage_path)
         ) from None

@@ -56,6 +56,9 @@ def read_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
         context.ledger.warn("mesh-empty", prim, f"the mesh has no {missing}")
         return None
     counts, corners = _repair_counts(context, prim, counts, corners)
+    if len(corners) == 0:
+        context.ledger.warn("mesh-empty", prim, "no face of the mesh can be drawn")
+        return None
     drawn = _drawable(context, prim, points, counts, corners)
     _cut_holes(context, prim, drawn)
     if not drawn.any():

@@ -18,6 +18,7 @@ from reflet_usd.convert.confinement import (
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.prim_count import check_prim_count
 from reflet_usd.convert.samples import first_code, has_spline
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 
@@ -48,6 +49,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     check_used_layers(stage, roots)
     del layers
     _select_variants(stage, options, str(path))
+    check_prim_count(stage)
     _warn_composition(stage, delegate, ledger)
     context = Context(stage, options, ledger, roots, absent)
     _read_units(context)
@@ -82,8 +84,10 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         layer.SetPermissionToEdit(was_editable)
 
 
-def error_text(error: Tf.ErrorException, path: Path) -> str:
+def error_text(error: Exception, path: Path) -> str:
     """USD's first reason, without the source places of its library."""
+    if isinstance(error, UnicodeDecodeError):
+        return "it holds text that is not UTF-8"
     try:
         text = " ".join(str(error).split())
     except UnicodeDecodeError:  # USD quotes the bytes that it could not read
@@ -139,8 +143,14 @@ def _plain(text: str) -> str:
     words = re.sub(r"anon:0x[0-9a-fA-F]+:?", "anonymous ", " ".join(text.split()))
     words = re.sub(r"\s*[<‹(\[]?\b0x[0-9a-fA-F]+\b[>›)\]]?", "", words)
     parts = words.split("@")
-    parts[1::2] = [os.path.basename(part) for part in parts[1::2]]
+    parts[1::2] = [_without_folder(part) for part in parts[1::2]]
     return "@".join(parts)
+
+
+def _without_folder(asset: str) -> str:
+    """The asset's file name; of a package also the path within it."""
+    package, bracket, inner = asset.partition("[")
+    return os.path.basename(package) + bracket + inner
 
 
 def stage_metadata(stage: Usd.Stage, name: str) -> Any:

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdGeom, UsdLux
 
 from reflet_usd.convert.animation import (
     Visibility,
@@ -18,6 +18,7 @@ from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.collection import keep_collections
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
+from reflet_usd.convert.damage import DAMAGE, reason_of_damage
 from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import GeometryBuilder, is_surface, warn_still_points
@@ -29,17 +30,13 @@ from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
 from reflet_usd.convert.subsets import note_binding_purposes
-from reflet_usd.convert.types import ConvertError
 from reflet_usd.convert.xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 # Types that only group others: carried by being there.
 _GROUPS = ("", "Xform", "Scope", "SkelRoot", "Skeleton")
-# Nested instances multiply: a few lines of text can stand for any number of prims.
-MAX_PRIMS = 1_000_000
 PROGRESS_S = 5.0
-DAMAGE = (ValueError, TypeError, IndexError, OverflowError, UnicodeDecodeError, Tf.ErrorException)
 
 
 @dataclass
@@ -122,18 +119,25 @@ class Traversal:
         self._visited += 1
         self.context.visited = str(prim.GetPath())
         self._report_progress()
-        if self._visited > MAX_PRIMS:
-            message = f"the composed stage has more than {MAX_PRIMS} prims"
-            raise ConvertError("too-many-prims", message, str(prim.GetPath()))
         try:
             warn_variants(self.context, prim)
-            return self._place(prim, tree)
+            node = self._place(prim, tree)
         except DAMAGE as error:
-            # Values of the wrong type or size, or bytes that USD cannot read: only this prim ends.
-            message = (
-                f"its values cannot be read, it and all below it are left out ({_one_line(error)})"
-            )
+            message = f"{reason_of_damage(prim, error)}; it and all below it are left out"
             self.context.ledger.skip_subtree("prim-damaged", prim, message)
+            return False
+        if node is None:
+            return prim.GetTypeName() in _PLACELESS
+        try:
+            if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
+                return not prim.IsA(UsdGeom.PointInstancer)
+            return self._fill(prim, node)
+        except DAMAGE as error:
+            message = f"{reason_of_damage(prim, error)}; it is left out"
+            if not prim.IsA(UsdGeom.PointInstancer):  # what is below has a place of its own
+                self.context.ledger.warn("prim-damaged", prim, message)
+                return True
+            self.context.ledger.skip_subtree("prim-damaged", prim, f"{message} with its prototypes")
             return False
 
     def _report_progress(self) -> None:
@@ -143,16 +147,17 @@ class Traversal:
             self._last_report = now
             print(f"converting: {self._visited} prims so far", flush=True)
 
-    def _place(self, prim: Usd.Prim, tree: Tree) -> bool:
+    def _place(self, prim: Usd.Prim, tree: Tree) -> Node | None:
+        """The prim's node in its place, still empty; None where the prim has none."""
         type_name = prim.GetTypeName()
         if type_name in _PLACELESS:
             self._keep_words(prim, None)
-            return True
+            return None
         # A hidden skeleton still moves what it is bound to.
         if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
             message = "the prim is invisible; it and all below it are left out"
             self.context.ledger.skip_subtree("invisible-skipped", prim, message)
-            return False
+            return None
         if type_name == "SkelRoot":
             self.skeletons.enter(prim)
         if type_name in ("SkelRoot", "Skeleton"):
@@ -178,9 +183,7 @@ class Traversal:
             tree.parent_of(prim).add(outer)
         self._keep_words(prim, node)
         self._show(prim, tree, node, lifted)
-        if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
-            return not prim.IsA(UsdGeom.PointInstancer)
-        return self._fill(prim, node)
+        return node
 
     def _keep_words(self, prim: Usd.Prim, node: Node | None) -> None:
         """What is said about the prim and does not draw; a prim without a node keeps none."""
@@ -287,9 +290,3 @@ def warn_variants(context: Context, prim: Usd.Prim) -> None:
         elif count > 1:
             message = f"of {count} variants of '{name}' only '{chosen}' is carried"
             context.ledger.warn("variants-not-carried", prim, message)
-
-
-def _one_line(error: Exception) -> str:
-    if isinstance(error, Tf.ErrorException):
-        return "USD cannot read the file's bytes"
-    return " ".join(str(error).split())[:160]

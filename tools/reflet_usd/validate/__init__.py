@@ -1,8 +1,9 @@
 """The command `reflet-usd validate`: is a glTF file valid, and does it show what the stage shows.
 
 The output is re-read by pygltflib and trimesh, the stage is evaluated by usd-core; no code of
-the converter takes part. Exit codes: 0 all right, 1 the check itself could not run (also where
-usd-core does not open the stage), 2 wrong usage, 3 the file is invalid or deviates silently.
+the converter takes part; the stage is read in the sandbox's child process. Exit codes: 0 all
+right, 1 the check itself could not run (also where usd-core does not open the stage), 2 wrong
+usage, 3 the file is invalid or deviates silently.
 """
 
 from __future__ import annotations
@@ -13,7 +14,11 @@ import sys
 import traceback
 from pathlib import Path
 
-EXIT_OK, EXIT_INTERNAL, EXIT_USAGE, EXIT_DEVIATES = 0, 1, 2, 3
+from reflet_usd.convert.types import ConvertError
+from reflet_usd.limit_arguments import add_limits, limits_from
+from reflet_usd.printing import show
+
+EXIT_OK, EXIT_USAGE, EXIT_DEVIATES = 0, 2, 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-khronos", action="store_true", help="compare only, without the Khronos validator"
     )
+    add_limits(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -34,43 +40,45 @@ def run(args: argparse.Namespace) -> int:
         if not path.is_file():
             print(f"{path}: no such file; name an existing one", file=sys.stderr)
             return EXIT_USAGE
-    # Imported late: the readers and usd-core take long to load, and may be missing.
+    # Imported late: the readers take long to load, and may be missing.
     try:
-        from .facts import StageError
-        from .khronos import ValidatorMissingError
-        from .proof import prove
-        from .table import format_proof
+        return _run(args)
     except ModuleNotFoundError as error:
-        print(
-            f"the Python package {error.name!r} is missing; run tools/setup.sh,"
-            " or pip install 'reflet-usd[validate]'",
-            file=sys.stderr,
-        )
-        return EXIT_INTERNAL
-    try:
-        proof = prove(args.out, args.against, khronos=not args.no_khronos)
-    except ValidatorMissingError as error:
-        print(f"{error}\n(or compare only, with --no-khronos)", file=sys.stderr)
-        return EXIT_INTERNAL
-    except StageError as error:
-        print(f"{error} [stage-unreadable]", file=sys.stderr)
-        return EXIT_INTERNAL
+        message = f"the Python package {error.name!r} is missing; run tools/setup.sh"
+        raise ConvertError(
+            "package-missing", f"{message}, or pip install 'reflet-usd[validate]'"
+        ) from error
+    except ConvertError:
+        raise
     except Exception as error:  # a blunder of the check says nothing about the file
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(frame.filename).name}:{frame.lineno}"
         reason = " ".join(str(error).split())[:300]
-        print(
-            f"{args.out}: the check could not run: {type(error).__name__} at {place}: {reason}"
-            " [validate-internal]",
-            file=sys.stderr,
-        )
-        return EXIT_INTERNAL
-    if proof.khronos is not None and proof.khronos.crash:
-        print(
-            f"{args.out}: the Khronos validator ended with {proof.khronos.crash!r}; compare only,"
-            " with --no-khronos [validator-crash]",
-            file=sys.stderr,
-        )
-        return EXIT_INTERNAL
-    print(json.dumps(proof.to_json(), indent=2) if args.json else format_proof(proof))
-    return EXIT_OK if proof.passed else EXIT_DEVIATES
+        message = f"the check could not run: {type(error).__name__} at {place}: {reason}"
+        raise ConvertError("validate-internal", message, str(args.out)) from error
+
+
+def _run(args: argparse.Namespace) -> int:
+    from .khronos import ValidatorMissingError, check_files
+    from .proof import prove
+    from .table import format_proof
+
+    try:
+        report = None if args.no_khronos else check_files([args.out])[0]
+    except ValidatorMissingError as error:
+        message = f"{error}\n(or compare only, with --no-khronos)"
+        raise ConvertError("validator-missing", message) from error
+    if args.against is None:
+        proof = prove(args.out, None, khronos=False)
+        proof.khronos = report
+        verdict, text = proof.to_json(), format_proof(proof)
+    else:
+        from .confined import prove_apart
+
+        found = prove_apart(args.out, args.against, report, limits=limits_from(args))
+        verdict, text = found.proof, found.text
+    if report is not None and report.crash:
+        message = f"the Khronos validator ended with {report.crash!r}; compare only,"
+        raise ConvertError("validator-crash", f"{message} with --no-khronos", str(args.out))
+    show(json.dumps(verdict, indent=2) if args.json else text)
+    return EXIT_OK if verdict["passed"] else EXIT_DEVIATES

@@ -1,0 +1,273 @@
+"""Commands on stages that wait, lie or never end, and on outputs that cannot be written."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from reflet_usd import cli
+from reflet_usd.convert.types import ConvertError
+from reflet_usd.sandbox import run_convert
+from reflet_usd.usdz_check import PackageError, check_package
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n'
+CUBE = HEAD + ')\ndef Cube "C" {}\n'
+
+
+def command(*words: str) -> list[str]:
+    """The words of a `reflet-usd` command."""
+    return [sys.executable, "-m", "reflet_usd", *words]
+
+
+def run(*words: str, stdout: object = subprocess.PIPE) -> subprocess.CompletedProcess[str]:
+    """Run `reflet-usd` in a process of its own."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "tools")}
+    return subprocess.run(
+        command(*words), env=environment, stdout=stdout, stderr=subprocess.PIPE, text=True
+    )
+
+
+def package(path: Path, *entries: tuple[str, str]) -> Path:
+    """A usdz of stored text files."""
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, text in entries:
+            archive.writestr(name, text)
+    return path
+
+
+def cube(folder: Path) -> tuple[Path, Path]:
+    """A stage and its file."""
+    stage, out = folder / "cube.usda", folder / "cube.glb"
+    stage.write_text(CUBE)
+    run_convert(stage, out)
+    return stage, out
+
+
+def test_validate_waits_for_no_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.usda")
+    stage, out = tmp_path / "stage.usda", tmp_path / "out.glb"
+    stage.write_text(HEAD + '    subLayers = [@pipe.usda@]\n)\ndef Cube "C" {}\n')
+    run_convert(stage, out)
+    assert cli.main(["validate", str(out), "--against", str(stage), "--no-khronos"]) == 0
+
+
+def test_validate_has_the_limits_and_checks_of_convert(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, out = cube(tmp_path)
+    bad = package(tmp_path / "bad.usdz", ("a.usda", CUBE), ("../../b.usda", CUBE))
+    use = tmp_path / "use.usda"
+    use.write_text(HEAD + ')\ndef "X" (references = @bad.usdz@</C>) {}\n')
+    many = tmp_path / "many.usda"
+    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
+    for stage, name in ((bad, "usdz-path"), (use, "usdz-path"), (many, "cpu-limit")):
+        options = ["--against", str(stage), "--no-khronos", "--cpu-limit", "2"]
+        assert cli.main(["validate", str(out), *options]) == 1
+        assert f"[{name}]" in capsys.readouterr().err
+
+
+def test_referenced_packages_are_checked(tmp_path: Path) -> None:
+    package(tmp_path / "bad.usdz", ("a.usda", CUBE), ("../../b.usda", CUBE))
+    stage = tmp_path / "stage.usda"
+    stage.write_text(HEAD + ')\ndef "X" (references = @bad.usdz@</C>) {}\n')
+    with pytest.raises(ConvertError) as caught:
+        run_convert(stage, tmp_path / "a.glb")
+    assert caught.value.name == "usdz-path"
+    assert caught.value.path.endswith("bad.usdz")
+
+
+def test_headers_that_disagree_with_the_directory_are_refused(tmp_path: Path) -> None:
+    path = package(tmp_path / "a.usdz", ("a.usda", CUBE), ("a.png", "x"))
+    check_package(path)
+    good = path.read_bytes()
+    name, second = good.index(b"a.png"), good.index(b"PK\3\4", 4)
+    renamed = good[:name] + b"../xx" + good[name + 5 :]
+    grown = good[: second + 22] + b"\xf0\xff\xff\x7f" + good[second + 26 :]
+    for bad in (renamed, grown):
+        path.write_bytes(bad)
+        with pytest.raises(PackageError) as caught:
+            check_package(path)
+        assert caught.value.name == "usdz-broken"
+
+
+def test_a_file_that_the_directory_hides_is_refused(tmp_path: Path) -> None:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr("a.usda", CUBE)
+        archive.writestr("b.usda", CUBE)
+        archive.filelist.pop()  # the directory is written when it closes
+    path = tmp_path / "a.usdz"
+    path.write_bytes(stream.getvalue())
+    with pytest.raises(PackageError, match="does not list"):
+        check_package(path)
+
+
+def test_a_layer_outside_that_a_package_names_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "in").mkdir()
+    (tmp_path / "out.usda").write_text(CUBE)
+    text = CUBE + f'def "R" (references = @{tmp_path}/out.usda@</C>) {{}}\n'
+    stage = str(package(tmp_path / "in" / "a.usdz", ("a.usda", text)))
+    for words in (["convert", stage, "-o", str(tmp_path / "a.glb")], ["inspect", stage]):
+        assert cli.main(words) == 1
+        assert "[asset-outside-roots]" in capsys.readouterr().err
+
+
+def test_assets_of_packages_keep_their_names(tmp_path: Path) -> None:
+    text = CUBE + 'def "R" (references = @../x.usda@</C>) {}\n'
+    done = run_convert(package(tmp_path / "a.usdz", ("a.usda", text)), tmp_path / "a.glb")
+    (message,) = [w.message for w in done.warnings if w.name == "asset-unresolved"]
+    assert "@a.usdz[../x.usda]@" in message
+
+
+MESH = """def Mesh "M" {
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+}
+"""
+
+
+def test_a_part_of_the_output_that_cannot_be_written_leaves_all_as_it_was(tmp_path: Path) -> None:
+    stage = tmp_path / "stage.usda"
+    stage.write_text(CUBE + MESH)
+    (tmp_path / "q.gltf.json").mkdir()
+    (tmp_path / "q.bin").write_text("mine")
+    with pytest.raises(ConvertError) as caught:
+        run_convert(stage, tmp_path / "q.gltf")
+    assert caught.value.name == "output-unwritable"
+    assert "q.gltf.json is a folder" in caught.value.message
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "q.bin",
+        "q.gltf.json",
+        "stage.usda",
+    ]
+    assert (tmp_path / "q.bin").read_text() == "mine"
+
+
+def test_a_move_that_fails_is_undone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stage, out = tmp_path / "stage.usda", tmp_path / "q.gltf"
+    stage.write_text(CUBE + MESH)
+    (tmp_path / "q.bin").write_text("mine")
+    replace = os.replace
+
+    def fail(source: Path, place: Path) -> None:
+        if Path(place) == out:
+            raise OSError(28, "No space left on device")
+        replace(source, place)
+
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(ConvertError, match="No space left"):
+        run_convert(stage, out)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["q.bin", "stage.usda"]
+    assert (tmp_path / "q.bin").read_text() == "mine"
+
+
+def test_a_link_is_replaced_and_what_it_names_stays(tmp_path: Path) -> None:
+    stage, out = tmp_path / "stage.usda", tmp_path / "a.glb"
+    stage.write_text(CUBE)
+    (tmp_path / "mine.txt").write_text("mine")
+    out.symlink_to(tmp_path / "mine.txt")
+    run_convert(stage, out)
+    assert not out.is_symlink()
+    assert (tmp_path / "mine.txt").read_text() == "mine"
+
+
+def test_odd_names_and_ranges_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stage = tmp_path / "stage.usda"
+    stage.write_text(CUBE)
+    odd = Path(os.fsdecode(os.fsencode(tmp_path) + b"/a\xff.usda"))
+    odd.write_text(CUBE)
+    out, root = str(tmp_path / "a.glb"), os.fsdecode(b"/tmp/\xff")
+    for words, name in (
+        ([str(stage), "-o", str(tmp_path / ("x" * 300 + ".glb"))], "output-unwritable"),
+        ([str(stage), "-o", str(tmp_path / ("x" * 300) / "a.glb")], "output-unwritable"),
+        ([str(odd), "-o", out], "name-not-utf8"),
+        ([str(stage), "-o", str(odd.with_suffix(".glb"))], "name-not-utf8"),
+        ([str(stage), "-o", out, "--root", root], "name-not-utf8"),
+    ):
+        assert cli.main(["convert", *words]) == 1
+        assert f"[{name}]" in capsys.readouterr().err
+    for frames in ("1:1e400", "nan", "-inf:1", "0:1e10"):
+        with pytest.raises(SystemExit) as caught:
+            cli.main(["convert", str(stage), "-o", out, "--frames", frames])
+        assert caught.value.code == 2
+    assert not Path(out).exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_a_full_standard_output_is_named(tmp_path: Path) -> None:
+    stage, out = cube(tmp_path)
+    out.unlink()
+    with open("/dev/full", "w") as full:
+        shown = run("inspect", str(stage), stdout=full)
+        written = run("convert", str(stage), "-o", str(out), stdout=full)
+    assert shown.returncode == written.returncode == 1
+    assert "standard output cannot be written" in shown.stderr
+    assert "cube.glb is written, but standard output" in written.stderr
+    assert "Traceback" not in shown.stderr + written.stderr
+    assert out.exists()
+
+
+def test_a_reader_that_leaves_early_is_no_error(tmp_path: Path) -> None:
+    _, out = cube(tmp_path)
+    read, write = os.pipe()
+    os.close(read)
+    done = run("validate", str(out), "--json", "--no-khronos", stdout=write)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="looks into /proc")
+def test_what_a_killed_run_left_is_swept(tmp_path: Path) -> None:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left = tmp_path / f".reflet-usd-{ended.pid}-abc"
+    live = tmp_path / f".reflet-usd-{os.getpid()}-abc"
+    for folder in (left, live):
+        (folder / "out").mkdir(parents=True)
+    cube(tmp_path)
+    assert not left.exists()
+    assert live.exists()
+
+
+def test_a_fault_of_a_command_has_a_name(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def fault(*_: object) -> None:
+        raise RuntimeError("odd")
+
+    monkeypatch.setattr("reflet_usd.report.read_roots", fault)
+    assert cli.main(["report", str(tmp_path)]) == 1
+    assert "odd [converter-internal]" in capsys.readouterr().err
+
+
+def test_the_wall_time_of_report_covers_the_check(
+    tmp_path: Path,
+    khronos: None,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / "in").mkdir()
+    cube(tmp_path / "in")
+    monkeypatch.setattr("reflet_usd.validate.confined._TARGET", "sandbox_targets:sleep")
+    details = tmp_path / "details.json"
+    words = ["report", str(tmp_path / "in"), "--wall-s", "20", "--json", str(details)]
+    assert cli.main(words) == 3
+    (row,) = json.loads(details.read_text())
+    assert (row["converted"], row["passed"], row["reason"]) == (True, False, "time-limit")
+
+
+def test_inspect_has_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    many = tmp_path / "many.usda"
+    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
+    assert cli.main(["inspect", str(many), "--cpu-limit", "1"]) == 1
+    assert "[cpu-limit]" in capsys.readouterr().err

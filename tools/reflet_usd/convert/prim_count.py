@@ -1,0 +1,54 @@
+"""How many prims a composed stage has, its instances multiplied, without walking them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pxr import Usd
+
+from reflet_usd.convert.types import ConvertError
+
+# Nested instances multiply: a few lines of text can stand for any number of prims.
+MAX_PRIMS = 1_000_000
+
+
+def check_prim_count(stage: Usd.Stage) -> None:
+    """Raise `too-many-prims` where the stage has more than `MAX_PRIMS`, instances' prims too."""
+    count = _count(stage)
+    if count > MAX_PRIMS:
+        shown = f"{count}" if count < 10**12 else f"about 1e{len(str(count)) - 1}"
+        message = f"the composed stage has {shown} prims with its instances, more than {MAX_PRIMS}"
+        raise ConvertError("too-many-prims", message, stage.GetRootLayer().identifier)
+
+
+def _count(stage: Usd.Stage) -> int:
+    """All prims below the root; every prototype is walked once, the inner ones first."""
+    own: dict[str, int] = {}
+    inner: dict[str, list[str]] = {}
+    for root in (*stage.GetPrototypes(), stage.GetPseudoRoot()):
+        path = str(root.GetPath())
+        own[path], inner[path] = -1, []  # without the root, which its instances stand for
+        for prim in Usd.PrimRange(root):
+            own[path] += 1
+            if prim.IsInstance():
+                inner[path].append(str(prim.GetPrototype().GetPath()))
+    counts: dict[str, int] = {}
+    for path in _inner_first(inner, str(stage.GetPseudoRoot().GetPath())):
+        counts[path] = own[path] + sum(counts[other] for other in inner[path])
+    return counts["/"]
+
+
+def _inner_first(inner: dict[str, list[str]], start: str) -> Iterator[str]:
+    """The prototypes below `start`, each after those within it; USD allows no cycles."""
+    done: set[str] = set()
+    stack = [(start, iter(inner[start]))]
+    while stack:
+        path, rest = stack[-1]
+        following = next((other for other in rest if other not in done), None)
+        if following is None:
+            stack.pop()
+            if path not in done:
+                done.add(path)
+                yield path
+        else:
+            stack.append((following, iter(inner[following])))

@@ -1,0 +1,114 @@
+"""Owns the check of a file against an untrusted stage: in the sandbox's child, with its limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+from reflet_usd.children import Children
+from reflet_usd.convert.types import ConvertError
+from reflet_usd.sandbox import Limits, run_confined
+from reflet_usd.usdz_check import check_referenced
+
+from .khronos import KhronosReport
+
+_TARGET = "reflet_usd.validate.confined:prove_here"
+
+
+@dataclasses.dataclass
+class Verdict:
+    """What one check found, as plain data."""
+
+    proof: dict[str, Any]
+    """As `Proof.to_json` gives it."""
+    text: str
+    """The table for people."""
+
+
+def prove_apart(
+    out: Path,
+    stage: Path,
+    khronos: KhronosReport | None,
+    *,
+    limits: Limits | None = None,
+    children: Children | None = None,
+) -> Verdict:
+    """Compare `out` with `stage` in a confined child process; `khronos` joins the verdict.
+
+    Readable are the folders of both and those that the sidecar records. Raises ConvertError as
+    `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
+    """
+    from .proof import read_sidecar
+
+    out = out.resolve()
+    recorded = read_sidecar(out).get("info", {}).get("roots") or ()
+    roots = [root for root in recorded if os.path.isdir(root)]
+    options = {
+        "file": str(out),
+        "khronos": None if khronos is None else dataclasses.asdict(khronos),
+        "roots": roots,
+        "extra_roots": [str(out.parent), *roots],
+    }
+    try:
+        with run_confined(stage, options, target=_TARGET, limits=limits, children=children) as (
+            result,
+            _,
+        ):
+            return Verdict(**result)
+    except ConvertError as error:
+        if error.name != "converter-internal":
+            raise
+        message = f"the check could not run: {error.message}"
+        raise ConvertError("validate-internal", message, str(out)) from error
+
+
+def prove_here(stage: Path, _out: Path, options: dict[str, Any]) -> Verdict:
+    """The comparison itself, in this process."""
+    from .facts import StageError
+    from .proof import prove
+    from .table import format_proof
+
+    _guard_layers(stage, options["roots"])
+    try:
+        proof = prove(Path(options["file"]), stage, khronos=False)
+    except StageError as error:
+        raise ConvertError("stage-unreadable", str(error)) from None
+    if options["khronos"] is not None:
+        proof.khronos = KhronosReport(**options["khronos"])
+    return Verdict(proof.to_json(), format_proof(proof))
+
+
+def _guard_layers(stage: Path, roots: list[str]) -> None:
+    """Mute what is no plain file, which USD would wait for, and check packages before USD does."""
+    from pxr import Ar, Sdf, Tf
+
+    from .usd_stage import is_within
+
+    folders = tuple(os.path.realpath(root) for root in (str(stage.parent), *roots))
+    waiting = [str(stage)]
+    for identifier in waiting:  # grows while it is walked
+        try:
+            layer = Sdf.Layer.FindOrOpen(identifier)
+        except Tf.ErrorException:
+            continue  # whoever composes the stage says so
+        for asset in layer.GetCompositionAssetDependencies() if layer else ():
+            found = layer.ComputeAbsolutePath(asset)
+            resolved = Ar.GetResolver().Resolve(found).GetPathString()
+            if not resolved or found in waiting:
+                continue
+            outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+            if not is_within(outer, folders) or not _is_plain(outer):
+                Sdf.Layer.AddToMutedLayers(found)
+                continue
+            check_referenced(outer)
+            waiting.append(found)
+
+
+def _is_plain(path: str) -> bool:
+    try:
+        return stat.S_ISREG(os.stat(path).st_mode)
+    except OSError:
+        return True  # nothing that could block
