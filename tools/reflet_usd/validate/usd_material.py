@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import zipfile
 from io import BytesIO
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdShade
+from pxr import Ar, Sdf, Usd, UsdShade
 
 from .facts import Array
 from .images import Texels, decode, enlarged, linear_to_srgb, sample, srgb_to_linear
@@ -252,11 +251,12 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
 
 def load_texture(resolved: str) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
-    parts = re.split(r"[\[\]]+", resolved.rstrip("]"))
+    outer, inner = Ar.SplitPackageRelativePathOuter(resolved)
     try:
-        with open(parts[0], "rb") as stream:
+        with open(outer, "rb") as stream:
             data = stream.read()
-        for name in parts[1:]:
+        while inner:
+            name, inner = Ar.SplitPackageRelativePathOuter(inner)
             with zipfile.ZipFile(BytesIO(data)) as package:
                 data = package.read(name)
     except (OSError, KeyError, zipfile.BadZipFile):

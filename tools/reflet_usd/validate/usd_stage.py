@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom
+from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
@@ -123,7 +123,7 @@ def _forget_old_layers() -> None:
 
 def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
     """Whether a resolved asset, or the package around it, lies in one of the folders."""
-    real = os.path.realpath(resolved.split("[")[0])
+    real = os.path.realpath(Ar.SplitPackageRelativePathOuter(resolved)[0])
     return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
 
 
