@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
-from .distances import attribute_distance, one_way, set_distance
+from .distances import attribute_distance, one_way, open_edges, set_distance
 from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
 from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
@@ -43,6 +43,8 @@ class SceneComparer:
                 self.checks.add("positions", key, math.inf, "not finite in the stage")
             elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
+            elif key in truth.turned:
+                self._turned(truth, key, found)
             elif key in truth.corners and key in truth.surfaces:
                 self._mixed(key, truth.corners[key], truth.surfaces[key], found)
             elif key in truth.corners:
@@ -174,6 +176,18 @@ class SceneComparer:
             value = max(float(away.max(initial=0.0)), untouched_extent(surfaces, found.positions))
             self.checks.add("surfaces", key, value / self.diagonal, "from the surface", self.slack)
             self._surface_looks(key, surfaces, found)
+
+    def _turned(self, truth: Scene, key: str, found: Corners | None) -> None:
+        """Curved gprims in their documented tessellation: as meshes, and on the exact surface."""
+        expected = truth.corners[key]
+        self._corners(key, expected, found, skinned=False)
+        if found is None or key not in truth.closed or not len(found.positions):
+            return
+        away = distances_to_surfaces(truth.surfaces[key], found.positions)
+        value = float(away.max(initial=0.0)) / self.diagonal
+        self.checks.add("surfaces", key, value, "from the surface", self.slack)
+        number = open_edges(expected.positions, found.positions)
+        self.checks.add("winding", key, number, "edges without their opposite")
 
     def _surface_looks(self, key: str, surfaces: list[Surface], found: Corners) -> None:
         """Display colors and materials of curved gprims, as sets over the instances."""
@@ -347,7 +361,8 @@ class SceneComparer:
         low, high = _bounds(truth)
         points = np.vstack(clouds)
         off = max(np.abs(points.min(0) - low).max(), np.abs(points.max(0) - high).max())
-        turned = [s for many in truth.surfaces.values() for s in many if not _is_aligned(s.matrix)]
+        rough = [many for key, many in truth.surfaces.items() if key not in truth.turned]
+        turned = [s for many in rough for s in many if not _is_aligned(s.matrix)]
         # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
@@ -355,7 +370,8 @@ class SceneComparer:
 
 def _bounds(scene: Scene) -> tuple[Array, Array]:
     clouds = [_everything(part) for part in scene.corners.values()]
-    clouds += [surface_box(surface) for many in scene.surfaces.values() for surface in many]
+    rough = [many for key, many in scene.surfaces.items() if key not in scene.turned]
+    clouds += [surface_box(surface) for many in rough for surface in many]
     points = np.vstack([np.zeros((0, 3)), *clouds])
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):

@@ -127,6 +127,10 @@ class Scene:
     """Prims that draw something else, by path: their type name."""
     mesh_lights: set[str] = dataclasses.field(default_factory=set)
     """Prims that draw geometry and also light the scene with it."""
+    turned: set[str] = dataclasses.field(default_factory=set)
+    """Keys of `surfaces` whose documented tessellation is in `corners`."""
+    closed: set[str] = dataclasses.field(default_factory=set)
+    """Those of them that hold nothing else: every edge has two triangles."""
     made_of: dict[str, set[str]] = dataclasses.field(default_factory=dict)
     """By instancer the prims that it draws."""
     lost: dict[str, Lost] = dataclasses.field(default_factory=dict)

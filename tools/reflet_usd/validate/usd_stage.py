@@ -131,11 +131,12 @@ def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """Mute all layers from elsewhere: the converter was not allowed to read them."""
     while True:
         layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
-        outside = [layer for layer in layers if not is_within(layer.realPath, roots)]
+        # Muting one layer frees those that it alone brought.
+        outside = [layer.identifier for layer in layers if not is_within(layer.realPath, roots)]
         if not outside:
             return
-        for layer in outside:
-            stage.MuteLayer(layer.identifier)
+        for identifier in outside:
+            stage.MuteLayer(identifier)
 
 
 def sample_codes(stage: Usd.Stage) -> list[float]:
