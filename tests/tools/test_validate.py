@@ -120,7 +120,11 @@ def build(change: Callable[[HandFile], None] | None = None) -> HandFile:
     file.node("/World/Eye", world, camera=0)
     points, faces = sphere(0.1)
     normals = points / 0.1
-    plain = file.material("", doubleSided=True)
+    plain = file.material(
+        "",
+        doubleSided=True,
+        pbrMetallicRoughness=gl.PbrMetallicRoughness(metallicFactor=0.0, roughnessFactor=0.5),
+    )
     file.node("/Ball", root, mesh=file.mesh(HandMesh(points, faces, normals, None, plain)))
     file.gltf.extensionsUsed = ["KHR_lights_punctual"]
     candela = 100 * math.pi * 0.5**2

@@ -136,6 +136,8 @@ def _compare(
     # Imported here so that files can be validated alone without usd-core.
     from pxr import Usd
 
+    from .document import compare_document
+    from .looks import compare_looks
     from .material_compare import compare_materials
     from .usd_rules import apply_rules
     from .usd_skel import (
@@ -176,7 +178,9 @@ def _compare(
     comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
-    uses = compare_materials(checks, truth, file, rest)
+    uses, colored = compare_materials(checks, truth, file, rest)
+    compare_looks(checks, output, colored)
+    compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
     proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)

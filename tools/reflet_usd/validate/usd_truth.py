@@ -20,7 +20,6 @@ from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
 from .usd_walk import StageWalk, is_light
 
-
 _MAX_LATHES = 64
 """Curved gprims of one instancer that are compared corner by corner."""
 
