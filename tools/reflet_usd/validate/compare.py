@@ -12,9 +12,10 @@ from scipy.spatial import cKDTree
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
 from .distances import attribute_distance, one_way, open_edges, set_distance
-from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
 from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
+from .uv_compare import compare_customs, compare_uvs
 
 Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
@@ -261,7 +262,8 @@ class SceneComparer:
                 )
                 angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
                 self.checks.add("normals", key, angle, "angle")
-        self._uvs(key, expected, found, tolerance, both)
+        compare_uvs(self.checks, key, expected, found, tolerance)
+        compare_customs(self.checks, key, expected, found, tolerance)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
         if unbound:
             self._undefined_colors(key, expected.undefined_colors)
@@ -279,43 +281,6 @@ class SceneComparer:
             text = f"doubleSided should be {expected.double_sided}"
             self.checks.add("sides", key, int(wrong), text)
         self._bindings(key, expected, found)
-
-    def _uvs(
-        self, key: str, expected: Corners, found: Corners, tolerance: float, both: bool
-    ) -> None:
-        if expected.uvs and not found.uvs:
-            for name in expected.uvs:
-                told = self.checks.excuse(key, UV_SET, named=name)
-                text = f"'{name}' is not in the output"
-                self.checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
-        for name, values in found.uvs.items():
-            if not expected.uvs:
-                continue
-            rows = self._uv_rows(key, found, values)
-            if not rows.any():
-                continue
-            reach = max(1.0, float(np.abs(values).max(initial=0.0)))
-            step = BARS["uvs"].limit * reach
-            drawn = (found.positions[rows], values[rows])
-            best = math.inf
-            for candidate in expected.uvs.values():
-                wanted = (expected.positions, candidate)
-                # Where a part is left out, what is drawn has to be wanted, not the other way.
-                first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
-                whole = both and bool(rows.all())
-                best = min(best, attribute_distance(first, second, tolerance, step, whole))
-            self.checks.add("uvs", key, best / reach, name)
-
-    def _uv_rows(self, key: str, found: Corners, values: Array) -> np.ndarray:
-        """All corners but those where a material reads a set that the prim does not have."""
-        rows = np.ones(len(values), bool)
-        if found.materials is None or not self.checks.excuse(key, UV_CONSTANT):
-            return rows
-        for label in np.unique(found.materials):
-            part = found.materials == label
-            if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
-                rows &= ~part
-        return rows
 
     def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
         for name in names:

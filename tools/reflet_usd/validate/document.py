@@ -14,12 +14,12 @@ from .gltf_pose import VISIBILITY
 from .gltf_scene import OutputReader
 from .usd_light import read_radiance
 from .usd_stage import TruthStage, may_move, stated_codes
+from .words import compare_words, is_same
 
 _LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
 """Warnings by which a prim and all below it have no node."""
 _DOMES = ("DomeLight", "DomeLight_1")
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
-_CLOSE = 1e-6
 
 
 def compare_document(
@@ -37,6 +37,7 @@ def compare_document(
         if "range" in light:
             checks.add("lights", "/", math.inf, f"a range of {light['range']} m, USD has none")
     _compare_nodes(checks, truth.stage, output)
+    compare_words(checks, truth.stage, output, rest)
     _compare_extras(checks, truth, output, rest, settings)
 
 
@@ -105,7 +106,7 @@ def _compare_extras(
         "domeRadiance": _dome_radiance(truth, rest),
     }
     for name in sorted(expected.keys() | told.keys()):
-        same = _is_same(expected.get(name), told.get(name))
+        same = is_same(expected.get(name), told.get(name))
         text = f"{name} is {told.get(name)}, expected {expected.get(name)}"
         checks.add("extras", "/", int(not same), text)
 
@@ -122,12 +123,3 @@ def _dome_radiance(truth: TruthStage, rest: Usd.TimeCode) -> list[float] | None:
         if not (texture and texture.path):
             total = read_radiance(prim, rest) + (0.0 if total is None else total)
     return None if total is None else total.tolist()
-
-
-def _is_same(expected: Any, found: Any) -> bool:
-    if isinstance(expected, list) and isinstance(found, list):
-        pairs = zip(expected, found, strict=False)
-        return len(expected) == len(found) and all(_is_same(a, b) for a, b in pairs)
-    if isinstance(expected, float) and isinstance(found, (int, float)):
-        return math.isclose(expected, found, rel_tol=_CLOSE, abs_tol=1e-12)
-    return bool(expected == found)

@@ -48,6 +48,8 @@ class Corners:
     """(n, 3) unit vectors, or None where the stage does not define them exactly."""
     uvs: dict[str, Array] = dataclasses.field(default_factory=dict)
     """Each (n, 2), by primvar name (stage) or attribute name (output), v upward."""
+    customs: dict[str, Array] = dataclasses.field(default_factory=dict)
+    """Values of other float primvars, each (n, k), by the attribute's name."""
     colors: Array | None = None
     """(n, 4) linear RGBA."""
     undefined_colors: tuple[str, ...] = ()

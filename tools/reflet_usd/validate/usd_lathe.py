@@ -102,7 +102,9 @@ def _turned(band: _Band) -> tuple[Array, Array, Indices]:
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     points = np.stack([_ring(r, h, circle) for r, h in zip(band.radius, band.height, strict=True)])
     normals = np.stack([_ring(o, u, circle) for o, u in zip(band.out, band.up, strict=True)])
-    corners, directions, counts = [], [], []
+    corners: list[Array] = []
+    directions: list[Array] = []
+    counts: list[Indices] = []
     here = np.arange(_AROUND)
     after = np.roll(here, -1)
     for low in range(len(points) - 1):

@@ -217,6 +217,9 @@ def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
+    shared = set.intersection(*(set(mesh.customs) for mesh in meshes))
+    for name in sorted(shared):
+        result.customs[name] = np.vstack([mesh.customs[name] for mesh in meshes])
     names = {name for mesh in meshes for name in mesh.undefined_colors}
     result.undefined_colors = tuple(sorted(names))
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]
