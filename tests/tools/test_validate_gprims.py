@@ -143,3 +143,10 @@ def test_a_negative_size_is_still_on_its_surface(tmp_path: Path) -> None:
     done = convert_text(tmp_path, 'def Sphere "G"\n{\ndouble radius = -1\n}\n')
     command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
     assert cli.main([*command, "--no-khronos"]) == 0
+
+
+def test_a_flattened_sphere_passes(tmp_path: Path) -> None:
+    body = 'float3 xformOp:scale = (1, 1, 0)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    done = convert_text(tmp_path, f'def Sphere "G"\n{{\n{body}\n}}\n')
+    command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
+    assert cli.main([*command, "--no-khronos"]) == 0

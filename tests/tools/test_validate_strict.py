@@ -193,3 +193,12 @@ def test_every_texel_counts(tmp_path: Path) -> None:
     picture[7, 40] ^= 128
     save(tmp_path, "t.png", picture)
     assert verdict(done) == 3
+
+
+def test_what_a_factor_of_zero_hides_may_differ(tmp_path: Path) -> None:
+    save(tmp_path, "t.png", noise("RGB", (16, 16)))
+    raw = texture("T", "t.png", 'token inputs:sourceColorSpace = "raw"')
+    done = convert_text(
+        tmp_path, material_stage("float inputs:roughness.connect = </Mat/T.outputs:g>", raw)
+    )
+    assert verdict(done) == 0

@@ -52,12 +52,23 @@ class OutputMaterial:
         return self._wrap(self.file.gltf.textures[index])
 
     def spread(self, name: str) -> float:
-        """By how much the texels of channel `name` differ; 0 without a texture."""
+        """By how much the texels of channel `name` move its value; 0 without a texture."""
         texels = self.image(name)
         if texels is None:
             return 0.0
         channels = _CHANNELS.get(name, [0, 1, 2])
-        return float(np.ptp(texels.values[:, :, channels], axis=(0, 1)).max())
+        return float(np.ptp(texels.values[:, :, channels], axis=(0, 1)).max()) * self._factor(name)
+
+    def _factor(self, name: str) -> float:
+        """The largest factor that multiplies the texels of a channel that may share them."""
+        base = (self.pbr and self.pbr.baseColorFactor) or (1.0, 1.0, 1.0, 1.0)
+        stated = {
+            "diffuseColor": max(base[:3]),
+            "opacity": base[3],
+            "metallic": self.pbr and self.pbr.metallicFactor,
+            "roughness": self.pbr and self.pbr.roughnessFactor,
+        }.get(name)
+        return 1.0 if stated is None else float(stated)
 
     def has_image(self, name: str) -> bool:
         """Whether there is a texture for channel `name`."""
