@@ -74,19 +74,22 @@ TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]])
 UP = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # −90° about X: Z up becomes Y up
 
 
-def sphere(radius: float, steps: int = 8) -> tuple[np.ndarray, np.ndarray]:
+def sphere(radius: float, around: int = 32, steps: int = 16) -> tuple[np.ndarray, np.ndarray]:
     """A latitude-longitude sphere with its poles and equator on the axes."""
     rings = np.linspace(0, math.pi, steps + 1)
-    turns = np.linspace(0, 2 * math.pi, steps + 1)
+    turns = np.linspace(0, 2 * math.pi, around + 1)
     points = [
         (math.sin(a) * math.cos(b), math.sin(a) * math.sin(b), math.cos(a))
         for a in rings
         for b in turns
     ]
-    quads = [(i * (steps + 1) + j) for i in range(steps) for j in range(steps)]
-    faces = [
-        t for q in quads for t in ((q, q + steps + 1, q + 1), (q + 1, q + steps + 1, q + steps + 2))
-    ]
+    faces = []
+    for ring in range(steps):
+        for q in range(ring * (around + 1), ring * (around + 1) + around):
+            if ring < steps - 1:
+                faces.append((q, q + around + 1, q + around + 2))
+            if ring > 0:
+                faces.append((q, q + around + 2, q + 1))
     return np.array(points) * radius, np.array(faces)
 
 
@@ -117,7 +120,11 @@ def build(change: Callable[[HandFile], None] | None = None) -> HandFile:
     file.node("/World/Eye", world, camera=0)
     points, faces = sphere(0.1)
     normals = points / 0.1
-    plain = file.material("", doubleSided=True)
+    plain = file.material(
+        "",
+        doubleSided=True,
+        pbrMetallicRoughness=gl.PbrMetallicRoughness(metallicFactor=0.0, roughnessFactor=0.5),
+    )
     file.node("/Ball", root, mesh=file.mesh(HandMesh(points, faces, normals, None, plain)))
     file.gltf.extensionsUsed = ["KHR_lights_punctual"]
     candela = 100 * math.pi * 0.5**2

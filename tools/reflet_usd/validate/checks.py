@@ -45,6 +45,8 @@ BARS: dict[str, Bar] = {
     "lights": Bar("light intensities and places", 1e-5, "relative", PLACED),
     "inputs": Bar("inputs that glTF lacks", 0, "lost"),
     "skinning": Bar("skinned and morphed corners", 1e-5, "of the diagonal", PLACED),
+    "animation": Bar("animation channels", 0, "wrong"),
+    "extras": Bar("extras", 0, "wrong"),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
 """What is compared, and what may differ where a warning says so."""

@@ -11,10 +11,11 @@ from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
-from .distances import attribute_distance, one_way, set_distance
-from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_CONSTANT, UV_SET, absent
+from .distances import attribute_distance, one_way, open_edges, set_distance
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
 from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
+from .uv_compare import compare_customs, compare_uvs
 
 Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
@@ -43,6 +44,8 @@ class SceneComparer:
                 self.checks.add("positions", key, math.inf, "not finite in the stage")
             elif found is not None and not np.isfinite(found.positions).all():
                 self.checks.add("positions", key, math.inf, "not finite")
+            elif key in truth.turned:
+                self._turned(truth, key, found)
             elif key in truth.corners and key in truth.surfaces:
                 self._mixed(key, truth.corners[key], truth.surfaces[key], found)
             elif key in truth.corners:
@@ -175,6 +178,19 @@ class SceneComparer:
             self.checks.add("surfaces", key, value / self.diagonal, "from the surface", self.slack)
             self._surface_looks(key, surfaces, found)
 
+    def _turned(self, truth: Scene, key: str, found: Corners | None) -> None:
+        """Curved gprims in their documented tessellation: as meshes, and on the exact surface."""
+        expected = truth.corners[key]
+        self._corners(key, expected, found, skinned=False)
+        if found is None or key not in truth.closed or not len(found.positions):
+            return
+        away = distances_to_surfaces(truth.surfaces[key], found.positions)
+        # Nothing is away from a flattened one by any known measure.
+        value = float(away[np.isfinite(away)].max(initial=0.0)) / self.diagonal
+        self.checks.add("surfaces", key, value, "from the surface", self.slack)
+        number = open_edges(expected.positions, found.positions)
+        self.checks.add("winding", key, number, "edges without their opposite")
+
     def _surface_looks(self, key: str, surfaces: list[Surface], found: Corners) -> None:
         """Display colors and materials of curved gprims, as sets over the instances."""
         bound = {_name(surface.material) for surface in surfaces if surface.material}
@@ -247,7 +263,8 @@ class SceneComparer:
                 )
                 angle = 2 * math.degrees(math.asin(min(chord / 2, 1.0)))
                 self.checks.add("normals", key, angle, "angle")
-        self._uvs(key, expected, found, tolerance, both)
+        compare_uvs(self.checks, key, expected, found, tolerance)
+        compare_customs(self.checks, key, expected, found, tolerance)
         unbound = expected.materials is not None and bool((expected.materials < 0).all())
         if unbound:
             self._undefined_colors(key, expected.undefined_colors)
@@ -265,43 +282,6 @@ class SceneComparer:
             text = f"doubleSided should be {expected.double_sided}"
             self.checks.add("sides", key, int(wrong), text)
         self._bindings(key, expected, found)
-
-    def _uvs(
-        self, key: str, expected: Corners, found: Corners, tolerance: float, both: bool
-    ) -> None:
-        if expected.uvs and not found.uvs:
-            for name in expected.uvs:
-                told = self.checks.excuse(key, UV_SET, named=name)
-                text = f"'{name}' is not in the output"
-                self.checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
-        for name, values in found.uvs.items():
-            if not expected.uvs:
-                continue
-            rows = self._uv_rows(key, found, values)
-            if not rows.any():
-                continue
-            reach = max(1.0, float(np.abs(values).max(initial=0.0)))
-            step = BARS["uvs"].limit * reach
-            drawn = (found.positions[rows], values[rows])
-            best = math.inf
-            for candidate in expected.uvs.values():
-                wanted = (expected.positions, candidate)
-                # Where a part is left out, what is drawn has to be wanted, not the other way.
-                first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
-                whole = both and bool(rows.all())
-                best = min(best, attribute_distance(first, second, tolerance, step, whole))
-            self.checks.add("uvs", key, best / reach, name)
-
-    def _uv_rows(self, key: str, found: Corners, values: Array) -> np.ndarray:
-        """All corners but those where a material reads a set that the prim does not have."""
-        rows = np.ones(len(values), bool)
-        if found.materials is None or not self.checks.excuse(key, UV_CONSTANT):
-            return rows
-        for label in np.unique(found.materials):
-            part = found.materials == label
-            if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
-                rows &= ~part
-        return rows
 
     def _undefined_colors(self, key: str, names: tuple[str, ...]) -> None:
         for name in names:
@@ -347,7 +327,8 @@ class SceneComparer:
         low, high = _bounds(truth)
         points = np.vstack(clouds)
         off = max(np.abs(points.min(0) - low).max(), np.abs(points.max(0) - high).max())
-        turned = [s for many in truth.surfaces.values() for s in many if not _is_aligned(s.matrix)]
+        rough = [many for key, many in truth.surfaces.items() if key not in truth.turned]
+        turned = [s for many in rough for s in many if not _is_aligned(s.matrix)]
         # The box of a turned curved gprim touches it where a tessellation need not have a vertex.
         if not turned:
             self.checks.add("bounds", "/", float(off) / self.diagonal, "bounding box", self.slack)
@@ -355,7 +336,8 @@ class SceneComparer:
 
 def _bounds(scene: Scene) -> tuple[Array, Array]:
     clouds = [_everything(part) for part in scene.corners.values()]
-    clouds += [surface_box(surface) for many in scene.surfaces.values() for surface in many]
+    rough = [many for key, many in scene.surfaces.items() if key not in scene.turned]
+    clouds += [surface_box(surface) for many in rough for surface in many]
     points = np.vstack([np.zeros((0, 3)), *clouds])
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):

@@ -28,8 +28,7 @@ def camera_values(expected: Camera, found: Camera, diagonal: float) -> Iterable[
         yield "yfov", _relative(expected.yfov, found.yfov)
     if expected.ymag is not None and found.ymag is not None:
         yield "ymag", _relative(expected.ymag, found.ymag)
-    if found.aspect:
-        yield "aspect", _relative(expected.aspect, found.aspect)
+    yield "aspect", _relative(expected.aspect, found.aspect)
     yield "near", _relative(expected.near_m, found.near_m)
     if math.isfinite(found.far_m):
         yield "far", _relative(expected.far_m, found.far_m)

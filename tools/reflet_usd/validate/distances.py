@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from .facts import Array
@@ -32,6 +34,24 @@ def _distinct(points: Array) -> Array:
 def set_distance(first: Array, second: Array) -> float:
     """Hausdorff distance of two point sets, meters."""
     return max(one_way(first, second), one_way(second, first))
+
+
+def open_edges(points: Array, corners: Array) -> int:
+    """How many edges of triangles (three corners each) no other triangle runs along backwards.
+
+    `points` are where their vertices should be, and say which of them are one.
+    """
+    size = float(np.ptp(points, axis=0).max())
+    tree = cKDTree(points)
+    pairs = tree.query_pairs(1e-6 * size, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    _, label = connected_components(links, directed=False)
+    triangles = label[tree.query(corners)[1]].reshape(-1, 3).astype(np.int64)
+    first, last = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    edges = np.minimum(first, last) * len(points) + np.maximum(first, last)
+    _, which = np.unique(edges, return_inverse=True)
+    balance = np.bincount(which.ravel(), weights=np.sign(last - first))
+    return int(np.count_nonzero(balance))
 
 
 def attribute_distance(

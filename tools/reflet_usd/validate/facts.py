@@ -48,6 +48,8 @@ class Corners:
     """(n, 3) unit vectors, or None where the stage does not define them exactly."""
     uvs: dict[str, Array] = dataclasses.field(default_factory=dict)
     """Each (n, 2), by primvar name (stage) or attribute name (output), v upward."""
+    customs: dict[str, Array] = dataclasses.field(default_factory=dict)
+    """Values of other float primvars, each (n, k), by the attribute's name."""
     colors: Array | None = None
     """(n, 4) linear RGBA."""
     undefined_colors: tuple[str, ...] = ()
@@ -127,6 +129,10 @@ class Scene:
     """Prims that draw something else, by path: their type name."""
     mesh_lights: set[str] = dataclasses.field(default_factory=set)
     """Prims that draw geometry and also light the scene with it."""
+    turned: set[str] = dataclasses.field(default_factory=set)
+    """Keys of `surfaces` whose documented tessellation is in `corners`."""
+    closed: set[str] = dataclasses.field(default_factory=set)
+    """Those of them that hold nothing else: every edge has two triangles."""
     made_of: dict[str, set[str]] = dataclasses.field(default_factory=dict)
     """By instancer the prims that it draws."""
     lost: dict[str, Lost] = dataclasses.field(default_factory=dict)

@@ -11,6 +11,7 @@ from .facts import Array
 from .gltf_file import GltfFile
 from .images import Texels, decode, sample
 
+_CHANNELS = {"opacity": [3], "metallic": [2], "roughness": [1], "occlusion": [0]}
 _WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 
 
@@ -27,28 +28,63 @@ class OutputMaterial:
         """Values (n, 1 or 3) of channel `name` at primvar coordinates `st` (t upward)."""
         return getattr(self, "_" + name)(st)
 
-    def has_texture(self, name: str) -> bool:
-        """Whether the file has a texture in the slot of `name` (normal or occlusion)."""
-        return getattr(self.material, f"{name}Texture") is not None
-
     def texcoord(self, name: str) -> int | None:
         """The UV set that the texture of channel `name` reads; None without such a texture."""
         info = self._info(name)
         if info is None:
             return None
-        moved = (info.extensions or {}).get("KHR_texture_transform", {})
-        return int(moved.get("texCoord", info.texCoord or 0))
+        own = info if isinstance(info, dict) else vars(info)
+        moved = (own.get("extensions") or {}).get("KHR_texture_transform", {})
+        return int(moved.get("texCoord", own.get("texCoord") or 0))
 
-    def image_size(self, name: str) -> tuple[int, int] | None:
-        """Width and height of the image of channel `name`; None without one that can be read."""
+    def image(self, name: str) -> Texels | None:
+        """The image of channel `name`; None without one that can be read."""
         info = self._info(name)
         if info is None:
             return None
-        texels = _texels(self.file, self.file.gltf.textures[info.index].source)
-        return None if texels is None else texels.size
+        index = info["index"] if isinstance(info, dict) else info.index
+        return _texels(self.file, self.file.gltf.textures[index].source)
+
+    def wrap(self, name: str) -> tuple[str, str]:
+        """How the texture of channel `name` goes on beyond its image."""
+        info = self._info(name)
+        index = info["index"] if isinstance(info, dict) else info.index
+        return self._wrap(self.file.gltf.textures[index])
+
+    def spread(self, name: str) -> float:
+        """By how much the texels of channel `name` move its value; 0 without a texture."""
+        texels = self.image(name)
+        if texels is None:
+            return 0.0
+        channels = _CHANNELS.get(name, [0, 1, 2])
+        return float(np.ptp(texels.values[:, :, channels], axis=(0, 1)).max()) * self._factor(name)
+
+    def _factor(self, name: str) -> float:
+        """The largest factor that multiplies the texels of a channel that may share them."""
+        base = (self.pbr and self.pbr.baseColorFactor) or (1.0, 1.0, 1.0, 1.0)
+        stated = {
+            "diffuseColor": max(base[:3]),
+            "opacity": base[3],
+            "metallic": self.pbr and self.pbr.metallicFactor,
+            "roughness": self.pbr and self.pbr.roughnessFactor,
+        }.get(name)
+        return 1.0 if stated is None else float(stated)
+
+    def has_image(self, name: str) -> bool:
+        """Whether there is a texture for channel `name`."""
+        return self._info(name) is not None
+
+    def _wrap(self, texture: Any) -> tuple[str, str]:
+        if texture.sampler is None:
+            return ("repeat", "repeat")
+        sampler = self.file.gltf.samplers[texture.sampler]
+        codes = (sampler.wrapS or 10497, sampler.wrapT or 10497)
+        return (_WRAP_NAMES[codes[0]], _WRAP_NAMES[codes[1]])
 
     def _info(self, name: str) -> Any:
         pbr, material = self.pbr, self.material
+        specular = self.extensions.get("KHR_materials_specular", {})
+        coat = self.extensions.get("KHR_materials_clearcoat", {})
         slots = {
             "diffuseColor": pbr and pbr.baseColorTexture,
             "opacity": pbr and pbr.baseColorTexture,
@@ -57,6 +93,9 @@ class OutputMaterial:
             "emissiveColor": material.emissiveTexture,
             "occlusion": material.occlusionTexture,
             "normal": material.normalTexture,
+            "specularColor": specular.get("specularColorTexture"),
+            "clearcoat": coat.get("clearcoatTexture"),
+            "clearcoatRoughness": coat.get("clearcoatRoughnessTexture"),
         }
         return slots.get(name)
 
@@ -137,15 +176,10 @@ class OutputMaterial:
         if moved:
             uv = _moved(uv, moved)
         texture = self.file.gltf.textures[index]
-        wrap = ("repeat", "repeat")
-        if texture.sampler is not None:
-            sampler = self.file.gltf.samplers[texture.sampler]
-            codes = (sampler.wrapS or 10497, sampler.wrapT or 10497)
-            wrap = (_WRAP_NAMES[codes[0]], _WRAP_NAMES[codes[1]])
         texels = _texels(self.file, texture.source)
         if texels is None:
             return np.full((len(st), 4), np.nan)
-        return sample(texels, uv, wrap, linearize)
+        return sample(texels, uv, self._wrap(texture), linearize)
 
 
 def _moved(uv: Array, transform: dict[str, Any]) -> Array:

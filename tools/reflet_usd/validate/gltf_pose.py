@@ -10,7 +10,7 @@ import numpy as np
 from .facts import Array
 from .gltf_file import GltfFile
 
-_VISIBILITY = re.compile(r"/nodes/(\d+)/extensions/KHR_node_visibility/visible")
+VISIBILITY = re.compile(r"/nodes/(\d+)/extensions/KHR_node_visibility/visible")
 
 
 class Poser:
@@ -79,7 +79,7 @@ class Poser:
             for channel in animation["channels"]:
                 extensions = channel["target"].get("extensions", {})
                 pointer = extensions.get("KHR_animation_pointer", {}).get("pointer", "")
-                match = _VISIBILITY.fullmatch(pointer)
+                match = VISIBILITY.fullmatch(pointer)
                 if match:
                     sampler = animation["samplers"][channel["sampler"]]
                     times = self.file.accessor(sampler["input"])

@@ -142,6 +142,9 @@ class OutputReader:
         shared = set.intersection(*(set(part.local.uvs) for part in solid))
         for name in sorted(shared):
             result.uvs[name] = np.vstack([part.local.uvs[name] for part in solid])
+        shared = set.intersection(*(set(part.local.customs) for part in solid))
+        for name in sorted(shared):
+            result.customs[name] = np.vstack([part.local.customs[name] for part in solid])
         result.colors = np.vstack([part.local.colors for part in solid])
         labels: list[Indices] = []
         sides = set()
@@ -197,11 +200,15 @@ class _Local:
         self.positions = positions[corners]
         self.normals = normals[corners] if normals is not None else None
         self.uvs: dict[str, Array] = {}
+        self.customs: dict[str, Array] = {}
         for name, accessor in attributes.items():
             if name.startswith("TEXCOORD_"):
                 uv = file.accessor(accessor)[corners].astype(np.float64)
                 # glTF's v points down, USD's up.
                 self.uvs[name] = np.column_stack([uv[:, 0], 1.0 - uv[:, 1]])
+            elif name.startswith("_"):
+                values = file.accessor(accessor)[corners].astype(np.float64)
+                self.customs[name] = values.reshape(len(values), -1)
         self.colors = self._colors(file, attributes, count)[corners]
 
     def _morphed(

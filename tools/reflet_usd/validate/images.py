@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import io
 from collections.abc import Callable
 
@@ -20,6 +21,8 @@ class Texels:
     """(height, width, 4) in 0..1 as stored; gray images repeat their value in r, g, b."""
     channels: int
     eight_bit: bool
+    digest: bytes = b""
+    """Of the encoded file: equal ones hold equal texels."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -32,7 +35,7 @@ def decode(data: bytes) -> Texels | None:
     try:
         with Image.open(io.BytesIO(data)) as image:
             image.load()
-            return _texels(image)
+            return dataclasses.replace(_texels(image), digest=hashlib.sha256(data).digest())
     except Exception:  # Pillow raises many kinds for broken files
         return None
 

@@ -20,24 +20,40 @@ from .excuses import (
 from .facts import Array, Scene
 from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
+from .images import linear_to_srgb
+from .looks import strange_extensions, unlike_plain
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
 from .usd_materialx import materialx_inputs
 from .usd_stage import TruthStage
 from .uv_compare import UvUse
 
 _SAMPLES = 16
+_ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
+_SLOTS = (
+    ("diffuseColor", "opacity"),
+    ("metallic", "roughness"),
+    ("emissiveColor",),
+    ("occlusion",),
+    ("normal",),
+    ("specularColor",),
+    ("clearcoat",),
+    ("clearcoatRoughness",),
+)
+"""Inputs by the texture of a glTF material that holds them."""
 _VALUES = tuple(name for name in DEFAULTS if name not in ("opacityThreshold", "normal"))
 
 
 def compare_materials(
     checks: Checks, truth: TruthStage, file: GltfFile, rest: Scene
-) -> list[UvUse]:
+) -> tuple[list[UvUse], frozenset[str]]:
     """Compare every material that the stage binds to something it draws.
 
-    Returns which UV set of the file stands for which primvar, by material.
+    Returns which UV set of the file stands for which primvar, by material, and the names of the
+    materials that may read vertex colors.
     """
     uses: list[UvUse] = []
+    colored: set[str] = set()
     outputs: dict[str, list[int]] = {}
     for index, material in enumerate(file.materials):
         outputs.setdefault(file.prim_of(material) or "", []).append(index)
@@ -62,6 +78,7 @@ def compare_materials(
             checks.add("materials", path, math.inf, text, excuses=OTHER_SURFACE)
             other = materialx_inputs(truth.stage.GetPrimAtPath(path), truth.roots)
         if shader is None and other is None:
+            colored.add(path.rsplit("/", 1)[-1])
             for index in outputs.get(path, []):
                 _compare_plain(checks, path, OutputMaterial(file, index))
             continue
@@ -70,19 +87,20 @@ def compare_materials(
             checks.add("materials", path, math.inf, "is not in the output")
         for index in found:
             read = other or _preview_inputs(shader, truth.roots)
+            if read["diffuseColor"].reason or read["opacity"].reason:
+                colored.add(path.rsplit("/", 1)[-1])
             one = _Comparison(checks, path, _without_lost(checks, read))
             output = OutputMaterial(file, index)
             one.compare(output)
             uses += one.uv_uses(output)
-    return uses
+    return uses, frozenset(colored)
 
 
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
     """What stands for a surface that is not known is a plain dielectric in displayColor."""
-    st = np.zeros((1, 2))
-    for name, value in (("metallic", 0.0), ("roughness", 0.5)):
-        wrong = float(np.abs(found.channel(name, st) - value).max())
-        checks.add("materials", path, wrong, name)
+    checks.add("materials", path, 0.0)
+    for text in unlike_plain(found.material):
+        checks.add("materials", path, math.inf, f"in displayColor: {text}")
 
 
 def _preview_inputs(shader: object, roots: tuple[str, ...]) -> dict[str, PreviewInput]:
@@ -115,7 +133,7 @@ class _Comparison:
         for name in _VALUES:
             source = self.inputs[name]
             if name == "specularColor" and not specular:
-                continue
+                source = PreviewInput(np.full(3, 0.04), None)
             if specular and name in ("metallic", "ior"):
                 source = PreviewInput(np.array([0.0 if name == "metallic" else 1.5]), None)
             if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
@@ -129,6 +147,7 @@ class _Comparison:
             self._channel(name, source, found)
         self._normal(found)
         self._losses()
+        self._empty_slots(found)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
         """Which UV set stands for which primvar; the first texture's where several share one."""
@@ -141,6 +160,17 @@ class _Comparison:
                 uses.append(UvUse(self.path, texture.primvar, f"TEXCOORD_{number}"))
         return list(dict.fromkeys(uses))
 
+    def _empty_slots(self, found: OutputMaterial) -> None:
+        """No texture stands where none of the inputs that share its slot has one."""
+        for names in _SLOTS:
+            sources = [self.inputs[name] for name in names]
+            read = any(source.texture is not None or source.reason for source in sources)
+            if not read and found.has_image(names[0]):
+                text = f"{names[0]} has a texture only in the output"
+                self.checks.add("materials", self.path, math.inf, text)
+        for text in strange_extensions(found.material):
+            self.checks.add("materials", self.path, math.inf, text)
+
     def _losses(self) -> None:
         """Constants that no glTF material holds, each named by its own warning."""
         for name, warning in NO_PLACE.items():
@@ -151,16 +181,47 @@ class _Comparison:
     def _channel(self, name: str, expected: PreviewInput, found: OutputMaterial) -> None:
         if expected.reason:
             return
-        worst = math.inf
         if expected.texture is None:
             assert expected.constant is not None
             st = np.random.default_rng(7).random((_SAMPLES, 2))
             wanted = np.tile(expected.constant, (_SAMPLES, 1))
             worst = _difference(name, wanted, found.channel(name, st))
-        for read in self._reads(name, expected.texture, found):
-            st = read.centers(_SAMPLES)
-            worst = min(worst, _difference(name, read.at(st), found.channel(name, st)))
-        self.checks.add("materials", self.path, worst, name)
+            spread = found.spread(name) if found.has_image(name) else 0.0
+            self.checks.add("materials", self.path, max(worst, spread), name)
+            return
+        reads = self._reads(name, expected.texture, found)
+        if not found.has_image(name):
+            self._sampled(name, reads, found)
+            return
+        texels = found.image(name)
+        same = texels is not None and texels.digest == expected.texture.texels.digest
+        resized = bool(self.checks.excuse(expected.texture.prim, REWRITTEN))
+        if texels is not None and texels.size != expected.texture.texels.size and not resized:
+            self.checks.add("materials", self.path, math.inf, f"{name}: an image of another size")
+        if found.wrap(name) not in [read.wrap for read in reads]:
+            wrap = " and ".join(found.wrap(name))
+            self.checks.add("materials", self.path, math.inf, f"{name}: goes on by {wrap}")
+        # Two ways to enlarge may round to neighboring values.
+        rounded = texels is not None and texels.size != expected.texture.texels.size
+        self._sampled(name, reads, found, not same, 1 / 255 if rounded else 1e-9)
+
+    def _sampled(
+        self,
+        name: str,
+        reads: list[TextureRead],
+        found: OutputMaterial,
+        whole: bool = False,
+        slack: float = 0.0,
+    ) -> None:
+        """Texels by any of the reads: a few where the image is the stage's own, else all."""
+        worst = math.inf
+        for read in reads:
+            parts = (
+                _difference(name, read.at(st), found.channel(name, st))
+                for st in read.centers(whole)
+            )
+            worst = min(worst, max(parts))
+        self.checks.add("materials", self.path, worst, name, slack)
 
     def _reads(
         self, name: str, texture: TextureRead | None, found: OutputMaterial
@@ -168,7 +229,8 @@ class _Comparison:
         """The texture as the file must hold it: resized and placed as documented where named."""
         if texture is None:
             return []
-        size = found.image_size(name)
+        image = found.image(name)
+        size = None if image is None else image.size
         rewritten = self.checks.excuse(texture.prim, REWRITTEN)
         if rewritten and size is not None and size != texture.texels.size:
             texture = texture.resized(size, name in ("diffuseColor", "emissiveColor"))
@@ -203,7 +265,7 @@ class _Comparison:
         read = self.inputs["normal"].texture
         if read is None:
             return
-        if not found.has_texture("normal"):
+        if not found.has_image("normal"):
             self.checks.add("materials", self.path, math.inf, "the normal map is not in the output")
             return
         if read.assumed_space:
@@ -213,11 +275,13 @@ class _Comparison:
             named = self.checks.excuse(self.path, NORMAL_SCALE)
             if named:
                 read = dataclasses.replace(read, scale=np.full(4, 2.0), bias=np.full(4, -1.0))
-        size = found.image_size("normal")
+        size = found.image("normal")
         # Other scales may have been rounded or clamped in 8-bit texels.
         if np.allclose(read.scale[:3], 2) and np.allclose(read.bias[:3], -1) and size:
-            st = read.centers(_SAMPLES)
-            value = float(np.abs(read.at(st) - found.channel("normal", st)).max())
+            value = max(
+                float(np.abs(read.at(st) - found.channel("normal", st)).max())
+                for st in read.centers(size.digest != read.texels.digest)
+            )
             self.checks.add("materials", self.path, value, "normal")
 
 
@@ -230,7 +294,12 @@ def _difference(name: str, wanted: Array, found: Array) -> float:
     else:
         wanted = np.clip(wanted, 0.0, 1.0)
     scale = max(1.0, float(np.abs(wanted).max()))
-    return float(np.abs(wanted - found).max()) / scale
+    difference = np.abs(wanted - found) / scale
+    if name in _ENCODED:  # 8 bits round the encoded value
+        inside = (np.abs(wanted - 0.5) <= 0.5) & (np.abs(found - 0.5) <= 0.5)
+        coded = np.abs(linear_to_srgb(np.clip(wanted, 0, 1)) - linear_to_srgb(np.clip(found, 0, 1)))
+        difference = np.where(inside, np.minimum(difference, coded), difference)
+    return float(difference.max())
 
 
 def _is_opaque(opacity: PreviewInput) -> bool:

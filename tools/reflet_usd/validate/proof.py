@@ -19,6 +19,7 @@ from .facts import Array, Scene, bounds_of
 from .gltf_file import GltfFile, OutputError
 from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
+from .sidecar import read_sidecar
 
 if TYPE_CHECKING:
     from .usd_skel import JointTruth
@@ -42,7 +43,7 @@ class Proof:
     warnings: list[dict[str, str]]
     """The sidecar's warnings."""
     unreadable: str = ""
-    """Why a third-party reader could not read the file; empty when it could."""
+    """Why the file or its sidecar could not be read; empty when both could."""
     facts: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Counts and the world box of the output, as the third-party reader sees them."""
     about_stage: dict[str, Any] = dataclasses.field(default_factory=dict)
@@ -81,9 +82,11 @@ def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     run and StageError where usd-core does not open the stage.
     """
     report = check_files([out])[0] if khronos else None
-    sidecar = read_sidecar(out)
+    sidecar, fault = read_sidecar(out)
     warnings = list(sidecar.get("warnings", []))
-    proof = Proof(out, stage, report, [], warnings)
+    proof = Proof(out, stage, report, [], warnings, unreadable=fault)
+    if fault:
+        return proof  # without it nothing tells a loss from a fault
     try:
         file = GltfFile(out)
         checks = Checks(warnings)
@@ -95,15 +98,6 @@ def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     except OutputError as error:
         proof.unreadable = str(error)
     return proof
-
-
-def read_sidecar(out: Path) -> dict[str, Any]:
-    """The converter's JSON beside the output; empty for files by others."""
-    try:
-        content = json.loads(Path(f"{out}.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
 
 
 def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: Proof) -> None:
@@ -142,6 +136,8 @@ def _compare(
     # Imported here so that files can be validated alone without usd-core.
     from pxr import Usd
 
+    from .document import compare_document
+    from .looks import compare_looks
     from .material_compare import compare_materials
     from .usd_rules import apply_rules
     from .usd_skel import (
@@ -182,7 +178,9 @@ def _compare(
     comparer.joints(joints.matrices(rest_time), output.joints(output.poser.pose(None)), "at rest")
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
-    uses = compare_materials(checks, truth, file, rest)
+    uses, colored = compare_materials(checks, truth, file, rest)
+    compare_looks(checks, output, colored)
+    compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
     proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)

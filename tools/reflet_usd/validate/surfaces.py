@@ -52,7 +52,7 @@ def surface_box(surface: Surface) -> Array:
     """The eight world corners of the surface's own box; exact where the axes stay aligned."""
     extent = _extent(surface)
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    return transform_points(signs * extent @ _axis_turn(surface.axis).T, surface.matrix)
+    return transform_points(signs * extent @ axis_turn(surface.axis).T, surface.matrix)
 
 
 def _to_local(points: Array, surface: Surface) -> Array | None:
@@ -60,10 +60,10 @@ def _to_local(points: Array, surface: Surface) -> Array | None:
     if abs(np.linalg.det(surface.matrix)) < 1e-30:
         return None
     local = transform_points(points, np.asarray(np.linalg.inv(surface.matrix), np.float64))
-    return local @ _axis_turn(surface.axis)
+    return local @ axis_turn(surface.axis)
 
 
-def _axis_turn(axis: int) -> Array:
+def axis_turn(axis: int) -> Array:
     """A cyclic permutation that moves `axis` to Z (row vectors)."""
     return np.roll(np.eye(3), 2 - axis, axis=1)
 

@@ -29,7 +29,7 @@ def read_light(
 def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d) -> Light:
     kind = prim.GetTypeName()
     matrix = truth.node_world(world)
-    radiance = _radiance(prim, time)
+    radiance = read_radiance(prim, time)
     if kind == "DistantLight":
         light = UsdLux.DistantLight(prim)
         half = min(math.radians(float(light.GetAngleAttr().Get(time))), math.pi) / 2
@@ -107,7 +107,8 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
     return lost
 
 
-def _radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
+def read_radiance(prim: Usd.Prim, time: Usd.TimeCode) -> Array:
+    """(3,) nits: the light's color times its intensity, exposure and share of diffuse light."""
     light = UsdLux.LightAPI(prim) if prim.HasAPI(UsdLux.LightAPI) else UsdLux.SphereLight(prim)
     with np.errstate(over="ignore"):
         gain = float(np.exp2(np.float64(light.GetExposureAttr().Get(time))))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import zipfile
+from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdShade
+from pxr import Ar, Sdf, Usd, UsdShade
 
 from .facts import Array
 from .images import Texels, decode, enlarged, linear_to_srgb, sample, srgb_to_linear
@@ -33,6 +33,9 @@ _PREVIEW_SURFACES = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 """The second is MaterialX's name for the same."""
 TIME = Usd.TimeCode.EarliestTime()
 _IDENTITY = np.eye(3)
+_FEW = 16
+_BLOCK = 1 << 18
+"""Texels that are compared at a time."""
 
 
 @dataclasses.dataclass
@@ -84,16 +87,18 @@ class TextureRead:
         rgba = sample(self.texels, uv, self.wrap, self.linearize)
         return (rgba * self.scale + self.bias)[:, self.channels]
 
-    def centers(self, count: int) -> Array:
-        """Primvar coordinates that fall on `count` texel centers, the same ones each run."""
+    def centers(self, whole: bool) -> Iterator[Array]:
+        """Primvar coordinates that fall on texel centers, by parts: all of them, or a few."""
         width, height = self.texels.size
-        random = np.random.default_rng(16)
-        column = random.integers(0, width, count)
-        row = random.integers(0, height, count)
-        uv = np.column_stack([(column + 0.5) / width, (row + 0.5) / height, np.ones(count)])
-        if abs(np.linalg.det(self.transform)) < 1e-12:
-            return uv[:, :2]
-        return (uv @ np.linalg.inv(self.transform))[:, :2]
+        count = width * height
+        few = np.random.default_rng(16).integers(0, count, _FEW)
+        for first in range(0, count if whole else 1, _BLOCK):
+            texel = np.arange(first, min(first + _BLOCK, count)) if whole else few
+            place = [(texel % width + 0.5) / width, (texel // width + 0.5) / height]
+            uv = np.column_stack([*place, np.ones(len(texel))])
+            if abs(np.linalg.det(self.transform)) >= 1e-12:
+                uv = uv @ np.linalg.inv(self.transform)
+            yield uv[:, :2]
 
 
 @dataclasses.dataclass
@@ -198,8 +203,8 @@ def _texture(
         reason = f"texture {asset.path} cannot be read"
         return PreviewInput(None, None, reason, fallback, prim)
     wraps = tuple(str(input_value(shader, name, "useMetadata")) for name in ("wrapS", "wrapT"))
-    # Sampled at texel centers inside the image, black and useMetadata act as repeat does.
-    first, second = (w if w in ("repeat", "mirror", "clamp") else "repeat" for w in wraps)
+    # A file has no black outside of its images: as documented, their edge goes on.
+    first, second = (w if w in ("repeat", "mirror", "clamp") else "clamp" for w in wraps)
     space = str(input_value(shader, "sourceColorSpace", "auto"))
     linearize = space == "sRGB" or (space == "auto" and texels.eight_bit and texels.channels >= 3)
     placed = _transform(shader)
@@ -252,11 +257,12 @@ def _transform2d(shader: UsdShade.Shader) -> Array:
 
 def load_texture(resolved: str) -> Texels | None:
     """Decode a texture file, or one inside (nested) usdz packages: `a.usdz[b.usdz[c.png]]`."""
-    parts = re.split(r"[\[\]]+", resolved.rstrip("]"))
+    outer, inner = Ar.SplitPackageRelativePathOuter(resolved)
     try:
-        with open(parts[0], "rb") as stream:
+        with open(outer, "rb") as stream:
             data = stream.read()
-        for name in parts[1:]:
+        while inner:
+            name, inner = Ar.SplitPackageRelativePathOuter(inner)
             with zipfile.ZipFile(BytesIO(data)) as package:
                 data = package.read(name)
     except (OSError, KeyError, zipfile.BadZipFile):

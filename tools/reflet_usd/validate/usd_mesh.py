@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,9 @@ from .facts import Array, Indices
 
 NO_COLOR = 0.18
 """UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
-_UV_TYPES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]", "float2[]", "double2[]", "half2[]")
+_UV_TYPES = re.compile(r"(texCoord[23][fdh]|float2|double2|half2|Vec2f)\[\]")
+_FLOATS = re.compile(r"(?:float|double|half|color|vector|normal|point)([234]?)[fdh]?\[\]")
+_HANDLED = ("displayColor", "displayOpacity", "normals")
 
 
 @dataclasses.dataclass
@@ -39,6 +42,8 @@ class LocalMesh:
     """(faces,) corners of each face that may be dropped."""
     undefined_colors: tuple[str, ...] = ()
     """Display primvars on parts whose order USD does not define: they are left out."""
+    customs: dict[str, Array] = dataclasses.field(default_factory=dict)
+    """Other float primvars at the corners, each (n, k), by the attribute's name."""
 
 
 def read_mesh(
@@ -69,6 +74,7 @@ def read_mesh(
         scheme == "none" and normals is None,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
         corners.optional_counts,
+        customs=_customs(prim, time, corners),
     )
 
 
@@ -203,12 +209,32 @@ def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Arra
 def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
     result = {}
     for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
-        if str(primvar.GetTypeName()) not in _UV_TYPES:
+        kind, interpolation = str(primvar.GetTypeName()), primvar.GetInterpolation()
+        if not _UV_TYPES.fullmatch(kind):
             continue
-        values = flattened(primvar, time, 2)
-        expanded = corners.expand(values, primvar.GetInterpolation())
+        if interpolation == "constant" and not kind.startswith("texCoord"):
+            continue  # two numbers that mean something else
+        values = flattened(primvar, time, 3 if "3" in kind else 2)
+        expanded = corners.expand(values, interpolation)
         if expanded is not None and np.isfinite(expanded).all():
-            result[primvar.GetPrimvarName()] = expanded
+            result[primvar.GetPrimvarName()] = expanded[:, :2]
+    return result
+
+
+def _customs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
+    """Float primvars that are neither coordinates nor read elsewhere, by the file's names."""
+    result = {}
+    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
+        name, kind = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
+        match = _FLOATS.fullmatch(kind)
+        handled = name.startswith("skel:") or name in _HANDLED or _UV_TYPES.fullmatch(kind)
+        if match is None or handled or primvar.GetInterpolation() == "constant":
+            continue
+        values = flattened(primvar, time, int(match.group(1) or 1))
+        expanded = corners.expand(values, primvar.GetInterpolation())
+        if expanded is not None and len(values) and np.isfinite(expanded).all():
+            attribute = "_" + re.sub(r"[^A-Za-z0-9_]", "_", name).upper()
+            result[attribute] = expanded.reshape(len(expanded), -1)
     return result
 
 

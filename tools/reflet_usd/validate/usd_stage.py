@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom
+from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
 
 from .facts import Array, StageError
 
@@ -123,7 +123,7 @@ def _forget_old_layers() -> None:
 
 def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
     """Whether a resolved asset, or the package around it, lies in one of the folders."""
-    real = os.path.realpath(resolved.split("[")[0])
+    real = os.path.realpath(Ar.SplitPackageRelativePathOuter(resolved)[0])
     return any(real == root or real.startswith(root.rstrip(os.sep) + os.sep) for root in roots)
 
 
@@ -131,11 +131,12 @@ def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """Mute all layers from elsewhere: the converter was not allowed to read them."""
     while True:
         layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
-        outside = [layer for layer in layers if not is_within(layer.realPath, roots)]
+        # Muting one layer frees those that it alone brought.
+        outside = [layer.identifier for layer in layers if not is_within(layer.realPath, roots)]
         if not outside:
             return
-        for layer in outside:
-            stage.MuteLayer(layer.identifier)
+        for identifier in outside:
+            stage.MuteLayer(identifier)
 
 
 def sample_codes(stage: Usd.Stage) -> list[float]:
@@ -148,6 +149,16 @@ def sample_codes(stage: Usd.Stage) -> list[float]:
     return sorted(code for code in codes if abs(code) <= MAX_CODE)
 
 
+def stated_codes(stage: Usd.Stage) -> tuple[float | None, float | None]:
+    """The stage's own start and end time code; None for one that it does not state, or not near."""
+    stated = (_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode"))
+    start, end = (
+        float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else None
+        for code in stated
+    )
+    return start, end
+
+
 def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[float]:
     """`count` codes spread evenly over the stage's stated range, or else over that of `codes`.
 
@@ -156,14 +167,17 @@ def codes_between(stage: Usd.Stage, codes: list[float], count: int) -> list[floa
     """
     if not any(attribute.ValueMightBeTimeVarying() for attribute in _placed_attributes(stage)):
         return []
-    stated = [_root_metadata(stage, name) for name in ("startTimeCode", "endTimeCode")]
-    low, high = (
-        float(code) if isinstance(code, (int, float)) and abs(code) <= MAX_CODE else fallback
-        for code, fallback in zip(
-            stated, (min(codes, default=0.0), max(codes, default=0.0)), strict=True
-        )
-    )
+    start, end = stated_codes(stage)
+    low = min(codes, default=0.0) if start is None else start
+    high = max(codes, default=0.0) if end is None else end
     return np.linspace(low, high, count + 2)[1:-1].tolist() if low < high else []
+
+
+def may_move(stage: Usd.Stage) -> bool:
+    """Whether any value of the stage may vary over time."""
+    roots = (stage.GetPseudoRoot(), *stage.GetPrototypes())
+    prims = (prim for root in roots for prim in Usd.PrimRange(root))
+    return any(a.ValueMightBeTimeVarying() for prim in prims for a in prim.GetAuthoredAttributes())
 
 
 def codes_in_splines(stage: Usd.Stage) -> list[float]:

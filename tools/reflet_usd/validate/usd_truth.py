@@ -12,12 +12,16 @@ from .facts import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
+from .usd_lathe import read_lathe
 from .usd_light import read_light
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
 from .usd_walk import StageWalk, is_light
+
+_MAX_LATHES = 64
+"""Curved gprims of one instancer that are compared corner by corner."""
 
 
 class TruthReader:
@@ -44,6 +48,7 @@ class TruthReader:
         walk = StageWalk(self.truth.stage, time, self.truth.purposes)
         scene = Scene()
         pieces: dict[str, list[tuple[LocalMesh, Array]]] = {}
+        lathes: dict[str, list[tuple[LocalMesh, Array]]] = {}
         clouds: dict[str, list[Array]] = {}
         meshes: dict[str, LocalMesh | None] = {}
         for place in walk.placements():
@@ -69,6 +74,8 @@ class TruthReader:
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
+                if (lathe := read_lathe(prim, time, surface)) is not None:
+                    lathes.setdefault(place.key, []).append((lathe, matrix))
             elif (drawn := read_points(prim, time)) is not None:
                 points, scene.lost[str(prim.GetPath())] = drawn
                 if len(points):
@@ -86,6 +93,7 @@ class TruthReader:
                     scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
+        _add_lathes(scene, pieces, lathes)
         for key, placed in pieces.items():
             scene.corners[key] = place_meshes(placed, key in self.deformed)
         for key, parts in clouds.items():
@@ -130,6 +138,20 @@ class TruthReader:
                 world = xforms.GetLocalToWorldTransform(prim)
                 result[str(prim.GetPath())] = [self.truth.node_world(world)]
         return result
+
+
+def _add_lathes(
+    scene: Scene,
+    pieces: dict[str, list[tuple[LocalMesh, Array]]],
+    lathes: dict[str, list[tuple[LocalMesh, Array]]],
+) -> None:
+    """Let curved gprims count as meshes where all of a key can, and are not too many."""
+    for key, placed in lathes.items():
+        if len(placed) == len(scene.surfaces[key]) <= _MAX_LATHES:
+            scene.turned.add(key)
+            if key not in pieces:
+                scene.closed.add(key)
+            pieces.setdefault(key, []).extend(placed)
 
 
 def _is_pointless(prim: Usd.Prim, time: Usd.TimeCode) -> bool:
@@ -195,6 +217,9 @@ def _add_optional(result: Corners, mesh: LocalMesh, matrix: Array, sign: float) 
 def _merge_attributes(result: Corners, meshes: list[LocalMesh]) -> None:
     shared = set.intersection(*(set(mesh.uvs) for mesh in meshes))
     result.uvs = {name: np.vstack([mesh.uvs[name] for mesh in meshes]) for name in sorted(shared)}
+    shared = set.intersection(*(set(mesh.customs) for mesh in meshes))
+    for name in sorted(shared):
+        result.customs[name] = np.vstack([mesh.customs[name] for mesh in meshes])
     names = {name for mesh in meshes for name in mesh.undefined_colors}
     result.undefined_colors = tuple(sorted(names))
     colors = [mesh.colors for mesh in meshes if mesh.colors is not None]

@@ -1,15 +1,17 @@
-"""Owns the check that each texture reads the UV set that stands for its primvar."""
+"""Owns the checks of texture coordinates and other float primvars, and of what reads them."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable
 
 import numpy as np
 
 from .checks import BARS, Checks
 from .distances import attribute_distance
-from .facts import Corners, Scene
+from .excuses import UV_CONSTANT, UV_SET
+from .facts import Array, Corners, Scene
 
 
 @dataclasses.dataclass(frozen=True)
@@ -19,6 +21,91 @@ class UvUse:
     material: str
     primvar: str
     attribute: str
+
+
+def compare_uvs(
+    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
+) -> None:
+    """Every set of the file is one of the stage's, and every set of the stage is in the file."""
+    there: set[str] = set()
+    for name, values in found.uvs.items():
+        rows = _uv_rows(checks, key, found, values)
+        if not expected.uvs or not rows.any():
+            continue
+        reach = max(1.0, float(np.abs(values).max(initial=0.0)))
+        step = BARS["uvs"].limit * reach
+        drawn = (found.positions[rows], values[rows])
+        best = math.inf
+        for candidate, wished in expected.uvs.items():
+            wanted = (expected.positions, wished)
+            # Where a part is left out, what is drawn has to be wanted, not the other way.
+            first, second = (wanted, drawn) if rows.all() else (drawn, wanted)
+            whole = expected.optional_triangles == 0 and bool(rows.all())
+            distance = attribute_distance(first, second, tolerance, step, whole)
+            best = min(best, distance)
+            if distance <= step:
+                there.add(candidate)
+        checks.add("uvs", key, best / reach, name)
+    for name in sorted(expected.uvs.keys() - there):
+        _missing(checks, key, name)
+    if not expected.material_paths and len(expected.uvs) == len(found.uvs) == len(there):
+        _compare_order(checks, key, expected, found, tolerance)
+
+
+def _missing(checks: Checks, key: str, name: str) -> None:
+    told = checks.excuse(key, UV_SET, named=name)
+    text = f"'{name}' is not in the output"
+    checks.add("uvs", key, math.inf, text, excuses=(told,) if told else ())
+
+
+def _compare_order(
+    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
+) -> None:
+    """Where no material reads any, `st` comes first, then the others by name."""
+    attributes = sorted(found.uvs, key=lambda name: int(name.rpartition("_")[2]))
+    names = sorted(expected.uvs, key=lambda name: (name != "st", name))
+    for name, attribute in zip(names, attributes, strict=True):
+        reach = max(1.0, float(np.abs(expected.uvs[name]).max(initial=0.0)))
+        distance = attribute_distance(
+            (expected.positions, expected.uvs[name]),
+            (found.positions, found.uvs[attribute]),
+            tolerance,
+            BARS["uvs"].limit * reach,
+            both=False,
+        )
+        checks.add("uvs", key, distance / reach, f"{attribute} for '{name}'")
+
+
+def _uv_rows(checks: Checks, key: str, found: Corners, values: Array) -> np.ndarray:
+    """All corners but those where a material reads a set that the prim does not have."""
+    rows = np.ones(len(values), bool)
+    if found.materials is None or not checks.excuse(key, UV_CONSTANT):
+        return rows
+    for label in np.unique(found.materials):
+        part = found.materials == label
+        if np.ptp(values[part], axis=0).max(initial=0.0) == 0.0:
+            rows &= ~part
+    return rows
+
+
+def compare_customs(
+    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
+) -> None:
+    """Every other float primvar of the stage is in the file, under its own name."""
+    for name, wanted in expected.customs.items():
+        values = found.customs.get(name)
+        if values is None or values.shape[1] != wanted.shape[1]:
+            _missing(checks, key, name)
+            continue
+        reach = max(1.0, float(np.abs(wanted).max(initial=0.0)))
+        distance = attribute_distance(
+            (expected.positions, wanted),
+            (found.positions, values),
+            tolerance,
+            BARS["uvs"].limit * reach,
+            both=expected.optional_triangles == 0,
+        )
+        checks.add("uvs", key, distance / reach, name)
 
 
 def compare_uv_uses(

@@ -1,0 +1,152 @@
+"""Damaged curved gprims: every triangle, normal and side of them counts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from convert_reading import convert_text
+from reflet_usd import cli
+from reflet_usd.validate.proof import prove
+from tampering import Damage, Output, change, expect_found, turn
+
+BODY = """
+    double3 xformOp:translate = (3, 1, 0)
+    float3 xformOp:scale = (1, -2, 0.5)
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+"""
+SHAPES = {
+    "Sphere": "double radius = 0.7",
+    "Cylinder": 'double height = 3\nuniform token axis = "X"',
+    "Cylinder_1": "double radiusTop = 0.2\ndouble radiusBottom = 0.9",
+    "Cone": 'uniform token axis = "Y"\nuniform bool doubleSided = 1',
+    "Capsule": 'uniform token orientation = "leftHanded"',
+    "Capsule_1": "double radiusTop = 0.2\ndouble radiusBottom = 0.9",
+}
+INSTANCER = """
+def PointInstancer "I"
+{
+    rel prototypes = [</I/A>, </I/B>]
+    int[] protoIndices = [0, 1, 0]
+    point3f[] positions = [(0, 10, 0), (5, 10, 0), (5, 10, 5)]
+    def Sphere "A" { }
+    def Cube "B" { }
+}
+"""
+
+
+def stage(kind: str) -> str:
+    """One gprim of the kind, mirrored and stretched."""
+    return f'def {kind} "G"\n{{\n{SHAPES[kind]}\n{BODY}\n}}\n'
+
+
+def triangles(how: Callable[[np.ndarray], np.ndarray]) -> Damage:
+    """The first mesh's triangles are others, as many or fewer."""
+
+    def damage(out: Output) -> None:
+        entry = out.gltf.accessors[out.gltf.meshes[0].primitives[0].indices]
+        view = out.gltf.bufferViews[entry.bufferView]
+        kind = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32}[entry.componentType]
+        start = (view.byteOffset or 0) + (entry.byteOffset or 0)
+        old = np.frombuffer(out.blob, kind, entry.count, start).reshape(-1, 3)
+        new = how(old.copy()).astype(kind)
+        out.blob[start : start + new.nbytes] = new.tobytes()
+        entry.count = new.size
+
+    return damage
+
+
+def flip_one(old: np.ndarray) -> np.ndarray:
+    """One triangle faces inward."""
+    old[5] = old[5][::-1]
+    return old
+
+
+def repeat_one(old: np.ndarray) -> np.ndarray:
+    """One triangle is there twice, its neighbor not at all."""
+    old[20] = old[22]
+    return old
+
+
+def swap_pairs(old: np.ndarray) -> np.ndarray:
+    """Two opposite triangles are missing and two others are there twice: no sum changes."""
+    half = len(old) // 2
+    old[half // 2], old[half // 2 + half] = old[half // 2 + 2], old[half // 2 + half + 2]
+    return old
+
+
+def scatter(old: np.ndarray) -> np.ndarray:
+    """The same corners in another order."""
+    return np.random.default_rng(0).permutation(old.ravel()).reshape(-1, 3)
+
+
+def forget_normals(out: Output) -> None:
+    """No mesh has normals."""
+    for mesh in out.gltf.meshes:
+        for primitive in mesh.primitives:
+            primitive.attributes.NORMAL = None
+
+
+def other_sides(out: Output) -> None:
+    """All materials have the other sidedness."""
+    for material in out.gltf.materials:
+        material.doubleSided = not material.doubleSided
+
+
+def random_normals(old: np.ndarray) -> np.ndarray:
+    """Unit vectors anywhere."""
+    found = np.random.default_rng(0).normal(size=old.shape)
+    return found / np.linalg.norm(found, axis=1)[:, None]
+
+
+DAMAGES: dict[str, Damage] = {
+    "turned over": turn,
+    "flipped": triangles(flip_one),
+    "repeated": triangles(repeat_one),
+    "swapped": triangles(swap_pairs),
+    "scattered": triangles(scatter),
+    "holes": triangles(lambda old: old[:-1]),
+    "negated": change("NORMAL", lambda values: -values),
+    "random": change("NORMAL", random_normals),
+    "no normals": forget_normals,
+    "sides": other_sides,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=[n.replace(" ", "-") for n in DAMAGES])
+@pytest.mark.parametrize("kind", SHAPES)
+def test_a_damaged_gprim_is_found(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, damage: Damage
+) -> None:
+    expect_found(convert_text(tmp_path, stage(kind)), damage, capsys)
+
+
+@pytest.mark.parametrize("damage", [turn, triangles(flip_one), DAMAGES["negated"]])
+def test_a_damaged_gprim_of_an_instancer_is_found(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], damage: Damage
+) -> None:
+    expect_found(convert_text(tmp_path, INSTANCER), damage, capsys)
+
+
+def test_another_orientation_of_the_stage_is_found(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, stage("Cone"))
+    place = tmp_path / "stage.usda"
+    turned = '"G"\n{\nuniform token orientation = "leftHanded"'
+    place.write_text(place.read_text().replace('"G"\n{', turned))
+    proof = prove(done.out, place, khronos=False)
+    assert {check.name for check in proof.checks if not check.passed} == {"winding", "normals"}
+
+
+def test_a_negative_size_is_still_on_its_surface(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, 'def Sphere "G"\n{\ndouble radius = -1\n}\n')
+    command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
+    assert cli.main([*command, "--no-khronos"]) == 0
+
+
+def test_a_flattened_sphere_passes(tmp_path: Path) -> None:
+    body = 'float3 xformOp:scale = (1, 1, 0)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
+    done = convert_text(tmp_path, f'def Sphere "G"\n{{\n{body}\n}}\n')
+    command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
+    assert cli.main([*command, "--no-khronos"]) == 0

@@ -1,0 +1,125 @@
+"""Owns the checks of the whole file: its one animation, its nodes' prims, its lights' range."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from pxr import Sdf, Usd, UsdGeom, UsdLux
+
+from .checks import Checks
+from .gltf_pose import VISIBILITY
+from .gltf_scene import OutputReader
+from .usd_light import read_radiance
+from .usd_stage import TruthStage, may_move, stated_codes
+from .words import compare_words, is_same
+
+_LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
+"""Warnings by which a prim and all below it have no node."""
+_DOMES = ("DomeLight", "DomeLight_1")
+_PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
+
+
+def compare_document(
+    checks: Checks,
+    truth: TruthStage,
+    output: OutputReader,
+    rest: Usd.TimeCode,
+    settings: dict[str, Any],
+) -> None:
+    """Compare what belongs to no single prim; `settings` are those of the sidecar."""
+    for text in _animation_faults(output, may_move(truth.stage)):
+        checks.add("animation", "/", 1, text)
+    checks.add("animation", "/", 0)
+    for light in output.file.extensions.get("KHR_lights_punctual", {}).get("lights", ()):
+        if "range" in light:
+            checks.add("lights", "/", math.inf, f"a range of {light['range']} m, USD has none")
+    _compare_nodes(checks, truth.stage, output)
+    compare_words(checks, truth.stage, output, rest)
+    _compare_extras(checks, truth, output, rest, settings)
+
+
+def _animation_faults(output: OutputReader, moves: bool) -> Iterator[str]:
+    """What makes viewers show other motion than the channels that are compared."""
+    animations = output.file.tree.get("animations", [])
+    if len(animations) > 1:
+        yield f"{len(animations)} animations, expected one"
+    if animations and not moves:
+        yield "an animation of a stage that does not move"
+    targets: Counter[tuple[Any, ...]] = Counter()
+    for channel in (channel for animation in animations for channel in animation["channels"]):
+        target = channel["target"]
+        pointer = target.get("extensions", {}).get("KHR_animation_pointer", {}).get("pointer")
+        targets[target.get("node"), target.get("path"), pointer] += 1
+        if pointer is not None and not VISIBILITY.fullmatch(pointer):
+            yield f"animates {pointer}"
+    for (node, path, pointer), count in targets.items():
+        if count > 1:
+            yield f"{count} channels for {pointer or f'{path} of node {node}'}"
+
+
+def _compare_nodes(checks: Checks, stage: Usd.Stage, output: OutputReader) -> None:
+    """Every prim with a place in space has a node, and every named prim is in the stage."""
+    named = {output.file.prim_of(output.file.nodes[node]) or "/" for node in output.poser.order}
+    for path in sorted(named):
+        valid = Sdf.Path.IsValidPathString(path)
+        if not valid or not stage.GetPrimAtPath(path):
+            checks.add("unexpected", path, 1, "a node for a prim that is not in the stage")
+    prims = iter(Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        path = str(prim.GetPath())
+        if path == "/":
+            continue
+        if any(checks.excuse(path, (name,)) for name in _LEFT_OUT):
+            prims.PruneChildren()
+        elif prim.GetTypeName() not in _PLACELESS and prim.IsA(UsdGeom.Xformable):
+            text = "its node is not in the output"
+            checks.add("carried", path, int(path not in named), text, excuses=())
+        if prim.IsA(UsdGeom.PointInstancer):
+            prims.PruneChildren()
+
+
+def _compare_extras(
+    checks: Checks,
+    truth: TruthStage,
+    output: OutputReader,
+    rest: Usd.TimeCode,
+    settings: dict[str, Any],
+) -> None:
+    """What the scene's extras say about the stage; files by others need not say anything."""
+    tree = output.file.tree
+    scenes = tree.get("scenes") or [{}]
+    told = (scenes[tree.get("scene", 0)].get("extras") or {}).get("usd")
+    if not isinstance(told, dict):
+        checks.add("extras", "/", int("timeOrigin" in settings), "the scene's are not there")
+        return
+    start, end = settings.get("frames") or stated_codes(truth.stage)
+    expected: dict[str, Any] = {
+        "metersPerUnit": truth.meters_per_unit,
+        "timeCodesPerSecond": truth.codes_per_second,
+        "timeOrigin": truth.time_origin,
+        "startTimeCode": start,
+        "endTimeCode": end,
+        "upAxis": "Z" if truth.z_up else "Y",
+        "domeRadiance": _dome_radiance(truth, rest),
+    }
+    for name in sorted(expected.keys() | told.keys()):
+        same = is_same(expected.get(name), told.get(name))
+        text = f"{name} is {told.get(name)}, expected {expected.get(name)}"
+        checks.add("extras", "/", int(not same), text)
+
+
+def _dome_radiance(truth: TruthStage, rest: Usd.TimeCode) -> list[float] | None:
+    """The sum over drawn domes without a texture, in nits; None without any."""
+    total = None
+    for prim in Usd.PrimRange(truth.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
+        if prim.GetTypeName() not in _DOMES:
+            continue
+        if UsdGeom.Imageable(prim).ComputeVisibility(rest) == UsdGeom.Tokens.invisible:
+            continue
+        texture = UsdLux.DomeLight(prim).GetTextureFileAttr().Get(rest)
+        if not (texture and texture.path):
+            total = read_radiance(prim, rest) + (0.0 if total is None else total)
+    return None if total is None else total.tolist()

@@ -1,0 +1,116 @@
+"""Owns the check of what the file shows beyond the stage's own materials."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from .checks import Checks
+from .gltf_scene import OutputReader
+
+_FIELDS: dict[str, tuple[str, ...]] = {
+    "KHR_materials_clearcoat": (
+        "clearcoatFactor",
+        "clearcoatRoughnessFactor",
+        "clearcoatTexture",
+        "clearcoatRoughnessTexture",
+    ),
+    "KHR_materials_emissive_strength": ("emissiveStrength",),
+    "KHR_materials_ior": ("ior",),
+    "KHR_materials_specular": ("specularColorFactor", "specularColorTexture"),
+}
+"""What a UsdPreviewSurface gives, all of which is compared."""
+_TEXTURES = (
+    "baseColorTexture",
+    "metallicRoughnessTexture",
+    "emissiveTexture",
+    "normalTexture",
+    "occlusionTexture",
+)
+_PLAIN = {"metallicFactor": (0.0, 1.0), "roughnessFactor": (0.5, 1.0)}
+"""What surfaces in displayColor have, and what glTF means where nothing is stated."""
+_ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGHTS_\d+|_.*")
+_TRANSLUCENT = ("opacity-approximated",)
+
+
+def strange_extensions(material: Any) -> Iterator[str]:
+    """What no UsdPreviewSurface gives a material."""
+    for name, fields in (material.extensions or {}).items():
+        known = _FIELDS.get(name)
+        if known is None:
+            yield f"{name} is only in the output"
+        else:
+            yield from (f"{name}: {f} is only in the output" for f in fields if f not in known)
+
+
+def compare_looks(checks: Checks, output: OutputReader, colored: frozenset[str]) -> None:
+    """Every primitive has a material, in displayColor or of a prim, and reads what it should.
+
+    `colored` are the names of the materials that may read vertex colors.
+    """
+    seen: set[tuple[int, str]] = set()
+    for node in output.poser.order:
+        mesh, key = output.file.nodes[node].mesh, output.keys[node]
+        if mesh is None or (mesh, key) in seen:
+            continue
+        seen.add((mesh, key))
+        for primitive in output.file.meshes[mesh].primitives:
+            _compare_primitive(checks, output, primitive, key, colored)
+
+
+def _compare_primitive(
+    checks: Checks, output: OutputReader, primitive: Any, key: str, colored: frozenset[str]
+) -> None:
+    attributes = {name: at for name, at in vars(primitive.attributes).items() if at is not None}
+    for name in attributes:
+        if not _ATTRIBUTES.fullmatch(name):
+            checks.add("materials", key, math.inf, f"{name} is only in the output")
+    if primitive.material is None:
+        checks.add("materials", key, math.inf, "no material in the output")
+        return
+    material = output.file.materials[primitive.material]
+    path = output.file.prim_of(material)
+    if not path:
+        for text in unlike_plain(material):
+            checks.add("materials", key, math.inf, f"in displayColor: {text}")
+    elif path.rsplit("/", 1)[-1] not in colored:
+        if "COLOR_0" in attributes:
+            checks.add("materials", key, math.inf, f"{path} reads no vertex colors")
+        return
+    if not path:
+        _compare_alpha(checks, output, primitive, material, key)
+
+
+def unlike_plain(material: Any) -> Iterator[str]:
+    """By what a material is not plain dielectric."""
+    pbr = material.pbrMetallicRoughness
+    for name, (value, neutral) in _PLAIN.items():
+        stated = getattr(pbr, name) if pbr else None
+        if abs((neutral if stated is None else stated) - value) > 1e-6:
+            yield f"{name} is not {value:g}"
+    for name in _TEXTURES:
+        if getattr(material, name, None) is not None or (pbr and getattr(pbr, name, None)):
+            yield f"has a {name}"
+    if any(material.emissiveFactor or ()):
+        yield "shines"
+    yield from (f"has {name}" for name in material.extensions or {})
+
+
+def _compare_alpha(
+    checks: Checks, output: OutputReader, primitive: Any, material: Any, key: str
+) -> None:
+    """It blends where some of it is translucent, and else does not."""
+    pbr = material.pbrMetallicRoughness
+    alpha = np.array((pbr and pbr.baseColorFactor) or (1.0,) * 4)[3]
+    if primitive.attributes.COLOR_0 is not None:
+        colors = output.file.accessor(primitive.attributes.COLOR_0)
+        alpha = alpha * colors[:, 3].min() if colors.shape[1] == 4 and len(colors) else alpha
+    mode = material.alphaMode or "OPAQUE"
+    wanted = "BLEND" if alpha < 1.0 else "OPAQUE"
+    if mode == wanted or (mode == "BLEND" and checks.excuse(key, _TRANSLUCENT)):
+        return
+    checks.add("materials", key, math.inf, f"in displayColor: {mode}, expected {wanted}")

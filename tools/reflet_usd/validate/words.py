@@ -1,0 +1,137 @@
+"""Owns the check of what nodes keep in their extras: properties outside all schemas."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from pxr import Gf, Sdf, Usd
+
+from .checks import Checks
+from .gltf_scene import OutputReader
+
+# Namespaces with rules of their own.
+_ELSEWHERE = (
+    "collection",
+    "extent",
+    "extentsHint",
+    "inbetweens",
+    "info",
+    "inputs",
+    "light",
+    "material",
+    "outputs",
+    "primvars",
+    "skel",
+    "xformOp",
+)
+_USER = "userProperties"
+_DROPPED = ("attribute-dropped",)
+_MAX_VALUES = 64
+_NAMED = 8
+"""So many names a warning lists; of more it tells their number."""
+
+
+def compare_words(
+    checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
+) -> None:
+    """Every node that stands for a prim keeps the prim's own properties, and no others."""
+    nodes = output.file.tree.get("nodes", [])
+    for index in output.poser.order:
+        extras = nodes[index].get("extras") or {}
+        path = extras.get("prim")
+        if not isinstance(path, str) or path == "/" or not Sdf.Path.IsValidPathString(path):
+            continue
+        prim = stage.GetPrimAtPath(path)
+        if prim:
+            _compare_properties(checks, prim, extras, rest)
+            _compare_collections(checks, prim, extras.get("collections") or {}, rest)
+
+
+def _compare_properties(
+    checks: Checks, prim: Usd.Prim, extras: dict[str, Any], rest: Usd.TimeCode
+) -> None:
+    path = str(prim.GetPath())
+    kept = {**(extras.get("attributes") or {})}
+    kept |= {f"{_USER}:{name}": value for name, value in (extras.get(_USER) or {}).items()}
+    expected = _own_properties(prim, rest)
+    for name in sorted(kept.keys() - expected.keys()):
+        checks.add("extras", path, 1, f"'{name}' is only in the output")
+    missing = sorted(name for name in expected.keys() - kept.keys() if expected[name] is not None)
+    for name in missing:
+        named = name if len(missing) <= _NAMED else ""
+        told = checks.excuse(path, _DROPPED, named=named)
+        excuses = (told,) if told else ()
+        checks.add("extras", path, 1, f"'{name}' is not in the output", excuses=excuses)
+    for name in sorted(expected.keys() & kept.keys()):
+        if expected[name] is None:
+            continue
+        same = is_same(expected[name], kept[name])
+        text = f"'{name}' is {kept[name]}, expected {expected[name]}"
+        checks.add("extras", path, int(not same), text)
+
+
+def _compare_collections(
+    checks: Checks, prim: Usd.Prim, kept: dict[str, Any], rest: Usd.TimeCode
+) -> None:
+    """What the file says about a collection is what the stage says."""
+    for name, parts in kept.items():
+        for part, value in parts.items():
+            item = prim.GetProperty(f"collection:{name}:{part}")
+            expected = _value(item, rest) if item else None
+            if item and expected is None:
+                continue
+            text = f"collection '{name}', {part}: {value}, expected {expected}"
+            checks.add("extras", str(prim.GetPath()), int(not is_same(expected, value)), text)
+
+
+def _own_properties(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
+    """The authored properties that no schema knows; None for what is not plain or too long."""
+    known = prim.GetPrimDefinition().GetSpecType
+    result = {}
+    for name in map(str, prim.GetAuthoredPropertyNames()):
+        if name.partition(":")[0] in _ELSEWHERE or known(name) != Sdf.SpecTypeUnknown:
+            continue
+        item = prim.GetProperty(name)
+        if isinstance(item, Usd.Relationship) or item.HasAuthoredValue():
+            result[name] = _value(item, rest)
+    return result
+
+
+def _value(item: Usd.Property, rest: Usd.TimeCode) -> Any:
+    if isinstance(item, Usd.Relationship):
+        targets = [str(target) for target in item.GetTargets()]
+        return targets if len(targets) <= _MAX_VALUES else None
+    value = item.Get(rest)
+    if isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Sdf.TimeCode):
+        return float(value.GetValue())
+    if isinstance(value, Sdf.AssetPath):
+        return value.path
+    if isinstance(value, Sdf.PathExpression):
+        return value.GetText()
+    if isinstance(value, (Gf.Quath, Gf.Quatf, Gf.Quatd)):
+        value = (*value.GetImaginary(), value.GetReal())
+    try:
+        array = np.array(value)
+    except (TypeError, ValueError):
+        return None
+    plain = array.dtype.kind in "biufUS" and array.size <= _MAX_VALUES
+    if not plain or (array.dtype.kind == "f" and not np.isfinite(array).all()):
+        return None
+    return array.tolist()
+
+
+def is_same(expected: Any, found: Any) -> bool:
+    """Whether two values of JSON are equal, numbers within single precision."""
+    if isinstance(expected, list) and isinstance(found, list):
+        pairs = zip(expected, found, strict=False)
+        return len(expected) == len(found) and all(is_same(a, b) for a, b in pairs)
+    numbers = isinstance(expected, float) and isinstance(found, (int, float))
+    if numbers and not isinstance(found, bool):
+        return math.isclose(expected, found, rel_tol=1e-6, abs_tol=1e-12)
+    return type(expected) is type(found) and bool(expected == found)
