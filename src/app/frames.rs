@@ -36,9 +36,7 @@ impl FrameList {
     /// # Errors
     /// [`AppError::Usage`] saying which part is wrong.
     pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
-        let usage = |why: String| {
-            AppError::Usage(format!("{option} {}: {why}", clipped(text)))
-        };
+        let usage = |why: String| AppError::Usage(format!("{option} {}: {why}", clipped(text)));
         let mut frames = Vec::new();
         if text.trim() == "all" {
             frames.extend(timeline.start..=timeline.end);
@@ -105,7 +103,9 @@ fn range(part: &str) -> Result<[u32; 3], String> {
                 "frames are missing; write all, or such as 0-47, 1-20:2 or 1,3,5-9".to_owned()
             }
             IntErrorKind::Empty => format!("a number is missing in \"{}\"", clipped(part)),
-            IntErrorKind::PosOverflow => format!("\"{}\" is too large for a frame number", clipped(text)),
+            IntErrorKind::PosOverflow => {
+                format!("\"{}\" is too large for a frame number", clipped(text))
+            }
             _ => format!(
                 "\"{}\" is not a frame number, which is 0 or more",
                 clipped(text)
@@ -327,7 +327,10 @@ mod tests {
         for many in [21, 70_000] {
             match template(&format!("{}.png", "#".repeat(many))) {
                 Err(AppError::Usage(text)) => {
-                    assert!(text.ends_with("write at most 20 #") && text.len() < 200, "{text}");
+                    assert!(
+                        text.ends_with("write at most 20 #") && text.len() < 200,
+                        "{text}"
+                    );
                 }
                 other => panic!("{other:?}"),
             }

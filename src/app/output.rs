@@ -7,9 +7,8 @@ use std::{
 };
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
-    read_first_flat_layer_from_file,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text,
+    Vec2, WritableImage as _, attribute::AttributeValue, read_first_flat_layer_from_file,
 };
 use xxhash_rust::xxh3::Xxh3Default;
 
@@ -297,12 +296,7 @@ fn encode_exr(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> 
         attributes.other.insert(Text::from(SAMPLES), samples);
     }
     // ZIP: lossless and understood everywhere.
-    let layer = Layer::new(
-        size,
-        attributes,
-        Encoding::SMALL_LOSSLESS,
-        channels,
-    );
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()

@@ -123,7 +123,9 @@ fn an_exr_that_was_cut_or_changed_is_not_done() {
         planes: Vec::new(),
         ..picture()
     };
-    output.write_marked(&picture, Some("mark")).expect("written");
+    output
+        .write_marked(&picture, Some("mark"))
+        .expect("written");
     assert!(output.is_done(&[], "mark") && !output.is_done(&[], "other"));
     let whole = fs::read(&path).expect("it is there");
     let is_done = |bytes: &[u8]| {
@@ -134,7 +136,9 @@ fn an_exr_that_was_cut_or_changed_is_not_done() {
     assert!(!is_done(&whole[..whole.len() - 200]), "cut");
     let mut changed = whole.clone();
     let from = whole.len() - 700;
-    changed[from..from + 280].iter_mut().for_each(|b| *b ^= 0x55);
+    changed[from..from + 280]
+        .iter_mut()
+        .for_each(|b| *b ^= 0x55);
     assert!(!is_done(&changed), "changed");
     fs::remove_dir_all(&folder).expect("clean up");
 }
