@@ -2,11 +2,14 @@
 
 use std::{
     collections::HashSet,
-    ffi::{OsStr, OsString},
     fs::{self, File, OpenOptions},
     io::{self, Read, Write as _},
     path::{Path, PathBuf},
+    sync::LazyLock,
+    time::SystemTime,
 };
+
+use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 /// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
 /// was at `path` stays whole until then.
@@ -85,9 +88,7 @@ impl Temporary {
             let message = "a folder is there";
             return Err(io::Error::new(io::ErrorKind::IsADirectory, message));
         }
-        let mut name = OsString::from(".");
-        name.push(goal.file_name().unwrap_or_default());
-        name.push(format!(".{}.tmp", std::process::id()));
+        let name = format!("{}{}.tmp", hidden_start(goal), std::process::id());
         let path = folder_of(goal).join(name);
         // A leftover of a killed run may have this name; `create_new` never follows a link.
         let _ = fs::remove_file(&path);
@@ -127,26 +128,51 @@ impl Temporary {
     }
 }
 
-/// Removes what killed runs have left beside these files. Only Linux tells which runs still live
-/// and need their own, so elsewhere nothing is removed.
+/// Where process numbers mean the same: this boot of this machine, and this container. Where the
+/// system does not tell, it is this process alone.
+static PLACE: LazyLock<u64> = LazyLock::new(|| {
+    let boot = fs::read("/proc/sys/kernel/random/boot_id").ok();
+    let space = fs::read_link("/proc/self/ns/pid").ok();
+    let mut hash = Xxh3Default::new();
+    match boot.zip(space) {
+        Some((boot, space)) => {
+            hash.update(&boot);
+            hash.update(space.as_os_str().as_encoded_bytes());
+        }
+        None => {
+            let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+            hash.update(&now.unwrap_or_default().as_nanos().to_le_bytes());
+        }
+    }
+    hash.digest()
+});
+
+/// What a hidden name beside `goal` begins with; the number of the process follows. It is short
+/// however long the goal's name is.
+fn hidden_start(goal: &Path) -> String {
+    let name = goal.file_name().unwrap_or_default().as_encoded_bytes();
+    format!(".reflet-{:016x}-{:016x}-", xxh3_64(name), *PLACE)
+}
+
+/// Removes what killed runs have left beside these files. Runs that live, and those of another
+/// machine, container or boot, of which nobody here knows whether they live, keep theirs. Only Linux
+/// tells which runs live, so elsewhere nothing is removed.
 pub fn sweep(goals: &[PathBuf]) {
     if !cfg!(target_os = "linux") {
         return;
     }
-    let names: HashSet<_> = goals.iter().filter_map(|goal| goal.file_name()).collect();
+    let starts: HashSet<_> = goals.iter().map(|goal| hidden_start(goal)).collect();
     let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
     let entries = folders.into_iter().filter_map(|f| fs::read_dir(f).ok());
     for entry in entries.flatten().flatten() {
         let name = entry.file_name();
         let parts = name.to_str().and_then(|name| {
-            let (goal, id) = name
-                .strip_prefix('.')?
-                .strip_suffix(".tmp")?
-                .rsplit_once('.')?;
-            Some((goal, id.parse::<u32>().ok()?))
+            let name = name.strip_suffix(".tmp")?;
+            let (start, id) = name.split_at(name.rfind('-')? + 1);
+            Some((start, id.parse::<u32>().ok()?))
         });
-        let is_left = parts.is_some_and(|(goal, id)| {
-            names.contains(OsStr::new(goal)) && !Path::new("/proc").join(id.to_string()).exists()
+        let is_left = parts.is_some_and(|(start, id)| {
+            starts.contains(start) && !Path::new("/proc").join(id.to_string()).exists()
         });
         if is_left {
             let _ = fs::remove_file(entry.path()); // nobody waits for it

@@ -63,8 +63,8 @@ pub struct SceneArgs {
 pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
-    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### where the number
-    /// of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
+    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
+    /// number of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9

@@ -113,6 +113,11 @@ impl<'a> Encoders<'a> {
         lock(&self.progress).failed(frame, why);
     }
 
+    /// Prints something beside the progress.
+    pub fn aside(&self, print: impl FnOnce()) {
+        lock(&self.progress).aside(print);
+    }
+
     /// Whether the disk takes no more frames.
     pub fn is_full(&self) -> bool {
         lock(&self.full).is_some()

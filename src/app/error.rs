@@ -3,7 +3,7 @@
 use std::{
     fmt,
     io::{self, IsTerminal as _},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use super::frames::spans;
@@ -30,6 +30,15 @@ pub enum AppError {
     Gpu(GpuError),
     /// Some frames of a film have no picture: exit code 5.
     Frames(Vec<(u32, String)>),
+    /// A frame of a film in one file has no picture, so there is no film: exit code 5.
+    NoFilm {
+        /// The film.
+        goal: PathBuf,
+        /// Frames that have no picture, and why.
+        failures: Vec<(u32, String)>,
+        /// Frames that were not rendered after that.
+        untried: Vec<u32>,
+    },
     /// The disk takes no more, and a film was ended by that: what was to be written, why not, and
     /// the frames without a file. Exit code 5.
     Unwritten {
@@ -51,7 +60,7 @@ impl AppError {
         match self {
             Self::Usage(_) | Self::Picture(_) => 2,
             Self::Scene(_) => 3,
-            Self::Frames(_) | Self::Unwritten { .. } => 5,
+            Self::Frames(_) | Self::NoFilm { .. } | Self::Unwritten { .. } => 5,
             Self::Threshold => 6,
             Self::Interrupted(_) => super::stop::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
@@ -81,12 +90,19 @@ impl AppError {
             Self::Scene(diagnostics) | Self::Picture(diagnostics) => {
                 print_diagnostics(diagnostics);
             }
-            Self::Frames(failed) => {
-                let plural = if failed.len() == 1 { "" } else { "s" };
-                eprintln!("error: {} frame{plural} failed:", failed.len());
-                for (frame, why) in failed {
-                    eprintln!("  {frame}: {why}");
-                }
+            Self::Frames(failed) => print_failures(failed),
+            Self::NoFilm {
+                goal,
+                failures,
+                untried,
+            } => {
+                print_failures(failures);
+                let rest = match untried.len() {
+                    0 => String::new(),
+                    1 => format!("; 1 frame was not tried: {}", spans(untried)),
+                    n => format!("; {n} frames were not tried: {}", spans(untried)),
+                };
+                eprintln!("there is no film {}{rest}", goal.display());
             }
             Self::Threshold => {}
         }
@@ -108,6 +124,14 @@ impl AppError {
     }
 }
 
+fn print_failures(failed: &[(u32, String)]) {
+    let plural = if failed.len() == 1 { "" } else { "s" };
+    eprintln!("error: {} frame{plural} failed:", failed.len());
+    for (frame, why) in failed {
+        eprintln!("  {frame}: {why}");
+    }
+}
+
 /// In one line.
 impl fmt::Display for AppError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -122,6 +146,7 @@ impl fmt::Display for AppError {
                 f.write_str(all.first().map_or("", |first| first.message.as_str()))
             }
             Self::Frames(failed) => write!(f, "{} frames failed", failed.len()),
+            Self::NoFilm { goal, .. } => write!(f, "there is no film {}", goal.display()),
             Self::Threshold => f.write_str("a threshold was crossed"),
         }
     }

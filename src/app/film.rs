@@ -4,7 +4,7 @@
 use std::{
     fs::File,
     io::{self, BufWriter, ErrorKind, Read, Write as _},
-    path::{Path, PathBuf},
+    path::{self, Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
     thread::{self, JoinHandle},
 };
@@ -67,12 +67,13 @@ impl Film {
     /// Checks the path and starts the encoder.
     ///
     /// # Errors
-    /// [`AppError::Usage`] for a path that cannot be written, a size that the format cannot have,
-    /// or a missing ffmpeg.
+    /// [`AppError::Usage`] for a path that cannot be written, a size or rate that the format cannot
+    /// have, or a missing ffmpeg.
     pub fn new(path: &Path, size: [u32; 2], fps: f32, frames: usize) -> Result<Self, AppError> {
         check_writable(path)?;
         let shown = path.display();
         let usage = |why: String| AppError::Usage(format!("--output {shown}: {why}"));
+        check_rate(&ending(path), fps).map_err(usage)?;
         let temporary = Temporary::create(path).map_err(|e| usage(e.to_string()))?;
         let container = CONTAINERS.iter().find(|c| c.0 == ending(path));
         let encoder = match container {
@@ -239,6 +240,22 @@ fn apng(temporary: &Temporary, size: [u32; 2], fps: f32, frames: usize) -> Resul
         .map_err(|e| e.to_string())
 }
 
+/// Refuses a rate, frames a second, that the format would change.
+fn check_rate(ending: &str, fps: f32) -> Result<(), String> {
+    let (least, most) = match ending {
+        "apng" => (1.0 / 65535.0, 65535.0), // 16-bit numbers
+        "webm" => (1.0, 1000.0),            // it counts milliseconds; slower ones play at 1000
+        _ => (0.001, 1000.0),
+    };
+    if (least..=most).contains(&fps) {
+        return Ok(());
+    }
+    Err(format!(
+        "timeline.fps is {fps}, and .{ending} can have {least} to {most}; change it with --set \
+         timeline.fps=24, or write frames (film.####.png)"
+    ))
+}
+
 /// Seconds of a frame as a fraction of 16-bit numbers.
 fn delay(fps: f32) -> (u16, u16) {
     if fps < 0.5 {
@@ -269,6 +286,8 @@ fn ffmpeg(
     }
     let size = format!("{width}x{height}");
     let rate = fps.to_string();
+    // A relative path with a colon in it would be that of a protocol.
+    let goal = path::absolute(goal).map_err(|e| e.to_string())?;
     let mut command = Command::new("ffmpeg");
     command
         // With `-xerror` a write that fails ends it.
@@ -303,7 +322,7 @@ fn ffmpeg(
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;
-        // Ctrl-C of a terminal is for this program, which ends the film at a whole frame.
+        // Ctrl-C of a terminal is for this program, which then writes no film and says so.
         command.process_group(0);
     }
     let child = command.arg(goal).spawn();
@@ -326,7 +345,19 @@ fn ffmpeg(
 
 #[cfg(test)]
 mod tests {
-    use super::{WORDS, delay, last_words};
+    use super::{CONTAINERS, WORDS, check_rate, delay, last_words};
+
+    #[test]
+    fn rates_that_a_format_cannot_have_are_refused() {
+        for ending in CONTAINERS.map(|c| c.0).into_iter().chain(["apng"]) {
+            assert_eq!(check_rate(ending, 23.976), Ok(()), "{ending}");
+            for fps in [1e-9, 1e6] {
+                let why = check_rate(ending, fps).expect_err(ending);
+                assert!(why.contains("timeline.fps"), "{why}");
+            }
+        }
+        assert!(check_rate("webm", 0.5).is_err() && check_rate("mp4", 0.5).is_ok());
+    }
 
     #[test]
     fn of_what_an_encoder_says_the_last_is_told() {
@@ -348,7 +379,7 @@ mod tests {
             (0.5, (1000, 500)),
             (0.1, (10, 1)),
             (0.0004, (2500, 1)),
-            (1e-9, (65535, 1)),
+            (1.0 / 65535.0, (65535, 1)),
         ] {
             assert_eq!(delay(fps), fraction, "{fps}");
         }

@@ -1,11 +1,12 @@
 //! What a frame was made from, as a number: `--resume` keeps a file only if it is still the same.
 
-use std::{fs, path::Path};
+#[cfg(unix)]
+use std::time::Duration;
+use std::{fs, path::Path, time::SystemTime};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{cli::RenderArgs, error::AppError, scene::LoadedScene};
-use crate::gpu::Gpu;
+use super::{cli::RenderArgs, error::AppError, render::Studio};
 
 /// Name under which pictures carry it.
 pub const KEYWORD: &str = "reflet-fingerprint";
@@ -17,16 +18,21 @@ const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 /// files' contents count and not their paths, so that shards on several machines agree.
 ///
 /// # Errors
-/// A file that can no longer be read.
-pub fn of_run(args: &RenderArgs, loaded: &LoadedScene, gpu: &Gpu) -> Result<u128, AppError> {
+/// A file that can no longer be read, or that was saved since the scene was opened.
+pub fn of_run(args: &RenderArgs, studio: &Studio) -> Result<u128, AppError> {
+    let loaded = &studio.loaded;
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
         hash.update(&(bytes.len() as u64).to_le_bytes());
         hash.update(bytes);
     };
     let read = |path: &Path| {
-        fs::read(path)
-            .map_err(|error| AppError::Internal(format!("cannot read {}: {error}", path.display())))
+        let bytes = fs::read(path).map_err(|error| {
+            AppError::Internal(format!("cannot read {}: {error}", path.display()))
+        })?;
+        // After it was read, so that no save falls between.
+        check_unchanged(path, studio.opened)?;
+        Ok::<_, AppError>(bytes)
     };
     add(BUILT_FROM.as_bytes());
     add(loaded.text.as_bytes());
@@ -50,9 +56,32 @@ pub fn of_run(args: &RenderArgs, loaded: &LoadedScene, gpu: &Gpu) -> Result<u128
             add(&read(&file)?);
         }
     }
+    let gpu = &studio.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())
+}
+
+/// Refuses a file that was saved since: what is loaded may be what it was before.
+fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
+    let changed = fs::metadata(path).and_then(|file| {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt as _;
+            // Also when another file got this name, however old its content is.
+            let seconds = Duration::from_secs(file.ctime().max(0) as u64);
+            Ok(SystemTime::UNIX_EPOCH + seconds + Duration::from_nanos(file.ctime_nsec() as u64))
+        }
+        #[cfg(not(unix))]
+        file.modified()
+    });
+    match changed {
+        Ok(at) if at < since => Ok(()),
+        _ => Err(AppError::Internal(format!(
+            "{} was saved while the scene was loaded; render again",
+            path.display()
+        ))),
+    }
 }
 
 /// Of one frame, in hexadecimal digits.
@@ -75,4 +104,28 @@ fn shader_files(folder: &Path) -> Vec<std::path::PathBuf> {
     }
     files.sort();
     files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_was_saved_since_is_refused() {
+        let name = format!("reflet-saved-{}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        fs::write(&path, "old").expect("writable");
+        let hour = std::time::Duration::from_secs(3600);
+        let now = SystemTime::now();
+        assert!(check_unchanged(&path, now + hour).is_ok());
+        match check_unchanged(&path, now - hour) {
+            Err(AppError::Internal(text)) => assert!(text.contains("was saved while"), "{text}"),
+            other => panic!("{other:?}"),
+        }
+        // Moved there, with a time of long ago.
+        let old = fs::File::options().write(true).open(&path).expect("there");
+        old.set_modified(now - 2 * hour).expect("settable");
+        assert_eq!(check_unchanged(&path, now - hour).is_err(), cfg!(unix));
+        fs::remove_file(&path).expect("clean up");
+    }
 }

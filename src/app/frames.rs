@@ -1,6 +1,8 @@
 //! Which frames: `--frames`, `--timeline` and `--shard`, and the name of each frame's file.
 
 use std::{
+    borrow::Cow,
+    collections::HashSet,
     num::{IntErrorKind, ParseIntError},
     path::{Path, PathBuf},
 };
@@ -11,6 +13,12 @@ use crate::scene::desc::TimelineDesc;
 /// The frames of a command, in the order in which they are rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList(pub Vec<u32>);
+
+/// Most `#`s in a name: more digits than any number has.
+const MOST_DIGITS: usize = 20;
+
+/// Most characters of an argument that a message repeats.
+const REPEATED: usize = 60;
 
 /// `--shard i/n`: every n-th frame, from the i-th.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,12 +36,13 @@ impl FrameList {
     /// # Errors
     /// [`AppError::Usage`] saying which part is wrong.
     pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
-        let usage = |why: String| AppError::Usage(format!("{option} {text}: {why}"));
+        let usage = |why: String| AppError::Usage(format!("{option} {}: {why}", clipped(text)));
         let mut frames = Vec::new();
         if text.trim() == "all" {
             frames.extend(timeline.start..=timeline.end);
             return Ok(Self(frames));
         }
+        let mut known = HashSet::new();
         for part in text.split(',') {
             let [first, last, step] = range(part.trim()).map_err(usage)?;
             for frame in [first, last] {
@@ -44,14 +53,15 @@ impl FrameList {
                     )));
                 }
             }
-            frames.extend((first..=last).step_by(step as usize));
+            // The first repeated frame ends it: a list never grows beyond the timeline.
+            for frame in (first..=last).step_by(step as usize) {
+                if !known.insert(frame) {
+                    return Err(usage(format!("frame {frame} is there twice")));
+                }
+                frames.push(frame);
+            }
         }
-        let mut sorted = frames.clone();
-        sorted.sort_unstable();
-        match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(usage(format!("frame {} is there twice", pair[0]))),
-            None => Ok(Self(frames)),
-        }
+        Ok(Self(frames))
     }
 
     /// The part of a shard.
@@ -76,6 +86,14 @@ pub fn spans(frames: &[u32]) -> String {
     parts.join(",")
 }
 
+/// What a message repeats of an argument: the start of a long one.
+pub fn clipped(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(REPEATED) {
+        Some((end, _)) => format!("{}…", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
 /// First frame, last frame and step of one part.
 fn range(part: &str) -> Result<[u32; 3], String> {
     let number = |text: &str| {
@@ -84,9 +102,14 @@ fn range(part: &str) -> Result<[u32; 3], String> {
             IntErrorKind::Empty if part.is_empty() => {
                 "frames are missing; write all, or such as 0-47, 1-20:2 or 1,3,5-9".to_owned()
             }
-            IntErrorKind::Empty => format!("a number is missing in \"{part}\""),
-            IntErrorKind::PosOverflow => format!("\"{text}\" is too large for a frame number"),
-            _ => format!("\"{text}\" is not a frame number, which is 0 or more"),
+            IntErrorKind::Empty => format!("a number is missing in \"{}\"", clipped(part)),
+            IntErrorKind::PosOverflow => {
+                format!("\"{}\" is too large for a frame number", clipped(text))
+            }
+            _ => format!(
+                "\"{}\" is not a frame number, which is 0 or more",
+                clipped(text)
+            ),
         })
     };
     let (frames, step) = part
@@ -98,7 +121,7 @@ fn range(part: &str) -> Result<[u32; 3], String> {
                 IntErrorKind::PosOverflow => "is too large",
                 _ => "must be 1 or more",
             };
-            format!("the step \"{step}\" {should}")
+            format!("the step \"{}\" {should}", clipped(step))
         })?,
         None => 1,
     };
@@ -115,7 +138,7 @@ fn range(part: &str) -> Result<[u32; 3], String> {
         return Err("the step \"0\" must be 1 or more".to_owned());
     }
     if last < first {
-        return Err(format!("\"{part}\" ends before it begins"));
+        return Err(format!("\"{}\" ends before it begins", clipped(part)));
     }
     Ok([first, last, step])
 }
@@ -147,9 +170,11 @@ impl Template {
     /// Splits a name at its `#`s; `None` without any.
     ///
     /// # Errors
-    /// [`AppError::Usage`] where they stand in two places, or the name is not UTF-8.
+    /// [`AppError::Usage`] where they stand in two places or are more than 20, or the name is not
+    /// UTF-8.
     pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
-        let shown = path.display();
+        let shown = path.display().to_string();
+        let shown = clipped(&shown);
         let Some(name) = path.file_name() else {
             return Ok(None);
         };
@@ -162,6 +187,11 @@ impl Template {
             return Ok(None);
         };
         let digits = name[start..].chars().take_while(|c| *c == '#').count();
+        if digits > MOST_DIGITS {
+            return Err(AppError::Usage(format!(
+                "--output {shown}: {digits} digits for the frame number; write at most {MOST_DIGITS} #"
+            )));
+        }
         let after = &name[start + digits..];
         if after.contains('#') {
             return Err(AppError::Usage(format!(
@@ -250,6 +280,24 @@ mod tests {
         }
     }
 
+    /// Were it all expanded first, the list would take 48 GB.
+    #[test]
+    fn the_first_repeated_frame_ends_a_list() {
+        let timeline = TimelineDesc {
+            fps: 24.0,
+            start: 0,
+            end: 1_000_000,
+        };
+        let list = vec!["0-1000000"; 12_000].join(",");
+        match FrameList::parse("--frames", &list, &timeline) {
+            Err(AppError::Usage(text)) => {
+                assert!(text.ends_with("…: frame 0 is there twice"), "{text}");
+                assert!(text.len() < 200, "{text}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
     #[test]
     fn shards_cover_every_frame_once() {
         let all = FrameList(vec![4, 8, 15, 16, 20]);
@@ -274,5 +322,18 @@ mod tests {
         assert_eq!(walk.path(123_456), Path::new("out/walk.123456.png"));
         assert_eq!(template("out.png").expect("right"), None);
         assert!(template("#.#.png").is_err());
+        let widest = template(&"#".repeat(20)).expect("right").expect("has one");
+        assert_eq!(widest.path(7), Path::new("00000000000000000007"));
+        for many in [21, 70_000] {
+            match template(&format!("{}.png", "#".repeat(many))) {
+                Err(AppError::Usage(text)) => {
+                    assert!(
+                        text.ends_with("write at most 20 #") && text.len() < 200,
+                        "{text}"
+                    );
+                }
+                other => panic!("{other:?}"),
+            }
+        }
     }
 }

@@ -1,21 +1,25 @@
 //! Picture files: PNG and EXR, written so that a file is there whole or not at all.
 
 use std::{
-    fs::File,
-    io::{BufReader, Cursor},
+    fs::{self, File},
+    io::{self, BufReader, Cursor},
     path::{Path, PathBuf},
 };
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, MetaData,
-    SmallVec, Text, Vec2, WritableImage as _, attribute::AttributeValue,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, Text,
+    Vec2, WritableImage as _, attribute::AttributeValue, read_first_flat_layer_from_file,
 };
+use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{aov, error::AppError, film, fingerprint::KEYWORD};
 use crate::{
     files::{Temporary, folder_of, write_together},
     render::{Picture, Plane, PlaneData, aov::Aov},
 };
+
+/// Name under which an EXR carries the hash of its samples.
+const SAMPLES: &str = "reflet-samples";
 
 /// What an output file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +28,30 @@ enum Format {
     Png,
     /// Linear 32-bit floats, with intermediate pictures as layers.
     Exr,
+}
+
+impl Format {
+    /// What a name's ending says.
+    fn of(path: &Path) -> Result<Self, AppError> {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(AppError::Usage(format!(
+                "--output {}: the name must end in .png or .exr, or for a film in {}",
+                path.display(),
+                film::endings()
+            ))),
+        }
+    }
+}
+
+/// Checks the ending of a picture's name alone.
+///
+/// # Errors
+/// [`AppError::Usage`] with the endings that there are.
+pub fn check_ending(path: &Path) -> Result<(), AppError> {
+    Format::of(path).map(drop)
 }
 
 /// An output path that looked writable when the command began.
@@ -39,19 +67,7 @@ impl Output {
     /// # Errors
     /// [`AppError::Usage`] saying which part of the path is wrong.
     pub fn new(path: &Path) -> Result<Self, AppError> {
-        let shown = path.display();
-        let usage = |text: String| Err(AppError::Usage(text));
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        let format = match extension.map(str::to_ascii_lowercase).as_deref() {
-            Some("png") => Format::Png,
-            Some("exr") => Format::Exr,
-            _ => {
-                return usage(format!(
-                    "--output {shown}: the name must end in .png or .exr, or for a film in {}",
-                    film::endings()
-                ));
-            }
-        };
+        let format = Format::of(path)?;
         check_writable(path)?;
         Ok(Self {
             path: path.to_owned(),
@@ -174,6 +190,13 @@ pub fn check_writable(path: &Path) -> Result<(), AppError> {
             folder.display()
         ));
     }
+    // The hidden name that files are written under may be shorter than this one.
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return usage(format!("--output {shown}: {error}"));
+        }
+        _ => {}
+    }
     // Creating a file is the only test of permissions that means anything.
     if let Err(error) = Temporary::create(path) {
         return usage(format!(
@@ -225,14 +248,28 @@ fn png_mark(path: &Path) -> Option<String> {
     found.map(|chunk| chunk.text.clone())
 }
 
-/// The fingerprint in an EXR whose table of contents is complete.
+/// The fingerprint in an EXR whose samples are those that were written.
 fn exr_mark(path: &Path) -> Option<String> {
-    let meta = MetaData::read_from_file(path, false).ok()?;
-    let own = &meta.headers.first()?.own_attributes.other;
-    match own.get(&Text::from(KEYWORD))? {
+    let layer = read_first_flat_layer_from_file(path).ok()?.layer_data;
+    let text = |key| match layer.attributes.other.get(&Text::from(key))? {
         AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
+    };
+    let is_whole = text(SAMPLES)? == hash_of(&layer.channel_data);
+    text(KEYWORD).filter(|_| is_whole)
+}
+
+/// Hash of all samples, in hexadecimal digits: EXR itself has no checksum.
+fn hash_of(channels: &AnyChannels<FlatSamples>) -> String {
+    let mut hash = Xxh3Default::new();
+    for channel in &channels.list {
+        match &channel.sample_data {
+            FlatSamples::F32(all) => all.iter().for_each(|v| hash.update(&v.to_le_bytes())),
+            FlatSamples::U32(all) => all.iter().for_each(|v| hash.update(&v.to_le_bytes())),
+            FlatSamples::F16(all) => all.iter().for_each(|v| hash.update(&v.to_le_bytes())),
+        }
     }
+    format!("{:032x}", hash.digest128())
 }
 
 /// Linear color as R, G, B, A and every plane as `name.channel`, in one part: the layout that
@@ -250,18 +287,16 @@ fn encode_exr(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> 
         }
     }
     let size = Vec2(picture.size[0] as usize, picture.size[1] as usize);
-    // ZIP: lossless and understood everywhere.
+    let channels = AnyChannels::sort(channels);
     let mut attributes = LayerAttributes::default();
     if let Some(mark) = mark {
         let text = AttributeValue::Text(Text::from(mark));
         attributes.other.insert(Text::from(KEYWORD), text);
+        let samples = AttributeValue::Text(Text::from(hash_of(&channels).as_str()));
+        attributes.other.insert(Text::from(SAMPLES), samples);
     }
-    let layer = Layer::new(
-        size,
-        attributes,
-        Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels),
-    );
+    // ZIP: lossless and understood everywhere.
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()

@@ -110,8 +110,50 @@ fn an_exr_keeps_floats_and_codes() {
 }
 
 #[test]
+fn an_exr_that_was_cut_or_changed_is_not_done() {
+    let folder = folder("exr-broken");
+    let path = folder.join("out.exr");
+    let output = Output::new(&path).expect("writable");
+    let side = 64;
+    let texels = (side * side) as usize;
+    let picture = Picture {
+        size: [side, side],
+        color: (0..texels * 4).map(|i| (i * i % 8191) as f32).collect(),
+        display: vec![9; texels * 4],
+        planes: Vec::new(),
+        ..picture()
+    };
+    output
+        .write_marked(&picture, Some("mark"))
+        .expect("written");
+    assert!(output.is_done(&[], "mark") && !output.is_done(&[], "other"));
+    let whole = fs::read(&path).expect("it is there");
+    let is_done = |bytes: &[u8]| {
+        fs::write(&path, bytes).expect("writable");
+        output.is_done(&[], "mark")
+    };
+    assert!(is_done(&whole));
+    assert!(!is_done(&whole[..whole.len() - 200]), "cut");
+    let mut changed = whole.clone();
+    let from = whole.len() - 700;
+    changed[from..from + 280]
+        .iter_mut()
+        .for_each(|b| *b ^= 0x55);
+    assert!(!is_done(&changed), "changed");
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
 fn paths_that_cannot_work_are_refused_before_rendering() {
     let folder = folder("refused");
+    let long = format!("{}.png", "a".repeat(252));
+    assert!(refusal(&folder.join(long)).contains("too long"));
+    let longest = folder.join(format!("{}.png", "a".repeat(251)));
+    let mut bare = picture();
+    bare.planes.clear();
+    Output::new(&longest)
+        .and_then(|output| output.write(&bare))
+        .expect("the longest name that there is");
     assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
     assert!(refusal(&folder.join("out")).contains("must end in .png or .exr"));
     assert!(refusal(&folder.join("missing/out.png")).contains("create it first"));
@@ -125,14 +167,16 @@ fn when_one_file_fails_none_is_left() {
     let folder = folder("none-left");
     let output = Output::new(&folder.join("out.png")).expect("writable");
     // A folder under the second file's temporary name: the first file is done when that fails.
-    let obstacle = format!(".out.cause.png.{}.tmp", std::process::id());
-    fs::create_dir(folder.join(&obstacle)).expect("folder");
+    let hidden = Temporary::create(&folder.join("out.cause.png"));
+    let obstacle = hidden.expect("creatable").path().to_owned();
+    fs::create_dir(&obstacle).expect("folder");
     let error = output.write(&picture()).expect_err("unwritable plane");
     assert!(
         matches!(&error, AppError::Internal(text)
             if text.starts_with("cannot write") && text.contains("out.cause.png")),
         "{error:?}"
     );
+    let obstacle = obstacle.file_name().expect("a name").to_string_lossy();
     assert_eq!(names(&folder), [obstacle]);
     fs::remove_dir_all(&folder).expect("clean up");
 }

@@ -18,7 +18,12 @@ pub struct Progress {
     rendered: usize,
     started: Instant,
     form: ProgressForm,
+    /// The bar, while its line is open.
+    open: Option<String>,
 }
+
+/// To the start of the line, and without what stands there.
+const CLEAR: &str = "\r\x1b[2K";
 
 /// Columns of the bar itself.
 const BAR: usize = 24;
@@ -38,6 +43,7 @@ impl Progress {
             rendered: 0,
             started: Instant::now(),
             form: form.unwrap_or(usual),
+            open: None,
         }
     }
 
@@ -58,7 +64,19 @@ impl Progress {
         self.kept + self.rendered
     }
 
-    fn show(&self, frame: u32, verb: &str, path: &Path, seconds: Option<f64>) {
+    /// Prints other lines to standard error: above the bar, which would else be in one line with
+    /// them.
+    pub fn aside(&self, print: impl FnOnce()) {
+        let Some(bar) = &self.open else {
+            return print();
+        };
+        eprint!("{CLEAR}");
+        print();
+        eprint!("{bar}");
+        let _ = stderr().flush(); // only the bar is late then
+    }
+
+    fn show(&mut self, frame: u32, verb: &str, path: &Path, seconds: Option<f64>) {
         let done = self.written();
         let file = path.display();
         match self.form {
@@ -84,19 +102,16 @@ impl Progress {
         let bar: String = (0..BAR)
             .map(|i| if i < filled { '█' } else { '·' })
             .collect();
+        let bar = format!("{bar} {done}/{} frame {frame}{}", self.total, self.left());
         let end = if done == self.total { "\n" } else { "" };
-        eprint!(
-            "\r\x1b[2K{bar} {done}/{} frame {frame}{}{end}",
-            self.total,
-            self.left()
-        );
+        eprint!("{CLEAR}{bar}{end}");
+        self.open = (done < self.total).then_some(bar);
         let _ = stderr().flush(); // only the bar is late then
     }
 
     /// Ends the line of a bar that is not full.
     pub fn end(&self) {
-        let is_open = (1..self.total).contains(&self.written());
-        if is_open && matches!(self.form, ProgressForm::Bar) {
+        if self.open.is_some() {
             eprintln!();
         }
     }

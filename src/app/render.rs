@@ -1,6 +1,10 @@
 //! `render`: a scene becomes pictures or a film.
 
-use std::{path::Path, sync::Arc, time::Instant};
+use std::{
+    path::Path,
+    sync::Arc,
+    time::{Instant, SystemTime},
+};
 
 use super::{
     cli::{RenderArgs, StatsForm},
@@ -12,6 +16,7 @@ use super::{
     stats::{Around, Report},
 };
 use crate::{
+    files::sweep,
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
     render::{
         PendingPicture, Picture, RenderError, RenderOptions, Renderer, Wanted, aov::Aov,
@@ -28,6 +33,8 @@ pub struct Studio {
     pub loaded: LoadedScene,
     /// Further pictures of every frame.
     pub aovs: Vec<Aov>,
+    /// When the first of its files was opened, or before.
+    pub opened: SystemTime,
     /// Whether the shaders come from the user.
     pub own_shaders: bool,
     renderer: Renderer,
@@ -41,6 +48,7 @@ impl Studio {
         camera: usize,
         aovs: Vec<Aov>,
         library: &ShaderLibrary,
+        opened: SystemTime,
     ) -> Result<Self, AppError> {
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),
@@ -57,6 +65,7 @@ impl Studio {
             gpu: Arc::new(gpu),
             loaded,
             aovs,
+            opened,
             own_shaders,
             renderer,
             camera,
@@ -100,7 +109,7 @@ impl Studio {
 /// # Errors
 /// Whatever stops it; no file is left half written.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
-    let started = Instant::now();
+    let (started, opened) = (Instant::now(), SystemTime::now());
     // Cheap checks first: a typo must not cost a minute of rendering.
     let many = sequence::is_wanted(args)?;
     let output = if many {
@@ -121,11 +130,12 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let Some(output) = output else {
         let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
         sequence::check_output(args, &frames)?;
-        let studio = Studio::new(args, loaded, camera, aovs, &library)?;
+        let studio = Studio::new(args, loaded, camera, aovs, &library, opened)?;
         return sequence::render(args, studio, &frames);
     };
     output.check_beside(&aovs)?;
-    let mut studio = Studio::new(args, loaded, camera, aovs, &library)?;
+    let mut studio = Studio::new(args, loaded, camera, aovs, &library, opened)?;
+    sweep(&output.files(&studio.aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>()));
     let motion = Motion::new(&studio.loaded.desc);
     if !motion.is_still() {
         let state = motion.pose(motion.first_frame()).map_err(AppError::Scene)?;

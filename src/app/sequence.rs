@@ -1,7 +1,12 @@
 //! Many frames of one scene: loaded once, posed and submitted in turn; reading back, encoding and
 //! writing run beside the next ones.
 
-use std::{path::Path, sync::Mutex, thread, time::Instant};
+use std::{
+    path::Path,
+    sync::{Mutex, PoisonError},
+    thread,
+    time::Instant,
+};
 
 use super::{
     cli::RenderArgs,
@@ -10,7 +15,7 @@ use super::{
     film::{Film, is_film},
     fingerprint,
     frames::{FrameList, Template},
-    output::{Output, check_writable},
+    output::{Output, check_ending, check_writable},
     progress::Progress,
     render::{Studio, explain},
     stop,
@@ -25,9 +30,18 @@ use crate::{
 /// Whether a command asks for frames of a film and not for one picture.
 ///
 /// # Errors
-/// As [`Template::new`].
+/// As [`Template::new`]; [`AppError::Usage`] for an ending that there is not, and a film with `#`.
 pub fn is_wanted(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
+    if !is_film(&args.output) {
+        check_ending(&args.output)?;
+    } else if template.is_some() {
+        return Err(AppError::Usage(format!(
+            "--output {}: a film is one file, so its name has no #; for frames write such as \
+             film.####.png",
+            args.output.display()
+        )));
+    }
     Ok(args.frames.is_some() || template.is_some() || is_film(&args.output))
 }
 
@@ -94,7 +108,9 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
     if template.is_some() {
         create_last_folder(&args.output)?;
     }
-    Output::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*first))).map(drop)
+    // The largest number makes the longest name.
+    let last = frames.0.iter().max().unwrap_or(first);
+    Output::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*last))).map(drop)
 }
 
 /// Creates the folder of a file where its own folder is there already.
@@ -115,20 +131,20 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 ///
 /// # Errors
 /// [`AppError::Frames`] with those that failed; the others are there. [`AppError::Unwritten`] as soon
-/// as the disk takes no more, [`AppError::Disk`] if all were to be one film.
+/// as the disk takes no more; if all were to be one film, [`AppError::NoFilm`] and
+/// [`AppError::Disk`].
 pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
-    let run = fingerprint::of_run(args, &studio.loaded, &studio.gpu)?;
+    let run = fingerprint::of_run(args, &studio)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &studio, frames)?;
     let planes: Vec<_> = studio.aovs.iter().map(|aov| aov.name()).collect();
-    if let (true, Target::Files { output, names }) = (args.resume, &target) {
-        let files = names.iter().cloned().map(|name| output.renamed(name));
-        sweep(
-            &files
-                .flat_map(|file| file.files(&planes))
-                .collect::<Vec<_>>(),
-        );
-    }
+    sweep(&match &target {
+        Target::Film(_) => vec![args.output.clone()],
+        Target::Files { output, names } => {
+            let files = names.iter().cloned().map(|name| output.renamed(name));
+            files.flat_map(|file| file.files(&planes)).collect()
+        }
+    });
     let mut wanted = Vec::new();
     for (index, frame) in frames.0.iter().enumerate() {
         let mark = fingerprint::of_frame(run, *frame);
@@ -156,7 +172,7 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
                 break;
             }
             let started = Instant::now();
-            match begin(&mut studio, &motion, frame, has_color) {
+            match begin(&mut studio, &motion, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {
                         index,
@@ -216,9 +232,22 @@ fn judge(
     if stop::is_wanted() && outcome.done < total {
         return Err(stopped(target, outcome.done, total, failures));
     }
-    match failures.is_empty() {
-        true => Ok(()),
-        false => Err(AppError::Frames(failures)),
+    match target {
+        _ if failures.is_empty() => Ok(()),
+        Target::Files { .. } => Err(AppError::Frames(failures)),
+        Target::Film(film) => {
+            let mut untried = asked;
+            let failed = |frame| failures.iter().any(|(failed, _)| *failed == frame);
+            untried.retain(|frame| !outcome.written.contains(frame) && !failed(*frame));
+            untried.sort_unstable();
+            let film = film.lock().unwrap_or_else(PoisonError::into_inner);
+            let goal = film.goal().to_owned();
+            Err(AppError::NoFilm {
+                goal,
+                failures,
+                untried,
+            })
+        }
     }
 }
 
@@ -263,15 +292,16 @@ fn begin(
     motion: &Motion,
     frame: u32,
     has_color: bool,
+    encoders: &Encoders,
 ) -> Result<PendingPicture, (String, bool)> {
     let wrong_scene = |errors: Vec<crate::scene::diagnostic::Diagnostic>| {
-        print_diagnostics(&errors);
+        encoders.aside(|| print_diagnostics(&errors));
         let first = errors.first().map(|e| e.message.clone());
         (first.unwrap_or_default(), false)
     };
     let state = motion.pose(frame).map_err(wrong_scene)?;
     for line in &state.log {
-        eprintln!("frame {frame}: {line}");
+        encoders.aside(|| eprintln!("frame {frame}: {line}"));
     }
     studio.loaded.world.apply(&state).map_err(wrong_scene)?;
     studio.begin(has_color).map_err(|error| {

@@ -86,6 +86,72 @@ fn films_have_every_frame_at_its_time() {
     assert!(!folder.join("odd.mp4").exists());
 }
 
+/// What stands before a colon could be a protocol of ffmpeg.
+#[test]
+fn a_folder_may_have_a_colon_in_its_name() {
+    if gpu_or_skip().is_none() || !is_there("ffmpeg") {
+        return;
+    }
+    let folder = folder("ffmpeg-colon");
+    fs::create_dir(folder.join("take:2")).expect("new");
+    for name in ["take:2/f.mp4", "take:2/f.webm"] {
+        crate::render(&folder, &["-o", name], 0);
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("rates");
+    let before = names(&folder);
+    for (name, fps) in [("f.mp4", "1e-9"), ("f.webm", "0.5"), ("f.apng", "1e-9")] {
+        let rate = format!("timeline.fps={fps}");
+        let text = crate::render(&folder, &["-o", name, "--set", &rate], 2);
+        assert!(text.contains("timeline.fps is "), "{name}: {text}");
+        assert!(!text.contains("frame 0"), "{name}: {text}");
+    }
+    assert_eq!(names(&folder), before);
+}
+
+/// On a terminal, which `script` gives.
+#[test]
+fn what_a_script_prints_stands_in_lines_of_its_own() {
+    let has_script = Command::new("script").arg("--version").output().is_ok();
+    if gpu_or_skip().is_none() || !has_script {
+        eprintln!("SKIPPED: there is no script command");
+        return;
+    }
+    let folder = folder("terminal");
+    let prints = "fn frame(ctx) { print(`at ${ctx.frame}`); }";
+    fs::write(folder.join("s.rhai"), prints).expect("writable");
+    let line = format!(
+        "{} render scene.toml -o f.#.png",
+        env!("CARGO_BIN_EXE_reflet")
+    );
+    let output = Command::new("script")
+        .current_dir(&folder)
+        .args(["-qec", &line, "/dev/null"])
+        .stdin(Stdio::null())
+        .output()
+        .expect("it starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains("6/6 frame"), "{text}");
+    let mut told = 0;
+    for line in text
+        .split('\n')
+        .filter(|line| line.contains("s.rhai:1: at"))
+    {
+        let shown = line.rsplit("\u{1b}[2K").next().unwrap_or_default();
+        assert!(shown.starts_with("frame "), "{line:?} in {text}");
+        told += 1;
+    }
+    assert_eq!(told, 6, "{text}");
+}
+
 /// As a terminal does: to everything that the command has started.
 #[test]
 fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {

@@ -172,3 +172,49 @@ fn a_signal_ends_a_film_between_frames() {
     let told = pictures(&folder).len();
     assert!((1..2000).contains(&told), "{told} frames");
 }
+
+/// Of a film and of frames, with --resume and without; those of a run that lives, and of other
+/// machines, stay.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_killed_run_has_left_is_removed_by_the_next() {
+    use std::io::{BufRead as _, BufReader};
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("leftovers");
+    let long = ["-o", "f.apng", "--set", "timeline.end=2000"];
+    let mut child = start(&folder, &long);
+    let mut errors = BufReader::new(child.stderr.take().expect("piped"));
+    let mut text = String::new();
+    while !text.contains("(1 of 2001)") {
+        let read = errors.read_line(&mut text).expect("readable");
+        assert!(read > 0, "it has ended: {text}");
+    }
+    signal(&child, "-KILL");
+    assert_eq!(end(child).0, -9);
+    let left = hidden(&folder);
+    assert_eq!(left.len(), 1, "{left:?}");
+    // .reflet-GOAL-PLACE-PROCESS.tmp
+    let parts: Vec<_> = left[0].split('-').collect();
+    let name = |place: &str, id: u32| format!("{}-{}-{place}-{id}.tmp", parts[0], parts[1]);
+    let elsewhere = name("0123456789abcdef", u32::MAX);
+    let alive = name(parts[2], std::process::id());
+    let dead = name(parts[2], u32::MAX);
+    for name in [&elsewhere, &alive, &dead] {
+        fs::write(folder.join(name), "half").expect("writable");
+    }
+    assert_eq!(
+        crate::render(&folder, &["-o", "g.#.png"], 0)
+            .lines()
+            .count(),
+        6
+    );
+    assert_eq!(hidden(&folder).len(), 4, "those of another goal stay");
+    crate::render(&folder, &["-o", "f.apng"], 0);
+    let mut stays = hidden(&folder);
+    stays.sort();
+    let mut wanted = [elsewhere, alive];
+    wanted.sort();
+    assert_eq!(stays, wanted);
+}
