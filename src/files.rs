@@ -6,10 +6,14 @@ use std::{
     io::{self, Read, Write as _},
     path::{Path, PathBuf},
     sync::LazyLock,
-    time::SystemTime,
+    time::{Duration, SystemTime},
 };
 
+use sha2::{Digest as _, Sha256};
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
+
+/// Clocks of file systems tick this coarsely.
+const CLOCK_TICK: Duration = Duration::from_millis(50);
 
 /// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
 /// was at `path` stays whole until then.
@@ -67,6 +71,41 @@ pub fn read_at_most(file: &File, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
     }
     Ok(bytes)
+}
+
+/// The SHA-256 of a file's content.
+///
+/// # Errors
+/// What the system says, and what is no regular file.
+pub fn content_hash(path: &Path) -> io::Result<[u8; 32]> {
+    let mut file = open_regular(path, false)?;
+    let mut hash = Sha256::new();
+    let mut block = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut block)? {
+            0 => return Ok(hash.finalize().into()),
+            length => hash.update(&block[..length]),
+        }
+    }
+}
+
+/// Whether content or name of the file changed since then, as far as its times tell.
+pub fn written_since(path: &Path, since: SystemTime) -> bool {
+    let Ok(metadata) = fs::metadata(path) else {
+        return false;
+    };
+    let since = since.checked_sub(CLOCK_TICK).unwrap_or(since);
+    let modified = metadata.modified().is_ok_and(|time| time >= since);
+    #[cfg(unix)]
+    let moved = {
+        use std::os::unix::fs::MetadataExt as _;
+        let seconds = Duration::from_secs(metadata.ctime().max(0).unsigned_abs());
+        let time = SystemTime::UNIX_EPOCH + seconds;
+        time + Duration::from_nanos(metadata.ctime_nsec().max(0).unsigned_abs()) >= since
+    };
+    #[cfg(not(unix))]
+    let moved = false;
+    modified || moved
 }
 
 /// A file under a hidden name beside its goal; gone unless it is renamed.

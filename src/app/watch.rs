@@ -7,8 +7,7 @@
 
 use std::{
     collections::{BTreeSet, HashMap},
-    fs,
-    io::{self, Read as _},
+    fs, io,
     path::{Component, Path, PathBuf},
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
     thread,
@@ -16,9 +15,8 @@ use std::{
 };
 
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
-use sha2::{Digest as _, Sha256};
 
-use crate::files::open_regular;
+use crate::files::{content_hash, written_since};
 
 /// What has new content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,8 +49,6 @@ const QUIET: Duration = Duration::from_millis(10);
 const MOST_WAIT: Duration = Duration::from_millis(30);
 /// How often folders that do not exist are looked for.
 const RETRY: Duration = Duration::from_millis(250);
-/// Clocks of file systems tick this coarsely.
-const CLOCK_TICK: Duration = Duration::from_millis(50);
 /// Links in a row before a path is given up; as in Linux.
 const MOST_LINKS: u32 = 40;
 
@@ -200,7 +196,7 @@ impl Watching {
                 |paths: &BTreeSet<PathBuf>| file.places.iter().any(|p| paths.contains(p));
             if paths.is_none_or(is_meant) {
                 file.places = places(name);
-                let hash = hash(name);
+                let hash = content_hash(name).map_err(|error| error.kind());
                 if hash != file.hash {
                     file.hash = hash;
                     changes.insert(file.change);
@@ -232,7 +228,7 @@ impl Watching {
         let mut changes = Changes::new();
         for name in fresh {
             if let Some(file) = self.files.get_mut(&name) {
-                file.hash = hash(&name);
+                file.hash = content_hash(&name).map_err(|error| error.kind());
                 if written_since(&name, since) {
                     changes.insert(file.change);
                 }
@@ -364,36 +360,4 @@ fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
         }
     }
     None
-}
-
-/// A pipe or a device has none: reading it would block, or never end.
-fn hash(path: &Path) -> Result<Hash, io::ErrorKind> {
-    let mut file = open_regular(path, false).map_err(|error| error.kind())?;
-    let mut hash = Sha256::new();
-    let mut block = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut block).map_err(|error| error.kind())? {
-            0 => return Ok(hash.finalize().into()),
-            length => hash.update(&block[..length]),
-        }
-    }
-}
-
-/// Whether content or name of the file changed since then, as far as its times tell.
-fn written_since(path: &Path, since: SystemTime) -> bool {
-    let Ok(metadata) = fs::metadata(path) else {
-        return false;
-    };
-    let since = since.checked_sub(CLOCK_TICK).unwrap_or(since);
-    let modified = metadata.modified().is_ok_and(|time| time >= since);
-    #[cfg(unix)]
-    let moved = {
-        use std::os::unix::fs::MetadataExt as _;
-        let seconds = Duration::from_secs(metadata.ctime().max(0).unsigned_abs());
-        let time = SystemTime::UNIX_EPOCH + seconds;
-        time + Duration::from_nanos(metadata.ctime_nsec().max(0).unsigned_abs()) >= since
-    };
-    #[cfg(not(unix))]
-    let moved = false;
-    modified || moved
 }

@@ -3,17 +3,22 @@
 use std::{
     collections::BTreeSet,
     env, fs,
-    io::ErrorKind,
     path::{Path, PathBuf},
-    process::{Command, Stdio},
     sync::{Mutex, PoisonError},
+    time::SystemTime,
 };
 
-use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
+use self::{
+    record::{Inputs, Record, Sidecar, SidecarWarning},
+    tool::Tool,
+};
 use super::gltf::Fault;
 use crate::scene::diagnostic::{Diagnostic, Severity, Span};
+
+mod record;
+mod tool;
 
 /// Environment variable that names the converter's command.
 pub const TOOL_ENV: &str = "REFLET_USD";
@@ -39,32 +44,8 @@ pub fn is_stage(path: &Path) -> bool {
         .any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// What the converter writes beside its output.
-#[derive(Deserialize, Serialize)]
-struct Sidecar {
-    #[serde(default)]
-    files: Vec<PathBuf>,
-    /// Files that were looked for and are not there; a conversion is out of date when they come.
-    #[serde(default)]
-    absent: Vec<PathBuf>,
-    #[serde(default)]
-    warnings: Vec<SidecarWarning>,
-}
-
-#[derive(Deserialize, Serialize)]
-struct SidecarWarning {
-    name: String,
-    prim: String,
-    message: String,
-}
-
-/// What is kept of a conversion: good as long as every file still has this content.
-#[derive(Deserialize, Serialize)]
-struct Record {
-    glb: PathBuf,
-    content: String,
-    sidecar: Sidecar,
-}
+/// How often a stage is converted whose files change meanwhile.
+const MOST_TRIES: usize = 3;
 
 /// Converts a stage, or finds the conversion of the same content. Layers and textures may lie in
 /// `roots` too.
@@ -75,39 +56,98 @@ struct Record {
 pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
-    let tool = tool();
+    let tool = Tool::find()?;
     // Other folders or another converter make another file of the same stage.
-    let paths = [stage, &tool].into_iter().chain(roots.iter().map(|r| &**r));
+    let paths = [stage, &tool.path].into_iter();
+    let paths = paths.chain(roots.iter().map(|r| &**r));
     let version = env!("CARGO_PKG_VERSION").as_bytes();
     let name =
         hash_of(std::iter::once(version).chain(paths.map(|p| p.as_os_str().as_encoded_bytes())));
     let record_path = cache.join(format!("{name}.json"));
-    if let Some(record) = valid_record(&record_path) {
-        if is_news(&name) {
+    let glb = cache.join(format!("{name}.glb"));
+    let earlier = Record::read(&record_path);
+    let is_news = is_news(&name);
+    if let Some(record) = &earlier
+        && record.holds(&glb, &tool.version)
+    {
+        if is_news {
             eprintln!(
                 "usd: {} is unchanged, using its conversion {}",
                 stage.display(),
-                record.glb.display()
+                glb.display()
             );
         }
-        return Ok(converted(stage, record));
+        return Ok(converted(stage, glb, record));
     }
-    is_news(&name);
-    eprintln!("usd: converting {}", stage.display());
-    let glb = cache.join(format!("{name}.glb"));
-    run(&tool, stage, &glb, roots)?;
-    let sidecar = read_sidecar(&glb)?;
-    let content = content_of(&sidecar, stage);
-    let record = Record {
-        glb,
-        content,
-        sidecar,
-    };
-    if let Ok(text) = serde_json::to_vec(&record) {
+    let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
+    let (record, is_steady) = convert_anew(&tool, stage, roots, &glb, known)?;
+    let mut result = converted(stage, glb, &record);
+    if !is_steady {
+        let message = format!(
+            "its files changed each of the {MOST_TRIES} times that it was converted, so this may \
+             be a mixture; the conversion is not kept"
+        );
+        result.warnings.push(warning(stage, message, None));
+    } else if let Ok(text) = serde_json::to_vec(&record) {
         crate::files::write_whole(&record_path, &text)
             .map_err(|e| cannot_keep(&record_path, &e))?;
     }
-    Ok(converted(stage, record))
+    Ok(result)
+}
+
+/// Converts a stage to `glb`, again where its files change meanwhile; says whether they rested at
+/// last. `known` are those that it is likely to read.
+fn convert_anew(
+    tool: &Tool,
+    stage: &Path,
+    roots: &[PathBuf],
+    glb: &Path,
+    mut known: Inputs,
+) -> Result<(Record, bool), Fault> {
+    let fresh = Fresh(glb.with_extension(format!("{}.glb", std::process::id())));
+    let mut attempt = 0;
+    loop {
+        attempt += 1;
+        eprintln!("usd: converting {}", stage.display());
+        let stage_path = stage.to_owned();
+        let before = Inputs::of(known.paths().chain([&stage_path]));
+        let since = SystemTime::now();
+        tool.convert(stage, &fresh.0, roots)?;
+        let sidecar = read_sidecar(&fresh.sidecar())?;
+        let read = sidecar.files.iter().chain(&sidecar.absent);
+        let inputs = Inputs::of(read.chain([&stage_path]));
+        let is_steady = inputs.are_steady(&before, since);
+        if is_steady || attempt == MOST_TRIES {
+            let output = record::output(&fresh.0);
+            fs::rename(&fresh.0, glb).map_err(|e| cannot_keep(glb, &e))?;
+            let record = Record {
+                converter: tool.version.clone(),
+                glb: output.unwrap_or_default(),
+                inputs,
+                files: sidecar.files,
+                warnings: sidecar.warnings,
+            };
+            return Ok((record, is_steady));
+        }
+        known = inputs;
+    }
+}
+
+/// The converter's output until it is moved to its place; another process may convert the same.
+struct Fresh(PathBuf);
+
+impl Fresh {
+    fn sidecar(&self) -> PathBuf {
+        PathBuf::from(format!("{}.json", self.0.display()))
+    }
+}
+
+impl Drop for Fresh {
+    fn drop(&mut self) {
+        for path in [&self.0, &self.sidecar()] {
+            let _ = fs::remove_file(path); // moved, or never written
+        }
+    }
 }
 
 /// Whether this conversion is spoken of for the first time: a command may ask for it twice.
@@ -117,48 +157,34 @@ fn is_news(name: &str) -> bool {
     told.insert(name.to_owned())
 }
 
-fn converted(stage: &Path, record: Record) -> Converted {
-    let warning = |w: SidecarWarning| Diagnostic {
-        severity: Severity::Warning,
-        name: "usd",
-        message: format!("{}: {} [{}]", w.prim, w.message, w.name),
-        span: Span::default(),
-        file: Some(stage.to_owned()),
-        help: (w.name == "asset-outside-roots")
-            .then(|| "allow the folder that it is in with --assets FOLDER".to_owned()),
-        related: None,
+fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
+    let told = |w: &SidecarWarning| {
+        let help = (w.name == "asset-outside-roots")
+            .then(|| "allow the folder that it is in with --assets FOLDER".to_owned());
+        let message = format!("{}: {} [{}]", w.prim, w.message, w.name);
+        warning(stage, message, help)
     };
-    let mut files = record.sidecar.files;
+    let mut files = record.files.clone();
     if !files.iter().any(|f| f == stage) {
         files.push(stage.to_owned());
     }
     Converted {
-        glb: record.glb,
+        glb,
         files,
-        warnings: record.sidecar.warnings.into_iter().map(warning).collect(),
+        warnings: record.warnings.iter().map(told).collect(),
     }
 }
 
-/// The kept conversion, if it still is one.
-fn valid_record(path: &Path) -> Option<Record> {
-    let record: Record = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
-    let stage = record.sidecar.files.first()?.clone();
-    let same = record.glb.is_file() && content_of(&record.sidecar, &stage) == record.content;
-    same.then_some(record)
-}
-
-/// A hash over the content of all files, or of the stage alone where the converter named none, and
-/// of those that are not there, which are empty.
-fn content_of(sidecar: &Sidecar, stage: &Path) -> String {
-    let stage = [stage.to_owned()];
-    let files = if sidecar.files.is_empty() {
-        &stage
-    } else {
-        &sidecar.files[..]
-    };
-    let contents = files.iter().chain(&sidecar.absent);
-    let contents: Vec<Vec<u8>> = contents.map(|f| fs::read(f).unwrap_or_default()).collect();
-    hash_of(contents.iter().map(Vec::as_slice))
+fn warning(stage: &Path, message: String, help: Option<String>) -> Diagnostic {
+    Diagnostic {
+        severity: Severity::Warning,
+        name: "usd",
+        message,
+        span: Span::default(),
+        file: Some(stage.to_owned()),
+        help,
+        related: None,
+    }
 }
 
 fn hash_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
@@ -167,82 +193,21 @@ fn hash_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }
-    hash.finalize()
-        .iter()
-        .take(16)
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    hex(&hash.finalize()[..16])
 }
 
-/// The converter: named by [`TOOL_ENV`], else of the checkout that this binary was built in, else
-/// whatever the `PATH` has.
-fn tool() -> PathBuf {
-    if let Some(named) = env::var_os(TOOL_ENV).filter(|name| !name.is_empty()) {
-        return named.into();
-    }
-    let exe = env::current_exe().ok();
-    let checkout = exe.iter().flat_map(|exe| exe.ancestors());
-    let venvs = checkout.map(|folder| folder.join(".venv/bin/reflet-usd"));
-    venvs
-        .into_iter()
-        .find(|tool| tool.is_file())
-        .unwrap_or_else(|| "reflet-usd".into())
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn run(tool: &Path, stage: &Path, glb: &Path, roots: &[PathBuf]) -> Result<(), Fault> {
-    let mut command = Command::new(tool);
-    command
-        .arg("convert")
-        .arg(stage)
-        .arg("-o")
-        .arg(glb)
-        .stdin(Stdio::null());
-    for root in roots.iter().filter(|root| root.is_dir()) {
-        command.arg("--root").arg(root);
-    }
-    let output = command.output().map_err(|error| missing(tool, &error))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let said = String::from_utf8_lossy(&output.stderr);
-    let errors: Vec<&str> = said
-        .lines()
-        .filter(|line| !line.starts_with("warning"))
-        .collect();
-    let mut fault = Fault::new("usd-not-converted", errors.join("; "));
-    fault.help = Some(format!(
-        "try: {} convert {} -o out.glb",
-        tool.display(),
-        stage.display()
-    ));
-    Err(fault)
-}
-
-fn missing(tool: &Path, error: &std::io::Error) -> Fault {
-    let text = if error.kind() == ErrorKind::NotFound {
-        format!(
-            "USD stages need the Python tools, and the command `{}` was not found",
-            tool.display()
-        )
-    } else {
-        format!("the command `{}` did not start: {error}", tool.display())
-    };
-    let mut fault = Fault::new("usd-tool-missing", text);
-    fault.help = Some(format!(
-        "run `pip install ./tools` in Reflet's folder, or name the command in {TOOL_ENV}"
-    ));
-    fault
-}
-
-fn read_sidecar(glb: &Path) -> Result<Sidecar, Fault> {
-    let path = PathBuf::from(format!("{}.json", glb.display()));
+fn read_sidecar(path: &Path) -> Result<Sidecar, Fault> {
     let broken = |why: String| {
         Fault::new(
             "usd-sidecar-broken",
             format!("\"{}\": {why}", path.display()),
         )
     };
-    let text = fs::read(&path).map_err(|e| broken(e.to_string()))?;
+    let text = fs::read(path).map_err(|e| broken(e.to_string()))?;
     serde_json::from_slice(&text).map_err(|e| broken(e.to_string()))
 }
 

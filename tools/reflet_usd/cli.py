@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import hashlib
 import importlib
 import io
 import signal
@@ -14,8 +15,10 @@ import sys
 import threading
 import traceback
 from collections.abc import Iterator, Sequence
+from importlib import metadata
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from reflet_usd import __version__
 from reflet_usd.convert.types import ConvertError
@@ -40,6 +43,33 @@ EXIT_CODES = """exit codes:
 """
 
 
+class _ShowVersion(argparse.Action):
+    """Prints what tells this converter from others: as long as it stays, conversions are kept."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print and exit."""
+        print(f"reflet-usd {__version__} ({_identity()})")
+        parser.exit()
+
+
+def _identity() -> str:
+    """A hash of the package's code, and the versions of the libraries that read and write."""
+    package = Path(__file__).parent
+    code = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        content = path.read_bytes()
+        code.update(f"{path.relative_to(package).as_posix()} {len(content)}\n".encode())
+        code.update(content)
+    parts = [f"code {code.hexdigest()[:16]}"]
+    for name in ("usd-core", "numpy", "pillow"):
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            parts.append(f"{name} {metadata.version(name)}")
+    return ", ".join(parts)
+
+
 def build_parser(selected: str | None) -> argparse.ArgumentParser:
     """The whole parser; only `selected`'s module is imported (USD takes long to load)."""
     parser = argparse.ArgumentParser(
@@ -48,7 +78,9 @@ def build_parser(selected: str | None) -> argparse.ArgumentParser:
         epilog=EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"reflet-usd {__version__}")
+    parser.add_argument(
+        "--version", action=_ShowVersion, help="show version and a hash of the code, and exit"
+    )
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, module, text in COMMANDS:
         subparser = subparsers.add_parser(
@@ -71,7 +103,8 @@ def _clean_end_by_signals() -> Iterator[None]:
     def stop(number: int, _frame: FrameType | None) -> None:
         for each in signals:
             signal.signal(each, signal.SIG_IGN)  # a second one must not stop the cleaning up
-        print(f"stopped by {signal.Signals(number).name}", file=sys.stderr)
+        with contextlib.suppress(OSError):  # who reads it may be what has ended
+            print(f"stopped by {signal.Signals(number).name}", file=sys.stderr, flush=True)
         raise SystemExit(128 + number)
 
     if threading.current_thread() is not threading.main_thread():

@@ -1,0 +1,127 @@
+//! What is kept of a conversion, and whether it still is one of its stage.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    time::SystemTime,
+};
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::{content_hash, written_since};
+
+/// What the converter writes beside its output.
+#[derive(Deserialize)]
+pub(super) struct Sidecar {
+    #[serde(default)]
+    pub(super) files: Vec<PathBuf>,
+    /// Files that were looked for and are not there; a conversion is out of date when they come.
+    #[serde(default)]
+    pub(super) absent: Vec<PathBuf>,
+    #[serde(default)]
+    pub(super) warnings: Vec<SidecarWarning>,
+}
+
+/// Something that glTF could not carry.
+#[derive(Deserialize, Serialize)]
+pub(super) struct SidecarWarning {
+    pub(super) name: String,
+    pub(super) prim: String,
+    pub(super) message: String,
+}
+
+/// A conversion that is kept: good as long as converter, inputs and output are what they were.
+#[derive(Deserialize, Serialize)]
+pub(super) struct Record {
+    /// The converter's version.
+    pub(super) converter: String,
+    /// Length and hash of the converted file.
+    pub(super) glb: (u64, String),
+    pub(super) inputs: Inputs,
+    /// Those of the inputs that were read.
+    pub(super) files: Vec<PathBuf>,
+    pub(super) warnings: Vec<SidecarWarning>,
+}
+
+impl Record {
+    /// What is kept there; `None` for what is no record.
+    pub(super) fn read(path: &Path) -> Option<Self> {
+        serde_json::from_slice(&fs::read(path).ok()?).ok()
+    }
+
+    /// Whether the same conversion would give the same file.
+    pub(super) fn holds(&self, glb: &Path, converter: &str) -> bool {
+        self.converter == converter
+            && fs::metadata(glb).is_ok_and(|file| file.len() == self.glb.0)
+            && self.inputs == Inputs::of(self.inputs.paths())
+            && output(glb).as_ref() == Some(&self.glb)
+    }
+}
+
+/// Length and hash of a converted file; `None` where it cannot be read.
+pub(super) fn output(glb: &Path) -> Option<(u64, String)> {
+    Some((fs::metadata(glb).ok()?.len(), hash_of(glb)?))
+}
+
+/// Files that a conversion read or looked for, each with the hash of its content, or none where
+/// there was nothing to read.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub(super) struct Inputs(BTreeMap<PathBuf, Option<String>>);
+
+impl Inputs {
+    /// As they are now.
+    pub(super) fn of<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
+        let hashed = paths.into_iter().map(|path| (path.clone(), hash_of(path)));
+        Self(hashed.collect())
+    }
+
+    /// Their paths.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.0.keys()
+    }
+
+    /// Whether none of these changed in a conversion that began `since`, with `before` known of some
+    /// of them. A conversion alone tells what it reads, so the others are judged by their times.
+    pub(super) fn are_steady(&self, before: &Self, since: SystemTime) -> bool {
+        self.0.iter().all(|(path, hash)| match before.0.get(path) {
+            Some(earlier) => earlier == hash,
+            None => !written_since(path, since),
+        })
+    }
+}
+
+fn hash_of(path: &Path) -> Option<String> {
+    content_hash(path).ok().map(|hash| super::hex(&hash))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn inputs_are_steady_by_content_or_by_time() {
+        let folder = std::env::temp_dir().join(format!("reflet-inputs-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        let (file, none) = (folder.join("a.usda"), folder.join("b.usda"));
+        fs::write(&file, "one").expect("written");
+        let paths = [file.clone(), none.clone()];
+        let before = Inputs::of(&paths);
+        let now = SystemTime::now();
+        let later = now + Duration::from_secs(60);
+        let earlier = now - Duration::from_secs(60);
+        let unknown = Inputs::default();
+        let same = Inputs::of(&paths);
+        assert!(same.are_steady(&before, earlier), "its content is known");
+        assert!(same.are_steady(&unknown, later), "it was there long before");
+        assert!(!same.are_steady(&unknown, earlier), "it may be new");
+        fs::write(&none, "two").expect("written");
+        let came = Inputs::of(&paths);
+        assert!(!came.are_steady(&before, later), "a file came");
+        fs::write(&file, "two").expect("written");
+        assert!(!Inputs::of(&paths).are_steady(&came, later), "one changed");
+        let _ = fs::remove_dir_all(&folder);
+    }
+}

@@ -1,0 +1,166 @@
+//! The converter as a process: where it is, which one it is, and one run of it.
+
+use std::{
+    collections::BTreeMap,
+    env,
+    io::{self, BufRead as _, BufReader, ErrorKind, IsTerminal as _, Read, stderr},
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    sync::{Mutex, PoisonError},
+};
+
+use super::TOOL_ENV;
+use crate::world::gltf::Fault;
+
+/// How the converter begins a line about how far it is.
+const PROGRESS: &str = "converting: ";
+
+/// The converter's command.
+#[derive(Debug)]
+pub(super) struct Tool {
+    pub(super) path: PathBuf,
+    /// What it says of itself, with a hash of its code: another one may convert otherwise.
+    pub(super) version: String,
+}
+
+impl Tool {
+    /// The one named by [`TOOL_ENV`], else of the checkout that this binary was built in, else
+    /// whatever the `PATH` has. It is asked for its version once in a process.
+    pub(super) fn find() -> Result<Self, Fault> {
+        static VERSIONS: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
+        let path = place();
+        let mut versions = VERSIONS.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(version) = versions.get(&path) {
+            let version = version.clone();
+            return Ok(Self { path, version });
+        }
+        let mut command = Command::new(&path);
+        command.arg("--version").stdin(Stdio::null());
+        end_with_this(&mut command);
+        let output = command.output().map_err(|error| missing(&path, &error))?;
+        let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        versions.insert(path.clone(), version.clone());
+        Ok(Self { path, version })
+    }
+
+    /// Converts a stage to `glb`, with its sidecar; its progress is passed on.
+    pub(super) fn convert(&self, stage: &Path, glb: &Path, roots: &[PathBuf]) -> Result<(), Fault> {
+        let mut command = Command::new(&self.path);
+        command
+            .arg("convert")
+            .arg(stage)
+            .arg("-o")
+            .arg(glb)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        for root in roots.iter().filter(|root| root.is_dir()) {
+            command.arg("--root").arg(root);
+        }
+        end_with_this(&mut command);
+        let failed = |error: io::Error| missing(&self.path, &error);
+        let mut child = command.spawn().map_err(failed)?;
+        let errors = child.stderr.take().map(|said| pass_on(stage, said));
+        if child.wait().map_err(failed)?.success() {
+            return Ok(());
+        }
+        let errors = errors.unwrap_or_default();
+        let mut fault = Fault::new("usd-not-converted", errors.join("; "));
+        fault.help = Some(format!(
+            "try: {} convert {} -o out.glb",
+            self.path.display(),
+            stage.display()
+        ));
+        Err(fault)
+    }
+}
+
+fn place() -> PathBuf {
+    if let Some(named) = env::var_os(TOOL_ENV).filter(|name| !name.is_empty()) {
+        return named.into();
+    }
+    let exe = env::current_exe().ok();
+    let checkout = exe.iter().flat_map(|exe| exe.ancestors());
+    let venvs = checkout.map(|folder| folder.join(".venv/bin/reflet-usd"));
+    venvs
+        .into_iter()
+        .find(|tool| tool.is_file())
+        .unwrap_or_else(|| "reflet-usd".into())
+}
+
+/// Shows progress as it comes, on a terminal in one line that is gone at the end; returns the other
+/// lines but warnings, which are in the sidecar.
+fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
+    let on_terminal = stderr().is_terminal();
+    let mut errors = Vec::new();
+    let mut shown = false;
+    for line in BufReader::new(said).split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line).trim_end().to_owned();
+        match line.strip_prefix(PROGRESS) {
+            Some(far) => {
+                let line = format!("usd: converting {}: {far}", stage.display());
+                match on_terminal {
+                    true => eprint!("\r\x1b[2K{line}"),
+                    false => eprintln!("{line}"),
+                }
+                shown = true;
+            }
+            None if line.starts_with("warning") || line.is_empty() => {}
+            None => errors.push(line),
+        }
+    }
+    if shown && on_terminal {
+        eprint!("\r\x1b[2K");
+    }
+    errors
+}
+
+/// Lets the system end the process when this one ends, however that comes about. The signal comes
+/// with the end of the thread that starts the process, so that thread must wait for it.
+#[cfg(target_os = "linux")]
+#[expect(
+    unsafe_code,
+    reason = "only the new process itself can ask for the signal, between fork and exec"
+)]
+fn end_with_this(command: &mut Command) {
+    use std::os::unix::process::CommandExt as _;
+    let this = std::process::id();
+    let ask = move || {
+        // SAFETY: both are plain system calls without pointers, allowed between fork and exec.
+        let (asked, parent) = unsafe {
+            let signal = libc::SIGTERM as libc::c_ulong;
+            (libc::prctl(libc::PR_SET_PDEATHSIG, signal), libc::getppid())
+        };
+        if asked != 0 {
+            return Err(io::Error::last_os_error());
+        }
+        // This process may have ended before the signal was asked for.
+        match u32::try_from(parent) == Ok(this) {
+            true => Ok(()),
+            false => Err(ErrorKind::BrokenPipe.into()),
+        }
+    };
+    // SAFETY: `ask` makes system calls only; it neither allocates nor takes a lock.
+    unsafe { command.pre_exec(ask) };
+}
+
+/// Elsewhere the converter's own limits end it.
+#[cfg(not(target_os = "linux"))]
+fn end_with_this(_command: &mut Command) {}
+
+fn missing(tool: &Path, error: &io::Error) -> Fault {
+    let text = if error.kind() == ErrorKind::NotFound {
+        format!(
+            "USD stages need the Python tools, and the command `{}` was not found",
+            tool.display()
+        )
+    } else {
+        format!("the command `{}` did not start: {error}", tool.display())
+    };
+    let mut fault = Fault::new("usd-tool-missing", text);
+    fault.help = Some(format!(
+        "run `tools/setup.sh` in Reflet's folder (or `pip install ./tools` there, in a Python \
+         environment of your own), or name the command in {TOOL_ENV}"
+    ));
+    fault
+}
