@@ -6,11 +6,13 @@ mod additions;
 pub mod api;
 mod bounded;
 mod context;
+mod dedup;
 mod engine;
 mod error;
 mod limited;
 mod locate;
 mod nested;
+mod parsing;
 mod returned;
 mod set;
 mod sort;
@@ -30,7 +32,7 @@ use self::{
     error::Known,
     limited::{Bounds, run_limited},
     locate::Ended,
-    sources::Sources,
+    sources::{Sources, without_mark},
 };
 use super::{
     desc::{At, Entry, ParamValue, SceneDesc, TimelineDesc},
@@ -92,14 +94,15 @@ impl Script {
     /// As [`Script::load`].
     pub fn from_text(name: &str, text: &str) -> Result<Self, Box<Diagnostic>> {
         let sources = Arc::new(Sources::without_files());
+        let text = without_mark(text);
         sources.add(name, text);
         Self::compile(sources, name.to_owned(), text)
     }
 
     fn compile(sources: Arc<Sources>, name: String, text: &str) -> Result<Self, Box<Diagnostic>> {
         let engine = engine::engine(&sources);
-        let mut ast = engine
-            .compile(text)
+        let mut ast = run_limited(Bounds::CALL, || engine.compile(text))
+            .result
             .map_err(|wrong| Box::new(error::syntax(&wrong, &sources, &name)))?;
         ast.set_source(name.as_str());
         let has = |wanted: &str| {

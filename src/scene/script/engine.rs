@@ -13,10 +13,10 @@ use rhai::{
 };
 
 use super::{
-    api, bounded,
+    api, bounded, dedup,
     limited::{print, progress},
     nested::{self, NESTED},
-    sort,
+    parsing, sort,
     sources::{MOST_BYTES, Resolver, Sources},
 };
 
@@ -42,8 +42,9 @@ pub const MODULES: usize = 32;
 const FUNCTIONS: usize = 500;
 /// Most variables in a function at a time.
 pub const VARIABLES: usize = 64;
-/// Most lines that a call may print.
+/// Most lines that a call may print, and most bytes of them.
 pub const LINES: usize = 1000;
+pub const PRINTED: usize = 64 << 10;
 /// Most memory that a call may add to the process, bytes, where the system tells (Linux).
 pub const MEMORY: u64 = 1 << 30;
 /// Stack of the thread that a call runs on, bytes: for the deepest calls, and a KiB for each array
@@ -55,8 +56,14 @@ pub const STACK: usize = (32 << 20) + ((ARRAY + MAP) << 10);
 pub fn limits() -> Vec<(&'static str, String)> {
     let count = |n: usize| grouped(n as u64);
     vec![
-        ("time of one call", format!("{} s", DEADLINE.as_secs())),
-        ("operations of one call", grouped(OPERATIONS)),
+        (
+            "time of one call, and of reading a script with its imports",
+            format!("{} s", DEADLINE.as_secs()),
+        ),
+        (
+            "operations of one call; words and signs that are read count too",
+            grouped(OPERATIONS),
+        ),
         (
             "memory that one call adds (Linux)",
             format!("{} MiB", grouped(MEMORY >> 20)),
@@ -86,6 +93,7 @@ pub fn limits() -> Vec<(&'static str, String)> {
         ("functions", count(FUNCTIONS)),
         ("imports", count(MODULES)),
         ("lines printed by a call", count(LINES)),
+        ("bytes printed by a call", count(PRINTED)),
         ("bytes of a script file", grouped(MOST_BYTES)),
     ]
 }
@@ -142,6 +150,8 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     bounded::register(&mut engine);
     nested::register(&mut engine);
     sort::register(&mut engine);
+    dedup::register(&mut engine);
+    parsing::register(&mut engine);
     api::register(&mut engine);
     engine
 }

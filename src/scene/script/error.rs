@@ -3,7 +3,7 @@
 
 mod missing;
 
-use rhai::{EvalAltResult as Wrong, ParseError, ParseErrorType, Position};
+use rhai::{EvalAltResult as Wrong, LexError, ParseError, ParseErrorType, Position};
 
 use self::missing::{missing_function, missing_key, missing_property};
 use super::{
@@ -29,10 +29,15 @@ pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
         }
         _ => explain_syntax(wrong.err_type(), sources, name),
     };
-    let error = Diagnostic::at("script-syntax", span, message);
-    match help {
-        Some(help) => error.help(help),
-        None => error,
+    let mut error = Diagnostic::at(kind_of(wrong.err_type()), span, message);
+    error.help = help;
+    error
+}
+
+fn kind_of(wrong: &ParseErrorType) -> &'static str {
+    match wrong {
+        ParseErrorType::BadInput(LexError::Runtime(_)) => "script-limit",
+        _ => "script-syntax",
     }
 }
 
@@ -61,6 +66,23 @@ fn explain_syntax(
                 )
             };
             (message, Some(help))
+        }
+        ParseErrorType::BadInput(LexError::Runtime(why)) => {
+            let help = "Rhai reads long lists of parameters, entries, cases or `let` slowly: make \
+                        them in a loop, or divide them; limits are in docs/scripting.md";
+            let message = format!("the script was ended while it was read: {why}");
+            (message, Some(help.to_owned()))
+        }
+        ParseErrorType::BadInput(LexError::MalformedNumber(digits))
+            if digits
+                .trim_start_matches('-')
+                .bytes()
+                .all(|b| b.is_ascii_digit()) =>
+        {
+            let message = format!("{} is too large for an integer", suggest::clip(digits));
+            let help = "integers reach to 9223372036854775807; a float has a point, such as 1e20 \
+                        or 2.0";
+            (message, Some(help.to_owned()))
         }
         ParseErrorType::LiteralTooLarge(what, most) => {
             (format!("{what} is too large, at most {most}"), None)
@@ -176,7 +198,7 @@ pub fn runtime(
         let span = sources
             .span(&file, *at)
             .unwrap_or_else(|| sources.start_of(&file));
-        let mut error = Diagnostic::at("script-syntax", span, message);
+        let mut error = Diagnostic::at(kind_of(kind), span, message);
         error.help = help;
         return with_calls(error, &calls, sources);
     }

@@ -14,7 +14,7 @@ use std::{
 
 use rhai::{EvalAltResult, Position};
 
-use super::engine::{DEADLINE, LINES, MEMORY, OPERATIONS, STACK, grouped};
+use super::engine::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, grouped};
 
 /// Operations between two looks at the clock; a closure that is bound to itself doubles in about
 /// as many.
@@ -88,8 +88,8 @@ pub struct Run<T> {
 }
 
 impl<T> Run<Result<T, Box<EvalAltResult>>> {
-    /// With an error where a limit was met though the call came to its end: `dedup` passes over the
-    /// errors of its closure. No place is looked for: a second run would pass over it as well.
+    /// With an error where a limit was met though the call came to its end, because a function of
+    /// Rhai's passed over the error. No place is looked for: a second run would do so as well.
     pub fn or_limit(mut self) -> Self {
         if let (Ok(_), Some(why)) = (&self.result, &self.met) {
             let ended = EvalAltResult::ErrorTerminated(why.clone().into(), Position::NONE);
@@ -107,11 +107,13 @@ struct Used {
     end: Cell<Option<Instant>>,
     next_memory: Cell<Option<Instant>>,
     memory_at_start: Cell<Option<u64>>,
-    /// Set once a limit was met: functions such as `dedup` go on when their closure fails.
+    /// Set once a limit was met, so that nothing goes on that passes over the error.
     why: RefCell<Option<String>>,
     by_time: Cell<bool>,
     halt: RefCell<Option<Halt>>,
     log: RefCell<Vec<String>>,
+    /// Bytes in it; more than it may have once it is full.
+    printed: Cell<usize>,
 }
 
 thread_local! {
@@ -126,6 +128,7 @@ thread_local! {
             by_time: Cell::new(false),
             halt: RefCell::new(None),
             log: RefCell::new(Vec::new()),
+            printed: Cell::new(0),
         }
     };
 }
@@ -206,14 +209,26 @@ pub fn progress(operations: u64) -> Option<String> {
     })
 }
 
-/// Keeps a line that the call on this thread prints.
-pub fn print(line: String) {
+/// Keeps a line that the call on this thread prints, as far as it may print.
+pub fn print(mut line: String) {
     USED.with(|used| {
         let mut log = used.log.borrow_mut();
-        match log.len() {
-            n if n < LINES => log.push(line),
-            LINES => log.push(format!("… only the first {LINES} lines are shown")),
-            _ => {}
+        let Some(left) = PRINTED.checked_sub(used.printed.get()) else {
+            return;
+        };
+        if log.len() == LINES {
+            log.push(format!("… only the first {LINES} lines are shown"));
+            used.printed.set(PRINTED + 1);
+            return;
+        }
+        used.printed.set(used.printed.get() + line.len() + 1);
+        let is_cut = line.len() > left;
+        line.truncate(line.floor_char_boundary(left));
+        line.shrink_to_fit();
+        log.push(line);
+        if is_cut {
+            let most = grouped(PRINTED as u64);
+            log.push(format!("… only the first {most} bytes are shown"));
         }
     });
 }

@@ -18,6 +18,9 @@ use crate::scene::{
 /// Largest script, bytes.
 pub const MOST_BYTES: u64 = 1 << 20;
 
+/// Places that look like the definition of a function of which the right one is looked for.
+const MOST_DEFINITIONS: usize = 1000;
+
 /// The texts of a script and of what it imports.
 #[derive(Debug, Default)]
 pub struct Sources {
@@ -32,9 +35,12 @@ pub struct Sources {
 struct State {
     texts: Vec<(String, Arc<Source>)>,
     files: Vec<PathBuf>,
-    /// Modules that are being read, outermost first.
-    open: Vec<String>,
-    modules: Vec<(String, Shared<rhai::Module>)>,
+    /// Files of the modules that are being read, outermost first, without links.
+    open: Vec<PathBuf>,
+    /// Modules that were read, by the paths of their files without links.
+    modules: Vec<(PathBuf, Shared<rhai::Module>)>,
+    /// Names of imports that were found, and their files.
+    found: Vec<(String, PathBuf)>,
     /// Whether everything was read: frames read no files.
     sealed: bool,
 }
@@ -104,17 +110,30 @@ impl Sources {
         self.state().texts.push((name.to_owned(), Arc::new(source)));
     }
 
-    /// Reads a file below the folder; gives what messages call it, and its text.
+    /// Reads the script itself; gives what messages call it, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
+        let found = self.find(file)?;
+        self.state().open.push(found.real.clone());
+        Ok(self.keep(found))
+    }
+
+    /// Reads a file below the folder.
+    fn find(&self, file: &str) -> Result<Found, Problem> {
         let Some(folder) = &self.folder else {
             let message = format!("{} cannot be read here", suggest::text(file));
             return Err(Problem::new(message, ""));
         };
-        let Found { path, real, text } = below::read(folder, file, &SCRIPTS, &self.trail)?;
+        below::read(folder, file, &SCRIPTS, &self.trail)
+    }
+
+    /// Keeps a file; gives what messages call it, and its text.
+    fn keep(&self, found: Found) -> (String, String) {
+        let Found { path, real, text } = found;
         let name = path.display().to_string();
+        let text = without_mark(&text).to_owned();
         self.add(&name, &text);
         self.state().files.push(real);
-        Ok((name, text))
+        (name, text)
     }
 
     /// From now on nothing more is read.
@@ -193,7 +212,11 @@ impl Sources {
             !line.contains("//") && !after.starts_with(is_name)
         };
         let found = span.source.as_ref().and_then(|source| {
-            let mut all = source.text.match_indices(&definition);
+            // Of many on one line each looks at all before it.
+            let mut all = source
+                .text
+                .match_indices(&definition)
+                .take(MOST_DEFINITIONS);
             all.find(|(start, _)| is_definition(&source.text, *start))
         });
         if let Some((start, _)) = found {
@@ -202,11 +225,24 @@ impl Sources {
         span
     }
 
+    /// The module of an import that was found before.
     fn known_module(&self, file: &str) -> Option<Shared<rhai::Module>> {
         let state = self.state();
-        let found = state.modules.iter().find(|(known, _)| known == file);
+        let (_, real) = state.found.iter().find(|(known, _)| known == file)?;
+        state.module(real)
+    }
+}
+
+impl State {
+    fn module(&self, real: &Path) -> Option<Shared<rhai::Module>> {
+        let found = self.modules.iter().find(|(known, _)| known == real);
         found.map(|(_, module)| module.clone())
     }
+}
+
+/// A text without the mark that some editors begin UTF-8 with.
+pub fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 /// Resolves `import "name"` to `name.rhai` below the scene's folder, each file once.
@@ -234,36 +270,49 @@ impl rhai::ModuleResolver for Resolver {
             let text = "imports must stand at the top of a script, outside functions";
             return fail(text.to_owned());
         }
-        if sources.state().open.contains(&file) {
+        let found = match sources.find(&file) {
+            Ok(found) => found,
+            Err(problem) => return Err(problem.in_import(sources, at)),
+        };
+        let real = found.real.clone();
+        sources.state().found.push((file, real.clone()));
+        let known = sources.state().module(&real);
+        if let Some(module) = known {
+            return Ok(module);
+        }
+        if sources.state().open.contains(&real) {
             return fail(format!(
                 "\"{path}\" imports itself, directly or through others"
             ));
         }
-        let (name, text) = match sources.read(&file) {
-            Ok(read) => read,
-            Err(problem) => return Err(problem.in_import(sources, at)),
-        };
-        sources.state().open.push(file.clone());
-        let inside = |wrong| Box::new(EvalAltResult::ErrorInModule(name.clone(), wrong, at));
-        let module = engine
-            .compile(&text)
-            .map_err(|wrong| inside(wrong.into()))
-            .and_then(|mut ast| {
-                ast.set_source(ImmutableString::from(name.as_str()));
-                rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine).map_err(inside)
-            });
+        let (name, text) = sources.keep(found);
+        sources.state().open.push(real.clone());
+        let module = module(engine, &name, &text);
+        sources.state().open.pop();
+        let module =
+            module.map_err(|wrong| Box::new(EvalAltResult::ErrorInModule(name, wrong, at)))?;
         // It outlives this thread.
         let is_deep = |(_, value): (&str, &Dynamic)| is_deeper(value, NESTED);
-        if (module.iter().flat_map(|module| module.iter_var())).any(is_deep) {
+        if module.iter_var().any(is_deep) {
             return fail(format!(
                 "\"{path}\" exports a value that is nested more than {NESTED} deep"
             ));
         }
-        sources.state().open.pop();
-        let module: Shared<rhai::Module> = module?.into();
-        sources.state().modules.push((file, module.clone()));
+        let module: Shared<rhai::Module> = module.into();
+        sources.state().modules.push((real, module.clone()));
         Ok(module)
     }
+}
+
+/// Compiles a module and runs what stands outside its functions.
+fn module(
+    engine: &rhai::Engine,
+    name: &str,
+    text: &str,
+) -> Result<rhai::Module, Box<EvalAltResult>> {
+    let mut ast = engine.compile(text)?;
+    ast.set_source(ImmutableString::from(name));
+    rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine)
 }
 
 /// Where a key is written in a map that is a call's own argument, `call` being where that begins.
