@@ -10,14 +10,13 @@ from typing import Any
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from .checks import Checks
+from .excuses import LEFT_OUT
 from .gltf_pose import VISIBILITY
 from .gltf_scene import OutputReader
 from .usd_light import read_radiance
 from .usd_stage import TruthStage, may_move, stated_codes
 from .words import compare_words, is_same
 
-_LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
-"""Warnings by which a prim and all below it have no node."""
 _DOMES = ("DomeLight", "DomeLight_1")
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 
@@ -72,7 +71,7 @@ def _compare_nodes(checks: Checks, stage: Usd.Stage, output: OutputReader) -> No
         path = str(prim.GetPath())
         if path == "/":
             continue
-        if any(checks.excuse(path, (name,)) for name in _LEFT_OUT):
+        if any(checks.excuse(path, (name,)) for name in LEFT_OUT):
             prims.PruneChildren()
         elif prim.GetTypeName() not in _PLACELESS and prim.IsA(UsdGeom.Xformable):
             text = "its node is not in the output"

@@ -20,6 +20,12 @@ UV_SET = ("primvar-*",)
 """A primvar that the warning names in quotes is not in the file."""
 UV_CONSTANT = ("uv-missing",)
 """The constant that stands for a set that no primvar gives."""
+LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
+"""A prim and all below it have no node."""
+TRANSLUCENT = ("opacity-approximated",)
+"""A displayColor that blends although no corner that is drawn is translucent."""
+WORDS = ("attribute-dropped",)
+"""A property outside all schemas that the warning names in quotes."""
 OTHER_SURFACE = ("material-unsupported", "material-approximated")
 UNKNOWN_SURFACE = ("material-unsupported",)
 NO_PLACE = {

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .checks import Checks
+from .excuses import TRANSLUCENT
 from .gltf_scene import OutputReader
 
 _FIELDS: dict[str, tuple[str, ...]] = {
@@ -34,7 +35,6 @@ _TEXTURES = (
 _PLAIN = {"metallicFactor": (0.0, 1.0), "roughnessFactor": (0.5, 1.0)}
 """What surfaces in displayColor have, and what glTF means where nothing is stated."""
 _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGHTS_\d+|_.*")
-_TRANSLUCENT = ("opacity-approximated",)
 
 
 def strange_extensions(material: Any) -> Iterator[str]:
@@ -111,6 +111,6 @@ def _compare_alpha(
         alpha = alpha * colors[:, 3].min() if colors.shape[1] == 4 and len(colors) else alpha
     mode = material.alphaMode or "OPAQUE"
     wanted = "BLEND" if alpha < 1.0 else "OPAQUE"
-    if mode == wanted or (mode == "BLEND" and checks.excuse(key, _TRANSLUCENT)):
+    if mode == wanted or (mode == "BLEND" and checks.excuse(key, TRANSLUCENT)):
         return
     checks.add("materials", key, math.inf, f"in displayColor: {mode}, expected {wanted}")

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd
 
 from .checks import Checks
+from .excuses import WORDS
 from .gltf_scene import OutputReader
 
 # Namespaces with rules of their own.
@@ -27,7 +28,6 @@ _ELSEWHERE = (
     "xformOp",
 )
 _USER = "userProperties"
-_DROPPED = ("attribute-dropped",)
 _MAX_VALUES = 64
 _NAMED = 8
 """So many names a warning lists; of more it tells their number."""
@@ -61,7 +61,7 @@ def _compare_properties(
     missing = sorted(name for name in expected.keys() - kept.keys() if expected[name] is not None)
     for name in missing:
         named = name if len(missing) <= _NAMED else ""
-        told = checks.excuse(path, _DROPPED, named=named)
+        told = checks.excuse(path, WORDS, named=named)
         excuses = (told,) if told else ()
         checks.add("extras", path, 1, f"'{name}' is not in the output", excuses=excuses)
     for name in sorted(expected.keys() & kept.keys()):
