@@ -41,10 +41,11 @@ def prove_apart(
     Readable are the folders of both and those that the sidecar records. Raises ConvertError as
     `sandbox.run_confined`, and with `stage-unreadable` or `validate-internal`.
     """
-    from .proof import read_sidecar
+    from .sidecar import read_sidecar
 
     out = out.resolve()
-    recorded = read_sidecar(out).get("info", {}).get("roots") or ()
+    sidecar, _ = read_sidecar(out)
+    recorded = sidecar.get("info", {}).get("roots") or ()
     roots = [root for root in recorded if os.path.isdir(root)]
     options = {
         "file": str(out),
