@@ -7,7 +7,10 @@ use std::{
 
 use super::{cli::CheckArgs, error::AppError, print_out, scene::load_scene};
 use crate::{
-    scene::{diagnostic::Diagnostic, motion::Motion},
+    scene::{
+        diagnostic::{Diagnostic, printable},
+        motion::Motion,
+    },
     world::World,
 };
 
@@ -25,9 +28,9 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     let motion = Motion::new(&loaded.desc);
     let first = motion.first_frame();
     let last = loaded.desc.timeline.as_ref().map_or(first, |t| t.end);
-    let mut log = Vec::new();
+    let mut log = Log::default();
     let posed = pose_all(&motion, &mut loaded.world, first..=last, &mut log);
-    print_log(log);
+    log.print();
     let posed = posed?;
     let all = last - first + 1;
     let frames = match posed {
@@ -46,14 +49,29 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     print_out(&format!("{}: ok{frames}{warnings}\n", loaded.name))
 }
 
-/// What the script printed, in the order of the frames.
-fn print_log(mut log: Vec<(u32, String)>) {
-    log.sort_by_key(|(frame, _)| *frame);
-    for (frame, line) in log.iter().take(MOST_LINES) {
-        eprintln!("frame {frame}: {line}");
+/// What the script printed: as much as is shown, of the first frames.
+#[derive(Default)]
+struct Log {
+    lines: Vec<(u32, String)>,
+    num_more: usize,
+}
+
+impl Log {
+    fn add(&mut self, frame: u32, lines: Vec<String>) {
+        let lines = lines.into_iter().map(|line| (frame, line));
+        self.lines.extend(lines);
+        self.lines.sort_by_key(|(frame, _)| *frame);
+        self.num_more += self.lines.len().saturating_sub(MOST_LINES);
+        self.lines.truncate(MOST_LINES);
     }
-    if let Some(more) = log.len().checked_sub(MOST_LINES).filter(|more| *more > 0) {
-        eprintln!("and {more} more lines of the script");
+
+    fn print(&self) {
+        for (frame, line) in &self.lines {
+            eprintln!("frame {frame}: {}", printable(line));
+        }
+        if self.num_more > 0 {
+            eprintln!("and {} more lines of the script", self.num_more);
+        }
     }
 }
 
@@ -63,7 +81,7 @@ fn pose_all(
     motion: &Motion,
     world: &mut World,
     frames: RangeInclusive<u32>,
-    log: &mut Vec<(u32, String)>,
+    log: &mut Log,
 ) -> Result<u32, AppError> {
     let started = Instant::now();
     let (first, last) = (*frames.start(), *frames.end());
@@ -79,7 +97,7 @@ fn pose_all(
         posed += 1;
         let done = motion.pose(frame).and_then(|state| {
             world.apply(&state)?;
-            log.extend(state.log.into_iter().map(|line| (frame, line)));
+            log.add(frame, state.log);
             Ok(())
         });
         for error in done.err().into_iter().flatten() {
@@ -115,7 +133,19 @@ fn spread(first: u32, last: u32) -> impl Iterator<Item = u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::spread;
+    use super::{Log, MOST_LINES, spread};
+
+    #[test]
+    fn only_lines_that_are_shown_are_kept() {
+        let mut log = Log::default();
+        for frame in [9, 0, 5, 3] {
+            log.add(frame, vec!["line".to_owned(); 60]);
+        }
+        assert_eq!((log.lines.len(), log.num_more), (MOST_LINES, 140));
+        let frames = log.lines.iter().map(|(frame, _)| *frame);
+        let expected = [0; 60].into_iter().chain([3; 40]);
+        assert!(frames.eq(expected));
+    }
 
     #[test]
     fn every_frame_is_there_once_and_both_ends_come_first() {

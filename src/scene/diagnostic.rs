@@ -3,7 +3,7 @@
 mod json;
 mod render;
 
-pub use render::render_all;
+pub use render::{printable, render_all};
 
 use std::{
     ops::Range,

@@ -15,6 +15,7 @@ mod nested;
 mod parsing;
 mod returned;
 mod set;
+mod shown;
 mod sort;
 mod sources;
 

@@ -2,6 +2,7 @@
 //! message, while the process lives on and its memory stays bounded.
 
 mod limits;
+mod parsing;
 mod values;
 
 use std::{fs, path::Path, time::Instant};

@@ -164,16 +164,22 @@ fn window(line: &str, start: usize, end: usize) -> (String, usize, usize) {
     (format!("{lead}{shown}{tail}"), clip(from), clip(to))
 }
 
-/// A control character could move the terminal's cursor; it is shown as a replacement character.
+/// What could move the terminal's cursor or turn the direction of text is shown as a replacement
+/// character.
 fn printable_char(c: char) -> char {
-    if c.is_control() {
+    let is_direction = matches!(
+        c,
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+    );
+    if c.is_control() || is_direction {
         char::REPLACEMENT_CHARACTER
     } else {
         c
     }
 }
 
-fn printable(text: &str) -> String {
+/// Text from elsewhere as it can be shown; lines stay.
+pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if c == '\n' { c } else { printable_char(c) })
         .collect()

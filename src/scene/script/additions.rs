@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
-use super::nested::NESTED;
+use super::{nested::NESTED, shown::named};
 use crate::scene::parse::{suggest, toml_text};
 
 /// Keys of what `setup` returns, and whether they are lists.
@@ -57,7 +57,7 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
         return Ok(String::new());
     }
     let Some(map) = returned.read_lock::<Map>() else {
-        let found = returned.type_name();
+        let found = named(returned);
         return Err(Wrong::new(format!(
             "setup must return a map such as `#{{ instances: [] }}`, not {found}"
         )));
@@ -176,7 +176,7 @@ fn value(out: &mut String, item: &Dynamic, key: &str, depth: usize) -> Result<()
         }
         out.push_str(" }");
     } else {
-        let found = item.type_name();
+        let found = named(item);
         return Err(wrong(format!(
             "{} is {found}, which is no value of a scene",
             suggest::key(key)

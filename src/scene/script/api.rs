@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use rhai::Engine;
 
 pub use self::definitions::definitions;
-use super::engine::limits;
+use super::{engine::limits, shown};
 
 /// One function, operator or property.
 pub struct Entry {
@@ -67,7 +67,7 @@ const INTRODUCTION: &str = include_str!("api/introduction.md");
 
 /// Adds everything to an engine.
 pub fn register(engine: &mut Engine) {
-    value::register_types(engine);
+    shown::register(engine);
     for entry in API.iter().flat_map(|group| group.entries) {
         (entry.register)(engine);
     }

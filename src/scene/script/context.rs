@@ -19,7 +19,7 @@ use crate::scene::{
         number::{CAMERA, LIGHT, MATERIAL, settle},
         wrong_with_camera, wrong_with_light,
     },
-    parse::suggest,
+    parse::{range::ANY, suggest},
 };
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
@@ -166,6 +166,11 @@ impl Context {
                 "the pose of {shown} has a number that is not finite"
             ));
         }
+        if !pose.to_cols_array().iter().all(|x| within(f64::from(*x))) {
+            return fail(format!(
+                "the numbers of the pose of {shown} must be between -1e12 and 1e12"
+            ));
+        }
         if pose.matrix3.determinant() == 0.0 {
             return fail(format!(
                 "the pose of {shown} is flat: a scale is 0, or the matrix is singular"
@@ -229,6 +234,11 @@ impl Context {
             ));
         }
         let time_s = number(time_s, "time_s")?;
+        if !within(time_s) {
+            return fail(format!(
+                "`time_s` must be between -1e12 and 1e12, not {time_s}"
+            ));
+        }
         self.scene().state.animation_s[index] = Some(time_s);
         Ok(())
     }
@@ -345,6 +355,11 @@ impl Context {
         self.scene().state.file_materials[index].put(&values);
         Ok(())
     }
+}
+
+/// Whether scene text could have such a number.
+fn within(x: f64) -> bool {
+    ANY.contains(x)
 }
 
 /// Where a matrix puts the origin.

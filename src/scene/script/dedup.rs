@@ -2,10 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, NativeCallContext};
 
-use super::{
-    api::value::{fail, named},
-    nested::equal,
-};
+use super::{api::value::fail, nested::equal, shown::named};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

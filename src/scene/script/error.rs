@@ -11,6 +11,7 @@ use super::{
     engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
     locate::{Ended, Met, Place},
     nested::{NESTED, is_deeper},
+    shown::thrown,
     sources::{self, Sources},
 };
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
@@ -312,7 +313,7 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
         Wrong::ErrorDotExpr(text, _) => missing_property(text),
         Wrong::ErrorRuntime(value, _) => match value.read_lock::<WrongKey>() {
             Some(wrong) => ("script-error", wrong.message.clone(), wrong.help.clone()),
-            None => ("script-error", value.to_string(), None),
+            None => ("script-error", thrown(value), None),
         },
         other => {
             let text = other.to_string();

@@ -98,12 +98,6 @@ fn vector_operators(e: &mut Engine) {
     e.register_fn("-", |a: DVec3| -a);
     e.register_fn("==", |a: DVec3, b: DVec3| a == b);
     e.register_fn("!=", |a: DVec3, b: DVec3| a != b);
-    e.register_fn("to_string", |v: &mut DVec3| {
-        format!("vec3({}, {}, {})", v.x, v.y, v.z)
-    });
-    e.register_fn("to_debug", |v: &mut DVec3| {
-        format!("vec3({}, {}, {})", v.x, v.y, v.z)
-    });
 }
 
 pub static ROTATIONS: &[Entry] = &[

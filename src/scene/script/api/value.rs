@@ -1,21 +1,12 @@
 //! Types that scripts have beside Rhai's own, and what stands for a number, a vector or a rotation.
 
-use glam::{DMat4, DQuat, DVec3};
-use rhai::{Array, Dynamic, Engine, EvalAltResult, Position};
+use glam::{DQuat, DVec3};
+use rhai::{Array, Dynamic, EvalAltResult, Position};
 
-use crate::scene::{motion::turned, parse::suggest};
+use super::super::shown::named;
+use crate::scene::motion::turned;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
-
-/// Names of the types, in messages.
-pub fn register_types(engine: &mut Engine) {
-    engine.register_type_with_name::<DVec3>("vec3");
-    engine.register_type_with_name::<DQuat>("quat");
-    engine.register_type_with_name::<DMat4>("mat4");
-    engine.register_type_with_name::<super::super::context::Context>("ctx");
-    engine.register_type_with_name::<WrongKey>("error");
-    engine.register_fn("to_string", |wrong: &mut WrongKey| wrong.message.clone());
-}
 
 /// What is wrong with a key of a map, which may be written where the call is.
 #[derive(Clone, Debug)]
@@ -52,30 +43,6 @@ impl From<WrongKey> for Box<EvalAltResult> {
 /// An error at the place of the call.
 pub fn fail<T>(message: String) -> Result<T> {
     Err(message.into())
-}
-
-/// A value in messages.
-pub fn named(value: &Dynamic) -> String {
-    match value.type_name() {
-        "i64" => "an integer".to_owned(),
-        "f64" => "a float".to_owned(),
-        "bool" => "true or false".to_owned(),
-        "Fn" => "a function".to_owned(),
-        "string" => format!(
-            "the text {}",
-            suggest::text(&value.clone().into_string().unwrap_or_default())
-        ),
-        "array" => match value.read_lock::<Array>().map_or(0, |a| a.len()) {
-            1 => "an array of 1 value".to_owned(),
-            n => format!("an array of {n} values"),
-        },
-        "map" => "a map".to_owned(),
-        "()" => "nothing".to_owned(),
-        other if other.contains("DVec3") => "a vec3".to_owned(),
-        other if other.contains("DQuat") => "a quat".to_owned(),
-        other if other.contains("DMat4") => "a mat4".to_owned(),
-        other => other.to_owned(),
-    }
 }
 
 /// An integer or a float; finite.

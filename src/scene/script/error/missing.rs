@@ -1,6 +1,9 @@
 //! Names that are not there: functions, properties, keys; and what there is.
 
-use super::{super::api, Known};
+use super::{
+    super::{api, shown::type_named},
+    Known,
+};
 use crate::scene::parse::suggest;
 
 /// Kind of the message, the message, and what to do.
@@ -18,6 +21,10 @@ pub fn missing_function(signature: &str, functions: &[&str]) -> Explained {
             message,
             Some(format!("it is {}", own.join(", or "))),
         );
+    }
+    if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        let message = format!("{} does not take ({arguments})", suggest::key(name));
+        return ("script-error", message, None);
     }
     let message = format!("there is no function {}", suggest::key(name));
     let known = api::names().into_iter().chain(functions.iter().copied());
@@ -66,7 +73,15 @@ pub fn missing_property(text: &str) -> Explained {
         let help = "only what functions such as `ctx.place` set is shown".to_owned();
         return ("script-error", format!("{shown} is read-only"), Some(help));
     }
-    let owner = if of == "ctx" { "ctx." } else { "v." };
+    let owner = match of {
+        "ctx" => "ctx.",
+        "vec3" => "v.",
+        other => {
+            let help = format!("{} has no properties", type_named(other));
+            let message = format!("there is no property {shown}");
+            return ("script-error", message, Some(help));
+        }
+    };
     let (properties, functions) = api::members(owner);
     if functions.contains(&name) {
         let forms = api::signatures(name).join(", or ");

@@ -1,0 +1,195 @@
+//! Scripts that are slow to read, and what messages and lines they can make.
+
+use std::{fmt::Write as _, fs, time::Instant};
+
+use reflet::scene::{
+    motion::Motion,
+    script::{Halt, Script},
+};
+
+use crate::{folder, load, run};
+
+/// Texts that the parser reads in a time that grows with the square of their length.
+fn slow() -> Vec<(&'static str, String)> {
+    let list = |n: usize, one: &dyn Fn(usize) -> String| (0..n).map(one).collect::<String>();
+    vec![
+        (
+            "entries of a map",
+            format!("let m = #{{{}}};", list(80_000, &|i| format!("k{i}:1,"))),
+        ),
+        (
+            "parameters",
+            format!("fn f({}) {{}}", list(100_000, &|i| format!("a{i},"))),
+        ),
+        ("let", list(50_000, &|i| format!("let a{i}=1;"))),
+        (
+            "cases",
+            format!(
+                "switch 1 {{ {} }}",
+                list(60_000, &|i| format!("{i}..{}=>1,", i + 1))
+            ),
+        ),
+        ("blocks", list(200_000, &|_| "{}".to_owned())),
+        ("terms", format!("let x = {}1;", "1+".repeat(300_000))),
+    ]
+}
+
+#[test]
+fn reading_a_script_is_ended_by_the_limits_of_a_call() {
+    let folder = folder("slow");
+    for (what, text) in slow() {
+        let script = format!("fn frame(ctx) {{ }}\n{text}\n");
+        let started = Instant::now();
+        let read = Script::from_text("slow.rhai", &script);
+        let seconds = started.elapsed().as_secs_f64();
+        assert!(seconds < 30.0, "{what}: {seconds:.1} s");
+        if let Err(error) = read {
+            let error = error.to_string();
+            assert!(error.contains("slow.rhai:"), "{what}: {error}");
+        }
+    }
+    // Where one is imported, and where nobody waits for it.
+    let (_, entries) = slow().swap_remove(0);
+    fs::write(folder.join("parts/slow.rhai"), &entries).expect("temporary file");
+    let script = "import \"parts/slow\" as s;\nfn frame(ctx) { }";
+    let halt = Halt::default();
+    halt.halt();
+    let error = halt.over(|| load(&folder, script)).expect_err("halted");
+    assert!(error.contains("it was halted"), "{error}");
+    assert!(error.contains("s.rhai:1:"), "{error}");
+    if let Err(error) = load(&folder, script) {
+        assert!(error.contains("slow.rhai:1:"), "{error}");
+        assert!(error.contains("ended while it was read"), "{error}");
+    }
+}
+
+#[test]
+fn literals_marks_and_directions() {
+    let error = Script::from_text("a.rhai", "let x = 99999999999999999999;").expect_err("large");
+    let error = error.to_string();
+    assert!(error.contains("too large for an integer"), "{error}");
+    assert!(error.contains("a.rhai:1:9"), "{error}");
+    let least = "fn frame(ctx) { let x = -9223372036854775808; let y = 1e20; }";
+    Script::from_text("a.rhai", least).expect("it is the least integer");
+
+    let folder = folder("mark");
+    let marked = "\u{feff}import \"parts/m\" as m;\nfn frame(ctx) { if m::f() != 7 { throw 1; } }";
+    fs::write(folder.join("parts/m.rhai"), "\u{feff}fn f() { 7 }").expect("temporary file");
+    let desc = load(&folder, marked).expect("the mark is accepted");
+    Motion::new(&desc).pose(0).expect("it runs");
+    let error = load(&folder, "\u{feff}let = 1;").expect_err("no name");
+    assert!(error.contains("s.rhai:1:5"), "{error}");
+
+    let turned = Script::from_text("a.rhai", "fn setup(ctx) { throw \"a\\u202e\\x00b\"; }");
+    let error = turned.expect("it compiles").setup(&[], None);
+    let error = error.expect_err("it throws").to_string();
+    assert!(error.contains("a\u{fffd}\u{fffd}b"), "{error}");
+    assert!(!error.contains(['\u{202e}', '\0']), "{error}");
+}
+
+/// Bodies of `frame`, and what the message must say.
+const BODIES: &[(&str, &str)] = &[
+    ("[1, 1].dedup(|x, y| nosuch(x));", "no function `nosuch`"),
+    ("[1, 1].dedup(|x, y| 5);", "true or false, not an integer"),
+    (
+        "let a = []; a.pad(50000, 1); for i in 0..700 { let b = a; b.dedup(|x, y| { false }); }",
+        "was ended",
+    ),
+    (
+        "let a = []; a.pad(49000, 1); for i in 0..7000 { let b = a; b.push(i); b.dedup(); }",
+        "more than 10,000,000 operations",
+    ),
+    ("throw ctx", "ctx"),
+    ("throw [1, 0..5, ctx]", "[1, 0..5, ctx]"),
+    ("throw #{ a: vec3(1, 2, 3) }", "#{a: vec3(1, 2, 3)}"),
+    (
+        "let m = #{ a: #{ b: 1 } }; m.a.b.c = 1;",
+        "an integer has no properties",
+    ),
+    ("\"a\" * 3", "`*` does not take (text, integer)"),
+    ("ctx.place(\"ball\", vec3(1e30, 0, 0))", "-1e12 and 1e12"),
+    (
+        "ctx.place(\"ball\", mat4([0, 2e12, 0], [0, 0, 0], 1))",
+        "-1e12 and 1e12",
+    ),
+];
+
+#[test]
+fn closures_fail_and_values_have_names() {
+    let wrong: Vec<_> = BODIES.iter().filter_map(run).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
+    for thrown in ["ctx", "0..3", "[ctx]", "#{ a: 0..=3 }"] {
+        let script = format!("fn setup(ctx) {{ throw {thrown}; }}");
+        let script = Script::from_text("a.rhai", &script).expect("it compiles");
+        let error = script.setup(&[], None).expect_err(thrown).to_string();
+        let message = error.lines().next().expect("one line");
+        assert!(!message.contains("::"), "{message}");
+    }
+    let script = Script::from_text("a.rhai", "fn setup(ctx) { ctx }").expect("it compiles");
+    let error = script.setup(&[], None).expect_err("no map").to_string();
+    assert!(error.contains("not `ctx`"), "{error}");
+    let long = "fn setup(ctx) { let s = \"\"; s.pad(500000, 'x'); throw s; }";
+    let script = Script::from_text("a.rhai", long).expect("it compiles");
+    let error = script.setup(&[], None).expect_err("it throws").to_string();
+    assert!(error.len() < 2000, "{} bytes", error.len());
+}
+
+#[test]
+fn lines_are_bounded_in_bytes_and_show_numbers() {
+    let folder = folder("printed");
+    let posed = |body: &str| {
+        let desc = load(&folder, &format!("fn frame(ctx) {{\n{body}\n}}")).expect("it compiles");
+        Motion::new(&desc).pose(0).expect("it runs").log
+    };
+    let log = posed("let s = \"\"; s.pad(500000, 'é'); for i in 0..50 { print(s); }");
+    let bytes: usize = log.iter().map(String::len).sum();
+    assert!(bytes < 70_000, "{bytes}");
+    assert!(log.last().is_some_and(|l| l.contains("65,536 bytes")));
+    let log = posed("for i in 0..2000 { print(i); }");
+    assert_eq!(log.len(), 1001);
+    let log = posed(
+        "print(rotation_deg(0, 0, 0)); print(mat4([1, 2, 3], [0, 0, 0], 1)); print(ctx); \
+         print([vec3(1, 2, 3), ctx]);",
+    );
+    let mut all = String::new();
+    for line in &log {
+        let _ = writeln!(all, "{line}");
+    }
+    for part in [
+        "quat(0, 0, 0, 1)",
+        "mat4(1, 0, 0, 1; 0, 1, 0, 2; 0, 0, 1, 3; 0, 0, 0, 1)",
+        ": ctx",
+        "[vec3(1, 2, 3), ctx]",
+    ] {
+        assert!(all.contains(part), "{all}");
+    }
+}
+
+#[test]
+fn each_file_is_one_module() {
+    let folder = folder("once");
+    fs::write(folder.join("parts/a.rhai"), "fn f() { 1 }").expect("temporary file");
+    let mut names = vec!["parts/a", "./parts/a", "parts/./a.rhai"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(folder.join("parts"), folder.join("again")).expect("a link");
+        names.push("again/a");
+    }
+    let mut script = String::new();
+    for (i, name) in names.iter().enumerate() {
+        let _ = writeln!(script, "import \"{name}\" as m{i};");
+    }
+    script += "fn frame(ctx) { m0::f() + m1::f() + m2::f() }";
+    let desc = load(&folder, &script).expect("it compiles");
+    Motion::new(&desc).pose(0).expect("frames know all names");
+    assert_eq!(desc.script.map(|s| s.files().len()), Some(2));
+    let error = load(&folder, "import \"./s\" as s;\nfn frame(ctx) { }").expect_err("itself");
+    assert!(error.contains("imports itself"), "{error}");
+    // A module that is refused is no longer open.
+    let deep = "let a = []; for i in 0..1500 { a = [a]; }\nexport a;";
+    fs::write(folder.join("parts/deep.rhai"), deep).expect("temporary file");
+    let twice = "try { import \"parts/deep\" as d; } catch { }\nimport \"parts/deep\" as e;\n\
+                 fn frame(ctx) { }";
+    let error = load(&folder, twice).expect_err("it is too deep");
+    assert!(error.contains("nested more than 64 deep"), "{error}");
+}
