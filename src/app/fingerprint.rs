@@ -2,7 +2,7 @@
 
 #[cfg(unix)]
 use std::time::Duration;
-use std::{fs, path::Path, time::SystemTime};
+use std::{fs, io, path::Path, time::SystemTime};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
@@ -64,17 +64,7 @@ pub fn of_run(args: &RenderArgs, studio: &Studio) -> Result<u128, AppError> {
 
 /// Refuses a file that was saved since: what is loaded may be what it was before.
 fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
-    let changed = fs::metadata(path).and_then(|file| {
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::MetadataExt as _;
-            // Also when another file got this name, however old its content is.
-            let seconds = Duration::from_secs(file.ctime().max(0) as u64);
-            Ok(SystemTime::UNIX_EPOCH + seconds + Duration::from_nanos(file.ctime_nsec() as u64))
-        }
-        #[cfg(not(unix))]
-        file.modified()
-    });
+    let changed = fs::metadata(path).and_then(|file| changed_at(&file));
     match changed {
         Ok(at) if at < since => Ok(()),
         _ => Err(AppError::Internal(format!(
@@ -82,6 +72,20 @@ fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
             path.display()
         ))),
     }
+}
+
+/// When its content or its name was last changed: also when another file got this name, however old
+/// its content is.
+#[cfg(unix)]
+fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
+    use std::os::unix::fs::MetadataExt as _;
+    let seconds = Duration::from_secs(file.ctime().max(0) as u64);
+    Ok(SystemTime::UNIX_EPOCH + seconds + Duration::from_nanos(file.ctime_nsec() as u64))
+}
+
+#[cfg(not(unix))]
+fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
+    file.modified()
 }
 
 /// Of one frame, in hexadecimal digits.
