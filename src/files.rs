@@ -108,6 +108,15 @@ pub fn written_since(path: &Path, since: SystemTime) -> bool {
     modified || moved
 }
 
+/// Reads all of a text.
+///
+/// # Errors
+/// As [`open_regular`] and [`read_at_most`], and what is not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let bytes = read_at_most(&open_regular(path, false)?, most)?;
+    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"))
+}
+
 /// A file under a hidden name beside its goal; gone unless it is renamed.
 #[derive(Debug)]
 pub struct Temporary {

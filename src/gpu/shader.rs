@@ -3,7 +3,10 @@
 
 use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
 
-use crate::files::{open_regular, read_at_most};
+use crate::files::read_text;
+
+/// Largest shader, bytes.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// `(path below shaders/, text)` of every shader, made by `build.rs`.
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
@@ -156,7 +159,7 @@ impl ShaderLibrary {
                 let file = entry.map_err(|error| unreadable(&dir, &error))?.path();
                 let name = file.file_name().and_then(|name| name.to_str());
                 if let Some(name) = name.filter(|name| name.ends_with(".wgsl")) {
-                    let text = read_text(&file).map_err(|e| unreadable(&file, &e))?;
+                    let text = read_text(&file, MOST_BYTES).map_err(|e| unreadable(&file, &e))?;
                     files.insert(format!("{folder}{name}"), Cow::Owned(text));
                 }
             }
@@ -317,15 +320,6 @@ impl Assembly<'_> {
         }
         self.include(&path)
     }
-}
-
-/// Largest shader, bytes.
-const MOST_BYTES: u64 = 1 << 20;
-
-/// A shader is a file that ends, not a pipe or a device.
-fn read_text(path: &Path) -> std::io::Result<String> {
-    let bytes = read_at_most(&open_regular(path, false)?, MOST_BYTES)?;
-    String::from_utf8(bytes).map_err(|_| std::io::Error::other("it is not UTF-8 text"))
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> ShaderError {

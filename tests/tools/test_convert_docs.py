@@ -11,7 +11,7 @@ from reflet_usd.validate import excuses, usd_rules
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCES = sorted((ROOT / "tools" / "reflet_usd").rglob("*.py"))
 # Strings of the same shape that name something else.
-OTHERS = {"gltf-validator", "reflet-usd", "utf-8"}
+OTHERS = {"gltf-validator", "reflet-usd", "usd-core", "utf-8"}
 # Names by prim type: the manual's table has `<type>-dropped`.
 BY_TYPE = {"Volume-dropped"}
 
