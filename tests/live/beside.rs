@@ -3,7 +3,7 @@
 
 use std::{
     fs,
-    sync::{Arc, mpsc::RecvTimeoutError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::RecvTimeoutError},
     time::{Duration, Instant},
 };
 
@@ -34,8 +34,12 @@ const MOST: Duration = Duration::from_secs(60);
 const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
                     loop { text.contains(\"no\"); }";
 
+/// One endless script at a time: each takes a whole core.
+static TURN: Mutex<()> = Mutex::new(());
+
 struct Watched {
     worker: Worker,
+    _turn: MutexGuard<'static, ()>,
     folder: Folder,
     view: View,
     /// Whether a script runs that pictures do not wait for.
@@ -53,11 +57,13 @@ impl Watched {
 
     /// Some scene in the preview's thread, drawn once.
     fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
             look: Look::Picture,
         };
         let mut this = Self {
+            _turn: turn,
             worker: Worker::start(gpu, live, is_waiting, || ()),
             folder,
             view: View {
@@ -139,6 +145,13 @@ impl Watched {
         });
     }
 
+    /// Waits for one that is told as running; it may be the one of a save that is read twice.
+    fn is_running(&mut self) {
+        if !self.runs {
+            self.begins();
+        }
+    }
+
     /// A picture from there while a script runs.
     fn look_from(&mut self, x: f32) {
         let camera = CameraDesc {
@@ -201,25 +214,25 @@ fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
     preview.save_script(&slow, "slow");
     preview.taken("slow");
     preview.show(|view| view.frame = 9);
-    preview.begins();
+    preview.is_running();
     preview.look_from(1.0);
     preview.show(|view| view.frame = 3);
     preview.shown(|shown| shown.frame == 3);
     // Back to it, and from there to what is shown: nothing is to be done.
     preview.show(|view| view.frame = 9);
-    preview.begins();
+    preview.is_running();
     preview.show(|view| view.frame = 3);
     preview.rest();
     // A save that is endless in the wanted frame is taken over in the one that is wanted next.
     preview.save_script(&slow.replace("== 9", "== 3"), "other");
-    preview.begins();
+    preview.is_running();
     preview.look_from(2.0);
     preview.show(|view| view.frame = 5);
     preview.taken("other");
     preview.rest();
     // It ends with the window.
     preview.show(|view| view.frame = 3);
-    preview.begins();
+    preview.is_running();
 }
 
 #[test]
@@ -261,9 +274,7 @@ fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_men
     assert!(is_waiting && live.problems.is_empty(), "it only waits");
     assert!(live.world().instances.is_empty());
     let mut preview = Watched::start(gpu, folder, live, is_waiting);
-    if !preview.runs {
-        preview.begins(); // only after the first picture
-    }
+    preview.is_running();
     preview.save_script(SCRIPT, "mended");
     preview.taken("mended");
 }

@@ -332,6 +332,10 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
         "with other parameters"
     );
     assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);
+    assert!(shiny(&session), "materials are written in the scene");
+    let text = fs::read_to_string(&session.scene).expect("it is there");
+    fs::write(&session.scene, text + "# saved\n").expect("writable");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
     assert!(!shiny(&session));
     assert!(session.picture() == session.afresh(30, &["params.count=4"]));
 }
