@@ -54,7 +54,7 @@ if [ -f tools/pyproject.toml ]; then
     .venv/bin/mypy --config-file tools/pyproject.toml tools/reflet_usd
 
     heading "Python tests"
-    pytest=(.venv/bin/python -m pytest -q -rs)
+    pytest=(.venv/bin/python -m pytest -q -rs -n auto --maxprocesses 8 --dist worksteal)
     if [ "$full" = yes ]; then
         pytest+=(--full)
     fi

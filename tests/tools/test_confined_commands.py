@@ -260,7 +260,7 @@ def test_the_wall_time_of_report_covers_the_check(
     cube(tmp_path / "in")
     monkeypatch.setattr("reflet_usd.validate.confined._TARGET", "sandbox_targets:sleep")
     details = tmp_path / "details.json"
-    words = ["report", str(tmp_path / "in"), "--wall-s", "20", "--json", str(details)]
+    words = ["report", str(tmp_path / "in"), "--wall-s", "10", "--json", str(details)]
     assert cli.main(words) == 3
     (row,) = json.loads(details.read_text())
     assert (row["converted"], row["passed"], row["reason"]) == (True, False, "time-limit")

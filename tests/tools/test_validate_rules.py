@@ -321,7 +321,6 @@ CASES: list[tuple[str, str, str, Damage]] = [
 )
 def test_a_rule_hides_no_damage(
     tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
     text: str,
     warning: str,
     damage: Damage,
@@ -329,54 +328,50 @@ def test_a_rule_hides_no_damage(
     save(tmp_path, "t.png", noise("RGB", (16, 16)))
     done = convert_text(tmp_path, text)
     assert warning in done.warnings()
-    expect_found(done, damage, capsys)
+    expect_found(done, damage)
 
 
 @pytest.mark.parametrize("name", list(SURFACES))
-def test_emission_of_materialx_is_compared(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
-) -> None:
+def test_emission_of_materialx_is_compared(tmp_path: Path, name: str) -> None:
     def darken(out: Output) -> None:
         assert max(out.gltf.materials[0].emissiveFactor) > 0.0
         out.gltf.materials[0].emissiveFactor = [0.0, 0.0, 0.0]
 
     save(tmp_path, "t.png", noise("RGB", (16, 16)))
-    expect_found(convert_text(tmp_path, materialx(name)), darken, capsys)
+    expect_found(convert_text(tmp_path, materialx(name)), darken)
 
 
 def test_many_turned_instances_are_compared_with_normalized_ones(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(instancer, "MAX_INSTANCE_NODES", 1)
     monkeypatch.setattr(instancer, "MAX_SHEARED_NODES", 1)
     done = convert_text(tmp_path, STRETCHED)
     assert "instance-rotation-normalized" in done.warnings("/I")
-    expect_found(done, nudge, capsys)
+    expect_found(done, nudge)
 
 
 def test_turning_instances_are_compared_with_normalized_ones(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(instance_motion, "MAX_MATRIX_KEYS", 1)
     done = convert_text(tmp_path, MOVING_INSTANCER.format(more=TURNED))
     assert "instance-rotation-normalized" in done.warnings("/I")
-    expect_found(done, drift, capsys)
+    expect_found(done, drift)
 
 
 def test_many_turning_joints_are_compared_with_normalized_ones(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(joints, "MAX_MATRIX_KEYS", 1)
     done = convert_text(tmp_path, SKELETON.replace(QUARTER, "(0.7,0.5,0.3,0.2)"))
     assert "joint-rotation-normalized" in done.warnings("/Root/Skel")
-    expect_found(done, drift, capsys)
+    expect_found(done, drift)
 
 
-def test_area_and_winding_of_skinned_meshes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_area_and_winding_of_skinned_meshes(tmp_path: Path) -> None:
     done = convert_text(tmp_path, SKELETON)
-    expect_found(done, turn, capsys)
+    expect_found(done, turn)
     proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
     checks = {check.name: check for check in proof.checks}
     assert checks["winding"].silent > 0

@@ -8,8 +8,9 @@ import pytest
 from convert_materials import noise, save, texture
 from convert_materials import stage as material_stage
 from convert_reading import convert_text
-from reflet_usd import cli
-from tampering import UNIT
+from reflet_usd.validate.proof import prove
+from reflet_usd.validate.table import format_proof
+from tampering import UNIT, agrees
 
 TEXTURED = material_stage(
     "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>", texture("T", "t.png")
@@ -33,22 +34,17 @@ TEXTURED = material_stage(
         '{"info": {"variants": [["/A"]]}}',
     ],
 )
-def test_a_damaged_sidecar_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
-) -> None:
+def test_a_damaged_sidecar_is_named(tmp_path: Path, text: str) -> None:
     done = convert_text(tmp_path, UNIT)
     Path(f"{done.out}.json").write_text(text, encoding="utf-8")
-    command = ["validate", str(done.out), "--against", str(tmp_path / "stage.usda")]
-    assert cli.main([*command, "--no-khronos"]) == 3
-    assert "is damaged" in capsys.readouterr().out
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not proof.passed
+    assert "is damaged" in format_proof(proof)
 
 
-def test_brackets_in_a_folder_are_no_package(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_brackets_in_a_folder_are_no_package(tmp_path: Path) -> None:
     folder = tmp_path / "odd #[0] [x]"
     folder.mkdir()
     save(folder, "t.png", noise("RGB", (16, 16)))
     done = convert_text(folder, TEXTURED)
-    command = ["validate", str(done.out), "--against", str(folder / "stage.usda")]
-    assert cli.main([*command, "--no-khronos"]) == 0, capsys.readouterr().out
+    assert agrees(done)

@@ -10,8 +10,7 @@ import pytest
 from convert_materials import noise, save, texture
 from convert_materials import stage as material_stage
 from convert_reading import Converted, convert_text
-from reflet_usd import cli
-from tampering import FACE, UNIT
+from tampering import FACE, UNIT, agrees
 
 KHR = "KHR_materials_"
 SETS = """
@@ -159,19 +158,13 @@ def rewrite(done: Converted, tree: Tree) -> None:
     done.out.write_bytes(head + text + rest)
 
 
-def verdict(done: Converted) -> int:
-    """The exit code of the comparison."""
-    stage = done.out.parent / "stage.usda"
-    return cli.main(["validate", str(done.out), "--against", str(stage), "--no-khronos"])
-
-
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Converted, bytes]:
     """The stage's file, and its bytes."""
     folder = tmp_path_factory.mktemp("strict")
     save(folder, "t.png", noise("RGB", (64, 64)))
     done = convert_text(folder, STAGE)
-    assert verdict(done) == 0
+    assert agrees(done)
     return done, done.out.read_bytes()
 
 
@@ -182,7 +175,7 @@ def test_what_the_stage_does_not_say_is_found(good: tuple[Converted, bytes], nam
     tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
     DAMAGES[name](tree)
     rewrite(done, tree)
-    assert verdict(done) == 3
+    assert not agrees(done)
 
 
 def test_every_texel_counts(tmp_path: Path) -> None:
@@ -192,7 +185,7 @@ def test_every_texel_counts(tmp_path: Path) -> None:
     picture = picture.copy()
     picture[7, 40] ^= 128
     save(tmp_path, "t.png", picture)
-    assert verdict(done) == 3
+    assert not agrees(done)
 
 
 def test_what_a_factor_of_zero_hides_may_differ(tmp_path: Path) -> None:
@@ -201,4 +194,4 @@ def test_what_a_factor_of_zero_hides_may_differ(tmp_path: Path) -> None:
     done = convert_text(
         tmp_path, material_stage("float inputs:roughness.connect = </Mat/T.outputs:g>", raw)
     )
-    assert verdict(done) == 0
+    assert agrees(done)

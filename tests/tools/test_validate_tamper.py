@@ -198,7 +198,6 @@ CASES: list[tuple[str, str, str, Damage]] = [
 )
 def test_a_warning_excuses_nothing_but_what_it_names(
     tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
     text: str,
     warning: str,
     damage: Damage,
@@ -207,4 +206,4 @@ def test_a_warning_excuses_nothing_but_what_it_names(
     save(tmp_path, "small.png", noise("RGB", (8, 8), seed=3))
     done = convert_text(tmp_path, text)
     assert warning in done.warnings()
-    expect_found(done, damage, capsys)
+    expect_found(done, damage)

@@ -16,6 +16,7 @@ from reflet_usd.convert.keys import (
     OneNode,
     TwoNodes,
     exact_keys,
+    remembered,
     sampled_keys,
 )
 from reflet_usd.convert.opchain import chain_of_ops
@@ -135,6 +136,7 @@ def animate_matrix(
     `chain` may give exact nodes where no single one is exact.
     """
     authored = len(codes)
+    evaluate = remembered(evaluate)
     codes = with_jumps(evaluate, codes)
     keys = exact_keys(evaluate, codes, OneNode(evaluate), reach)
     if keys is not None:

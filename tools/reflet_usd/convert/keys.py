@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -27,6 +28,8 @@ MAX_SAMPLES = 6_000
 # Where in a step the parts of the next instant are looked up.
 _AHEAD = 1e-3
 _PROBES = (0.25, 0.5, 0.75)
+# Matrices, some 300 bytes each.
+_REMEMBERED = 1 << 16
 
 Evaluate = Callable[[float], Array]
 Pose = tuple[Trs, ...]
@@ -117,6 +120,18 @@ def _same(first: Pose, last: Pose) -> bool:
     )
 
 
+def remembered(evaluate: Evaluate) -> Evaluate:
+    """`evaluate`, which USD answers slowly, asked once for each code: halves repeat the whole's."""
+
+    @functools.lru_cache(maxsize=_REMEMBERED)
+    def once(code: float) -> Array:
+        matrix = evaluate(code)
+        matrix.setflags(write=False)  # many hold it
+        return matrix
+
+    return once
+
+
 def exact_keys(evaluate: Evaluate, codes: list[float], fit: Fit, reach: Reach) -> Keys | None:
     """Keys between which glTF stays within float32's reach of USD, or None."""
     return _Refiner(evaluate, fit, reach, EXACT_TOLERANCE, EXACT_DEPTH, strict=True).run(codes)
@@ -126,11 +141,21 @@ def sampled_keys(evaluate: Evaluate, codes: list[float], reach: Reach) -> Keys:
     """Keys halved until close enough: one node, or two where one cannot follow."""
     tolerance, depth = SAMPLED_TOLERANCE, SAMPLED_DEPTH
     one = _Refiner(evaluate, OneNode(evaluate, nearest=True), reach, tolerance, depth).run(codes)
-    if one is not None and one.deviation <= tolerance:
+    if one is not None and (one.deviation <= tolerance or not _shears(evaluate, one)):
         return one
     two = _Refiner(evaluate, TwoNodes(evaluate), reach, tolerance, depth).run(codes)
     assert one is not None and two is not None  # only strict refinement gives up
     return two if two.deviation < USEFUL_SHRINKAGE * one.deviation else one
+
+
+def _shears(evaluate: Evaluate, keys: Keys) -> bool:
+    """Whether a matrix is more than its key: then two nodes follow it better, and else none do."""
+    for code, (pose,) in zip(keys.codes, keys.poses, strict=True):
+        linear = evaluate(code)[:3, :3]
+        size = max(float(np.abs(linear).max()), 1e-30)
+        if np.abs(pose.matrix()[:3, :3] - linear).max() > SAMPLED_TOLERANCE * size:
+            return True
+    return False
 
 
 @dataclass

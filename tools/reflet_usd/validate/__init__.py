@@ -68,6 +68,9 @@ def _run(args: argparse.Namespace) -> int:
     except ValidatorMissingError as error:
         message = f"{error}\n(or compare only, with --no-khronos)"
         raise ConvertError("validator-missing", message) from error
+    if report is not None and report.crash:
+        message = f"the Khronos validator ended with {report.crash!r}; compare only,"
+        raise ConvertError("validator-crash", f"{message} with --no-khronos", str(args.out))
     if args.against is None:
         proof = prove(args.out, None, khronos=False)
         proof.khronos = report
@@ -77,8 +80,5 @@ def _run(args: argparse.Namespace) -> int:
 
         found = prove_apart(args.out, args.against, report, limits=limits_from(args))
         verdict, text = found.proof, found.text
-    if report is not None and report.crash:
-        message = f"the Khronos validator ended with {report.crash!r}; compare only,"
-        raise ConvertError("validator-crash", f"{message} with --no-khronos", str(args.out))
     show(json.dumps(verdict, indent=2) if args.json else text)
     return EXIT_OK if verdict["passed"] else EXIT_DEVIATES
