@@ -41,6 +41,8 @@ class Fit(Protocol):
 
     unjudged_depth: int
     """Steps halved less often than this are always halved again: too long to judge by."""
+    follows_paths: bool
+    """Shorter steps always help where the pose is the whole matrix."""
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """The pose at `first`, from which the step to `last` begins; None where there is none."""
@@ -56,6 +58,7 @@ class OneNode:
     evaluate: Evaluate
     nearest: bool = False
     unjudged_depth: int = 4
+    follows_paths: bool = True
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """See `Fit`."""
@@ -79,6 +82,7 @@ class TwoNodes:
 
     evaluate: Evaluate
     unjudged_depth: int = 9
+    follows_paths: bool = False
 
     def start(self, first: float, last: float, previous: Pose | None) -> Pose | None:
         """See `Fit`; equal singular values take the directions that they part in."""
@@ -150,12 +154,16 @@ def sampled_keys(evaluate: Evaluate, codes: list[float], reach: Reach) -> Keys:
 
 def _shears(evaluate: Evaluate, keys: Keys) -> bool:
     """Whether a matrix is more than its key: then two nodes follow it better, and else none do."""
-    for code, (pose,) in zip(keys.codes, keys.poses, strict=True):
-        linear = evaluate(code)[:3, :3]
-        size = max(float(np.abs(linear).max()), 1e-30)
-        if np.abs(pose.matrix()[:3, :3] - linear).max() > SAMPLED_TOLERANCE * size:
-            return True
-    return False
+    pairs = zip(keys.codes, keys.poses, strict=True)
+    return any(_is_part(pose, evaluate(code)) for code, pose in pairs)
+
+
+def _is_part(pose: Pose, matrix: Array) -> bool:
+    """Whether the pose leaves out a shear of the matrix."""
+    linear = matrix[:3, :3]
+    shown = functools.reduce(np.matmul, (node.matrix()[:3, :3] for node in pose))
+    size = max(float(np.abs(linear).max()), 1e-30)
+    return bool(np.abs(shown - linear).max() > SAMPLED_TOLERANCE * size)
 
 
 @dataclass
@@ -221,6 +229,9 @@ class _Refiner:
             return True
         known, half = self.keys.poses[-1], (a + b) / 2
         middle = self.fit.at(half, known)
+        whole = middle is not None and not _is_part(middle, self.evaluate(half))
+        if whole and self.fit.follows_paths:
+            return True
         last = None if middle is None else self.fit.at(b, middle)
         if middle is None or last is None:
             return False
