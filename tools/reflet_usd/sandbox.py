@@ -23,6 +23,7 @@ from typing import Any
 
 from . import convert
 from .children import Children, end
+from .placing import move_output, tree_bytes
 from .usdz_check import check_referenced
 
 _CONVERT_TARGET = "reflet_usd.convert:convert_stage"
@@ -88,7 +89,7 @@ def run_convert(
         result,
         produced,
     ):
-        _move_output(produced, out, Path(stage), limits or Limits())
+        move_output(produced, out, Path(stage), (limits or Limits()).output_bytes)
         return convert.ConvertResult(**result)
 
 
@@ -262,7 +263,7 @@ def _watch(child: subprocess.Popen[bytes], staging: Path, limits: Limits) -> tup
         if time.monotonic() > deadline:
             end(child)
             return child.wait(), "time-limit"
-        if _tree_bytes(staging) > limits.output_bytes:
+        if tree_bytes(staging) > limits.output_bytes:
             end(child)
             return child.wait(), "output-limit"
 
@@ -341,60 +342,6 @@ def _result(outcome: dict[str, Any]) -> dict[str, Any]:
         cause = RuntimeError(outcome["traceback"]) if "traceback" in outcome else None
         raise convert.ConvertError(error["name"], error["message"], error["path"]) from cause
     return outcome["result"]
-
-
-def _move_output(produced: Path, out: Path, stage: Path, limits: Limits) -> None:
-    """Move what the child wrote to its place, the main file last."""
-    if _tree_bytes(produced) > limits.output_bytes:
-        message = f"the output grew past {limits.output_bytes} bytes"
-        raise convert.ConvertError("output-limit", message, str(stage))
-    files = [path for path in sorted(produced.rglob("*")) if not path.is_dir()]
-    if produced / out.name not in files or any(path.is_symlink() for path in files):
-        raise convert.ConvertError(
-            "converter-internal", f"the conversion wrote no {out.name}", str(stage)
-        )
-    files.sort(key=lambda path: path == produced / out.name)
-    places = [(path, out.parent / path.relative_to(produced)) for path in files]
-    for _, place in places:
-        if place.is_dir():
-            message = f"{place} is a folder; remove it, or name another output"
-            raise convert.ConvertError("output-unwritable", message, str(stage))
-    _replace_all(places, produced.parent / "before", stage)
-
-
-def _replace_all(places: list[tuple[Path, Path]], before: Path, stage: Path) -> None:
-    """Move all files to their places or none: what was there waits in `before` until all are."""
-    before.mkdir()
-    kept: list[tuple[Path, Path]] = []
-    moved: list[Path] = []
-    place = before
-    try:
-        for number, (path, place) in enumerate(places):
-            place.parent.mkdir(parents=True, exist_ok=True)
-            if os.path.lexists(place):
-                os.replace(place, before / str(number))
-                kept.append((before / str(number), place))
-            os.replace(path, place)
-            moved.append(place)
-    except BaseException as error:  # a signal too
-        for path in moved:
-            path.unlink()
-        for path, former in kept:
-            os.replace(path, former)
-        if not isinstance(error, OSError):
-            raise
-        message = f"{place} cannot be written: {error.strerror}"
-        raise convert.ConvertError("output-unwritable", message, str(stage)) from error
-
-
-def _tree_bytes(folder: Path) -> int:
-    total = 0
-    for root, _, names in os.walk(folder):
-        for name in names:
-            # A file may be removed while we look.
-            with contextlib.suppress(OSError):
-                total += os.lstat(os.path.join(root, name)).st_size
-    return total
 
 
 def _log_tail(staging: Path) -> str:
