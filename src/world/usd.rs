@@ -15,7 +15,10 @@ use self::{
     tool::Tool,
 };
 use super::gltf::Fault;
-use crate::scene::diagnostic::{Diagnostic, Severity, Span};
+use crate::scene::{
+    desc::StageDesc,
+    diagnostic::{Diagnostic, Severity, Span},
+};
 
 mod record;
 mod tool;
@@ -36,33 +39,52 @@ pub struct Converted {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Whether a file is a USD stage, by its name.
-pub fn is_stage(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    ["usd", "usda", "usdc", "usdz"]
-        .iter()
-        .any(|known| extension.eq_ignore_ascii_case(known))
+/// What of a stage is converted: arguments of the converter, none where nothing is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Choice(Vec<String>);
+
+impl Choice {
+    /// What the scene text asks for.
+    pub fn of(desc: &StageDesc) -> Self {
+        let mut arguments = Vec::new();
+        for variant in &desc.variants {
+            arguments.extend(["--variant".to_owned(), variant.value.clone()]);
+        }
+        if !desc.purpose.is_empty() {
+            let words: Vec<_> = desc
+                .purpose
+                .iter()
+                .map(|word| word.value.as_str())
+                .collect();
+            arguments.extend(["--purpose".to_owned(), words.join(",")]);
+        }
+        if desc.subdiv > 0 {
+            arguments.extend(["--subdiv".to_owned(), desc.subdiv.to_string()]);
+        }
+        Self(arguments)
+    }
 }
 
 /// How often a stage is converted whose files change meanwhile.
 const MOST_TRIES: usize = 3;
 
-/// Converts a stage, or finds the conversion of the same content. Layers and textures may lie in
+/// Converts what is chosen of a stage, or finds the conversion of the same content. Layers and textures may lie in
 /// `roots` too.
 ///
 /// # Errors
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
 /// a cache folder that cannot be written.
-pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
+pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Converted, Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;
-    // Other folders or another converter make another file of the same stage.
+    // Other choices, other folders or another converter make another file of the same stage.
     let paths = [stage, &tool.path].into_iter();
     let paths = paths.chain(roots.iter().map(|r| &**r));
     let version = env!("CARGO_PKG_VERSION").as_bytes();
-    let name =
-        hash_of(std::iter::once(version).chain(paths.map(|p| p.as_os_str().as_encoded_bytes())));
+    let paths = paths.map(|p| p.as_os_str().as_encoded_bytes());
+    let chosen = choice.0.iter().map(String::as_bytes);
+    let name = hash_of([version].into_iter().chain(chosen).chain(paths));
     let record_path = cache.join(format!("{name}.json"));
     let glb = cache.join(format!("{name}.glb"));
     let earlier = Record::read(&record_path);
@@ -80,7 +102,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
         return Ok(converted(stage, glb, record));
     }
     let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
-    let (record, is_steady) = convert_anew(&tool, stage, roots, &glb, known)?;
+    let (record, is_steady) = convert_anew(&tool, (stage, choice), roots, &glb, known)?;
     let mut result = converted(stage, glb, &record);
     if !is_steady {
         let message = format!(
@@ -99,7 +121,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
 /// last. `known` are those that it is likely to read.
 fn convert_anew(
     tool: &Tool,
-    stage: &Path,
+    (stage, choice): (&Path, &Choice),
     roots: &[PathBuf],
     glb: &Path,
     mut known: Inputs,
@@ -112,7 +134,7 @@ fn convert_anew(
         let stage_path = stage.to_owned();
         let before = Inputs::of(known.paths().chain([&stage_path]));
         let since = SystemTime::now();
-        tool.convert(stage, &fresh.0, roots)?;
+        tool.convert(stage, &choice.0, &fresh.0, roots)?;
         let sidecar = read_sidecar(&fresh.sidecar())?;
         let read = sidecar.files.iter().chain(&sidecar.absent);
         let inputs = Inputs::of(read.chain([&stage_path]));
