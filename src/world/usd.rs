@@ -180,12 +180,6 @@ fn is_news(name: &str) -> bool {
 }
 
 fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
-    let told = |w: &SidecarWarning| {
-        let help = (w.name == "asset-outside-roots")
-            .then(|| "allow the folder that it is in with --assets FOLDER".to_owned());
-        let message = format!("{}: {} [{}]", w.prim, w.message, w.name);
-        warning(stage, message, help)
-    };
     let mut files = record.files.clone();
     if !files.iter().any(|f| f == stage) {
         files.push(stage.to_owned());
@@ -193,8 +187,49 @@ fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
     Converted {
         glb,
         files,
-        warnings: record.warnings.iter().map(told).collect(),
+        warnings: told(stage, &record.warnings),
     }
+}
+
+/// Warnings of one name that are told one by one; of more, the first speaks for all.
+const MOST_OF_A_NAME: usize = 3;
+
+/// What the converter's warnings say to those who only want the picture.
+fn told(stage: &Path, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
+    let mut names: Vec<&str> = Vec::new();
+    for warning in warnings {
+        if !names.contains(&warning.name.as_str()) {
+            names.push(&warning.name);
+        }
+    }
+    let of_name = |name: &str| {
+        warnings
+            .iter()
+            .filter(move |w| w.name == name)
+            .collect::<Vec<_>>()
+    };
+    let groups = names.into_iter().map(of_name);
+    groups
+        .flat_map(|group| told_of_a_name(stage, &group))
+        .collect()
+}
+
+fn told_of_a_name(stage: &Path, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
+    let is_long = group.len() > MOST_OF_A_NAME;
+    let shown = if is_long { &group[..1] } else { group };
+    let one = |w: &&SidecarWarning| {
+        let mut message = format!("{}: {} [{}]", w.prim, w.message, w.name);
+        let outside = w.name == "asset-outside-roots";
+        let mut help =
+            outside.then(|| "allow the folder that it is in with --assets FOLDER".into());
+        if is_long {
+            message += &format!(", and {} more of that name", group.len() - 1);
+            let list = format!("`reflet-usd inspect {}` lists all", stage.display());
+            help = Some(help.map_or(list.clone(), |help: String| format!("{help}; {list}")));
+        }
+        warning(stage, message, help)
+    };
+    shown.iter().map(one).collect()
 }
 
 fn warning(stage: &Path, message: String, help: Option<String>) -> Diagnostic {
@@ -253,4 +288,32 @@ fn cannot_keep(path: &Path, error: &std::io::Error) -> Fault {
     );
     fault.help = Some(format!("name another folder in {CACHE_ENV}"));
     fault
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_warnings_of_a_name_are_one() {
+        let of = |name: &str, prim: &str| SidecarWarning {
+            name: name.into(),
+            prim: prim.into(),
+            message: "is left out".into(),
+        };
+        let mut warnings = vec![of("a", "/A"), of("b", "/B"), of("a", "/C"), of("a", "/D")];
+        let messages = |warnings: &[SidecarWarning]| -> Vec<String> {
+            let told = told(Path::new("s.usda"), warnings);
+            told.into_iter().map(|warning| warning.message).collect()
+        };
+        let one_by_one = ["/A", "/C", "/D"].map(|prim| format!("{prim}: is left out [a]"));
+        let b = "/B: is left out [b]".to_owned();
+        assert_eq!(
+            messages(&warnings),
+            [&one_by_one[..], &[b.clone()]].concat()
+        );
+        warnings.push(of("a", "/E"));
+        let first = "/A: is left out [a], and 3 more of that name".to_owned();
+        assert_eq!(messages(&warnings), [first, b]);
+    }
 }
