@@ -224,7 +224,7 @@ fn told_of_a_name(stage: &Path, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
             outside.then(|| "allow the folder that it is in with --assets FOLDER".into());
         if is_long {
             message += &format!(", and {} more of that name", group.len() - 1);
-            let list = format!("`reflet-usd inspect {}` lists all", stage.display());
+            let list = format!("`reflet-usd inspect --json {}` lists all", stage.display());
             help = Some(help.map_or(list.clone(), |help: String| format!("{help}; {list}")));
         }
         warning(stage, message, help)
