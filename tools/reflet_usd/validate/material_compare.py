@@ -9,6 +9,7 @@ import numpy as np
 
 from .checks import Checks
 from .excuses import (
+    FROZEN_LOOK,
     LOST_FILE,
     NO_PLACE,
     NORMAL_SCALE,
@@ -22,6 +23,7 @@ from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
 from .images import linear_to_srgb
 from .looks import strange_extensions, unlike_plain
+from .usd_frozen import animated_inputs
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
 from .usd_materialx import materialx_inputs
 from .usd_stage import TruthStage
@@ -82,6 +84,8 @@ def compare_materials(
             for index in outputs.get(path, []):
                 _compare_plain(checks, path, OutputMaterial(file, index))
             continue
+        for prim, name in animated_inputs(truth.stage.GetPrimAtPath(path)):
+            checks.add_lost(prim, FROZEN_LOOK, f"keys of '{name}'", name)
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
