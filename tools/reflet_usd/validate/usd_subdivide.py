@@ -14,7 +14,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
-from .usd_mesh import LocalMesh, array_of
+from .usd_mesh import LocalMesh
+from .usd_primvars import array_of
 
 INFINITE = 10.0
 """Sharpness from which a crease never becomes smooth, as in OpenSubdiv."""
