@@ -42,7 +42,7 @@ def keep_loose_primvars(
     if kept and node is not None:
         node.extras["primvars"] = kept
     if dropped:
-        message = f"the primvars {listed(dropped)} not carried: no gprim has them, or too long"
+        message = f"of its primvars {listed(dropped)} not carried, nothing here reads them"
         context.ledger.warn("primvar-dropped", prim, message)
     if frozen:
         message = f"animated {', '.join(sorted(frozen))} stay at their first value"

@@ -220,8 +220,10 @@ class _Comparison:
         """Texels by any of the reads: a few where the image is the stage's own, else all."""
         worst = math.inf
         for read in reads:
+            # Of light above 1 the texels hold the share of the strongest possible.
+            reach = read.strongest if name == "emissiveColor" else 1.0
             parts = (
-                _difference(name, read.at(st), found.channel(name, st))
+                _difference(name, read.at(st), found.channel(name, st), reach)
                 for st in read.centers(whole)
             )
             worst = min(worst, max(parts))
@@ -289,17 +291,22 @@ class _Comparison:
             self.checks.add("materials", self.path, value, "normal")
 
 
-def _difference(name: str, wanted: Array, found: Array) -> float:
-    """Largest difference, relative where values are above 1, after the documented clamps."""
+def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> float:
+    """Largest difference, relative where values are above 1, after the documented clamps.
+
+    `reach` is the value that texels of 1 stand for.
+    """
     if name == "emissiveColor":
         wanted = np.maximum(wanted, 0.0)
     elif name == "ior":
         wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))
     else:
         wanted = np.clip(wanted, 0.0, 1.0)
-    scale = max(1.0, float(np.abs(wanted).max()))
+    reach = max(1.0, reach)
+    scale = max(reach, float(np.abs(wanted).max()))
     difference = np.abs(wanted - found) / scale
     if name in _ENCODED:  # 8 bits round the encoded value
+        wanted, found = wanted / reach, found / reach
         inside = (np.abs(wanted - 0.5) <= 0.5) & (np.abs(found - 0.5) <= 0.5)
         coded = np.abs(linear_to_srgb(np.clip(wanted, 0, 1)) - linear_to_srgb(np.clip(found, 0, 1)))
         difference = np.where(inside, np.minimum(difference, coded), difference)
