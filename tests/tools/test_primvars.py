@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
-from tampering import UNIT, agrees, expect_found, expect_required, mesh
+from tampering import FACE, UNIT, agrees, expect_found, expect_required, mesh
 from test_validate_strict import attributes, node, rewrite
 
 SHARED = """
@@ -239,3 +239,18 @@ def test_animated_loose_primvars_are_named(tmp_path: Path) -> None:
     assert "primvar-animation-frozen" in done.warnings("/C")
     assert agrees(done)
     assert "_X" not in attributes(done.json, "Unit")
+
+
+@pytest.mark.parametrize("moving", ["", "moving"])
+def test_animated_normals_are_named(tmp_path: Path, moving: str) -> None:
+    keys = ", ".join(["(0, 0, 1)"] * 4), ", ".join(["(0, 1, 0)"] * 4)
+    body = f"normal3f[] normals.timeSamples = {{ 0: [{keys[0]}], 9: [{keys[1]}] }}\n"
+    text = mesh("M", body)
+    if moving:
+        line = next(line for line in FACE.splitlines() if "points" in line)
+        first = line.partition("=")[2]
+        last = first.replace("(1, 1, 0)", "(1, 2, 0)")
+        text = text.replace(line, f"point3f[] points.timeSamples = {{ 0: {first}, 9: {last} }}")
+    done = convert_text(tmp_path, text)
+    expect_required(done, "geometry-animation-frozen", "/M")
+    assert bool(done.gltf.animations) == bool(moving)

@@ -260,6 +260,8 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         and attribute.ValueMightBeTimeVarying()
         and not is_custom(prim, attribute.GetName())
     ]
+    if _draws_normals(prim) and prim.GetAttribute("normals").ValueMightBeTimeVarying():
+        animated.append("normals")
     owners = [(p.GetAttr(), str(p.GetName())) for p in primvars]
     animated += [
         name
@@ -277,6 +279,15 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         if names:
             message = f"animated {', '.join(sorted(names))} stay at their first value"
             context.ledger.warn(warning, prim, message)
+
+
+def _draws_normals(prim: Usd.Prim) -> bool:
+    """Whether the attribute `normals` counts: on meshes that are no subdivision surfaces."""
+    mesh = UsdGeom.Mesh(prim)
+    if not mesh or mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+        return False
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals")
+    return not (primvar and primvar.HasValue())
 
 
 def warn_still_points(context: Context, prim: Usd.Prim) -> None:
