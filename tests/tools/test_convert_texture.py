@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from convert_materials import image, material, noise, pixels, save, stage, texture
 from convert_reading import convert_text
+from tampering import agrees, expect_required
 
 
 @pytest.mark.parametrize(("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})])
@@ -284,3 +285,17 @@ def test_other_image_formats_become_png(tmp_path: Path) -> None:
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert np.array_equal(pixels(done, info)[..., :3], data)
     assert "texture-converted" in done.warnings("/Mat/T")
+
+
+@pytest.mark.parametrize("workflow", [0, 1])
+@pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
+def test_textures_of_single_numbers_are_named(tmp_path: Path, name: str, workflow: int) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    inputs = f"float inputs:{name}.connect = </Mat/T.outputs:r>\nfloat inputs:metallic = 0.25\n"
+    if name != "useSpecularWorkflow":
+        inputs += f"int inputs:useSpecularWorkflow = {workflow}\n"
+    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    if (name, workflow) == ("ior", 1):  # the specular workflow has no ior
+        assert agrees(done)
+    else:
+        expect_required(done, "material-texture-dropped", "/Mat", name)

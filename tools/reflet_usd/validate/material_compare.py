@@ -12,6 +12,7 @@ from .excuses import (
     FROZEN_LOOK,
     LOST_FILE,
     NO_PLACE,
+    NO_TEXTURE,
     NORMAL_SCALE,
     OTHER_SURFACE,
     PACKED,
@@ -32,6 +33,8 @@ from .uv_compare import UvUse
 _SAMPLES = 16
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
+_WHOLE = ("useSpecularWorkflow", "opacityThreshold", "ior")
+"""One number each for a whole glTF material."""
 _SLOTS = (
     ("diffuseColor", "opacity"),
     ("metallic", "roughness"),
@@ -129,10 +132,11 @@ class _Comparison:
         self.checks = checks
         self.path = path
         self.inputs = inputs
+        self._drop_textures()
 
     def compare(self, found: OutputMaterial) -> None:
         """Compare all inputs, as values or as losses."""
-        specular = not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
+        specular = self._is_specular()
         self._alpha_mode(found)
         for name in _VALUES:
             source = self.inputs[name]
@@ -146,12 +150,22 @@ class _Comparison:
                 continue
             if name == "occlusion" and source.constant is not None:
                 source = PreviewInput(np.array([1.0]), None)
-            if name == "ior" and source.texture is not None:
-                source = source.without_file()
             self._channel(name, source, found)
         self._normal(found)
         self._losses()
         self._empty_slots(found)
+
+    def _drop_textures(self) -> None:
+        """Inputs that are one number in glTF have their default where the stage has a texture."""
+        for name in _WHOLE:
+            if self.inputs[name].texture is None or (name == "ior" and self._is_specular()):
+                continue
+            self.checks.add_lost(self.path, NO_TEXTURE, f"the texture of {name}", name)
+            value = np.array(DEFAULTS.get(name, (0.0,)))
+            self.inputs = {**self.inputs, name: PreviewInput(value, None)}
+
+    def _is_specular(self) -> bool:
+        return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
         """Which UV set stands for which primvar; the first texture's where several share one."""
