@@ -89,6 +89,15 @@ def test_names_that_would_be_one_are_numbered(tmp_path: Path) -> None:
     assert not agrees(done)
 
 
+def test_normals_with_long_elements_are_named(tmp_path: Path) -> None:
+    values = ", ".join(["(1, 0, 0)"] * 8)
+    body = f"normal3f[] primvars:normals = [{values}] (\n"
+    body += 'interpolation = "vertex"\nelementSize = 2\n)\n'
+    done = convert_text(tmp_path, mesh("M", body))
+    told = [w for w in done.sidecar["warnings"] if w["name"] == "primvar-size-wrong"]
+    assert [(w["prim"], "'normals'" in w["message"]) for w in told] == [("/M", True)]
+
+
 @pytest.mark.parametrize("name", ["_A_B", "_A_B_2"])
 def test_each_of_them_has_to_be_there(tmp_path: Path, name: str) -> None:
     done = convert_text(tmp_path, mesh("M", SHARED))

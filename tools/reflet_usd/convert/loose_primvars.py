@@ -25,8 +25,10 @@ def keep_loose_primvars(
         return
     kept, dropped, frozen = {}, [], []
     for name in names:
+        if not name.startswith(_NAMESPACE) or name.startswith(_SKELETAL):
+            continue
         primvar = UsdGeom.Primvar(prim.GetAttribute(name))
-        if not name.startswith(_NAMESPACE) or name.startswith(_SKELETAL) or not primvar:
+        if not primvar:
             continue
         varies = primvar.GetInterpolation() != UsdGeom.Tokens.constant
         if not primvar.HasValue() or (varies and prim.IsA(UsdGeom.PointInstancer)):

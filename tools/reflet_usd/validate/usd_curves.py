@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
 
 from .facts import Array, Indices, Lost
-from .usd_primvars import CornerMap, array_of, customs, misfits, uv_sets
+from .usd_primvars import CornerMap, array_of, carried, customs, misfits, uv_sets
 
 _STEPS = 8
 """Lines for each span of a cubic, as documented, and quads for each span of a patch."""
@@ -35,14 +35,17 @@ class Cloud:
         """Each (n, k), by attribute: coordinates in the order of meshes without a material."""
         if self.corners is None:
             return {}
-        uvs = uv_sets(prim, time, self.corners)
+        entries = carried(prim)
+        uvs = uv_sets(entries, time, self.corners)
         names = sorted(uvs, key=lambda name: (name != "st", name))
         result = {f"TEXCOORD_{slot}": uvs[name] for slot, name in enumerate(names)}
-        return result | customs(prim, time, self.corners)
+        return result | customs(entries, time, self.corners)
 
     def misfits(self, prim: Usd.Prim, time: Usd.TimeCode) -> tuple[str, ...]:
         """Primvars of which some value has no place."""
-        return () if self.corners is None else misfits(prim, time, self.corners, _COLORS)
+        if self.corners is None:
+            return ()
+        return misfits(prim, carried(prim), time, self.corners, _COLORS)
 
 
 def _drawn(

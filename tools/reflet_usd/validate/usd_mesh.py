@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
-from .usd_primvars import CornerMap, array_of, corner_colors, customs, misfits, uv_sets
+from .usd_primvars import CornerMap, array_of, carried, corner_colors, customs, misfits, uv_sets
 
 
 @dataclasses.dataclass
@@ -56,6 +56,7 @@ def read_mesh(
     positions = points[indices[corners.index]]
     face_materials, paths = materials or (np.full(len(counts), -1), [])
     scheme = mesh.GetSubdivisionSchemeAttr().Get(time) or "catmullClark"
+    entries = carried(prim)
     told = {"normals"} if scheme == "none" else set()
     told |= set() if paths else {"displayColor", "displayOpacity"}
     normals = _normals(mesh, time, corners) if scheme == "none" else None
@@ -65,15 +66,15 @@ def read_mesh(
         points[indices[corners.optional_index]],
         corners.optional_triangles,
         normals,
-        uv_sets(prim, time, corners),
+        uv_sets(entries, time, corners),
         corner_colors(prim, time, corners),
         face_materials[corners.faces],
         paths,
         scheme == "none" and normals is None,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
         corners.optional_counts,
-        customs=customs(prim, time, corners),
-        misfits=misfits(prim, time, corners, told) if corners.is_whole else (),
+        customs=customs(entries, time, corners),
+        misfits=misfits(prim, entries, time, corners, told) if corners.is_whole else (),
     )
 
 

@@ -15,7 +15,8 @@ NO_COLOR = 0.18
 """UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
 _UV_TYPES = re.compile(r"(texCoord[23][fdh]|float2|double2|half2|Vec2f)\[\]")
 _FLOATS = re.compile(r"(?:float|double|half|color|vector|normal|point)([234]?)[fdh]?\[\]")
-HANDLED = ("displayColor", "displayOpacity", "normals")
+HANDLED = {"displayColor": 3, "displayOpacity": 1, "normals": 3}
+"""Primvars with rules of their own, and how many numbers an element has."""
 _MOST = 4
 """Numbers of one vertex attribute."""
 
@@ -106,20 +107,20 @@ def carried(prim: Usd.Prim) -> list[Carried]:
     return result
 
 
-def uv_sets(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
+def uv_sets(entries: list[Carried], time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
     """(n, 2) coordinates at the corners, by primvar."""
     result = {}
-    for entry in carried(prim):
+    for entry in entries:
         values = _at_corners(entry, time, corners) if entry.is_uv and entry.width < _MOST else None
         if values is not None:
             result[entry.name] = values[:, :2]
     return result
 
 
-def customs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
+def customs(entries: list[Carried], time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
     """(n, k) values at the corners, by attribute; of coordinates where a third one counts."""
     result = {}
-    for entry in carried(prim):
+    for entry in entries:
         usable = entry.attribute and entry.width <= (_MOST - 1 if entry.is_uv else _MOST)
         values = _at_corners(entry, time, corners) if usable else None
         if values is not None and (not entry.is_uv or values[:, 2:].any()):
@@ -136,16 +137,21 @@ def _at_corners(entry: Carried, time: Usd.TimeCode, corners: CornerMap) -> Array
 
 
 def misfits(
-    prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap, told: set[str]
+    prim: Usd.Prim,
+    entries: list[Carried],
+    time: Usd.TimeCode,
+    corners: CornerMap,
+    told: set[str],
 ) -> tuple[str, ...]:
     """The primvars of which some value has no place: too many, too few, or too long elements.
 
-    `told` are those of color and normals that are drawn.
+    `entries` are those that are `carried`, `told` those of color and normals that are drawn.
     """
-    found = {entry.name: entry for entry in carried(prim)}
-    for name, width in (("displayColor", 3), ("displayOpacity", 1), ("normals", 3)):
+    found = {entry.name: entry for entry in entries}
+    for name in sorted(told):
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-        if name in told and primvar and primvar.HasValue() and primvar.GetTypeName().isArray:
+        if primvar and primvar.HasValue() and primvar.GetTypeName().isArray:
+            width = HANDLED[name] * max(1, primvar.GetElementSize())
             found[name] = Carried(name, primvar, width, False, "")
     return tuple(name for name, entry in sorted(found.items()) if not _fits(entry, time, corners))
 
