@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 from .checks import BARS, Checks
 from .compare_rig import camera_values, light_values, matrix_distance
 from .distances import attribute_distance, one_way, open_edges, set_distance
-from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_SET, absent
 from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
-from .uv_compare import compare_customs, compare_uvs
+from .uv_compare import compare_customs, compare_point_values, compare_uvs
 
 Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
@@ -72,6 +72,10 @@ class SceneComparer:
             self._is_carried(key, there, kind)
         for prim, lost in truth.lost.items():
             self._lost(prim, lost)
+        for prim, names in truth.misfits.items():
+            for name in names:
+                text = f"'{name}' has values without a place"
+                self.checks.add_lost(prim, UV_SET, text, name)
         for prim in sorted(truth.mesh_lights):
             self.checks.add_lost(prim, SHINES, "shines")
 
@@ -153,6 +157,8 @@ class SceneComparer:
                 assert found is not None
                 value = set_distance(expected.points, found.points) / self.diagonal
                 self.checks.add("positions", key, value, "points", self.slack)
+                reach = self.diagonal * (BARS["positions"].limit + self.slack)
+                compare_point_values(self.checks, key, expected, found, reach)
         if not len(expected.positions):
             return
         there = found is not None and bool(len(found.positions))
