@@ -178,6 +178,7 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
     if is_folded {
         return;
     }
+    ui.add_space(3.0);
     egui::ScrollArea::vertical()
         .id_salt("problems")
         .max_height(height)
@@ -254,7 +255,10 @@ mod tests {
     fn many_mistakes_leave_most_of_a_small_picture() {
         let lines: String = (0..60).map(|i| format!("wrong{i} = 1\n")).collect();
         let mut harness = harness(&format!("version = 1\n{lines}"));
-        let (title, picture) = (harness.get_by_label_contains("60"), harness.state().picture);
+        let (title, picture) = (
+            harness.get_by_label_contains("stays:"),
+            harness.state().picture,
+        );
         let covered = picture.bottom() - title.rect().top();
         assert!(covered < 0.6 * picture.height(), "{covered}");
         let all = Mistake::all(&harness.state().problems);
@@ -297,7 +301,8 @@ mod tests {
         harness.get_by_label_contains("(and 1 more)");
         harness.get_by_label("unfold").click();
         harness.run();
-        harness.get_by_label("my.toml:3:1");
-        harness.get_by_label("my.toml:4:7");
+        for mistake in Mistake::all(&harness.state().problems) {
+            harness.get_by_label(&mistake.place.expect("a place"));
+        }
     }
 }

@@ -129,6 +129,9 @@ fn side_menu(ui: &mut Ui, id: &str, side: &mut Side) {
         .on_hover_text("the picture, or a texture that it was made from");
 }
 
+/// After each group of the bar, points.
+const GAP: f32 = 8.0;
+
 /// Things that stay side by side where a narrow window breaks the row.
 fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let id = ui.scope_id().with(name);
@@ -142,6 +145,7 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
         ui.data_mut(|data| data.insert_temp(id, width));
         ui.ctx().request_discard("the width of a group is another");
     }
+    ui.add_space(GAP);
 }
 
 /// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
@@ -324,16 +328,17 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
             let numbers = [
                 ("SSIM", number(&|s| Some(format!("{:.4}", s.ssim?)))),
                 ("PSNR", number(&|s| Some(format!("{:.1} dB", s.psnr_db)))),
-                (
-                    "FLIP mean",
-                    number(&|s| Some(format!("{:.4}", s.flip_mean))),
-                ),
+                ("FLIP", number(&|s| Some(format!("{:.4}", s.flip_mean)))),
                 ("99 %", number(&|s| Some(format!("{:.4}", s.flip_p99)))),
             ];
             egui::Grid::new("scores").num_columns(4).show(ui, |ui| {
                 for row in numbers.chunks(2) {
                     for (name, value) in row {
-                        ui.label(*name);
+                        ui.label(*name).on_hover_text(match *name {
+                            "FLIP" => "mean over the picture",
+                            "99 %" => "FLIP that 99 % of the pixels do not exceed",
+                            _ => "over the picture",
+                        });
                         ui.monospace(value);
                     }
                     ui.end_row();
@@ -349,13 +354,12 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
             };
             let of_what = egui::RichText::new(of_what).weak();
             ui.add(egui::Label::new(of_what).truncate());
-            ui.add_enabled_ui(judged.is_some(), |ui| {
-                let mut shows = choice.heat && judged.is_some();
-                if ui.checkbox(&mut shows, "show where (FLIP)").changed() {
-                    choice.heat = shows;
-                }
-                plot::heat_scale(ui);
-            });
+            let mut shows = choice.heat && judged.is_some();
+            let switch = egui::Checkbox::new(&mut shows, "show where (FLIP)");
+            if ui.add_enabled(judged.is_some(), switch).changed() {
+                choice.heat = shows;
+            }
+            plot::heat_scale(ui);
         });
 }
 

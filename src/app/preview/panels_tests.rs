@@ -90,7 +90,9 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
     let mut harness = harness(|ui, state| {
         bar(ui, &mut state.choice, &state.facts, &mut state.wishes);
     });
-    click(&mut harness, "ssr");
+    let ssr = harness.get_all_by_label("ssr").next();
+    ssr.expect("of the left side").click();
+    harness.run();
     assert_eq!(harness.state().choice.a.method, Method::Ssr);
     let sides = |harness: &Harness<'_, State>| {
         let all = harness.get_all_by_label("ssr");
@@ -127,8 +129,7 @@ fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
         assert!(rows < 2.5, "{width}: {rows} rows");
         let menus = harness.get_all_by_role(Role::ComboBox);
         let menus: Vec<_> = menus.map(|menu| menu.rect()).collect();
-        let label = harness.get_all_by_label("camera").next();
-        let label = label.expect("a label").rect();
+        let label = harness.get_by_role_and_label(Role::Label, "camera").rect();
         let camera = menus.last().expect("a menu");
         assert!(camera.left() > label.right() && camera.y_range().contains(label.center().y));
         for menu in menus {

@@ -118,8 +118,12 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
         ["params.speed=2.0", "params.count=40"]
     );
     harness.run();
+    let is_marked = |harness: &Harness<'_, State>| {
+        let mut marked = harness.query_all_by_label("count (refused)");
+        marked.next().is_some()
+    };
+    assert!(is_marked(&harness));
     for label in [
-        "count (refused)",
         "refused: count = 60; the picture has count = 40",
         "at most 50 fit",
         "walk.rhai",
@@ -138,11 +142,11 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     harness.run();
     let asked = harness.state().asked.last().expect("asks").settings();
     assert_eq!(asked, ["params.count=40", "params.speed=1.0"]);
-    harness.get_by_label("count (refused)");
+    assert!(is_marked(&harness));
     click(&mut harness, "try again");
     let asked = harness.state().asked.last().expect("asks").settings();
     assert_eq!(asked, ["params.speed=1.0", "params.count=60"]);
-    assert!(harness.query_by_label_contains("refused").is_none());
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
 }
 
 #[test]
@@ -155,14 +159,14 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     let marked = knobs.clone();
     harness.run();
     click(&mut harness, "take back");
-    assert!(harness.query_by_label_contains("refused").is_none());
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
     assert!(harness.state().asked.is_empty(), "it was not in force");
     harness.state_mut().knobs = marked.clone();
     harness.run();
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(45.0);
     harness.run();
-    assert!(harness.query_by_label_contains("refused").is_none());
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
     let asked = harness.state().asked.last().expect("asks").settings();
     assert_eq!(asked, ["params.speed=2.0", "params.count=45"]);
     harness.state_mut().knobs = marked.clone();
