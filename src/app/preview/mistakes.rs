@@ -2,15 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{self, Color32, Rect, RichText, Ui, vec2};
+use eframe::egui::{self, Rect, RichText, Ui, vec2};
 
 use crate::{
     app::live::Problems,
     scene::diagnostic::{Diagnostic, Severity, Span},
 };
 
-/// What is wrong.
-pub const RED: Color32 = Color32::from_rgb(255, 110, 100);
 /// The list is at most so wide and high, points, and covers at most this part of the picture's
 /// height.
 const MOST: egui::Vec2 = vec2(860.0, 220.0);
@@ -101,7 +99,7 @@ impl Mistake {
                     ui.ctx().copy_text(place.clone());
                 }
                 let place = RichText::new(place).monospace();
-                ui.add(egui::Label::new(place.color(Color32::from_rgb(150, 190, 240))).truncate());
+                ui.add(egui::Label::new(place.color(ui.visuals().hyperlink_color)).truncate());
             });
         }
         for (what, text) in &self.more {
@@ -170,7 +168,7 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
             }
             let left = egui::Layout::left_to_right(egui::Align::Center);
             ui.with_layout(left.with_main_align(egui::Align::Min), |ui| {
-                let title = RichText::new(title).strong().color(RED);
+                let title = RichText::new(title).color(ui.visuals().error_fg_color);
                 ui.add(egui::Label::new(title).truncate());
             });
         });

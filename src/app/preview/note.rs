@@ -12,41 +12,41 @@ pub struct Note {
     text: String,
     /// Since when it is shown, seconds; `None` before its first picture.
     since: Option<f64>,
-    stays: bool,
+    /// What is said where there is nothing else.
+    lasting: String,
 }
 
 impl Note {
     /// Says something in place of what was said.
     pub fn say(&mut self, text: impl Into<String>) {
-        if !self.stays {
-            *self = Self {
-                text: text.into(),
-                ..Self::default()
-            };
-        }
+        (self.text, self.since) = (text.into(), None);
     }
 
-    /// Says something that stays true: it does not leave.
+    /// Says something that stays true: it is there whenever there is nothing newer.
     pub fn say_for_good(&mut self, text: impl Into<String>) {
-        self.say(text);
-        self.stays = true;
+        self.lasting = text.into();
+        self.say("");
     }
 
     /// What is said.
     pub fn text(&self) -> &str {
-        &self.text
+        if self.text.is_empty() {
+            &self.lasting
+        } else {
+            &self.text
+        }
     }
 
     /// Forgets what is over: it was shown long enough, or somebody `acts` on another thing. Seconds
     /// until it must be looked at again; `None` where it can stay as it is.
     fn age(&mut self, acts: bool, now_s: f64) -> Option<f64> {
-        if self.text.is_empty() || self.stays {
+        if self.text.is_empty() {
             return None;
         }
         let left_s = LASTS_S - (now_s - *self.since.get_or_insert(now_s));
         let is_over = left_s <= 0.0 || (acts && left_s < LASTS_S);
         if is_over {
-            *self = Self::default();
+            self.say("");
         }
         (!is_over).then_some(left_s)
     }
@@ -92,9 +92,12 @@ mod tests {
         assert_eq!(note.age(false, 21.0), Some(LASTS_S), "it was read");
         note.age(true, 22.0);
         assert_eq!(note.text(), "");
-        note.say_for_good("the renderer stopped");
+        note.say_for_good("no file is followed");
         note.say("saved");
+        assert_eq!(note.age(false, 30.0), Some(LASTS_S));
+        assert_eq!(note.text(), "saved");
+        note.age(true, 31.0);
         assert_eq!(note.age(true, 99.0), None);
-        assert_eq!(note.text(), "the renderer stopped");
+        assert_eq!(note.text(), "no file is followed");
     }
 }

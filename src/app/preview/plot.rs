@@ -1,6 +1,6 @@
 //! Small charts for the panels: a bar, stacks over time, stacked shares.
 
-use eframe::egui::{self, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
+use eframe::egui::{self, Color32, FontId, Mesh, Rect, Sense, Ui, pos2, vec2};
 
 use crate::{
     bench::metric::flip,
@@ -126,12 +126,20 @@ pub fn heat_scale(ui: &mut Ui) {
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 12.0), Sense::hover());
     let values: Vec<f32> = (0..STEPS).map(|i| i as f32 / (STEPS - 1) as f32).collect();
-    let x = |i: usize| rect.left() + rect.width() * i as f32 / STEPS as f32;
-    for (i, color) in flip::heat(&values).chunks_exact(3).enumerate() {
-        let part = Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range());
+    // One mesh: bars side by side would show their soft edges.
+    let mut mesh = Mesh::default();
+    for (value, color) in values.iter().zip(flip::heat(&values).chunks_exact(3)) {
         let color = rgb([color[0], color[1], color[2]]);
-        ui.painter().rect_filled(part, 0.0, color);
+        let last = mesh.vertices.len() as u32;
+        for y in [rect.top(), rect.bottom()] {
+            mesh.colored_vertex(pos2(rect.left() + rect.width() * value, y), color);
+        }
+        if last > 0 {
+            mesh.add_triangle(last - 2, last - 1, last);
+            mesh.add_triangle(last - 1, last, last + 1);
+        }
     }
+    ui.painter().add(mesh);
     let small = |text: &str| egui::RichText::new(text).size(SMALL);
     ui.columns(3, |columns| {
         columns[0].label(small("0: the same"));

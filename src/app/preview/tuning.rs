@@ -4,10 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::{
-    mistakes::{Mistake, RED},
-    panels::named,
-};
+use super::{mistakes::Mistake, panels::named};
 use crate::{
     app::{
         live::Refusal,
@@ -103,7 +100,7 @@ pub fn params(ui: &mut Ui, declared: &Declared, knobs: &mut Knobs) -> bool {
             for (name, own) in declared {
                 let now = knobs.shown(name, own);
                 let mut value = now.clone();
-                row(ui, label(knobs, name, own), own, &mut value);
+                row(ui, label(ui, knobs, name, own), own, &mut value);
                 if value != *now {
                     knobs.set(name, value, own);
                 }
@@ -130,9 +127,9 @@ pub fn params(ui: &mut Ui, declared: &Declared, knobs: &mut Knobs) -> bool {
 }
 
 /// Values that differ from the scene's stand out, and more so those that do not work.
-fn label(knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
+fn label(ui: &Ui, knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
     if knobs.refused(name).is_some() {
-        RichText::new(format!("{name} (refused)")).color(RED)
+        RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
     } else if knobs.tuned.get(name).unwrap_or(own) == own {
         RichText::new(name)
     } else {
@@ -161,7 +158,7 @@ fn refused(ui: &mut Ui, index: usize, declared: &Declared, knobs: &mut Knobs) ->
             line(&all.values),
             line(&in_force)
         );
-        ui.add(egui::Label::new(RichText::new(text).color(RED)).wrap());
+        ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().error_fg_color)).wrap());
         for mistake in &all.why {
             ui.scope(|ui| mistake.show(ui));
         }
