@@ -244,8 +244,6 @@ pub enum Report {
     Picked(Option<usize>),
     /// Something to tell in the status line.
     Note(String),
-    /// The same, of what stays so.
-    Lasting(String),
     /// Nothing is left to do.
     Idle,
 }

@@ -54,7 +54,6 @@ impl Window {
                 }
                 Ok(Report::Picked(material)) => self.choice.material = material,
                 Ok(Report::Note(note)) => self.note.say(note),
-                Ok(Report::Lasting(note)) => self.note.say_for_good(note),
                 Ok(Report::Idle) => self.is_busy = false,
                 Err(TryRecvError::Empty) => return,
                 Err(TryRecvError::Disconnected) => {

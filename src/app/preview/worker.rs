@@ -73,7 +73,7 @@ impl Worker {
             };
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
-                state.tell(Report::Lasting(why.clone()));
+                state.tell(Report::Note(why.clone()));
             }
             if is_waiting {
                 // What the scene imports is not watched yet either.
