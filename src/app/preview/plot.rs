@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Size of the charts' texts, points.
-const SMALL: f32 = 11.0;
+const SMALL: f32 = 10.0;
 
 /// Columns of a chart over time.
 pub const HISTORY: usize = 120;
@@ -114,7 +114,8 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
             let (dot, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
             ui.painter().rect_filled(dot, 2.0, source_color(share.name));
             ui.label(
-                egui::RichText::new(format!("{} {:.1}  ", share.name, share.percent)).size(SMALL),
+                egui::RichText::new(format!("{}\u{a0}{:.1} ", share.name, share.percent))
+                    .size(SMALL),
             );
         }
     });
