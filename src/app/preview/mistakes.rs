@@ -149,7 +149,8 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
     let is_folded = fold.stays(mistakes);
     let title = match (is_folded, mistakes) {
         (true, [only]) => only.message.clone(),
-        (true, [first, rest @ ..]) => format!("{} (and {} more)", first.message, rest.len()),
+        // First what must not be cut off.
+        (true, [first, ..]) => format!("{} mistakes: {}", mistakes.len(), first.message),
         (false, [_]) => "Not taken over, the picture stays".to_owned(),
         (_, all) => format!("Not taken over, the picture stays: {} mistakes", all.len()),
     };
@@ -296,7 +297,7 @@ mod tests {
         harness.run();
         harness.get_by_label("fold").click();
         harness.run();
-        harness.get_by_label_contains("(and 1 more)");
+        harness.get_by_label_contains("2 mistakes: ");
         harness.get_by_label("unfold").click();
         harness.run();
         for mistake in Mistake::all(&harness.state().problems) {
