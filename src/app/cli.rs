@@ -121,7 +121,7 @@ pub struct RenderArgs {
                         wheel goes closer, F frames, Space plays and pauses, the arrow keys step by \
                         frames, B wipes between two methods, F12 writes a picture, H lists all \
                         keys. Script parameters have sliders. After a mistake in a file the last \
-                        good picture stays, with the place of the mistake below it."
+                        good picture stays, with the place of the mistake over it."
 )]
 pub struct PreviewArgs {
     /// Scene file or model; without one, the built-in atrium

@@ -146,8 +146,13 @@ impl AtOnce for Live {
             files: true,
             edits: true,
         };
-        let errand = self.reading(keeps, self.posed_frame());
-        self.take(errand.run())
+        loop {
+            let errand = self.reading(keeps, self.posed_frame());
+            let reload = self.take(errand.run());
+            if !self.reads_again() {
+                return reload;
+            }
+        }
     }
 }
 

@@ -98,6 +98,7 @@ pub(super) enum Outcome {
     /// The scene and its wanted frame.
     Read {
         read: Result<(Read, Pose), Vec<Diagnostic>>,
+        tuned: Tuned,
         keeps: Keeps,
     },
     /// Another frame of this scene.
@@ -138,6 +139,7 @@ impl Errand {
                     let pose = pose_of(&read.desc, read.frame);
                     (read, pose)
                 }),
+                tuned,
                 keeps,
             },
             Work::Pose { desc, frame } => Outcome::Posed {
@@ -172,7 +174,8 @@ pub(super) fn read(
         tuned.keep_what_fits(declared);
     }
     let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
-    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, texts)?;
+    let parsed = parse::parse_traced(&text, &name, &overrides, texts);
+    let (desc, warnings) = parsed.map_err(|mistakes| tuned.name_sliders(mistakes))?;
     let frame = within(&desc, frame);
     Ok(Read {
         desc: Arc::new(desc),
@@ -218,16 +221,11 @@ impl Live {
         self.ahead = Trail::default();
         Errand::new(Work::Read {
             origin: self.origin.clone(),
-            tuned: self.tuned.clone(),
+            tuned: self.asked().clone(),
             texts: self.ahead.clone(),
             frame,
             keeps,
         })
-    }
-
-    /// Lays other values over the script's parameters, for the next [`Live::reading`].
-    pub fn tune(&mut self, tuned: Tuned) {
-        self.tuned = tuned;
     }
 
     /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
@@ -259,9 +257,11 @@ impl Live {
             took,
         } = done;
         let mut reload = self.measured(|live, reload| match outcome {
-            Outcome::Read { read, keeps } => {
+            Outcome::Read { read, tuned, keeps } => {
                 live.read_since = since;
+                let (is_trial, before) = (tuned != live.tuned, live.problems.clone());
                 live.take_scene(read, keeps, reload);
+                live.judge(&tuned, is_trial, before, reload);
             }
             Outcome::Posed { desc, frame, pose } => live.take_pose(&desc, frame, pose, reload),
         });

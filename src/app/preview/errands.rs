@@ -240,10 +240,19 @@ impl State {
         self.errands.reading = None;
         self.errands.posing = None; // of the scene before
         let reload = wanted.before.and(self.live.take(done));
+        if self.live.reads_again() {
+            self.errands.want(wanted);
+            return Some(false);
+        }
         self.watch(watcher);
-        match wanted.saved {
-            Some(since) => self.reloads.push((reload, since)),
-            None => self.tell(Report::Tuned(reload)),
+        let refusal = self.live.refusal();
+        match (&refusal, wanted.saved) {
+            (_, Some(since)) => self.reloads.push((reload, since)),
+            (None, None) => self.tell(Report::Tuned(reload)),
+            (Some(_), None) => {}
+        }
+        if let Some(refusal) = refusal {
+            self.tell(Report::Refused(Box::new(refusal)));
         }
         self.tell_facts();
         Some(reload.ok)

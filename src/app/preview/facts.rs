@@ -4,7 +4,7 @@ use std::{path::PathBuf, time::Instant};
 
 use crate::{
     app::{
-        live::{Edit, Live, Problems, Reload},
+        live::{Edit, Live, Problems, Refusal, Reload},
         params::{Declared, Tuned},
         watch::Changes,
     },
@@ -230,6 +230,8 @@ pub enum Report {
     Facts(Box<Facts>),
     /// What other parameters did.
     Tuned(Reload),
+    /// Parameters that do not work.
+    Refused(Box<Refusal>),
     /// A reload, and from the first word of it to the new picture, milliseconds.
     Reloaded(Reload, f64),
     /// Since when a script runs that pictures do not wait for; `None` when it has ended.

@@ -41,6 +41,7 @@ pub fn panel(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<W
                         }
                     }
                 });
+            ui.add_space(3.0);
             let selected = choice.material.and_then(|index| facts.materials.get(index));
             let Some(row) = selected else {
                 ui.weak("click one here or in the picture");

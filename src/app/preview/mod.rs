@@ -31,7 +31,9 @@ pub mod facts;
 mod inspect;
 mod materials;
 mod messages;
+mod mistakes;
 pub mod navigate;
+mod note;
 mod panels;
 mod picture;
 mod plot;
@@ -131,6 +133,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
             // Units and hints are read too.
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+            style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
         });
         let repaint = context.egui_ctx.clone();
         let worker = Worker::start(gpu, live, is_waiting, move || repaint.request_repaint());

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use super::{
     canvas::Canvas,
     facts::{Side, Task},
-    messages,
+    mistakes,
     panels::method_name,
     window::Window,
 };
@@ -19,18 +19,7 @@ impl Window {
         self.viewport = [pixels.x, pixels.y].map(|side| side.max(0.0).round() as u32);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.paint(ui, frame, rect);
-        if !self.facts.problems.is_empty() {
-            // Over the picture: were it beside, a mistake would change the picture's size.
-            egui::Area::new(egui::Id::unique("reflet problems"))
-                .pivot(egui::Align2::LEFT_BOTTOM)
-                .fixed_pos(rect.left_bottom() + vec2(8.0, -8.0))
-                .show(ui.ctx(), |ui| {
-                    egui::Frame::popup(ui.style()).show(ui, |ui| {
-                        ui.set_width((rect.width() - 32.0).max(40.0));
-                        messages::problems(ui, &self.facts.problems);
-                    });
-                });
-        }
+        mistakes::over(ui, rect, &self.facts.problems, &mut self.fold);
         let grabbed = self.choice.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed
@@ -159,7 +148,8 @@ impl Window {
             let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
             if notches != 0.0 && flies {
                 self.navigator.change_speed(notches);
-                self.note = format!("flying at {:.2} m/s", self.navigator.speed_m);
+                let speed_m = self.navigator.speed_m;
+                self.note.say(format!("flying at {speed_m:.2} m/s"));
             } else if notches != 0.0 {
                 self.navigator.dolly(notches);
             }

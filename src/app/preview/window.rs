@@ -4,22 +4,25 @@
 use std::{
     collections::{HashMap, VecDeque},
     iter,
+    ops::RangeInclusive,
     path::PathBuf,
     time::Instant,
 };
 
 use eframe::egui::{self, Key, Ui};
 
-use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
+use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
     facts::{Eye, Facts, Judged, Shown, Task, View},
     materials,
     messages::{self, Doing},
+    mistakes::Fold,
     navigate::{Navigator, as_text},
+    note::Note,
     panels::{self, Choice, METHODS, Wish},
     timeline::{self, Timeline},
-    tuning,
+    tuning::{self, Knobs},
     worker::Worker,
 };
 
@@ -27,8 +30,10 @@ use super::{
 const SETTLE_S: f64 = 0.15;
 /// Longest that a picture should take while the camera moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
-/// Width of the panel beside the picture, points, and of the narrowest window that has one.
-const SIDE: f32 = 320.0;
+/// Width of the panel beside the picture, points: this part of the window, in this range; and of the
+/// narrowest window that has one.
+const SIDE_PART: f32 = 0.36;
+const SIDE: RangeInclusive<f32> = 250.0..=320.0;
 const HAS_SIDE: f32 = 560.0;
 /// How long a script runs before that is told, seconds, and how often from then on.
 const LONG_S: f64 = 0.3;
@@ -44,7 +49,11 @@ pub struct Window {
     pub(super) navigator: Navigator,
     /// Where time is, if the scene has frames.
     pub(super) timeline: Option<Timeline>,
-    pub(super) tuned: Tuned,
+    /// Where time was when the scene last had some.
+    pub(super) put_away: Option<Timeline>,
+    pub(super) knobs: Knobs,
+    /// Whether the list of mistakes is folded.
+    pub(super) fold: Fold,
     pub(super) shown: Option<Shown>,
     pub(super) judged: Option<Judged>,
     /// How often the scene has changed: what was compared before is of another.
@@ -57,7 +66,7 @@ pub struct Window {
     asked: Option<View>,
     /// When the camera moved last, seconds.
     moved_at: f64,
-    pub(super) note: String,
+    pub(super) note: Note,
     /// Since when a script runs that the picture does not wait for.
     pub(super) script: Option<Instant>,
     pub(super) is_busy: bool,
@@ -83,7 +92,9 @@ impl Window {
         Self {
             navigator: Navigator::new(start, &facts.bounds),
             timeline: facts.timeline.as_ref().map(Timeline::new),
-            tuned: Tuned::default(),
+            put_away: None,
+            knobs: Knobs::default(),
+            fold: Fold::default(),
             worker,
             facts,
             choice,
@@ -94,7 +105,7 @@ impl Window {
             textures: HashMap::new(),
             asked: None,
             moved_at: f64::NEG_INFINITY,
-            note: String::new(),
+            note: Note::default(),
             script: None,
             is_busy: false,
             viewport: [0, 0],
@@ -182,7 +193,7 @@ impl Window {
                 }
                 Wish::Copy => {
                     ui.ctx().copy_text(self.camera_text());
-                    self.note = "the camera is in the clipboard, as scene text".to_owned();
+                    (self.note).say("the camera is in the clipboard, as scene text");
                 }
                 Wish::Judge => self.ask(Task::Judge(self.edits)),
                 Wish::Shot => self.ask(Task::Shot(self.shots.clone(), self.stem.clone())),
@@ -194,10 +205,7 @@ impl Window {
                     self.edits += 1;
                     self.ask(Task::Edit(edit));
                 }
-                Wish::Tune(tuned) => {
-                    self.tuned = tuned.clone();
-                    self.ask(Task::Tune(tuned));
-                }
+                Wish::Tune(tuned) => self.ask(Task::Tune(tuned)),
             }
         }
     }
@@ -274,7 +282,7 @@ impl Window {
         }
     }
 
-    fn status(&self, ui: &mut Ui) {
+    fn status(&mut self, ui: &mut Ui) {
         let picture = self.shown.as_ref().map_or(0, |shown| shown.number);
         let doing = if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
             Doing::Plays(self.reduced())
@@ -283,7 +291,8 @@ impl Window {
         } else {
             Doing::Rests
         };
-        messages::status(ui, picture, &doing, self.script_s(), &self.note);
+        let script_s = self.script_s();
+        messages::status(ui, picture, &doing, script_s, &mut self.note);
     }
 
     /// The camera as scene text, under a name that the scene does not have.
@@ -305,21 +314,20 @@ impl Window {
         area.show(ui, |ui| {
             // Beside the scroll bar.
             ui.set_max_width(ui.available_width() - 8.0);
-            let mut tuned = self.tuned.clone();
-            if tuning::params(ui, &self.facts.declared, &mut tuned) {
-                wishes.push(Wish::Tune(tuned));
+            // First what is dragged: nothing above it changes its height by itself.
+            if tuning::params(ui, &self.facts.declared, &mut self.knobs) {
+                wishes.push(Wish::Tune(self.knobs.tuned.clone()));
             }
+            materials::panel(ui, &mut self.choice, &self.facts, wishes);
             let is_old = match (&self.judged, &self.asked) {
                 (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
                 _ => false,
             };
-            panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
+            let judged = (self.judged.as_ref()).map(|j| (j.view.a.method, &j.scores));
+            panels::judged(ui, judged, is_old, &mut self.choice);
             let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
             if let Some((_, stats)) = shown {
                 panels::shares(ui, stats, &self.history);
-            }
-            materials::panel(ui, &mut self.choice, &self.facts, wishes);
-            if let Some((_, stats)) = shown {
                 panels::times(ui, stats, &self.history);
             }
             messages::log(ui, &self.facts.log);
@@ -334,6 +342,7 @@ impl Window {
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let now_s = ui.input(|i| i.time);
+        self.note.give_way(ui, now_s);
         self.receive(now_s);
         let mut wishes = Vec::new();
         self.keys(ui, &mut wishes);
@@ -356,23 +365,20 @@ impl eframe::App for Window {
                 ui.add_space(1.0);
             });
         }
-        if ui.available_width() >= HAS_SIDE {
+        let width = ui.available_width();
+        if width >= HAS_SIDE {
+            let side = (width * SIDE_PART).clamp(*SIDE.start(), *SIDE.end());
             egui::Panel::right("side")
                 .resizable(false)
-                .exact_size(SIDE)
+                .exact_size(side)
                 .show(ui, |ui| self.side_panel(ui, &mut wishes));
         }
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
         let mut is_open = self.choice.help;
-        egui::Window::new("Keys")
-            .open(&mut is_open)
-            .constrain_to(central.response.rect)
-            .default_pos(central.response.rect.min + egui::vec2(16.0, 16.0))
-            .resizable(false)
-            .collapsible(false)
-            .show(ui.ctx(), messages::help);
+        messages::help(ui, &mut is_open);
         self.choice.help &= is_open;
         self.grant(ui, wishes);
         self.ask_view(ui, central.inner);
+        self.note.tick(ui, now_s);
     }
 }
