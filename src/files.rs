@@ -14,6 +14,8 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 /// Clocks of file systems tick this coarsely.
 const CLOCK_TICK: Duration = Duration::from_millis(50);
+/// Longer than any clock of a file system takes for a tick: two seconds on FAT.
+const FRESH: Duration = Duration::from_secs(3);
 
 /// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
 /// was at `path` stays whole until then.
@@ -106,6 +108,40 @@ pub fn written_since(path: &Path, since: SystemTime) -> bool {
     #[cfg(not(unix))]
     let moved = false;
     modified || moved
+}
+
+/// What the system says of a file without reading it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    /// Of the inode: its number and when it was last changed.
+    #[cfg(unix)]
+    inode: (u64, i64, i64),
+}
+
+impl Stamp {
+    /// Of a file that is there.
+    pub fn of(path: &Path) -> Option<Self> {
+        #[cfg(unix)]
+        use std::os::unix::fs::MetadataExt as _;
+        let metadata = fs::metadata(path).ok()?;
+        Some(Self {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+            #[cfg(unix)]
+            inode: (metadata.ino(), metadata.ctime(), metadata.ctime_nsec()),
+        })
+    }
+
+    /// Whether the file's content may be another than when it had this stamp, or none. Within a tick
+    /// of the clock it may change twice, so what was written just now may always.
+    pub fn may_differ(before: Option<&Self>, path: &Path) -> bool {
+        let now = Self::of(path);
+        let written = now.as_ref().and_then(|stamp| stamp.modified);
+        let age = written.and_then(|time| time.elapsed().ok());
+        before != now.as_ref() || age.is_some_and(|age| age < FRESH)
+    }
 }
 
 /// Reads all of a text.

@@ -103,6 +103,8 @@ impl View {
 pub enum Task {
     /// Files changed; since when that is known.
     Reload(Changes, Instant),
+    /// Tell why saves are seen only now and then; `None` when that is over.
+    Unwatched(Option<String>),
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
@@ -240,6 +242,8 @@ pub enum Report {
     Judged(Box<Judged>),
     /// The material under the pointer.
     Picked(Option<usize>),
+    /// Why saves are seen only now and then, and what to do; `None` when that is over.
+    Unwatched(Option<String>),
     /// Something to tell in the status line.
     Note(String),
     /// Nothing is left to do.

@@ -35,7 +35,7 @@ impl State {
                 self.tell(Report::Note(said));
                 Ok(())
             }
-            Task::Reload(..) | Task::Edit(_) | Task::Tune(_) => Ok(()),
+            Task::Reload(..) | Task::Unwatched(_) | Task::Edit(_) | Task::Tune(_) => Ok(()),
         };
         if let Err(error) = done {
             self.refuse(&error);

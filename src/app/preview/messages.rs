@@ -136,6 +136,12 @@ pub fn problems(ui: &mut Ui, problems: &Problems) {
         });
 }
 
+/// That saves are seen only now and then: it stays until that is over.
+pub fn unwatched(ui: &mut Ui, why: &str) {
+    let text = format!("Saves show late, for {why}. Files are looked at now and then meanwhile.");
+    ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
+}
+
 /// Facts and warnings about the scene.
 pub fn scene(ui: &mut Ui, facts: &Facts) {
     let title = match facts.warnings.len() {

@@ -60,6 +60,8 @@ pub struct Window {
     pub(super) note: String,
     /// Since when a script runs that the picture does not wait for.
     pub(super) script: Option<Instant>,
+    /// Why saves are seen only now and then, and what to do.
+    pub(super) unwatched: Option<String>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
     shots: PathBuf,
@@ -96,6 +98,7 @@ impl Window {
             moved_at: f64::NEG_INFINITY,
             note: String::new(),
             script: None,
+            unwatched: None,
             is_busy: false,
             viewport: [0, 0],
             shots,
@@ -343,6 +346,9 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if let Some(why) = &self.unwatched {
+            egui::Panel::bottom("unwatched").show(ui, |ui| messages::unwatched(ui, why));
+        }
         if self.script.is_some() {
             ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
         }

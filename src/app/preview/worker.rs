@@ -21,7 +21,7 @@ use crate::{
     app::{
         aov,
         live::{Edit, Live, Reload, Wishes},
-        watch::{Change, WatchList, Watcher},
+        watch::{Change, News, WatchList, Watcher},
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats, targets::Target},
@@ -54,8 +54,12 @@ impl Worker {
         let inbox = desk.clone();
         let body = move || {
             let desk = inbox.clone();
-            let watcher =
-                Watcher::new(move |changes, since| desk.ask(Task::Reload(changes, since)));
+            let watcher = Watcher::new(move |news| {
+                desk.ask(match news {
+                    News::Changed(changes, since) => Task::Reload(changes, since),
+                    News::Trouble(why) => Task::Unwatched(why),
+                });
+            });
             let mut state = State {
                 gpu,
                 live,
@@ -73,7 +77,7 @@ impl Worker {
             };
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
-                state.tell(Report::Note(why.clone()));
+                state.tell(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
                 // What the scene imports is not watched yet either.
@@ -159,6 +163,7 @@ impl State {
                         self.edit(edit);
                     }
                     Task::Tune(tuned) => self.tune(tuned),
+                    Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
                     task => after.push(task),
                 }
             }
