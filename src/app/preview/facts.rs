@@ -109,12 +109,28 @@ pub enum Task {
     Edit(Edit),
     /// Change the script's parameters.
     Tune(Tuned),
-    /// Compare the left side's method with `rt`.
-    Judge(u64),
-    /// Write the left side's picture.
-    Shot(PathBuf, String),
+    /// Look closer at a frame, once it is posed.
+    Inspect(Inspection),
     /// Which material is at this part of the picture, from the top left.
     Pick([f32; 2]),
+}
+
+/// What is done on demand with the left side of a view, in its frame.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    /// Of what.
+    pub view: View,
+    /// What is done.
+    pub with: Inspect,
+}
+
+/// What can be done with a frame on demand.
+#[derive(Clone, Debug)]
+pub enum Inspect {
+    /// Compare its method with `rt`; the number comes back with the answer.
+    Judge(u64),
+    /// Write its picture into this folder, under a name that begins so.
+    Shot(PathBuf, String),
 }
 
 /// A material as the panel lists it.

@@ -13,7 +13,7 @@ use eframe::egui::{self, Key, Ui};
 use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    facts::{Eye, Facts, Judged, Shown, Task, View},
+    facts::{Eye, Facts, Inspect, Inspection, Judged, Shown, Task, View},
     materials,
     messages::{self, Doing},
     navigate::{Navigator, as_text},
@@ -187,8 +187,10 @@ impl Window {
                     ui.ctx().copy_text(self.camera_text());
                     self.note = "the camera is in the clipboard, as scene text".to_owned();
                 }
-                Wish::Judge => self.ask(Task::Judge(self.edits)),
-                Wish::Shot => self.ask(Task::Shot(self.shots.clone(), self.stem.clone())),
+                Wish::Judge => self.inspect(Inspect::Judge(self.edits)),
+                Wish::Shot => {
+                    self.inspect(Inspect::Shot(self.shots.clone(), self.stem.clone()));
+                }
                 Wish::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
@@ -203,6 +205,18 @@ impl Window {
                 }
             }
         }
+    }
+
+    /// Asks for something of the view's frame; while time runs, of the one that is seen.
+    fn inspect(&mut self, with: Inspect) {
+        let Some(mut view) = self.asked.clone() else {
+            self.note = "nothing is shown yet".to_owned();
+            return;
+        };
+        if let (true, Some(shown)) = (view.plays, &self.shown) {
+            view.frame = shown.frame;
+        }
+        self.ask(Task::Inspect(Inspection { view, with }));
     }
 
     /// Asks for the view, if it is another than before.
