@@ -117,7 +117,7 @@ impl Watcher {
         let thread = thread::Builder::new()
             .name("watch".into())
             .spawn(move || watching.run(&inbox, &report))
-            .map_err(|error| format!("files cannot be watched: {error}"))?;
+            .map_err(|error| format!("saved files are not followed: {error}; start again"))?;
         Ok(Self {
             messages,
             thread: Some(thread),

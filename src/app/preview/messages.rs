@@ -136,9 +136,9 @@ pub fn problems(ui: &mut Ui, problems: &Problems) {
         });
 }
 
-/// That saves are seen only now and then: it stays until that is over.
+/// Why saves are seen late or not at all, and what to do: it stays until that is over.
 pub fn unwatched(ui: &mut Ui, why: &str) {
-    let text = format!("Saves show late, for {why}. Files are looked at now and then meanwhile.");
+    let text = format!("Saves: {why}");
     ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
 }
 

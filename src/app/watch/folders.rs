@@ -138,18 +138,21 @@ impl Folders {
 
     /// What the system refuses, and what to do about it.
     pub fn trouble(&self) -> Option<String> {
+        const MEANWHILE: &str = "meanwhile they are looked at four times a second";
         if let Err(refusal) = &self.system {
-            return Some(refusal.why.clone());
+            return Some(format!("{}; {MEANWHILE}", refusal.why));
         }
         let mut refused = self.folders.values().filter_map(|state| match state {
             Folder::Refused(refusal) => Some(refusal),
             _ => None,
         });
         let first = refused.next()?;
-        Some(match refused.count() {
-            0 => first.why.clone(),
-            more => format!("{} (and {more} folders more)", first.why),
-        })
+        let others = match refused.count() {
+            0 => String::new(),
+            1 => " (and of another folder)".to_owned(),
+            more => format!(" (and of {more} other folders)"),
+        };
+        Some(format!("{}{others}; {MEANWHILE}", first.why))
     }
 }
 
