@@ -21,7 +21,8 @@ pub use self::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
         LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
         NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, PairKeyDesc,
-        PairOscillateDesc, PairTrackDesc, ParamValue, TimelineDesc, TrackDesc, Tracks,
+        PairOscillateDesc, PairTrackDesc, ParamValue, ScaleKeyDesc, ScaleOscillateDesc,
+        ScaleTrackDesc, TimelineDesc, TrackDesc, Tracks,
     },
 };
 use super::{diagnostic::Span, script::Script};
