@@ -117,7 +117,8 @@ fn variables(text: &str) -> Vec<&str> {
     known
 }
 
-fn lower_first(text: &str) -> String {
+/// With a small first letter: Rhai's messages begin with a large one.
+pub fn lower_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_lowercase().chain(letters).collect()
@@ -321,6 +322,15 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
             ("script-error", lower_first(text), None)
         }
     }
+}
+
+/// What was wrong, without place and advice.
+pub fn words(wrong: &Wrong) -> String {
+    let nothing = Known {
+        functions: Vec::new(),
+        params: Vec::new(),
+    };
+    explain(wrong, &nothing).1
 }
 
 /// Rhai counts what is inside too, and says only of which kind it was.
