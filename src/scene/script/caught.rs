@@ -109,6 +109,6 @@ fn in_plain_words(said: &str) -> String {
     } else if let Some(name) = said.strip_prefix("Variable not found: ") {
         known(Wrong::ErrorVariableNotFound, name)
     } else {
-        error::lower_first(said)
+        known(Wrong::ErrorDotExpr, said)
     }
 }

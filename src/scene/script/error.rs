@@ -117,8 +117,7 @@ fn variables(text: &str) -> Vec<&str> {
     known
 }
 
-/// With a small first letter: Rhai's messages begin with a large one.
-pub fn lower_first(text: &str) -> String {
+fn lower_first(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_lowercase().chain(letters).collect()

@@ -233,14 +233,14 @@ fn wrong_keys_are_placed_where_they_are_written() {
 fn what_is_caught_has_a_message_and_a_place_in_plain_words() {
     let bounds = "array index 5 out of bounds: only 2 elements in array";
     for (body, caught) in [
-        ("[1, 2][5]", format!("3:21: {bounds}")),
-        ("deep()", format!("1:14: {bounds}")),
-        ("[1].map(|x| [1, 2][x + 4]);", format!("3:33: {bounds}")),
+        ("[1, 2][5]", format!("3:22: {bounds}")),
+        ("deep()", format!("1:20: {bounds}")),
+        ("[1].map(|x| [1, 2][5]);", format!("3:34: {bounds}")),
         (
             "placed(1)",
             "3:15: there is no function `placed`".to_owned(),
         ),
-        ("#{ a: 1 }.b", "3:25: there is no key `b`".to_owned()),
+        ("#{ a: 1 }.b", "3:25: there is no property `b`".to_owned()),
     ] {
         let script = format!(
             "fn deep() {{ [1, 2][5] }}\nfn frame(ctx) {{\n        try {{ {body} }} catch (e) {{\n\
