@@ -64,7 +64,7 @@ const FRAMES: &[(&str, &str)] = &[
         "too large",
     ),
     ("const A = []; A.push(1);", "constant"),
-    ("let a = 5; a.push(1);", "does not take (integer, integer)"),
+    ("let a = 5; a.push(1);", "no function `push`"),
     ("let a = []; a.pad(2000000000, 0);", "too large"),
     ("let s = \"\"; s.pad(2000000000, 'x');", "too large"),
     (
