@@ -32,6 +32,7 @@ use crate::{
 };
 
 mod errand;
+mod guard;
 mod pose;
 mod reload;
 mod trial;

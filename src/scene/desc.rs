@@ -22,7 +22,8 @@ pub use self::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
         LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
         NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, PairKeyDesc,
-        PairOscillateDesc, PairTrackDesc, ParamValue, TimelineDesc, TrackDesc, Tracks,
+        PairOscillateDesc, PairTrackDesc, ParamValue, ScaleKeyDesc, ScaleOscillateDesc,
+        ScaleTrackDesc, TimelineDesc, TrackDesc, Tracks,
     },
     stage::{StageDesc, is_stage},
 };

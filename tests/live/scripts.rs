@@ -38,6 +38,9 @@ fn frame(ctx) {
 }
 "#;
 
+/// Each is a thousand saves, and some hundred of them are read.
+const BURSTS: usize = 12;
+
 const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
 
 /// A scripted scene on disk, opened.
@@ -226,7 +229,7 @@ fn every_way_of_saving_a_script_ends_with_its_last_text() {
         folder.write("sub/neighbor.rhai", "fn x() {}");
         fs::write(path, text).expect("written");
     };
-    let bursts = ("a burst", burst, 3);
+    let bursts = ("a burst", burst, BURSTS);
     let ways = SAVES.into_iter().map(|(way, save)| (way, save, ROUNDS));
     for (way, save, rounds) in ways.chain([bursts]) {
         for round in 0..rounds {

@@ -2,6 +2,7 @@
 //! do it while pictures are drawn.
 
 use std::{
+    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -9,7 +10,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{Live, Origin, Reload};
+use super::{Live, Origin, Reload, guard::guarded};
 use crate::{
     app::{
         params::{Declared, Tuned},
@@ -164,6 +165,16 @@ pub(super) fn read(
     texts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
+    let file = origin.path.as_deref().unwrap_or(Path::new("atrium"));
+    guarded(file, || read_unguarded(origin, tuned, texts, frame))
+}
+
+fn read_unguarded(
+    origin: &Origin,
+    tuned: &Tuned,
+    texts: &Trail,
+    frame: u32,
+) -> Result<Read, Vec<Diagnostic>> {
     let options = load_options(&origin.from, &Trail::default());
     let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
     let declared = parse::params(&text, &name, &origin.from.set);
@@ -198,7 +209,8 @@ pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Pose {
     if motion.is_still() {
         return Ok(None);
     }
-    motion.pose(frame).map(Some)
+    let file = (desc.script.as_ref()).map_or_else(|| desc.folder.clone(), |s| s.name().into());
+    guarded(&file, || motion.pose(frame).map(Some))
 }
 
 impl Live {

@@ -103,16 +103,34 @@ impl View {
 pub enum Task {
     /// Files changed; since when that is known.
     Reload(Changes, Instant),
+    /// Tell why saves are seen only now and then; `None` when that is over.
+    Unwatched(Option<String>),
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
     Tune(Tuned),
-    /// Compare the left side's method with `rt`.
-    Judge(u64),
-    /// Write the left side's picture.
-    Shot(PathBuf, String),
+    /// Look closer at a frame, once it is posed.
+    Inspect(Inspection),
     /// Which material is at this part of the picture, from the top left.
     Pick([f32; 2]),
+}
+
+/// What is done on demand with the left side of a view, in its frame.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    /// Of what.
+    pub view: View,
+    /// What is done.
+    pub with: Inspect,
+}
+
+/// What can be done with a frame on demand.
+#[derive(Clone, Debug)]
+pub enum Inspect {
+    /// Compare its method with `rt`; the number comes back with the answer.
+    Judge(u64),
+    /// Write its picture into this folder, under a name that begins so.
+    Shot(PathBuf, String),
 }
 
 /// A material as the panel lists it.
@@ -242,6 +260,8 @@ pub enum Report {
     Judged(Box<Judged>),
     /// The material under the pointer.
     Picked(Option<usize>),
+    /// Why saves are seen only now and then, and what to do; `None` when that is over.
+    Unwatched(Option<String>),
     /// Something to tell in the status line.
     Note(String),
     /// Nothing is left to do.

@@ -74,6 +74,12 @@ pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, n
     });
 }
 
+/// Why saves are seen late or not at all, and what to do: it stays until that is over.
+pub fn unwatched(ui: &mut Ui, why: &str) {
+    let text = format!("Saves: {why}");
+    ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
+}
+
 /// Facts and warnings about the scene.
 pub fn scene(ui: &mut Ui, facts: &Facts) {
     let title = match facts.warnings.len() {

@@ -26,6 +26,7 @@ use crate::{
 pub mod canvas;
 mod cost;
 pub mod desk;
+mod display;
 mod errands;
 pub mod facts;
 mod inspect;
@@ -46,9 +47,6 @@ pub mod worker;
 use facts::Facts;
 use window::Window;
 use worker::Worker;
-
-/// In wgpu's words: a surface was configured while pictures were being drawn. It is tried again.
-const BUSY: &str = "wait for GPU to come idle";
 
 /// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -80,6 +78,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         }
         None => env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
     };
+    display::check()?;
     let gpu = Arc::new(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?);
@@ -123,9 +122,8 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     // Renderer commands are checked where they are made; what arrives here is about the window,
     // which repairs its surface by itself, and must not end the rendering.
     (gpu.device).on_uncaptured_error(Arc::new(|error| {
-        let text = error.to_string();
-        if !text.contains(BUSY) {
-            eprintln!("warning: the window: {text}");
+        if !display::is_busy(&error) {
+            eprintln!("warning: the window: {error}");
         }
     }));
     let create = move |context: &eframe::CreationContext<'_>| {
@@ -140,11 +138,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         let window = Window::new(worker, facts, method, camera, (shots, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native(&title, options, Box::new(create)).map_err(|error| {
-        AppError::Internal(format!(
-            "no window can be opened: {error}; `reflet render` needs none"
-        ))
-    })
+    eframe::run_native(&title, options, Box::new(create)).map_err(|error| display::refused(&error))
 }
 
 /// The scene, and whether it must be read anew: where its text is there but has mistakes, they are

@@ -14,7 +14,7 @@ use crate::{
         live::Problems,
         preview::{
             facts::Row,
-            messages::{Doing, help, log, status},
+            messages::{Doing, help, log, status, unwatched},
             note::Note,
             timeline::{self, Timeline},
         },
@@ -380,4 +380,12 @@ fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
     for text in ["0: the same", "FLIP 0.5", "1: most"] {
         harness.get_by_label(text);
     }
+}
+
+#[test]
+fn a_refused_watch_is_told_as_long_as_it_lasts() {
+    let why = "the system does not tell of files saved in /a: raise the limit";
+    let mut harness = harness(|ui, _| unwatched(ui, why));
+    harness.run();
+    assert!(harness.query_by_label(&format!("Saves: {why}")).is_some());
 }

@@ -54,6 +54,7 @@ impl Window {
                 }
                 Ok(Report::Picked(material)) => self.choice.material = material,
                 Ok(Report::Note(note)) => self.note.say(note),
+                Ok(Report::Unwatched(why)) => self.unwatched = why,
                 Ok(Report::Idle) => self.is_busy = false,
                 Err(TryRecvError::Empty) => return,
                 Err(TryRecvError::Disconnected) => {

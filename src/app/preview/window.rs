@@ -14,7 +14,7 @@ use eframe::egui::{self, Key, Ui};
 use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    facts::{Eye, Facts, Judged, Shown, Task, View},
+    facts::{Eye, Facts, Inspect, Inspection, Judged, Shown, Task, View},
     materials,
     messages::{self, Doing},
     mistakes::Fold,
@@ -69,6 +69,8 @@ pub struct Window {
     pub(super) note: Note,
     /// Since when a script runs that the picture does not wait for.
     pub(super) script: Option<Instant>,
+    /// Why saves are seen only now and then, and what to do.
+    pub(super) unwatched: Option<String>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
     shots: PathBuf,
@@ -107,6 +109,7 @@ impl Window {
             moved_at: f64::NEG_INFINITY,
             note: Note::default(),
             script: None,
+            unwatched: None,
             is_busy: false,
             viewport: [0, 0],
             shots,
@@ -195,8 +198,10 @@ impl Window {
                     ui.ctx().copy_text(self.camera_text());
                     (self.note).say("the camera is in the clipboard, as scene text");
                 }
-                Wish::Judge => self.ask(Task::Judge(self.edits)),
-                Wish::Shot => self.ask(Task::Shot(self.shots.clone(), self.stem.clone())),
+                Wish::Judge => self.inspect(Inspect::Judge(self.edits)),
+                Wish::Shot => {
+                    self.inspect(Inspect::Shot(self.shots.clone(), self.stem.clone()));
+                }
                 Wish::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
@@ -208,6 +213,18 @@ impl Window {
                 Wish::Tune(tuned) => self.ask(Task::Tune(tuned)),
             }
         }
+    }
+
+    /// Asks for something of the view's frame; while time runs, of the one that is seen.
+    fn inspect(&mut self, with: Inspect) {
+        let Some(mut view) = self.asked.clone() else {
+            self.note.say("nothing is shown yet");
+            return;
+        };
+        if let (true, Some(shown)) = (view.plays, &self.shown) {
+            view.frame = shown.frame;
+        }
+        self.ask(Task::Inspect(Inspection { view, with }));
     }
 
     /// Asks for the view, if it is another than before.
@@ -352,6 +369,9 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if let Some(why) = &self.unwatched {
+            egui::Panel::bottom("unwatched").show(ui, |ui| messages::unwatched(ui, why));
+        }
         if self.script.is_some() {
             ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
         }

@@ -2,12 +2,13 @@
 //! sleeps when nothing changed.
 
 use std::{
+    collections::VecDeque,
     sync::{
         Arc,
         mpsc::{self, Receiver, Sender},
     },
     thread,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use super::{
@@ -15,13 +16,13 @@ use super::{
     cost::Cost,
     desk::Desk,
     errands::Errands,
-    facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+    facts::{Eye, Facts, Inspection, Look, Report, Shown, Side, Task, View},
 };
 use crate::{
     app::{
         aov,
         live::{Edit, Live, Reload, Wishes},
-        watch::{Change, WatchList, Watcher},
+        watch::{Change, News, WatchList, Watcher},
     },
     gpu::Gpu,
     render::{RenderError, stats::FrameStats, targets::Target},
@@ -30,6 +31,8 @@ use crate::{
 
 /// A still picture may take this long before sub-frames are left out, milliseconds.
 const STILL_MS: f64 = 1000.0;
+/// While frames follow each other, their numbers are told this often: they are read, not seen.
+const TELL: Duration = Duration::from_millis(250);
 
 /// The thread; ends when it is dropped.
 pub struct Worker {
@@ -54,8 +57,12 @@ impl Worker {
         let inbox = desk.clone();
         let body = move || {
             let desk = inbox.clone();
-            let watcher =
-                Watcher::new(move |changes, since| desk.ask(Task::Reload(changes, since)));
+            let watcher = Watcher::new(move |news| {
+                desk.ask(match news {
+                    News::Changed(changes, since) => Task::Reload(changes, since),
+                    News::Trouble(why) => Task::Unwatched(why),
+                });
+            });
             let mut state = State {
                 gpu,
                 live,
@@ -63,9 +70,11 @@ impl Worker {
                 canvases: Vec::new(),
                 heat: None,
                 errands: Errands::default(),
+                inspections: VecDeque::new(),
                 reloads: Vec::new(),
                 watched: WatchList::default(),
                 told_frame: 0,
+                told_at: Instant::now(),
                 number: 0,
                 cost: Cost::default(),
                 sender,
@@ -73,7 +82,7 @@ impl Worker {
             };
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
-                state.tell(Report::Note(why.clone()));
+                state.tell(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
                 // What the scene imports is not watched yet either.
@@ -110,12 +119,15 @@ pub(super) struct State {
     pub(super) heat: Option<Canvas>,
     /// Scripts that run.
     pub(super) errands: Errands,
+    /// What waits for its frame.
+    pub(super) inspections: VecDeque<Inspection>,
     /// What was reloaded since the last picture, and when that was saved.
     pub(super) reloads: Vec<(Reload, Instant)>,
     /// What was last said to be watched.
     pub(super) watched: WatchList,
     /// The frame of the facts that were told last.
     told_frame: u32,
+    told_at: Instant,
     number: u64,
     cost: Cost,
     sender: Sender<Report>,
@@ -130,7 +142,7 @@ impl State {
     }
 
     pub(super) fn tell_facts(&mut self) {
-        self.told_frame = self.live.posed_frame();
+        (self.told_frame, self.told_at) = (self.live.posed_frame(), Instant::now());
         self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
     }
 
@@ -150,7 +162,7 @@ impl State {
                 redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
                 self.view = Some(view);
             }
-            let mut after = Vec::new();
+            let mut picks = Vec::new();
             for task in tasks {
                 match task {
                     Task::Reload(changes, since) => self.reload(&changes, since),
@@ -159,24 +171,38 @@ impl State {
                         self.edit(edit);
                     }
                     Task::Tune(tuned) => self.tune(tuned),
-                    task => after.push(task),
+                    Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
+                    Task::Inspect(inspection) => self.inspections.push_back(inspection),
+                    Task::Pick(at) => picks.push(at),
                 }
             }
             redraw |= self.errands(desk, watcher);
-            if redraw || self.reloads.iter().any(|(reload, _)| reload.ok) {
+            redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
+            if redraw && !self.is_aside() {
                 self.draw();
             }
             for (reload, since) in std::mem::take(&mut self.reloads) {
                 let ms = since.elapsed().as_secs_f64() * 1e3;
                 self.tell(Report::Reloaded(reload, ms));
             }
-            for task in after {
-                self.look(task);
+            for at in picks {
+                if let Err(error) = self.pick(at) {
+                    self.refuse(&error);
+                }
             }
-            if desk.is_empty() {
+            self.inspect();
+            if desk.is_empty() && self.inspections.is_empty() {
                 self.tell(Report::Idle);
             }
         }
+    }
+
+    /// Whether the posed frame is not the view's, but that of something on demand.
+    fn is_aside(&self) -> bool {
+        let posed = self.live.posed_frame();
+        let is_posed = |frame: u32| frame == posed;
+        (self.inspections.front()).is_some_and(|of| is_posed(of.view.frame))
+            && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
     }
 
     fn edit(&mut self, edit: Edit) {
@@ -207,9 +233,10 @@ impl State {
                     camera: self.camera(&view.eye),
                     sides,
                 })));
-                // Numbers that move are told when they rest.
+                // Numbers that move are told now and then, and when they rest.
                 let is_new = self.told_frame != self.live.posed_frame();
-                if had_problem || (is_new && view.draft_ms.is_none()) {
+                let is_time = view.draft_ms.is_none() || self.told_at.elapsed() >= TELL;
+                if had_problem || (is_new && is_time) {
                     self.tell_facts();
                 }
             }
