@@ -13,7 +13,8 @@ use reflet::{
         live::{Live, Wishes},
         preview::{
             self,
-            facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+            facts::{Eye, Facts, Report, Shown, Side, Task, View},
+            look::Look,
             worker::Worker,
         },
     },
@@ -37,10 +38,10 @@ const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
 /// One endless script at a time: each takes a whole core.
 static TURN: Mutex<()> = Mutex::new(());
 
-struct Watched {
-    worker: Worker,
+pub struct Watched {
+    pub worker: Worker,
     _turn: MutexGuard<'static, ()>,
-    folder: Folder,
+    pub folder: Folder,
     view: View,
     /// Whether a script runs that pictures do not wait for.
     runs: bool,
@@ -56,7 +57,7 @@ impl Watched {
     }
 
     /// Some scene in the preview's thread, drawn once.
-    fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
+    pub fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
@@ -82,7 +83,7 @@ impl Watched {
         this
     }
 
-    fn show(&mut self, change: impl FnOnce(&mut View)) {
+    pub fn show(&mut self, change: impl FnOnce(&mut View)) {
         change(&mut self.view);
         self.worker.desk.show(self.view.clone());
     }
@@ -99,7 +100,7 @@ impl Watched {
     }
 
     /// Waits for what `found` looks for; no report before may tell a mistake.
-    fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
+    pub fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
         let deadline = Instant::now() + MOST;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());

@@ -11,6 +11,7 @@ mod includes;
 mod kit;
 mod latency;
 mod models;
+mod picks;
 mod redone;
 mod saves;
 mod scripts;

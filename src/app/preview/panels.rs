@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
-    facts::{Facts, Judged, Look, Side},
+    facts::{Facts, Judged, Side},
+    look::{Look, side_menu},
     plot,
 };
 use crate::{
@@ -54,6 +55,8 @@ pub struct Choice {
     pub wipe_at: f32,
     /// Index of the selected material.
     pub material: Option<usize>,
+    /// Whether its numbers are to be scrolled to.
+    pub reveals: bool,
     /// Index of the scene's camera that is looked through; `None` once it was moved.
     pub through: Option<usize>,
     /// Index of the one that was looked through last.
@@ -81,6 +84,7 @@ impl Choice {
             wipe: false,
             wipe_at: 0.5,
             material: None,
+            reveals: false,
             through: None,
             home: 0,
             help: false,
@@ -107,32 +111,20 @@ pub fn method_name(method: Method) -> &'static str {
         .map_or("?", |(_, name)| name)
 }
 
-fn side_menu(ui: &mut Ui, id: &str, side: &mut Side) {
-    for (method, name) in METHODS {
-        ui.selectable_value(&mut side.method, method, name);
-    }
-    let label = ui.weak("shows");
-    let menu = egui::ComboBox::from_id_salt(id)
-        .selected_text(side.look.name())
-        .width(104.0)
-        .height(360.0)
-        .show_ui(ui, |ui| {
-            for look in Look::all() {
-                ui.selectable_value(&mut side.look, look, look.name());
-            }
-        });
-    menu.response.labelled_by(label.id);
-}
-
 /// The row above the picture.
 pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
     ui.horizontal_wrapped(|ui| {
-        side_menu(ui, "texture", &mut choice.a);
+        side_menu(ui, "texture", &mut choice.a, &facts.casters);
         ui.separator();
         ui.checkbox(&mut choice.wipe, "wipe")
             .on_hover_text("B: compare with another method or texture");
         if choice.wipe {
-            side_menu(ui, "texture of the right side", &mut choice.b);
+            side_menu(
+                ui,
+                "texture of the right side",
+                &mut choice.b,
+                &facts.casters,
+            );
         }
         ui.separator();
         let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());

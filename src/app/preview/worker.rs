@@ -14,17 +14,18 @@ use super::{
     canvas::Canvas,
     cost::Cost,
     desk::Desk,
+    drawn::Pixels,
     errands::Errands,
-    facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+    facts::{Drawn, Eye, Facts, Report, Shown, Task, View},
+    pick::Mark,
 };
 use crate::{
     app::{
-        aov,
         live::{Edit, Live, Reload, Wishes},
         watch::{Change, WatchList, Watcher},
     },
     gpu::Gpu,
-    render::{RenderError, stats::FrameStats, targets::Target},
+    render::{RenderError, stats::FrameStats},
     scene::desc::{CameraDesc, Method},
 };
 
@@ -62,6 +63,8 @@ impl Worker {
                 view: None,
                 canvases: Vec::new(),
                 heat: None,
+                mark: None,
+                outline: None,
                 errands: Errands::default(),
                 reloads: Vec::new(),
                 watched: WatchList::default(),
@@ -107,7 +110,10 @@ pub(super) struct State {
     pub(super) live: Live,
     pub(super) view: Option<View>,
     canvases: Vec<Canvas>,
-    pub(super) heat: Option<Canvas>,
+    pub(super) heat: Option<(Canvas, Pixels)>,
+    /// The selected instance.
+    pub(super) mark: Option<Mark>,
+    pub(super) outline: Option<Canvas>,
     /// Scripts that run.
     pub(super) errands: Errands,
     /// What was reloaded since the last picture, and when that was saved.
@@ -196,8 +202,8 @@ impl State {
         let Some(view) = self.view.clone() else {
             return;
         };
-        match self.sides(&view) {
-            Ok(sides) => {
+        match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
+            Ok((sides, picked)) => {
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
@@ -205,7 +211,9 @@ impl State {
                     number,
                     frame: self.live.posed_frame(),
                     camera: self.camera(&view.eye),
+                    size: view.size,
                     sides,
+                    picked,
                 })));
                 // Numbers that move are told when they rest.
                 let is_new = self.told_frame != self.live.posed_frame();
@@ -217,18 +225,19 @@ impl State {
         }
     }
 
-    fn sides(&mut self, view: &View) -> Result<Vec<(Canvas, FrameStats)>, RenderError> {
-        let mut sides = Vec::new();
-        let mut last: Option<(Method, FrameStats)> = None;
+    fn sides(&mut self, view: &View) -> Result<Vec<Drawn>, RenderError> {
+        let mut sides: Vec<Drawn> = Vec::new();
         for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
-            let stats = match last.take().filter(|(method, _)| *method == side.method) {
-                Some((_, stats)) => stats,
+            let last = sides.last().filter(|_| view.a.method == side.method);
+            let stats = match last {
+                Some(last) => last.stats.clone(),
                 None => self.render(view, side.method)?,
             };
-            last = Some((side.method, stats.clone()));
-            let canvas = self.canvas(index, stats.size)?;
-            self.fill(&canvas, side, view)?;
-            sides.push((canvas, stats));
+            let old = self.canvases.get(index).cloned();
+            let drawn = self.drawn(side, view, stats, old)?;
+            self.canvases.truncate(index);
+            self.canvases.push(drawn.canvas.clone());
+            sides.push(drawn);
         }
         Ok(sides)
     }
@@ -276,29 +285,5 @@ impl State {
         self.cost
             .learn(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)
-    }
-
-    fn canvas(&mut self, index: usize, size: [u32; 2]) -> Result<Canvas, RenderError> {
-        let old = self.canvases.get(index).cloned();
-        let canvas = Canvas::of_size(&self.gpu, old, size)?;
-        self.canvases.truncate(index);
-        self.canvases.push(canvas.clone());
-        Ok(canvas)
-    }
-
-    fn fill(&self, canvas: &Canvas, side: Side, view: &View) -> Result<(), RenderError> {
-        let renderer = self.live.renderer();
-        match side.look {
-            Look::Picture => {
-                if let Some(display) = renderer.targets().texture(Target::Display) {
-                    canvas.copy(&self.gpu, display)?;
-                }
-            }
-            Look::Aov(aov) => {
-                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
-                canvas.write(&self.gpu, &aov::view(&plane));
-            }
-        }
-        Ok(())
     }
 }
