@@ -15,7 +15,8 @@ use reflet::{
         output,
         preview::{
             self,
-            facts::{Eye, Facts, Inspect, Inspection, Look, Report, Shown, Side, Task, View},
+            facts::{Eye, Facts, Inspect, Inspection, Report, Shot, Shown, Side, Task, View},
+            look::Look,
             worker::Worker,
         },
     },
@@ -39,10 +40,10 @@ const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
 /// One endless script at a time: each takes a whole core.
 static TURN: Mutex<()> = Mutex::new(());
 
-struct Watched {
-    worker: Worker,
+pub struct Watched {
+    pub worker: Worker,
     _turn: MutexGuard<'static, ()>,
-    folder: Folder,
+    pub folder: Folder,
     view: View,
     /// Whether a script runs that pictures do not wait for.
     runs: bool,
@@ -58,7 +59,7 @@ impl Watched {
     }
 
     /// Some scene in the preview's thread, drawn once.
-    fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
+    pub fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
@@ -84,7 +85,7 @@ impl Watched {
         this
     }
 
-    fn show(&mut self, change: impl FnOnce(&mut View)) {
+    pub fn show(&mut self, change: impl FnOnce(&mut View)) {
         change(&mut self.view);
         self.worker.desk.show(self.view.clone());
     }
@@ -101,7 +102,7 @@ impl Watched {
     }
 
     /// Waits for what `found` looks for; no report before may tell a mistake.
-    fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
+    pub fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
         let deadline = Instant::now() + MOST;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
@@ -263,7 +264,12 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
         let inspection = Inspection { view, with };
         preview.worker.desk.ask(Task::Inspect(inspection));
     };
-    let shot = Inspect::Shot(shots.0.clone(), "nine".to_owned());
+    let shot = Inspect::Shot(Shot {
+        folder: shots.0.clone(),
+        stem: "nine".to_owned(),
+        wipe_at: 0.5,
+        heat: false,
+    });
     ask(&preview, 9, shot);
     let note = preview.until("a note", |report| match report {
         Report::Shown(shown) => {

@@ -12,6 +12,7 @@ mod kit;
 mod latency;
 mod models;
 mod params;
+mod picks;
 mod redone;
 mod saves;
 mod scripts;

@@ -1,14 +1,13 @@
-//! What the rendering thread does on demand: compare with `rt`, write a picture, tell the material
-//! under the pointer.
+//! What the rendering thread does on demand with the frame that is looked at, and how it compares
+//! the left side's method with `rt`.
 
 use super::{
     canvas::Canvas,
-    desk::free_name,
-    facts::{Inspect, Inspection, Judged, Look, Report, View},
+    drawn::Pixels,
+    facts::{Inspect, Inspection, Judged, Report, View},
     worker::State,
 };
 use crate::{
-    app::{aov, output},
     bench::{
         metric::{Maps, flip},
         picture::{Pair, Picture},
@@ -34,18 +33,8 @@ impl State {
             }
             let done = match with {
                 Inspect::Judge(edits) => self.judge(view, edits),
-                Inspect::Shot(folder, stem) => {
-                    let said = match self.shot(&view) {
-                        Ok(png) => {
-                            let path = free_name(&folder, &stem);
-                            match crate::files::write_whole(&path, &png) {
-                                Ok(()) => format!("wrote {}", path.display()),
-                                Err(error) => format!("cannot write {}: {error}", path.display()),
-                            }
-                        }
-                        Err(error) => format!("no screenshot: {error}"),
-                    };
-                    self.tell(Report::Note(said));
+                Inspect::Shot(shot) => {
+                    self.shoot(&view, &shot);
                     Ok(())
                 }
             };
@@ -84,43 +73,21 @@ impl State {
             return Ok(());
         };
         let maps = Maps::of(&pair);
-        let heat = Canvas::of_size(&self.gpu, self.heat.take(), size)?;
+        let old = self.heat.take().map(|(canvas, _)| canvas);
+        let heat = Canvas::of_size(&self.gpu, old, size)?;
         let rgb = flip::heat(&maps.flip);
         let rgba: Vec<u8> = rgb
             .chunks_exact(3)
             .flat_map(|p| [p[0], p[1], p[2], 255])
             .collect();
         heat.write(&self.gpu, &rgba);
-        self.heat = Some(heat.clone());
+        self.heat = Some((heat.clone(), Pixels { size, rgba }));
         self.tell(Report::Judged(Box::new(Judged {
             view,
             edits,
             scores: maps.scores(None),
             heat,
         })));
-        Ok(())
-    }
-
-    /// What is shown, or left of the wipe: the finished picture or another texture, at full size.
-    fn shot(&mut self, view: &View) -> Result<Vec<u8>, String> {
-        let read = self.read(view, view.a.method);
-        let (size, mut rgba) = read.map_err(|error| error.to_string())?;
-        if let Look::Aov(shown) = view.a.look {
-            let camera = self.camera(&view.eye);
-            let plane = shown.plane(&self.gpu, self.live.renderer(), &camera);
-            rgba = aov::view(&plane.map_err(|error| error.to_string())?);
-        }
-        output::encode_png(size, &rgba, None)
-    }
-
-    pub(super) fn pick(&mut self, at: [f32; 2]) -> Result<(), RenderError> {
-        let [width, height] = self.live.renderer().targets().size;
-        let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
-        let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
-        let index = pixel(at[1], height) * width + pixel(at[0], width);
-        let instances = &self.live.world().instances;
-        let instance = instances.get(ids[index as usize][0] as usize);
-        self.tell(Report::Picked(instance.map(|found| found.material)));
         Ok(())
     }
 }

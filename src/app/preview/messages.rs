@@ -6,7 +6,7 @@ use super::{facts::Facts, mistakes::place_of, note::Note};
 use crate::scene::script::DEADLINE;
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 19] = [
+pub const KEYS: [(&str, &str); 20] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -15,7 +15,14 @@ pub const KEYS: [(&str, &str); 19] = [
         "wheel",
         "closer, farther; with the right button: flying speed",
     ),
-    ("click", "select the material under the pointer"),
+    (
+        "click",
+        "select the instance under the pointer, and its material",
+    ),
+    (
+        "Esc",
+        "close this list or the error map; else select nothing",
+    ),
     ("Space", "play, pause"),
     ("left, right arrow", "one frame back, on"),
     ("Home, End", "first, last frame"),
@@ -25,8 +32,11 @@ pub const KEYS: [(&str, &str); 19] = [
     ("B", "wipe between two methods or textures; drag its line"),
     ("C", "copy the camera as scene text"),
     ("R", "back to the scene's camera"),
-    ("X", "error against rt"),
-    ("F12", "write the picture to a PNG file"),
+    ("X", "error against rt, as numbers and as a map"),
+    (
+        "F12",
+        "write what is shown to a PNG file, without labels and outline",
+    ),
     ("H", "this list"),
     ("Ctrl Q", "close"),
 ];

@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
-    facts::{Facts, Look, Side},
+    facts::{Facts, Side},
+    look::{Look, MENU, side_menu},
     plot,
 };
 use crate::{
@@ -55,6 +56,8 @@ pub struct Choice {
     pub wipe_at: f32,
     /// Index of the selected material.
     pub material: Option<usize>,
+    /// Whether its numbers are to be scrolled to.
+    pub reveals: bool,
     /// Index of the scene's camera that is looked through; `None` once it was moved.
     pub through: Option<usize>,
     /// Index of the one that was looked through last.
@@ -82,6 +85,7 @@ impl Choice {
             wipe: false,
             wipe_at: 0.5,
             material: None,
+            reveals: false,
             through: None,
             home: 0,
             help: false,
@@ -108,27 +112,6 @@ pub fn method_name(method: Method) -> &'static str {
         .map_or("?", |(_, name)| name)
 }
 
-/// Width of a menu in the bar, points; longer names are cut off.
-const MENU: f32 = 96.0;
-
-fn side_menu(ui: &mut Ui, id: &str, side: &mut Side) {
-    for (method, name) in METHODS {
-        ui.selectable_value(&mut side.method, method, name);
-    }
-    egui::ComboBox::from_id_salt(id)
-        .selected_text(side.look.name())
-        .width(MENU)
-        .truncate()
-        .height(360.0)
-        .show_ui(ui, |ui| {
-            for look in Look::all() {
-                ui.selectable_value(&mut side.look, look, look.name());
-            }
-        })
-        .response
-        .on_hover_text("the picture, or a texture that it was made from");
-}
-
 /// After each group of the bar, points.
 const GAP: f32 = 8.0;
 
@@ -151,12 +134,19 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 /// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
 pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
     ui.horizontal_wrapped(|ui| {
-        group(ui, "a", |ui| side_menu(ui, "texture", &mut choice.a));
+        group(ui, "a", |ui| {
+            side_menu(ui, "texture", &mut choice.a, &facts.casters);
+        });
         group(ui, "b", |ui| {
             ui.checkbox(&mut choice.wipe, "wipe")
                 .on_hover_text("B: compare with another method or texture");
             ui.add_enabled_ui(choice.wipe, |ui| {
-                side_menu(ui, "texture of the right side", &mut choice.b);
+                side_menu(
+                    ui,
+                    "texture of the right side",
+                    &mut choice.b,
+                    &facts.casters,
+                );
             });
         });
         group(ui, "camera", |ui| cameras(ui, choice, facts, wishes));

@@ -44,6 +44,7 @@ pub fn facts() -> Facts {
             ("side".to_owned(), CameraDesc::default()),
         ],
         materials: vec![row(0, "floor"), row(1, "chrome")],
+        casters: Vec::new(),
         bounds: Bounds::EMPTY,
         method: Method::Hybrid,
         unit_m: 1.0,

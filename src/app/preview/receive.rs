@@ -52,7 +52,8 @@ impl Window {
                         (self.note).say("the scene has changed meanwhile; compare again");
                     }
                 }
-                Ok(Report::Picked(material)) => self.choice.material = material,
+                Ok(Report::Picked(picked)) => self.take_picked(picked),
+                Ok(Report::Unpicked) => self.picked = None,
                 Ok(Report::Note(note)) => self.note.say(note),
                 Ok(Report::Unwatched(why)) => self.unwatched = why,
                 Ok(Report::Idle) => self.is_busy = false,
@@ -71,7 +72,7 @@ impl Window {
             // The scene's camera may move with time; who takes it over starts from there.
             self.navigator.camera = shown.camera.clone();
         }
-        let stats = shown.sides.first().map(|(_, stats)| stats.clone());
+        let stats = shown.sides.first().map(|side| side.stats.clone());
         self.history.extend(stats);
         if self.history.len() > HISTORY {
             self.history.pop_front();
@@ -80,6 +81,7 @@ impl Window {
         if let (Some(timeline), true) = (&mut self.timeline, is_next) {
             timeline.count(now_s);
         }
+        self.picked.clone_from(&shown.picked);
         self.shown = Some(shown);
     }
 
@@ -113,6 +115,9 @@ impl Window {
             self.navigator.camera = facts.cameras[index].1.clone();
         }
         self.navigator.rescale(&facts.bounds);
+        for side in [&mut self.choice.a, &mut self.choice.b] {
+            side.look = side.look.after(&self.facts.casters, &facts.casters);
+        }
         if facts.method != self.facts.method {
             self.choice.a.method = facts.method;
         }

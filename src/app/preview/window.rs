@@ -14,13 +14,14 @@ use eframe::egui::{self, Key, Ui};
 use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    facts::{Eye, Facts, Inspect, Inspection, Judged, Shown, Task, View},
+    facts::{Eye, Facts, Inspect, Inspection, Judged, Shot, Shown, Task, View},
     materials,
     messages::{self, Doing},
     mistakes::Fold,
     navigate::{Navigator, as_text},
     note::Note,
     panels::{self, Choice, METHODS, Wish},
+    pick::Picked,
     timeline::{self, Timeline},
     tuning::{self, Knobs},
     worker::Worker,
@@ -56,6 +57,8 @@ pub struct Window {
     pub(super) fold: Fold,
     pub(super) shown: Option<Shown>,
     pub(super) judged: Option<Judged>,
+    /// The selected instance.
+    pub(super) picked: Option<Picked>,
     /// How often the scene has changed: what was compared before is of another.
     pub(super) edits: u64,
     /// Of the last pictures, newest last.
@@ -102,6 +105,7 @@ impl Window {
             choice,
             shown: None,
             judged: None,
+            picked: None,
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),
@@ -170,8 +174,11 @@ impl Window {
             self.choice.help = !self.choice.help;
         }
         if pressed(Key::Escape) {
-            self.choice.help = false;
-            self.choice.heat = false;
+            if self.choice.help || self.choice.heat {
+                (self.choice.help, self.choice.heat) = (false, false);
+            } else {
+                self.unselect();
+            }
         }
     }
 
@@ -184,23 +191,19 @@ impl Window {
                         (self.choice.through, self.choice.home) = (Some(index), index);
                     }
                 }
-                Wish::Frame => {
-                    let row = self
-                        .choice
-                        .material
-                        .and_then(|i| self.facts.materials.get(i));
-                    let bounds = row.map_or(self.facts.bounds, |row| row.bounds);
-                    let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-                    self.navigator.frame(&bounds, width / height);
-                    self.choice.through = None;
-                }
+                Wish::Frame => self.frame_selection(),
                 Wish::Copy => {
                     ui.ctx().copy_text(self.camera_text());
                     (self.note).say("the camera is in the clipboard, as scene text");
                 }
                 Wish::Judge => self.inspect(Inspect::Judge(self.edits)),
                 Wish::Shot => {
-                    self.inspect(Inspect::Shot(self.shots.clone(), self.stem.clone()));
+                    self.inspect(Inspect::Shot(Shot {
+                        folder: self.shots.clone(),
+                        stem: self.stem.clone(),
+                        wipe_at: self.choice.wipe_at,
+                        heat: self.heat().is_some(),
+                    }));
                 }
                 Wish::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
@@ -291,7 +294,7 @@ impl Window {
     /// How much smaller the shown picture was drawn than its place is, in words.
     fn reduced(&self) -> String {
         let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
-        match sides.map(|(_, stats)| stats.size) {
+        match sides.map(|side| side.stats.size) {
             Some([width, height]) if width < self.viewport[0] || height < self.viewport[1] => {
                 format!(", drawn at {width}x{height} to keep up")
             }
@@ -335,7 +338,12 @@ impl Window {
             if tuning::params(ui, &self.facts.declared, &mut self.knobs) {
                 wishes.push(Wish::Tune(self.knobs.tuned.clone()));
             }
-            materials::panel(ui, &mut self.choice, &self.facts, wishes);
+            let before = self.choice.material;
+            let picked = self.picked.as_ref();
+            materials::panel(ui, &mut self.choice, &self.facts, picked, wishes);
+            if self.choice.material != before && picked.is_some() {
+                self.worker.desk.ask(Task::Unpick);
+            }
             let is_old = match (&self.judged, &self.asked) {
                 (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
                 _ => false,
@@ -343,9 +351,9 @@ impl Window {
             let judged = (self.judged.as_ref()).map(|j| (j.view.a.method, &j.scores));
             panels::judged(ui, judged, is_old, &mut self.choice);
             let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
-            if let Some((_, stats)) = shown {
-                panels::shares(ui, stats, &self.history);
-                panels::times(ui, stats, &self.history);
+            if let Some(side) = shown {
+                panels::shares(ui, &side.stats, &self.history);
+                panels::times(ui, &side.stats, &self.history);
             }
             messages::log(ui, &self.facts.log);
             messages::scene(ui, &self.facts);

@@ -15,17 +15,18 @@ use super::{
     canvas::Canvas,
     cost::Cost,
     desk::Desk,
+    drawn::Pixels,
     errands::Errands,
-    facts::{Eye, Facts, Inspection, Look, Report, Shown, Side, Task, View},
+    facts::{Drawn, Eye, Facts, Inspection, Report, Shown, Task, View},
+    pick::Mark,
 };
 use crate::{
     app::{
-        aov,
         live::{Edit, Live, Reload, Wishes},
         watch::{Change, News, WatchList, Watcher},
     },
     gpu::Gpu,
-    render::{RenderError, stats::FrameStats, targets::Target},
+    render::{RenderError, stats::FrameStats},
     scene::desc::{CameraDesc, Method},
 };
 
@@ -69,6 +70,8 @@ impl Worker {
                 view: None,
                 canvases: Vec::new(),
                 heat: None,
+                mark: None,
+                outline: None,
                 errands: Errands::default(),
                 inspections: VecDeque::new(),
                 reloads: Vec::new(),
@@ -116,7 +119,10 @@ pub(super) struct State {
     pub(super) live: Live,
     pub(super) view: Option<View>,
     canvases: Vec<Canvas>,
-    pub(super) heat: Option<Canvas>,
+    pub(super) heat: Option<(Canvas, Pixels)>,
+    /// The selected instance.
+    pub(super) mark: Option<Mark>,
+    pub(super) outline: Option<Canvas>,
     /// Scripts that run.
     pub(super) errands: Errands,
     /// What waits for its frame.
@@ -173,7 +179,8 @@ impl State {
                     Task::Tune(tuned) => self.tune(tuned),
                     Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
                     Task::Inspect(inspection) => self.inspections.push_back(inspection),
-                    Task::Pick(at) => picks.push(at),
+                    Task::Pick(at) => picks.push(Some(at)),
+                    Task::Unpick => picks.push(None),
                 }
             }
             redraw |= self.errands(desk, watcher);
@@ -186,8 +193,10 @@ impl State {
                 self.tell(Report::Reloaded(reload, ms));
             }
             for at in picks {
-                if let Err(error) = self.pick(at) {
-                    self.refuse(&error);
+                match at.map(|at| self.pick(at)) {
+                    Some(Ok(())) => {}
+                    Some(Err(error)) => self.refuse(&error),
+                    None => self.unpick(),
                 }
             }
             self.inspect();
@@ -222,8 +231,8 @@ impl State {
         let Some(view) = self.view.clone() else {
             return;
         };
-        match self.sides(&view) {
-            Ok(sides) => {
+        match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
+            Ok((sides, picked)) => {
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
@@ -231,7 +240,9 @@ impl State {
                     number,
                     frame: self.live.posed_frame(),
                     camera: self.camera(&view.eye),
+                    size: view.size,
                     sides,
+                    picked,
                 })));
                 // Numbers that move are told now and then, and when they rest.
                 let is_new = self.told_frame != self.live.posed_frame();
@@ -244,18 +255,19 @@ impl State {
         }
     }
 
-    fn sides(&mut self, view: &View) -> Result<Vec<(Canvas, FrameStats)>, RenderError> {
-        let mut sides = Vec::new();
-        let mut last: Option<(Method, FrameStats)> = None;
+    fn sides(&mut self, view: &View) -> Result<Vec<Drawn>, RenderError> {
+        let mut sides: Vec<Drawn> = Vec::new();
         for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
-            let stats = match last.take().filter(|(method, _)| *method == side.method) {
-                Some((_, stats)) => stats,
+            let last = sides.last().filter(|_| view.a.method == side.method);
+            let stats = match last {
+                Some(last) => last.stats.clone(),
                 None => self.render(view, side.method)?,
             };
-            last = Some((side.method, stats.clone()));
-            let canvas = self.canvas(index, stats.size)?;
-            self.fill(&canvas, side, view)?;
-            sides.push((canvas, stats));
+            let old = self.canvases.get(index).cloned();
+            let drawn = self.drawn(side, view, stats, old)?;
+            self.canvases.truncate(index);
+            self.canvases.push(drawn.canvas.clone());
+            sides.push(drawn);
         }
         Ok(sides)
     }
@@ -303,29 +315,5 @@ impl State {
         self.cost
             .learn(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)
-    }
-
-    fn canvas(&mut self, index: usize, size: [u32; 2]) -> Result<Canvas, RenderError> {
-        let old = self.canvases.get(index).cloned();
-        let canvas = Canvas::of_size(&self.gpu, old, size)?;
-        self.canvases.truncate(index);
-        self.canvases.push(canvas.clone());
-        Ok(canvas)
-    }
-
-    fn fill(&self, canvas: &Canvas, side: Side, view: &View) -> Result<(), RenderError> {
-        let renderer = self.live.renderer();
-        match side.look {
-            Look::Picture => {
-                if let Some(display) = renderer.targets().texture(Target::Display) {
-                    canvas.copy(&self.gpu, display)?;
-                }
-            }
-            Look::Aov(aov) => {
-                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
-                canvas.write(&self.gpu, &aov::view(&plane));
-            }
-        }
-        Ok(())
     }
 }
