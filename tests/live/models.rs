@@ -145,10 +145,10 @@ fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
         let started = Instant::now();
         let live = thread::scope(|scope| {
             scope.spawn(|| {
-                let mut step = 0;
+                let mut step = 0_u8;
                 while started.elapsed() < writing {
                     save(round, step);
-                    step += 1;
+                    step = step.wrapping_add(1);
                     thread::sleep(Duration::from_millis(2));
                 }
             });
