@@ -310,7 +310,7 @@ mod tests {
         let b = "/B: is left out [b]".to_owned();
         assert_eq!(
             messages(&warnings),
-            [&one_by_one[..], &[b.clone()]].concat()
+            [&one_by_one[..], std::slice::from_ref(&b)].concat()
         );
         warnings.push(of("a", "/E"));
         let first = "/A: is left out [a], and 3 more of that name".to_owned();

@@ -44,6 +44,7 @@ mod picture;
 mod plot;
 mod receive;
 mod shot;
+mod side;
 mod timeline;
 mod tuning;
 mod window;

@@ -3,7 +3,6 @@
 
 use std::{
     collections::{HashMap, VecDeque},
-    iter,
     ops::RangeInclusive,
     path::PathBuf,
     time::Instant,
@@ -15,15 +14,14 @@ use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
     facts::{Eye, Facts, Inspect, Inspection, Judged, Shot, Shown, Task, View},
-    materials,
     messages::{self, Doing},
     mistakes::Fold,
-    navigate::{Navigator, as_text},
+    navigate::Navigator,
     note::Note,
     panels::{self, Choice, METHODS, Wish},
     pick::Picked,
     timeline::{self, Timeline},
-    tuning::{self, Knobs},
+    tuning::Knobs,
     worker::Worker,
 };
 
@@ -66,7 +64,7 @@ pub struct Window {
     /// Registered textures by the number of their canvas.
     pub(super) textures: HashMap<u64, egui::TextureId>,
     /// The view that was last asked for.
-    asked: Option<View>,
+    pub(super) asked: Option<View>,
     /// When the camera moved last, seconds.
     moved_at: f64,
     pub(super) note: Note,
@@ -315,52 +313,10 @@ impl Window {
         messages::status(ui, picture, &doing, script_s, &mut self.note);
     }
 
-    /// The camera as scene text, under a name that the scene does not have.
-    fn camera_text(&self) -> String {
-        let is_free = |name: &String| self.facts.cameras.iter().all(|(known, _)| known != name);
-        let names = (2..).map(|number| format!("copied{number}"));
-        let name = iter::once("copied".to_owned()).chain(names).find(is_free);
-        as_text(&name.unwrap_or_default(), &self.navigator.camera)
-    }
-
     /// How long a script has been running, once that is worth telling, seconds.
     fn script_s(&self) -> Option<f64> {
         let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
         ran_s.filter(|ran_s| *ran_s >= LONG_S)
-    }
-
-    fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
-        area.show(ui, |ui| {
-            // Beside the scroll bar.
-            ui.set_max_width(ui.available_width() - 8.0);
-            // First what is dragged: nothing above it changes its height by itself.
-            if tuning::params(ui, &self.facts.declared, &mut self.knobs) {
-                wishes.push(Wish::Tune(self.knobs.tuned.clone()));
-            }
-            let before = self.choice.material;
-            let picked = self.picked.as_ref();
-            materials::panel(ui, &mut self.choice, &self.facts, picked, wishes);
-            if self.choice.material != before && picked.is_some() {
-                self.worker.desk.ask(Task::Unpick);
-            }
-            let is_old = match (&self.judged, &self.asked) {
-                (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
-                _ => false,
-            };
-            let judged = (self.judged.as_ref()).map(|j| (j.view.a.method, &j.scores));
-            panels::judged(ui, judged, is_old, &mut self.choice);
-            let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
-            if let Some(side) = shown {
-                panels::shares(ui, &side.stats, &self.history);
-                panels::times(ui, &side.stats, &self.history);
-            }
-            messages::log(ui, &self.facts.log);
-            messages::scene(ui, &self.facts);
-            egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
-                ui.monospace(self.camera_text());
-            });
-        });
     }
 }
 
