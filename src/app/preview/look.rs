@@ -72,21 +72,21 @@ impl Look {
 }
 
 /// Width of the menu of textures, points; longer names are cut off.
-pub const MENU: f32 = 104.0;
+pub const MENU: f32 = 96.0;
 
 /// Method and texture of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, casters: &[Caster]) {
     for (method, name) in METHODS {
         ui.selectable_value(&mut side.method, method, name);
     }
-    let label = ui.weak("shows");
-    let menu = egui::ComboBox::from_id_salt(id)
+    egui::ComboBox::from_id_salt(id)
         .selected_text(side.look.name())
         .width(MENU)
         .truncate()
         .height(400.0)
-        .show_ui(ui, |ui| textures(ui, &mut side.look, casters));
-    menu.response.labelled_by(label.id);
+        .show_ui(ui, |ui| textures(ui, &mut side.look, casters))
+        .response
+        .on_hover_text("the picture, or a texture that it was made from");
     if let Look::Shadow(cast) = &mut side.look {
         shadow_menu(ui, id, cast, casters);
     }
@@ -182,8 +182,11 @@ mod tests {
             )
     }
 
-    fn choose(harness: &mut Harness<'_, Side>, menu: &str, entry: &str) {
-        harness.get_by_role_and_label(Role::ComboBox, menu).click();
+    /// Chooses an entry of one of the menus, from the left.
+    fn choose(harness: &mut Harness<'_, Side>, menu: usize, entry: &str) {
+        let mut menus = harness.get_all_by_role(Role::ComboBox);
+        menus.nth(menu).expect("a menu").click();
+        drop(menus);
         harness.run();
         let row = harness.get_all_by_label(entry).last();
         row.expect("listed").click();
@@ -193,22 +196,22 @@ mod tests {
     #[test]
     fn shadow_maps_are_chosen_by_light_and_face() {
         let mut harness = harness(vec![caster(0, "sun", 1), caster(2, "lamp", 6)]);
-        choose(&mut harness, "shows", "shadow_map");
+        choose(&mut harness, 0, "shadow_map");
         assert_eq!(harness.state().look, shadow(0, None));
         assert!(harness.query_by_label("face").is_none(), "the sun has one");
-        choose(&mut harness, "of", "lamp");
-        choose(&mut harness, "face", "-Y");
+        choose(&mut harness, 1, "lamp");
+        choose(&mut harness, 2, "-Y");
         assert_eq!(harness.state().look, shadow(2, Some(3)));
-        choose(&mut harness, "of", "sun");
+        choose(&mut harness, 1, "sun");
         assert_eq!(harness.state().look, shadow(0, None));
-        choose(&mut harness, "shows", "ray_list");
+        choose(&mut harness, 0, "ray_list");
         assert_eq!(harness.state().look, Look::Rays);
     }
 
     #[test]
     fn without_maps_there_is_nothing_to_choose() {
         let mut harness = harness(Vec::new());
-        choose(&mut harness, "shows", "shadow_map");
+        choose(&mut harness, 0, "shadow_map");
         assert_eq!(harness.state().look, Look::Picture);
     }
 
