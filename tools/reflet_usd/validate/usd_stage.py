@@ -129,12 +129,17 @@ def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
 
 def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """Mute all layers from elsewhere: the converter was not allowed to read them."""
+    tried: set[str] = set()
     while True:
-        layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
+        # A layer that was muted before the stage was opened stays in use, without its content.
+        layers = [layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()]
         # Muting one layer frees those that it alone brought.
-        outside = [layer.identifier for layer in layers if not is_within(layer.realPath, roots)]
+        outside = {layer.identifier for layer in layers if not is_within(layer.realPath, roots)}
         if not outside:
             return
+        if outside <= tried:
+            raise StageError(f"usd-core reads @{min(outside)}@, which is outside the folders")
+        tried |= outside
         for identifier in outside:
             stage.MuteLayer(identifier)
 
