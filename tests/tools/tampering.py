@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -168,6 +169,15 @@ UNIT = mesh(
 def agrees(done: Converted) -> bool:
     """Whether the comparison passes; in this process, as starting another takes two seconds."""
     return prove(done.out, done.out.parent / "stage.usda", khronos=False).passed
+
+
+def forget(done: Converted, name: str) -> None:
+    """The sidecar has no warning of that name any more."""
+    path = Path(f"{done.out}.json")
+    sidecar = json.loads(path.read_text(encoding="utf-8"))
+    kept = [warning for warning in sidecar["warnings"] if warning["name"] != name]
+    assert len(kept) < len(sidecar["warnings"]), name
+    path.write_text(json.dumps({**sidecar, "warnings": kept}), encoding="utf-8")
 
 
 def expect_found(done: Converted, damage: Damage) -> None:

@@ -11,10 +11,12 @@ from typing import Any
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from reflet_usd.convert.confinement import (
+    Files,
     allowed_roots,
     check_used_layers,
     cut_foreign_layers,
     open_layer,
+    warn_left_out,
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
@@ -37,8 +39,8 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     roots = allowed_roots(path, options.extra_roots)
     root_layer = _open_root_layer(path)
     # The layers stay referenced, so the stage composes the edited copies in memory.
-    absent: set[str] = set()
-    layers = cut_foreign_layers(root_layer, roots, ledger, absent)
+    files = Files()
+    layers, cut = cut_foreign_layers(root_layer, roots, files)
     _repair_time_rates(layers, ledger)
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
@@ -50,8 +52,9 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     del layers
     _select_variants(stage, options, str(path))
     check_prim_count(stage)
+    warn_left_out(stage, cut, ledger)
     _warn_composition(stage, delegate, ledger)
-    context = Context(stage, options, ledger, roots, absent)
+    context = Context(stage, options, ledger, roots, files)
     _read_units(context)
     _read_time(context)
     return context

@@ -139,6 +139,7 @@ def _compare(
     from .document import compare_document
     from .looks import compare_looks
     from .material_compare import compare_materials
+    from .usd_layers import compare_layers
     from .usd_rules import apply_rules
     from .usd_skel import (
         JointTruth,
@@ -156,6 +157,7 @@ def _compare(
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
     proof.roots = list(truth.roots)
+    compare_layers(checks, truth)
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)

@@ -132,7 +132,9 @@ def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     tried: set[str] = set()
     while True:
         # A layer that was muted before the stage was opened stays in use, without its content.
-        layers = [layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()]
+        layers = [
+            layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()
+        ]
         # Muting one layer frees those that it alone brought.
         outside = {layer.identifier for layer in layers if not is_within(layer.realPath, roots)}
         if not outside:
