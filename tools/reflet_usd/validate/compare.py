@@ -116,6 +116,14 @@ class SceneComparer:
         for key, expected in truth.lights.items():
             self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
 
+    def hold_sizes(self, truth: Scene, rest: Scene, frozen: set[str]) -> None:
+        """Lights that are `frozen` have at any time the power of their size at rest."""
+        for key, lights in truth.lights.items():
+            first = rest.lights.get(key, [])
+            if frozen & (truth.made_of.get(key, set()) | {key}) and len(first) == len(lights):
+                for light, still in zip(lights, first, strict=True):
+                    light.intensity = still.intensity
+
     def _devices(
         self,
         check: str,

@@ -140,7 +140,7 @@ def _compare(
     from .looks import compare_looks
     from .material_compare import compare_materials
     from .usd_layers import compare_layers
-    from .usd_rules import apply_rules
+    from .usd_rules import apply_rules, frozen_sizes
     from .usd_skel import (
         JointTruth,
         bake,
@@ -185,7 +185,10 @@ def _compare(
     compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
+    frozen = frozen_sizes(sidecar.get("warnings", ()))
+    proof.times = _compare_moving(
+        comparer, reader, output, joints, skin_codes, frames, rest, frozen
+    )
 
 
 def _compare_moving(
@@ -195,6 +198,8 @@ def _compare_moving(
     joints: JointTruth,
     skin_codes: list[float],
     frames: Any,
+    rest: Scene,
+    frozen: set[str],
 ) -> int:
     """Compare at keys and between them; returns at how many times."""
     from pxr import Usd
@@ -224,6 +229,7 @@ def _compare_moving(
         unsure = keyed.between(code, drawn) | _without_key(baked, code)
         comparer.geometry(moved, shown, unsure)
         comparer.cameras(moved, shown, at)
+        comparer.hold_sizes(moved, rest, frozen)
         comparer.lights(moved, shown, at)
     halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
     curved = _spread(_within(codes_in_splines(truth.stage), frames), _MATRIX_TIMES)

@@ -9,9 +9,16 @@ import numpy as np
 from pxr import Gf, Usd, UsdLux
 
 from .facts import Array, Light, Lost
+from .light_area import is_even, surface_area
 from .usd_stage import TruthStage
 
 _MAX_FLOAT32 = float(np.finfo(np.float32).max)
+_SHAPES = {
+    "SphereLight": ("sphere", ("radius", "radius")),
+    "RectLight": ("rectangle", ("width", "height")),
+    "DiskLight": ("disk", ("radius", "radius")),
+    "CylinderLight": ("cylinder", ("length", "radius")),
+}
 _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
 
 
@@ -22,7 +29,7 @@ def read_light(
     if prim.GetTypeName() in _SURROUNDING:
         return None
     light = _punctual(prim, time, truth, world)
-    light.lost = _lost_inputs(prim, time)
+    light.lost += _lost_inputs(prim, time)
     return light
 
 
@@ -38,34 +45,34 @@ def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.M
         factor = math.pi * math.sin(half) ** 2
         bare = _normalized(prim, time) or factor == 0
         return Light("directional", _stored(radiance * (1.0 if bare else factor)), matrix)
-    volume = abs(float(np.linalg.det(matrix[:3, :3])))
-    scale = truth.meters_per_unit * (float(np.cbrt(volume)) if math.isfinite(volume) else 1.0)
-
-    def meters(name: str) -> float:
-        length = abs(float(prim.GetAttribute(f"inputs:{name}").Get(time))) * scale
-        return length if length <= _MAX_FLOAT32 else 0.0
-
-    if kind == "SphereLight":
-        radius = meters("radius")
-        # A sphere of radiance L seen from afar: candela = L·π·r²; normalize divides by 4·π·r²,
-        # as treatAsPoint does where there is no radius.
-        point = UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time) and radius == 0.0
-        quarter = point or _normalized(prim, time)
-        candela = radiance / 4 if quarter else radiance * math.pi * radius**2
-        cone = _cone(prim, time)
-        return Light("point" if cone is None else "spot", _stored(candela), matrix, cone)
-    areas = {
-        "RectLight": lambda: meters("width") * meters("height"),
-        "DiskLight": lambda: math.pi * meters("radius") ** 2,
-        "CylinderLight": lambda: 2.0 * math.pi * meters("radius") * meters("length"),
-    }
-    if kind not in areas:
+    if kind not in _SHAPES:
         return Light("point", radiance, matrix, exact=False)
+    shape, names = _SHAPES[kind]
+    first, second = (
+        abs(float(prim.GetAttribute(f"inputs:{name}").Get(time))) * truth.meters_per_unit
+        for name in names
+    )
+    area = surface_area(shape, (first, second), matrix[:3, :3])
+    if shape == "sphere":
+        # Of radiance L its mean candela over all directions is L times the mean of what it shows,
+        # a quarter of its area; normalize divides by that area, as treatAsPoint does where there
+        # is no radius.
+        point = UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time) and first == 0.0
+        bare = point or _normalized(prim, time)
+        candela = radiance / 4 * (1.0 if bare else area)
+        cone = _cone(prim, time)
+        light = Light("point" if cone is None else "spot", _stored(candela), matrix, cone)
+        if first > 0.0 and not is_even(matrix[:3, :3]):
+            light.lost.append(("area-light-approximated", "an ellipsoid"))
+        return light
     # Equal power Φ = π·L·A. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
-    power = math.pi * radiance * (1.0 if _normalized(prim, time) else areas[kind]())
-    if kind == "CylinderLight":
-        return Light("point", _stored(power / (4.0 * math.pi)), matrix)
-    return Light("spot", _stored(power * 1.5 / math.pi), matrix, math.pi / 2)
+    power = math.pi * radiance * (1.0 if _normalized(prim, time) else area)
+    if shape == "cylinder":
+        light = Light("point", _stored(power / (4.0 * math.pi)), matrix)
+    else:
+        light = Light("spot", _stored(power * 1.5 / math.pi), matrix, math.pi / 2)
+    light.lost.append(("area-light-approximated", shape))
+    return light
 
 
 def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> float | None:
@@ -78,7 +85,8 @@ def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> float | None:
 
 def _stored(intensity: Array) -> Array:
     """The intensity as a file holds it: 0 where single precision cannot."""
-    fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
+    with np.errstate(invalid="ignore"):
+        fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
     return intensity if fits else np.zeros(3)
 
 
