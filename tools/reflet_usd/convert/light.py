@@ -15,25 +15,14 @@ from pxr import Sdf, Usd, UsdLux
 
 from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.light_losses import (
+    light_value,
+    warn_geometry_light,
+    warn_unsupported,
+)
 from reflet_usd.convert.light_size import Emitter
 from reflet_usd.convert.scene import Array, Node
 
-_LINKS = ("lightLink", "shadowLink")
-_OUTDATED = (
-    "intensity",
-    "exposure",
-    "color",
-    "normalize",
-    "radius",
-    "width",
-    "height",
-    "length",
-    "angle",
-    "texture:file",
-    "enableColorTemperature",
-    "colorTemperature",
-)
-_NO_SHAPING = ("RectLight", "DiskLight", "CylinderLight", "DistantLight")
 _SMALLEST_CONE = 1e-3
 # KHR_lights_punctual's cone falloff with inner angle 0 and outer angle 90° is cos²θ, which
 # integrates to 2π/3 over the hemisphere.
@@ -57,20 +46,13 @@ class _Source:
     normalize: bool
 
 
-def light_value(context: Context, prim: Usd.Prim, name: str, fallback: Any) -> Any:
-    """The input `name` of a light, or `fallback`."""
-    attribute = prim.GetAttribute(f"inputs:{name}")
-    value = attribute.Get(context.time) if attribute else None
-    return fallback if value is None else value
-
-
 def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> Emitter | None:
     """Give `node` the light of `prim`, or keep it in extras where it is an environment.
 
     Returned is a light whose power its size in the world decides, see `size_lights`.
     """
     source = _emission(context, prim)
-    _warn_unsupported(context, prim)
+    warn_unsupported(context, prim)
     kind = prim.GetTypeName()
     if kind in ("DomeLight", "DomeLight_1"):
         _keep_dome(context, prim, node, source)
@@ -195,84 +177,6 @@ def keep_mesh_light(context: Context, prim: Usd.Prim, node: Node) -> None:
     """Keep in extras the emission of a mesh or volume that is a light; its geometry is carried."""
     source = _emission(context, prim)
     node.extras["mesh_light"] = {"color": source.color.tolist(), "radiance_nits": source.radiance}
-    _warn_links(context, prim)
+    warn_geometry_light(context, prim)
     message = "glTF has no mesh light; color and radiance are in the node's extras"
     context.ledger.warn("mesh-light-dropped", prim, message)
-
-
-def _warn_reflection(context: Context, prim: Usd.Prim) -> None:
-    diffuse, specular = (
-        float(light_value(context, prim, name, 1.0)) for name in ("diffuse", "specular")
-    )
-    if diffuse != specular:
-        message = f"its factor for specular reflection, {specular:g}, is taken as {diffuse:g}"
-        context.ledger.warn("light-specular-dropped", prim, f"{message} (diffuse)")
-
-
-def _warn_shape(context: Context, prim: Usd.Prim) -> None:
-    warn, kind = context.ledger.warn, prim.GetTypeName()
-    texture = light_value(context, prim, "texture:file", None)
-    if kind == "RectLight" and isinstance(texture, Sdf.AssetPath) and texture.path:
-        warn("light-texture-dropped", prim, f"@{texture.path}@ does not color the light")
-    if kind == "CylinderLight" and UsdLux.CylinderLight(prim).GetTreatAsLineAttr().Get(
-        context.time
-    ):
-        warn("light-line-dropped", prim, "treatAsLine is not kept, its radius counts")
-    if prim.HasAPI(UsdLux.ShadowAPI) and light_value(context, prim, "shadow:enable", True) is False:
-        warn("light-shadow-dropped", prim, "a glTF light cannot leave out its shadows")
-    if not prim.HasAPI(UsdLux.ShapingAPI):
-        return
-    focus = float(light_value(context, prim, "shaping:focus", 0.0))
-    if focus != 0.0:
-        warn("light-shaping-dropped", prim, f"focus {focus} has no counterpart")
-    cone = float(light_value(context, prim, "shaping:cone:angle", 90.0))
-    if kind in _NO_SHAPING and cone < 90.0:
-        warn("light-shaping-dropped", prim, f"the {kind} is not narrowed to a cone of {cone}°")
-
-
-def _warn_links(context: Context, prim: Usd.Prim) -> None:
-    """Name whatever limits what the light lights, or what casts its shadows."""
-    found = ["light:filters"] if _targets(prim, "light:filters") else []
-    for link in _LINKS:
-        collection = f"collection:{link}"
-        lists = (f"{collection}:{part}" for part in ("includes", "excludes"))
-        found += [name for name in lists if _targets(prim, name)]
-        root = prim.GetAttribute(f"{collection}:includeRoot")
-        if root and root.HasAuthoredValue() and root.Get() is False:
-            found.append(f"{collection}:includeRoot")
-        expression = prim.GetAttribute(f"{collection}:membershipExpression")
-        if expression and expression.HasAuthoredValue():
-            found.append(f"{collection}:membershipExpression")
-    for name in found:
-        context.ledger.warn("light-linking-dropped", prim, f"'{name}' has no counterpart")
-
-
-def _targets(prim: Usd.Prim, name: str) -> bool:
-    relationship = prim.GetRelationship(name)
-    return bool(relationship and relationship.GetTargets())
-
-
-def _warn_unsupported(context: Context, prim: Usd.Prim) -> None:
-    warn = context.ledger.warn
-    _warn_reflection(context, prim)
-    _warn_shape(context, prim)
-    _warn_links(context, prim)
-    outdated = [
-        attribute.GetName()
-        for attribute in prim.GetAuthoredAttributes()
-        if attribute.GetName() in _OUTDATED
-    ]
-    if outdated:
-        message = f"USD ignores {', '.join(outdated)}, which today are named 'inputs:...'"
-        warn("light-input-outdated", prim, message)
-    ies = light_value(context, prim, "shaping:ies:file", None)
-    if isinstance(ies, Sdf.AssetPath) and ies.path:
-        warn("light-linking-dropped", prim, "an IES profile has no counterpart")
-    animated = [
-        attribute.GetName()
-        for attribute in prim.GetAuthoredAttributes()
-        if attribute.GetName().startswith("inputs:") and attribute.ValueMightBeTimeVarying()
-    ]
-    if animated:
-        message = f"animated {', '.join(sorted(animated))} stay at their first value"
-        warn("light-animation-frozen", prim, message)

@@ -139,7 +139,9 @@ class Checks:
 
     def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
         """Record an input that cannot be in the output; only one of `warnings` excuses that."""
-        self.add("inputs", prim, 1, text, excuses=warnings)
+        named = text.strip("'") if text.startswith("'") else ""
+        told = self.excuse(prim, warnings, named=named)
+        self.add("inputs", prim, 1, text, excuses=(told,) if told else ())
 
     def add(
         self,

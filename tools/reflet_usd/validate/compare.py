@@ -70,7 +70,7 @@ class SceneComparer:
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
-        for prim, lost in truth.lost.items():
+        for prim, lost in (*truth.lost.items(), *truth.inputs.items()):
             self._lost(prim, lost)
         for prim in sorted(truth.mesh_lights):
             self.checks.add_lost(prim, SHINES, "shines")

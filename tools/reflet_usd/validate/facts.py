@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Lost = list[tuple[str, str]]
-"""Inputs without a place in glTF: the warning that has to tell of each, and its value."""
+"""Inputs without a place in glTF: the warning that has to tell of each, and its value.
+
+A value in quotes is a name that the warning has to give."""
 
 
 class StageError(Exception):
@@ -137,6 +139,8 @@ class Scene:
     """By instancer the prims that it draws."""
     lost: dict[str, Lost] = dataclasses.field(default_factory=dict)
     """Other inputs without a place in glTF, by prim."""
+    inputs: dict[str, Lost] = dataclasses.field(default_factory=dict)
+    """The same of geometry that is a light, and of environments."""
     optional: set[str] = dataclasses.field(default_factory=set)
     """Prims that may draw something or nothing: all of their faces are degenerate."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,15 @@ _SHAPES = {
     "DiskLight": ("disk", ("radius", "radius")),
     "CylinderLight": ("cylinder", ("length", "radius")),
 }
+_AREAS = ("RectLight", "DiskLight", "CylinderLight")
+_OF_LIGHTS = r"(inputs:|light:|guideRadius$|poleAxis$|portals$)"
+_LEVELS = r"inputs:(color|colorTemperature|diffuse|enableColorTemperature|exposure|intensity)$"
+OF_GEOMETRY = _LEVELS + r"|light:filters$"
+"""What is compared, or has a check of its own, of geometry that is a light."""
+_COMPARED = OF_GEOMETRY + (
+    r"|inputs:(angle|height|length|normalize|radius|specular|texture:.*|width)$"
+    r"|inputs:(shadow:enable|shaping:(cone:.*|focus|ies:file))$"
+)
 _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
 
 
@@ -31,6 +41,11 @@ def read_light(
     light = _punctual(prim, time, truth, world)
     light.lost += _lost_inputs(prim, time)
     return light
+
+
+def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
+    """What an environment in a node's extras does not say; empty for other kinds."""
+    return _lost_inputs(prim, time) if prim.GetTypeName().startswith("DomeLight") else []
 
 
 def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d) -> Light:
@@ -110,8 +125,33 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
         lost.append(("light-shadow-dropped", "casts no shadow"))
     if read("treatAsLine", False):
         lost.append(("light-line-dropped", "treatAsLine"))
-    if prim.HasAPI(UsdLux.ShapingAPI) and read("inputs:shaping:focus", 0.0) != 0.0:
-        lost.append(("light-shaping-dropped", "focus"))
+    if prim.HasAPI(UsdLux.ShapingAPI):
+        if read("inputs:shaping:focus", 0.0) != 0.0:
+            lost.append(("light-shaping-dropped", "focus"))
+        narrow = read("inputs:shaping:cone:angle", 90.0) < 90.0
+        if narrow and prim.GetTypeName() in ("DistantLight", *_AREAS):
+            lost.append(("light-shaping-dropped", "cone"))
+        profile = read("inputs:shaping:ies:file", None)
+        if profile and profile.path:
+            lost.append(("light-linking-dropped", profile.path))
+    return lost + unusual_inputs(prim, time, _COMPARED)
+
+
+def unusual_inputs(prim: Usd.Prim, time: Usd.TimeCode, compared: str) -> Lost:
+    """Inputs of UsdLux's schemas that differ from their fallbacks and are not `compared`."""
+    lost: Lost = []
+    definition = prim.GetPrimDefinition()
+    for name in definition.GetPropertyNames():
+        if not re.match(_OF_LIGHTS, name) or re.match(compared, name):
+            continue
+        item = prim.GetProperty(name)
+        if isinstance(item, Usd.Relationship):
+            differs = len(item.GetTargets()) > 0
+        else:
+            value, usual = item.Get(time), definition.GetAttributeFallbackValue(name)
+            differs = value is not None and value != usual
+        if differs:
+            lost.append(("light-input-dropped", f"'{name}'"))
     return lost
 
 
