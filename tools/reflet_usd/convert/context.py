@@ -48,6 +48,8 @@ class Context:
     """Paths of the collections that bind materials, found when the first collection is met."""
     previewed: bool = False
     """Whether a binding for the purpose `preview` was met."""
+    missing_ops: dict[str, list[str]] = field(default_factory=dict)
+    """By source path of a prim the ops that its order names and that are not there."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 

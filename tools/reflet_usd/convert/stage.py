@@ -20,6 +20,7 @@ from reflet_usd.convert.confinement import (
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.ops import skip_missing_ops
 from reflet_usd.convert.prim_count import check_prim_count
 from reflet_usd.convert.samples import first_code, has_spline
 from reflet_usd.convert.types import ConvertError, ConvertOptions
@@ -57,6 +58,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     context = Context(stage, options, ledger, roots, files)
     _read_units(context)
     _read_time(context)
+    skip_missing_ops(context)
     return context
 
 

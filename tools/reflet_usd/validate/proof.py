@@ -140,6 +140,7 @@ def _compare(
     from .looks import compare_looks
     from .material_compare import compare_materials
     from .usd_layers import compare_layers
+    from .usd_ops import compare_ops, repair_ops
     from .usd_rules import apply_rules, frozen_sizes
     from .usd_skel import (
         JointTruth,
@@ -156,6 +157,7 @@ def _compare(
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
+    missing_ops = repair_ops(truth.stage)
     proof.roots = list(truth.roots)
     compare_layers(checks, truth)
     frames = settings.get("frames")
@@ -173,6 +175,7 @@ def _compare(
     checks.made_of = rest.made_of
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
+    compare_ops(checks, missing_ops, stored.matrices)
     comparer = SceneComparer(checks, rest, skinned)
     comparer.geometry(rest, stored)
     comparer.other(rest, stored)
