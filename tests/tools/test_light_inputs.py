@@ -97,3 +97,12 @@ def test_names_in_a_schemas_namespace_are_kept(
     extras = done.json["nodes"][done.node("/P")]["extras"]
     assert extras["attributes"] == {name.rsplit(" ", 1)[1]: value}
     expect_found(done, forget_words)
+
+
+def test_the_softness_of_a_cone_is_compared(tmp_path: Path) -> None:
+    def sharpen(out: Output) -> None:
+        (entry,) = out.gltf.extensions["KHR_lights_punctual"]["lights"]
+        entry["spot"]["innerConeAngle"] = 0.01
+
+    lines = "float inputs:shaping:cone:angle = 40\n    float inputs:shaping:cone:softness = 0.5"
+    expect_found(convert_text(tmp_path, SHADED.format(lines)), sharpen)

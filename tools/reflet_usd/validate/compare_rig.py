@@ -50,6 +50,8 @@ def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tup
         yield "direction", _axis_distance(expected.matrix, found.matrix, (2,))
     if expected.outer_cone is not None and found.outer_cone is not None:
         yield "cone", _relative(expected.outer_cone, found.outer_cone)
+        soft = abs(expected.inner_cone - found.inner_cone)
+        yield "softness of the cone", soft / max(expected.outer_cone, 1e-12)
 
 
 def _place_distance(expected: Array, found: Array, diagonal: float) -> float:

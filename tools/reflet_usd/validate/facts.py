@@ -111,6 +111,8 @@ class Light:
     """(3,) color times intensity: lux for directional lights, candela for others."""
     matrix: Array
     outer_cone: float | None = None
+    inner_cone: float = 0.0
+    """Of a spot: how far from the axis it is at its brightest."""
     exact: bool = True
     """False where a punctual light can only stand in for the authored one."""
     lost: Lost = dataclasses.field(default_factory=list)

@@ -77,6 +77,9 @@ def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.M
         candela = radiance / 4 * (1.0 if bare else area)
         cone = _cone(prim, time)
         light = Light("point" if cone is None else "spot", _stored(candela), matrix, cone)
+        if cone is not None:
+            soft = float(UsdLux.ShapingAPI(prim).GetShapingConeSoftnessAttr().Get(time) or 0.0)
+            light.inner_cone = cone * (1.0 - float(np.clip(soft, 0.0, 1.0)))
         if first > 0.0 and not is_even(matrix[:3, :3]):
             light.lost.append(("area-light-approximated", "an ellipsoid"))
         return light
