@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
+from reflet_usd.validate.compare_rig import nearby
+from reflet_usd.validate.facts import Light
 from reflet_usd.validate.light_area import surface_area
 from scipy import special
 from tampering import Output, agrees, expect_found, forget, light
@@ -151,3 +154,25 @@ def test_lights_whose_power_needs_no_size_are_not_frozen(tmp_path: Path, body: s
     done = convert_text(tmp_path, text)
     assert "light-animation-frozen" not in done.warnings()
     assert agrees(done)
+
+
+def test_of_many_lights_only_those_nearby_are_compared(tmp_path: Path) -> None:
+    def swap(out: Output) -> None:
+        lit = [n for n in out.gltf.nodes if "KHR_lights_punctual" in (n.extensions or {})]
+        first, second = (lit[i].extensions["KHR_lights_punctual"] for i in (0, 39))
+        first["light"], second["light"] = second["light"], first["light"]
+
+    places = ", ".join(f"({x}, 0, 0)" for x in range(40))
+    scales = ", ".join(f"({x}, {x}, {x})" for x in range(1, 41))
+    text = re.sub(r"positions = .*", f"positions = [{places}]", INSTANCES)
+    text = re.sub(r"scales = .*", f"scales = [{scales}]", text)
+    text = re.sub(r"protoIndices = .*", f"protoIndices = {[0] * 40}", text)
+    done = convert_text(tmp_path, text)
+    assert len(entries(done)) == 40
+    expect_found(done, swap)
+    matrices = [np.eye(4) for _ in range(200)]
+    for place, matrix in enumerate(matrices):
+        matrix[3, :3] = place // 2, 0, 0
+    lights = [Light("point", np.ones(3), matrix) for matrix in matrices]
+    near = [sorted(found) for found in nearby(lights, lights)]
+    assert near == [[place - place % 2, place - place % 2 + 1] for place in range(200)]

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
-from .compare_rig import camera_values, light_values, matrix_distance
+from .compare_rig import Device, camera_values, light_values, matrix_distance, nearby
 from .distances import attribute_distance, one_way, open_edges, set_distance
 from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
 from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 from .uv_compare import compare_customs, compare_uvs
 
-Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
@@ -138,9 +136,10 @@ class SceneComparer:
             return
         if len(found) > len(expected):
             self.checks.add("unexpected", key, len(found) - len(expected), f"{check} too many")
-        for one in expected:
-            self._lost(key, one.lost)
-            pairs = [list(measure(one, other, self.diagonal)) for other in found]
+        for text, warning in dict.fromkeys((text, w) for one in expected for w, text in one.lost):
+            self.checks.add_lost(key, (warning,), text)
+        for one, near in zip(expected, nearby(expected, found), strict=True):
+            pairs = [list(measure(one, found[other], self.diagonal)) for other in near]
             best = min(pairs, key=lambda values: max((value for _, value in values), default=0.0))
             for text, value in best:
                 self.checks.add(check, key, value, f"{text} {at}", self.slack)

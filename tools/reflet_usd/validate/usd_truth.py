@@ -13,7 +13,7 @@ from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_lathe import read_lathe
-from .usd_light import OF_GEOMETRY, lost_of_dome, read_light, unusual_inputs
+from .usd_light import OF_GEOMETRY, Source, lost_of_dome, read_source, unusual_inputs
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, array_of, read_mesh
 from .usd_stage import TruthStage
@@ -51,6 +51,7 @@ class TruthReader:
         lathes: dict[str, list[tuple[LocalMesh, Array]]] = {}
         clouds: dict[str, list[Array]] = {}
         meshes: dict[str, LocalMesh | None] = {}
+        sources: dict[str, Source | None] = {}
         for place in walk.placements():
             prim = place.prim
             matrix = self.truth.world(place.matrix)
@@ -67,8 +68,12 @@ class TruthReader:
                 scene.mesh_lights.add(str(prim.GetPath()))
                 scene.inputs[str(prim.GetPath())] = unusual_inputs(prim, time, OF_GEOMETRY)
             elif is_light(prim):
-                light = read_light(prim, time, self.truth, place.matrix)
-                if light:
+                path = str(prim.GetPath())
+                if path not in sources:
+                    sources[path] = read_source(prim, time, self.truth)
+                source = sources[path]
+                if source is not None:
+                    light = source.placed(self.truth, place.matrix)
                     scene.lights.setdefault(place.key, []).append(light)
                 else:
                     scene.other[place.key] = prim.GetTypeName()
