@@ -12,7 +12,7 @@ from .checks import BARS, Checks
 from .compare_rig import Device, camera_values, light_values, matrix_distance, nearby
 from .distances import attribute_distance, one_way, open_edges, set_distance
 from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
-from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
+from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 from .uv_compare import compare_customs, compare_uvs
 
