@@ -95,13 +95,23 @@ def error_text(error: Exception, path: Path) -> str:
         return "it holds text that is not UTF-8"
     try:
         text = " ".join(str(error).split())
-    except UnicodeDecodeError:  # USD quotes the bytes that it could not read
-        return "it is not UTF-8 text"
+    except UnicodeDecodeError as cut:  # USD quotes bytes, or a part of a character
+        if not _is_utf8(path):
+            return "it is not UTF-8 text"
+        text = " ".join(cut.object.decode("utf-8", "replace").split())
     found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
     reason = found.group(1) if found else text or "USD gives no reason"
     reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
     reason = re.sub(r"parse error matching .*? at '", "cannot parse '", reason)
     return reason.strip()[:400]
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        path.read_bytes().decode("utf-8")
+    except (OSError, UnicodeDecodeError):
+        return False
+    return True
 
 
 def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:

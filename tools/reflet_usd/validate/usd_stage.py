@@ -75,7 +75,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
             _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        lines = [line.strip(" \t'") for line in str(error).splitlines()]
+        lines = [line.strip(" \t'") for line in _text(error).splitlines()]
         reason = next((line for line in reversed(lines) if line), "it gives no reason")
         raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
@@ -107,6 +107,14 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         int(settings.get("subdivLevel") or 0),
         roots,
     )
+
+
+def _text(error: Tf.ErrorException) -> str:
+    """USD's own words, which may quote a part of a character."""
+    try:
+        return str(error)
+    except UnicodeDecodeError as cut:
+        return cut.object.decode("utf-8", "replace")
 
 
 def _forget_old_layers() -> None:
