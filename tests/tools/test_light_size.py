@@ -78,6 +78,24 @@ def test_power_follows_the_area_in_the_world(
         assert not agrees(done)
 
 
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (("1, 0, 0", "0, 1, 0", "0, 1, 1"), "it shines up to 45.0° off its surface's normal"),
+        (scaled(1, 1, 0), "the world flattens the axis that it shines along"),
+        (scaled(1, 2, -3), "lm"),
+    ],
+)
+def test_what_shear_does_to_the_direction_is_told(
+    tmp_path: Path, rows: tuple[str, str, str], words: str
+) -> None:
+    done = convert_text(tmp_path, LIGHT.format(*rows, kind="RectLight", body=UNIT_RECT))
+    (message,) = [
+        w["message"] for w in done.sidecar["warnings"] if w["name"] == "area-light-approximated"
+    ]
+    assert message.endswith(words)
+
+
 def test_turning_a_light_leaves_its_area() -> None:
     rows = [[0.6, 0.8, 0.0], [-2.4, 1.8, 0.0], [0.0, 0.0, 2.0]]
     assert surface_area("sphere", (1, 1), np.array(rows)) == (pytest.approx(spheroid(3, 2, 1)))

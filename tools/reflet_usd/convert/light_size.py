@@ -22,6 +22,8 @@ from reflet_usd.convert.xform import Trs
 _SAME = 1e-6
 """Sizes and powers whose ratio is nearer to 1 are equal."""
 _NOTHING = 1e-12
+_FLAT = ("rectangle", "disk")
+_STRAIGHT = 0.05
 _MAX_TIMES = 65
 _MAX_SHOWN = 3
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -51,6 +53,8 @@ class _Use:
     area: float
     even: bool
     """Whether the world stretches it equally along all its axes."""
+    tilt: float
+    """Degrees from the axis that glTF shines along to a flat surface's normal; NaN without one."""
 
 
 def size_lights(
@@ -81,7 +85,17 @@ def size_lights(
 def _measure(emitter: Emitter, node: Node, linear: Array) -> _Use:
     stretch = np.linalg.svd(linear, compute_uv=False) if np.isfinite(linear).all() else np.ones(3)
     even = bool(stretch[0] - stretch[2] <= _SAME * stretch[0])
-    return _Use(node, world_area(emitter.shape, emitter.sizes, linear), even)
+    area = world_area(emitter.shape, emitter.sizes, linear)
+    return _Use(node, area, even, _tilt(linear) if emitter.shape in _FLAT else 0.0)
+
+
+def _tilt(linear: Array) -> float:
+    x, y, axis = linear.T
+    normal = np.cross(x, y)
+    reach = float(np.linalg.norm(normal) * np.linalg.norm(axis))
+    if not reach > 0.0:
+        return math.nan if float(np.linalg.norm(normal)) > 0.0 else 0.0
+    return math.degrees(math.acos(min(abs(float(normal @ axis)) / reach, 1.0)))
 
 
 def _write(
@@ -128,6 +142,11 @@ def _warn_shape(context: Context, emitter: Emitter, uses: list[_Use]) -> None:
     if len(areas) == 1:
         power = emitter.power_per_area * (1.0 if emitter.normalize else uses[0].area)
         message += f", {power:.6g} lm"
+    tilts = [use.tilt for use in uses]
+    if any(math.isnan(tilt) for tilt in tilts):
+        message += "; the world flattens the axis that it shines along"
+    elif max(tilts) > _STRAIGHT:
+        message += f"; it shines up to {max(tilts):.1f}° off its surface's normal"
     context.ledger.warn("area-light-approximated", emitter.prim, message)
 
 
