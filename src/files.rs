@@ -14,6 +14,8 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 /// Clocks of file systems tick this coarsely.
 const CLOCK_TICK: Duration = Duration::from_millis(50);
+/// Longer than any clock of a file system takes for a tick: two seconds on FAT.
+const FRESH: Duration = Duration::from_secs(3);
 
 /// Writes `bytes` beside `path`, syncs them to the disk and moves them there in one step; what
 /// was at `path` stays whole until then.
@@ -108,6 +110,40 @@ pub fn written_since(path: &Path, since: SystemTime) -> bool {
     modified || moved
 }
 
+/// What the system says of a file without reading it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    /// Of the inode: its number and when it was last changed.
+    #[cfg(unix)]
+    inode: (u64, i64, i64),
+}
+
+impl Stamp {
+    /// Of a file that is there.
+    pub fn of(path: &Path) -> Option<Self> {
+        #[cfg(unix)]
+        use std::os::unix::fs::MetadataExt as _;
+        let metadata = fs::metadata(path).ok()?;
+        Some(Self {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+            #[cfg(unix)]
+            inode: (metadata.ino(), metadata.ctime(), metadata.ctime_nsec()),
+        })
+    }
+
+    /// Whether the file's content may be another than when it had this stamp, or none. Within a tick
+    /// of the clock it may change twice, so what was written just now may always.
+    pub fn may_differ(before: Option<&Self>, path: &Path) -> bool {
+        let now = Self::of(path);
+        let written = now.as_ref().and_then(|stamp| stamp.modified);
+        let age = written.and_then(|time| time.elapsed().ok());
+        before != now.as_ref() || age.is_some_and(|age| age < FRESH)
+    }
+}
+
 /// Reads all of a text.
 ///
 /// # Errors
@@ -136,7 +172,8 @@ impl Temporary {
             let message = "a folder is there";
             return Err(io::Error::new(io::ErrorKind::IsADirectory, message));
         }
-        let name = format!("{}{}.tmp", hidden_start(goal), std::process::id());
+        let [start, place] = [goal_name(goal), place_name()];
+        let name = format!("{start}-{place}-{}.tmp", std::process::id());
         let path = folder_of(goal).join(name);
         // A leftover of a killed run may have this name; `create_new` never follows a link.
         let _ = fs::remove_file(&path);
@@ -195,37 +232,58 @@ static PLACE: LazyLock<u64> = LazyLock::new(|| {
     hash.digest()
 });
 
-/// What a hidden name beside `goal` begins with; the number of the process follows. It is short
-/// however long the goal's name is.
-fn hidden_start(goal: &Path) -> String {
+/// What a hidden name beside `goal` begins with. It is short however long the goal's name is.
+fn goal_name(goal: &Path) -> String {
     let name = goal.file_name().unwrap_or_default().as_encoded_bytes();
-    format!(".reflet-{:016x}-{:016x}-", xxh3_64(name), *PLACE)
+    format!(".reflet-{:016x}", xxh3_64(name))
 }
 
-/// Removes what killed runs have left beside these files. Runs that live, and those of another
-/// machine, container or boot, of which nobody here knows whether they live, keep theirs. Only Linux
-/// tells which runs live, so elsewhere nothing is removed.
+/// What follows it, before the number of the process.
+fn place_name() -> String {
+    format!("{:016x}", *PLACE)
+}
+
+/// Longer than any run goes without writing to its file: what was left alone for so long belongs to
+/// no run, wherever that was.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
+
+/// Removes what killed runs have left beside these files. Runs that live keep theirs. Of those of
+/// another machine, container or boot nobody here knows whether they live, nor, except on Linux, of
+/// those of this one: theirs are removed a day after they were last written to.
 pub fn sweep(goals: &[PathBuf]) {
-    if !cfg!(target_os = "linux") {
-        return;
-    }
-    let starts: HashSet<_> = goals.iter().map(|goal| hidden_start(goal)).collect();
+    let of_goals: HashSet<_> = goals.iter().map(|goal| goal_name(goal)).collect();
     let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
+    let here = place_name();
     let entries = folders.into_iter().filter_map(|f| fs::read_dir(f).ok());
     for entry in entries.flatten().flatten() {
         let name = entry.file_name();
-        let parts = name.to_str().and_then(|name| {
-            let name = name.strip_suffix(".tmp")?;
-            let (start, id) = name.split_at(name.rfind('-')? + 1);
-            Some((start, id.parse::<u32>().ok()?))
-        });
-        let is_left = parts.is_some_and(|(start, id)| {
-            starts.contains(start) && !Path::new("/proc").join(id.to_string()).exists()
-        });
-        if is_left {
+        let Some((goal, place, id)) = name.to_str().and_then(hidden_parts) else {
+            continue;
+        };
+        let is_left = if cfg!(target_os = "linux") && place == here {
+            !Path::new("/proc").join(id.to_string()).exists()
+        } else {
+            is_abandoned(&entry)
+        };
+        if is_left && of_goals.contains(goal) {
             let _ = fs::remove_file(entry.path()); // nobody waits for it
         }
     }
+}
+
+/// Goal, place and process of a hidden name.
+fn hidden_parts(name: &str) -> Option<(&str, &str, u32)> {
+    let mut parts = name.strip_suffix(".tmp")?.rsplitn(3, '-');
+    let id = parts.next()?.parse().ok()?;
+    let place = parts.next()?;
+    Some((parts.next()?, place, id))
+}
+
+/// Whether nobody has written to a file for long; links are no such files.
+fn is_abandoned(entry: &fs::DirEntry) -> bool {
+    let written = entry.metadata().and_then(|of| of.modified());
+    let age = written.ok().and_then(|time| time.elapsed().ok());
+    age.is_some_and(|age| age > ABANDONED)
 }
 
 impl Drop for Temporary {

@@ -131,6 +131,20 @@ fn usage_errors_exit_with_2_and_say_what_is_wrong() {
     assert_eq!(names(&folder), ["scene.toml"]);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_preview_without_a_display_says_what_to_do() {
+    let folder = folder("display");
+    let mut command = reflet(&folder, &["preview", "scene.toml"]);
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let text = command.output().expect("it starts").stderr;
+    let text = String::from_utf8_lossy(&text);
+    let says = "error: there is no display: set DISPLAY or WAYLAND_DISPLAY, or use `reflet render`";
+    assert!(text.starts_with(says), "{text}");
+}
+
 #[test]
 fn scene_errors_exit_with_3_and_point_at_the_place() {
     let folder = folder("scene");

@@ -178,6 +178,12 @@ fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
     };
     let first = session.shot();
     assert!(brightness(&first) > 10.0, "something is seen");
+    session.key("b");
+    until("a wipe in the file as in the window", || {
+        (session.shot() != first).then_some(())
+    });
+    session.key("b");
+    until("one side again", || (session.shot() == first).then_some(()));
     session.write(
         "scene.toml",
         &text.replace("intensity_cd = ", "intensity_cd = 10"),

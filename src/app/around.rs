@@ -7,7 +7,11 @@ use std::{
 };
 
 use crate::{
-    scene::{diagnostic::Diagnostic, parse::toml_text},
+    scene::{
+        desc::is_stage,
+        diagnostic::Diagnostic,
+        parse::{parse, toml_text},
+    },
     world::{
         gltf::{Fault, Playable, Sandbox},
         load::LoadOptions,
@@ -28,11 +32,14 @@ const SKY: &str = "[environment]\nzenith = [0.5, 0.55, 0.65]\nhorizon = [0.6, 0.
 /// Whether the argument is a model rather than a scene.
 pub fn is_model(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    usd::is_stage(path)
+    is_stage(path)
         || ["gltf", "glb"]
             .iter()
             .any(|known| extension.eq_ignore_ascii_case(known))
 }
+
+/// How overrides of what is shown of a stage begin.
+const OF_USD: &str = "model.model.usd";
 
 /// A scene for looking at one model. All of its animations play once where none moves what another
 /// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers and the
@@ -47,10 +54,13 @@ pub fn scene_around(
 ) -> Result<String, Box<Diagnostic>> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!("version = 1\n[model.model]\nfile = {}\n", toml_text(&name));
-    let playable = playable(path, &name, options).or_else(|fault| match usd::is_stage(path) {
-        true => Err(Box::new(fault.in_file(path))),
-        false => Ok(Playable::default()),
-    })?;
+    let playable =
+        playable(path, &name, options, &choice_of(&text, path, overrides)).or_else(|fault| {
+            match is_stage(path) {
+                true => Err(Box::new(fault.in_file(path))),
+                false => Ok(Playable::default()),
+            }
+        })?;
     if let Some((name, duration_s)) = chosen(&playable) {
         let film = film(duration_s, &playable, fps_of(overrides));
         let (name, start_s) = (toml_text(name), film.frames[0] / film.fps);
@@ -76,8 +86,27 @@ pub fn scene_around(
     Ok(text)
 }
 
+/// `--set model.model.usd.…`: what of the stage is shown. Mistakes are said when all is read.
+fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
+    let asked = overrides
+        .iter()
+        .filter(|o| o.trim_start().starts_with(OF_USD));
+    let asked: Vec<_> = asked.cloned().collect();
+    let scene = parse(text, path, &asked);
+    let models = scene.map_or(Vec::new(), |(scene, _)| scene.models);
+    let model = models.first();
+    model.map_or_else(usd::Choice::default, |model| {
+        usd::Choice::of(&model.value.usd)
+    })
+}
+
 /// What the model can play.
-fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, Fault> {
+fn playable(
+    path: &Path,
+    name: &str,
+    options: &LoadOptions,
+    choice: &usd::Choice,
+) -> Result<Playable, Fault> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let folders: Vec<PathBuf> = [folder.to_owned()]
         .into_iter()
@@ -86,10 +115,10 @@ fn playable(path: &Path, name: &str, options: &LoadOptions) -> Result<Playable, 
     let roots = folders.iter().map(PathBuf::as_path);
     let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.trail);
     let path = sandbox.resolve(folder, name)?;
-    if !usd::is_stage(&path) {
+    if !is_stage(&path) {
         return Ok(options.ahead.read(&path, &sandbox));
     }
-    let glb = usd::convert(&path, &folders)?.glb;
+    let glb = usd::convert(&path, choice, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
     Ok(options.ahead.read(&glb, &sandbox))

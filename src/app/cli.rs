@@ -118,10 +118,12 @@ pub struct RenderArgs {
 #[derive(Clone, Debug, Args)]
 #[command(
     after_help = "Left drag orbits, right drag looks around and flies with W A S D Q E, the \
-                        wheel goes closer, F frames, Space plays and pauses, the arrow keys step by \
-                        frames, B wipes between two methods, F12 writes a picture, H lists all \
-                        keys. Script parameters have sliders. After a mistake in a file the last \
-                        good picture stays, with the place of the mistake below it."
+                        wheel goes closer, a click selects an instance and its material, F frames \
+                        it, Esc lets it go, Space plays and pauses, the arrow keys step by \
+                        frames, B wipes between two methods or textures, X maps the error \
+                        against rt, F12 writes what is shown, H lists all keys. Script \
+                        parameters have sliders. After a mistake in a file the last good picture \
+                        stays, with the place of the mistake over it."
 )]
 pub struct PreviewArgs {
     /// Scene file or model; without one, the built-in atrium

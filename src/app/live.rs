@@ -32,13 +32,17 @@ use crate::{
 };
 
 mod errand;
+mod guard;
 mod pose;
 mod reload;
+mod trial;
 
 pub use errand::{Done, Errand, Keeps};
 use errand::{Read, pose_of};
 pub use pose::Edit;
 use reload::{Waiting, options_of, read_library};
+pub use trial::Refusal;
+use trial::Trials;
 
 /// What is shown where there is no scene.
 const NOTHING: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
@@ -145,6 +149,8 @@ pub struct Live {
     read_since: SystemTime,
     declared: Declared,
     tuned: Tuned,
+    /// Values that may take its place.
+    trials: Trials,
     edits: Vec<Edit>,
     /// The frame that is wanted, and the one that is shown.
     frame: u32,
@@ -235,6 +241,7 @@ impl Live {
             read_since,
             declared: read.declared,
             tuned: read.tuned,
+            trials: Trials::default(),
             edits: Vec::new(),
             frame: read.frame,
             posed: read.frame,

@@ -1,6 +1,10 @@
 //! Script parameters that are set beside the scene's text: the same thing as `--set params.x=…`.
 
-use crate::scene::desc::ParamValue;
+use crate::scene::{
+    desc::ParamValue,
+    diagnostic::{Diagnostic, Span},
+    parse::OVERRIDE,
+};
 
 /// Names and values that a scene declares, in its order.
 pub type Declared = Vec<(String, ParamValue)>;
@@ -46,6 +50,21 @@ impl Tuned {
         self.0.iter().map(text).collect()
     }
 
+    /// The same mistakes; one in a value of these is said to be at its slider, for nobody wrote
+    /// such a setting.
+    pub fn name_sliders(&self, mut mistakes: Vec<Diagnostic>) -> Vec<Diagnostic> {
+        let settings = self.settings();
+        for mistake in &mut mistakes {
+            let source = (mistake.span.source.as_ref()).filter(|s| s.path.as_os_str() == OVERRIDE);
+            let place = source.and_then(|source| settings.iter().position(|s| *s == source.text));
+            if let Some(place) = place {
+                mistake.file = Some(format!("the slider `{}`", self.0[place].0).into());
+                mistake.span = Span::default();
+            }
+        }
+        mistakes
+    }
+
     /// All parameters with their values now, as scene text.
     pub fn as_text(&self, declared: &Declared) -> String {
         let line = |(name, own): &(String, ParamValue)| {
@@ -57,8 +76,9 @@ impl Tuned {
     }
 }
 
-/// Lists of numbers must also be of one length: each place may have its meaning.
-fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
+/// Whether a parameter may have either. Lists of numbers must also be of one length: each place may
+/// have its meaning.
+pub fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
     match (a, b) {
         (ParamValue::Numbers(a), ParamValue::Numbers(b)) => a.len() == b.len(),
         (a, b) => std::mem::discriminant(a) == std::mem::discriminant(b),
@@ -136,6 +156,21 @@ mod tests {
         }
         let text = format!("version = 1\n{}", tuned.as_text(&own));
         assert_eq!(declared(&text, &[]), declared(TEXT, &tuned.settings()));
+    }
+
+    #[test]
+    fn a_mistake_of_a_slider_is_not_said_to_be_in_a_setting() {
+        let own = declared(TEXT, &[]);
+        let mut tuned = Tuned::default();
+        tuned.set("count", ParamValue::Integer(4), &own[0].1);
+        let written = "params.speed='fast'".to_owned();
+        let all = [tuned.settings(), vec![written]].concat();
+        let text = TEXT.replace("count = 3", "count = 'three'");
+        let mistakes = parse::parse(&text, "scene.toml".as_ref(), &all).expect_err("two");
+        let mistakes = tuned.name_sliders(mistakes);
+        let shown: Vec<_> = mistakes.iter().map(ToString::to_string).collect();
+        assert!(shown[0].contains("--> the slider `count`"), "{shown:?}");
+        assert!(shown[1].contains("--> --set:1:14"), "{shown:?}");
     }
 
     #[test]

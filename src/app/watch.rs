@@ -4,19 +4,28 @@
 //! watch on a file would die with it. An event only says where to look; the hash of the content
 //! decides. A file's hash is taken before anybody reads the file again, so a save that comes while
 //! it is read is seen as another change.
+//!
+//! Where the system refuses a watch, which is told, the files are looked at now and then instead.
+
+mod folders;
+mod places;
 
 use std::{
     collections::{BTreeSet, HashMap},
     fs, io,
-    path::{Component, Path, PathBuf},
+    path::{Path, PathBuf},
     sync::mpsc::{self, Receiver, RecvTimeoutError, Sender},
     thread,
     time::{Duration, Instant, SystemTime},
 };
 
-use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use notify::EventKind;
 
-use crate::files::{content_hash, written_since};
+use self::{
+    folders::{Folders, Start, System},
+    places::{canonical, places},
+};
+use crate::files::{Stamp, content_hash, written_since};
 
 /// What has new content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,10 +56,17 @@ pub struct WatchList {
 const QUIET: Duration = Duration::from_millis(10);
 /// …but never later than this after the first.
 const MOST_WAIT: Duration = Duration::from_millis(30);
-/// How often folders that do not exist are looked for.
-const RETRY: Duration = Duration::from_millis(250);
-/// Links in a row before a path is given up; as in Linux.
-const MOST_LINKS: u32 = 40;
+/// How often folders that do not exist are looked for, and files that no event tells of.
+const LOOK: Duration = Duration::from_millis(250);
+
+/// What a watcher has to say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum News {
+    /// What changed and when the first word of it came.
+    Changed(Changes, Instant),
+    /// Why and where saves are seen only now and then, and what to do; `None` when that is over.
+    Trouble(Option<String>),
+}
 
 enum Message {
     Event(notify::Result<notify::Event>),
@@ -66,29 +82,42 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Starts watching nothing; `report` is called from the watching thread
-    /// with what changed and when the first word of it came.
+    /// Starts watching nothing; `report` is called from the watching thread.
     ///
     /// # Errors
-    /// When the system gives no watch, such as when its limit is reached.
-    pub fn new(report: impl Fn(Changes, Instant) + Send + 'static) -> Result<Self, String> {
+    /// When the system has no thread for it.
+    pub fn new(report: impl Fn(News) + Send + 'static) -> Result<Self, String> {
+        Self::on(
+            |events| {
+                Box::new(move || {
+                    let events = events.clone();
+                    let system = notify::recommended_watcher(move |event| {
+                        // Nobody listens any more while the program ends.
+                        let _ = events.send(Message::Event(event));
+                    })?;
+                    Ok(Box::new(system) as System)
+                })
+            },
+            report,
+        )
+    }
+
+    /// On a system that is asked by what is made of where its events go.
+    fn on(
+        start: impl FnOnce(Sender<Message>) -> Start,
+        report: impl Fn(News) + Send + 'static,
+    ) -> Result<Self, String> {
         let (messages, inbox) = mpsc::channel();
-        let events = messages.clone();
-        let system = notify::recommended_watcher(move |event| {
-            // Nobody listens any more while the program ends.
-            let _ = events.send(Message::Event(event));
-        })
-        .map_err(|error| format!("files cannot be watched: {error}"))?;
         let watching = Watching {
-            system,
-            folders: HashMap::new(),
+            folders: Folders::new(start(messages.clone())),
             shader_folders: Vec::new(),
             files: HashMap::new(),
+            told: None,
         };
         let thread = thread::Builder::new()
             .name("watch".into())
             .spawn(move || watching.run(&inbox, &report))
-            .map_err(|error| format!("files cannot be watched: {error}"))?;
+            .map_err(|error| format!("saved files are not followed: {error}; start again"))?;
         Ok(Self {
             messages,
             thread: Some(thread),
@@ -118,38 +147,47 @@ struct Watched {
     change: Change,
     /// Of its content, or why that cannot be read.
     hash: Result<Hash, io::ErrorKind>,
+    /// Of when it was last looked at.
+    stamp: Option<Stamp>,
     /// Every place whose change may change what the name means: itself and the links on its way.
     places: Vec<PathBuf>,
 }
 
 /// The state of the watching thread.
 struct Watching {
-    system: RecommendedWatcher,
-    /// Folders to watch, and whether the system does.
-    folders: HashMap<PathBuf, bool>,
+    folders: Folders,
     /// As named, and resolved.
     shader_folders: Vec<(PathBuf, PathBuf)>,
     files: HashMap<PathBuf, Watched>,
+    /// The trouble that was told last.
+    told: Option<String>,
 }
 
 impl Watching {
-    fn run(mut self, inbox: &Receiver<Message>, report: &impl Fn(Changes, Instant)) {
+    fn run(mut self, inbox: &Receiver<Message>, report: &impl Fn(News)) {
+        let mut looked = Instant::now();
         loop {
-            let missing = self.folders.values().any(|is_watched| !is_watched);
-            let first = if missing {
-                match inbox.recv_timeout(RETRY) {
-                    Ok(message) => message,
-                    Err(RecvTimeoutError::Timeout) => {
-                        if self.watch_folders() {
-                            send(report, self.look_at(None), Instant::now());
-                        }
-                        continue;
-                    }
-                    Err(RecvTimeoutError::Disconnected) => return,
+            let trouble = self.folders.trouble();
+            if trouble != self.told {
+                self.told.clone_from(&trouble);
+                report(News::Trouble(trouble));
+            }
+            let first = if self.folders.is_incomplete() {
+                // Also while events of other folders come all the time.
+                if looked.elapsed() >= LOOK {
+                    let started = Instant::now();
+                    send(report, self.look_around(), started);
+                    looked = Instant::now();
+                    continue;
                 }
+                inbox.recv_timeout(LOOK.saturating_sub(looked.elapsed()))
             } else {
-                let Ok(message) = inbox.recv() else { return };
-                message
+                inbox.recv().map_err(|_| RecvTimeoutError::Disconnected)
+            };
+            let first = match first {
+                Ok(message) => message,
+                Err(RecvTimeoutError::Timeout) => continue,
+                Err(RecvTimeoutError::Disconnected) => return,
             };
             let mut touched = Touched::default();
             let mut next = Some(first);
@@ -170,15 +208,30 @@ impl Watching {
         }
     }
 
+    /// Looks at what no event tells of.
+    fn look_around(&mut self) -> Changes {
+        if self.watch_folders() {
+            return self.look_at(None);
+        }
+        let folders = &self.folders;
+        let is_silent = |place: &PathBuf| {
+            place
+                .parent()
+                .is_some_and(|folder| folders.is_silent(folder))
+        };
+        let silent = (self.files.iter()).filter(|(_, file)| file.places.iter().any(is_silent));
+        let touched = silent
+            .filter(|(name, file)| Stamp::may_differ(file.stamp.as_ref(), name))
+            .flat_map(|(_, file)| file.places.iter().cloned());
+        let touched = touched.collect();
+        self.look_at(Some(&touched))
+    }
+
     /// Looks at what the events were about.
     fn settle(&mut self, touched: &Touched) -> Changes {
-        let is_folder = |path: &PathBuf| self.folders.contains_key(path);
+        let is_folder = |path: &PathBuf| self.folders.contains(path);
         if touched.everything || touched.paths.iter().any(is_folder) {
-            // A folder that goes away takes its watch along, also when another takes its name.
-            for (folder, is_watched) in &mut self.folders {
-                let _ = self.system.unwatch(folder);
-                *is_watched = false;
-            }
+            self.folders.forget();
             self.watch_folders();
             return self.look_at(None);
         }
@@ -196,6 +249,8 @@ impl Watching {
                 |paths: &BTreeSet<PathBuf>| file.places.iter().any(|p| paths.contains(p));
             if paths.is_none_or(is_meant) {
                 file.places = places(name);
+                // Before the content: a save in between is looked at again.
+                file.stamp = Stamp::of(name);
                 let hash = content_hash(name).map_err(|error| error.kind());
                 if hash != file.hash {
                     file.hash = hash;
@@ -228,6 +283,7 @@ impl Watching {
         let mut changes = Changes::new();
         for name in fresh {
             if let Some(file) = self.files.get_mut(&name) {
+                file.stamp = Stamp::of(&name);
                 file.hash = content_hash(&name).map_err(|error| error.kind());
                 if written_since(&name, since) {
                     changes.insert(file.change);
@@ -241,6 +297,7 @@ impl Watching {
         let file = Watched {
             change,
             hash: Err(io::ErrorKind::NotFound),
+            stamp: None,
             places: places(name),
         };
         self.files.insert(name.to_owned(), file);
@@ -274,23 +331,7 @@ impl Watching {
         for (named, resolved) in &self.shader_folders {
             wanted.extend([resolved.clone(), canonical(&named.join("lib"))]);
         }
-        let (kept, gone) = std::mem::take(&mut self.folders)
-            .into_iter()
-            .partition::<HashMap<_, _>, _>(|(folder, _)| wanted.contains(folder));
-        self.folders = kept;
-        for (folder, _) in gone.into_iter().filter(|(_, is_watched)| *is_watched) {
-            let _ = self.system.unwatch(&folder);
-        }
-        let mut added = false;
-        for folder in wanted {
-            let is_watched = self.folders.entry(folder.clone()).or_insert(false);
-            if !*is_watched {
-                let watch = self.system.watch(&folder, RecursiveMode::NonRecursive);
-                *is_watched = watch.is_ok();
-                added |= *is_watched;
-            }
-        }
-        added
+        self.folders.watch(&wanted)
     }
 }
 
@@ -314,50 +355,11 @@ impl Touched {
     }
 }
 
-fn send(report: &impl Fn(Changes, Instant), changes: Changes, since: Instant) {
+fn send(report: &impl Fn(News), changes: Changes, since: Instant) {
     if !changes.is_empty() {
-        report(changes, since);
+        report(News::Changed(changes, since));
     }
 }
 
-fn canonical(path: &Path) -> PathBuf {
-    path.canonicalize()
-        .or_else(|_| std::path::absolute(path))
-        .unwrap_or_else(|_| path.to_owned())
-}
-
-/// The file's own place and those of the links on the way to it, each with a folder that is no link.
-fn places(name: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());
-    for _ in 0..MOST_LINKS {
-        let Some((link, after)) = first_link(&rest) else {
-            found.push(rest);
-            return found;
-        };
-        let target = fs::read_link(&link).unwrap_or_default();
-        let folder = link.parent().unwrap_or(Path::new("/"));
-        rest = folder.join(target).join(after);
-        found.push(link);
-    }
-    found
-}
-
-/// The first link of an absolute path, and what follows it.
-fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
-    let mut before = PathBuf::new();
-    let mut parts = path.components();
-    while let Some(part) = parts.next() {
-        match part {
-            Component::ParentDir => {
-                before.pop();
-            }
-            Component::CurDir => {}
-            part => before.push(part),
-        }
-        if before.is_symlink() {
-            return Some((before, parts.as_path().to_owned()));
-        }
-    }
-    None
-}
+#[cfg(test)]
+mod tests;

@@ -14,13 +14,13 @@ use crate::{
 use super::{
     RenderError, RenderOptions, Renderer,
     build::Reflections,
-    lights::lights,
+    lights::{ShadowView, lights},
     pass::Dispatch,
     passes::{blur, compose, ssr, tone},
     probe::{Probe, Probes},
     recorder::{Recorder, Timing},
     stats::{FrameStats, Shares},
-    types::Frame,
+    types::{Frame, LightBlock},
     view::{View, jitter},
 };
 
@@ -87,12 +87,7 @@ impl Renderer {
         probe: Option<Probe>,
     ) -> Recorder<'a> {
         let jitter = jitter(sample, self.options.image.samples);
-        let bounds = self
-            .scene
-            .draws
-            .iter()
-            .fold(Bounds::EMPTY, |all, d| all.union(d.bounds));
-        let (block, shadow_views) = lights(&world.lights, self.maps.sizes, &bounds);
+        let (block, shadow_views) = self.lights(world);
         self.buffers
             .set(gpu, &self.frame(world, view, jitter), &block);
 
@@ -140,6 +135,13 @@ impl Renderer {
             passes.tone.record(r, &Dispatch::PerPixel);
         }
         recorder
+    }
+
+    /// The lights' uniform block, and the views of the shadow maps in the order of the lights.
+    pub(super) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
+        let draws = self.scene.draws.iter();
+        let bounds = draws.fold(Bounds::EMPTY, |all, d| all.union(d.bounds));
+        lights(&world.lights, self.maps.sizes, &bounds)
     }
 
     fn frame(&self, world: &World, view: &View, jitter: Vec2) -> Frame {

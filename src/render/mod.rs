@@ -12,6 +12,7 @@ pub mod download;
 pub mod frame;
 pub mod geometry;
 pub mod lights;
+pub mod looks;
 pub mod pass;
 pub mod passes;
 pub mod picture;

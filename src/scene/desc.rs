@@ -8,6 +8,7 @@ mod animation;
 mod include;
 mod light;
 mod motion;
+mod stage;
 
 use std::path::PathBuf;
 
@@ -21,8 +22,10 @@ pub use self::{
         CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
         LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
         NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, PairKeyDesc,
-        PairOscillateDesc, PairTrackDesc, ParamValue, TimelineDesc, TrackDesc, Tracks,
+        PairOscillateDesc, PairTrackDesc, ParamValue, ScaleKeyDesc, ScaleOscillateDesc,
+        ScaleTrackDesc, TimelineDesc, TrackDesc, Tracks,
     },
+    stage::{StageDesc, is_stage},
 };
 use super::{diagnostic::Span, script::Script};
 
@@ -188,12 +191,15 @@ pub struct ModelDesc {
     /// For files: which of its animations is played, by name, `"*"` for all of them, or a table
     /// with more. Default: none.
     pub animation: Option<AnimationDesc>,
+    /// For USD stages: what of the stage is converted.
+    pub usd: StageDesc,
 }
 
 /// Where a model's geometry comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModelSource {
-    /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`), searched beside the scene, then in each `--assets` folder.
+    /// `file = "…"`: glTF 2.0 (`.gltf`, `.glb`) or a USD stage (`.usd`, `.usda`, `.usdc`, `.usdz`),
+    /// searched beside the scene, then in each `--assets` folder.
     File(At<String>),
     /// `shape = { kind = "…", … }`: geometry made here.
     Shape(ShapeDesc),

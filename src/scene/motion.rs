@@ -4,7 +4,7 @@ mod clock;
 mod material;
 pub mod number;
 mod parts;
-mod track;
+pub(super) mod track;
 
 use std::collections::{HashMap, HashSet};
 

@@ -39,6 +39,9 @@ use super::{
 /// Largest scene file, bytes. Geometry belongs in glTF files.
 pub const MOST_BYTES: u64 = 16 << 20;
 
+/// What messages call an override in place of a file.
+pub const OVERRIDE: &str = "--set";
+
 /// The scene and warnings, or all messages, errors and warnings alike.
 pub type Parsed = Result<(SceneDesc, Vec<Diagnostic>), Vec<Diagnostic>>;
 
@@ -108,7 +111,7 @@ pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail
     report.add_source(path, text);
     let bases: Vec<_> = overrides
         .iter()
-        .map(|o| report.add_source(Path::new("--set"), o))
+        .map(|o| report.add_source(Path::new(OVERRIDE), o))
         .collect();
     let scripted = OnceCell::new(); // before the tree, which borrows what a script adds
     let included = include::collect(text, path, trail, &mut report);
@@ -166,7 +169,7 @@ pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry
     let included = include::collect(text, path, &Trail::default(), &mut report);
     let (mut root, _) = tree(text, &included, &mut report);
     for text in overrides {
-        let base = report.add_source(Path::new("--set"), text);
+        let base = report.add_source(Path::new(OVERRIDE), text);
         set::apply(&mut root, text, base, &mut report);
     }
     let table = root.get_ref().as_table()?.get("params");

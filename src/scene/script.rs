@@ -5,6 +5,7 @@
 mod additions;
 pub mod api;
 mod bounded;
+mod caught;
 mod context;
 mod dedup;
 mod engine;
@@ -13,6 +14,7 @@ mod limited;
 mod locate;
 mod nested;
 mod parsing;
+mod push;
 mod returned;
 mod set;
 mod shown;
@@ -154,7 +156,7 @@ impl Script {
         let work = || run(&this.engine).map_err(error::portable);
         let ran = run_limited(Bounds::CALL, work).or_limit();
         let ended = |wrong| self.ended(wrong, ran.again, run);
-        ran.result
+        (this.sources.or_refused(ran.result))
             .map_err(|wrong| self.explain(&ended(wrong), &[], None))?;
         this.sources.seal();
         if !this.has_frame && !this.has_setup {
@@ -276,7 +278,8 @@ impl Script {
         let ran = run_limited(Bounds::CALL, work).or_limit();
         let again = |engine: &Engine| run(engine, afresh);
         let ended = |wrong| self.ended(wrong, ran.again, again);
-        (ran.result.map_err(ended), ran.log)
+        let result = this.sources.or_refused(ran.result);
+        (result.map_err(ended), ran.log)
     }
 
     /// With the place, for which `again` does the same once more, within bounds, where need be.

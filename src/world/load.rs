@@ -13,7 +13,7 @@ use super::{
     usd,
 };
 use crate::scene::{
-    desc::{At, ModelDesc, ModelSource, SceneDesc},
+    desc::{At, ModelDesc, ModelSource, SceneDesc, is_stage},
     diagnostic::{Diagnostic, Severity, Span},
     trail::Trail,
 };
@@ -100,8 +100,8 @@ struct Loader<'a> {
     world: World,
     errors: Vec<Diagnostic>,
     textures: material::TextureTable,
-    /// Files already read, by canonical path; `None` after an error.
-    files: HashMap<PathBuf, Option<usize>>,
+    /// Files already read, by canonical path and what of a stage is read; `None` after an error.
+    files: HashMap<(PathBuf, usd::Choice), Option<usize>>,
     loaded: Vec<Model>,
     /// Which loaded model and mesh became which mesh of the world.
     meshes: HashMap<place::MeshKey, usize>,
@@ -228,16 +228,21 @@ impl<'a> Loader<'a> {
                 return Source::Broken;
             }
         };
-        if !self.files.contains_key(&path) {
-            let read = self.read_file(&path, &file.at);
-            self.files.insert(path.clone(), read);
+        let part = (path, usd::Choice::of(&model.usd));
+        if !self.files.contains_key(&part) {
+            let read = self.read_file(&part, &file.at);
+            self.files.insert(part.clone(), read);
         }
-        self.files[&path].map_or(Source::Broken, Source::File)
+        self.files[&part].map_or(Source::Broken, Source::File)
     }
 
-    fn read_file(&mut self, path: &Path, named_at: &Span) -> Option<usize> {
-        let read = if usd::is_stage(path) {
-            self.read_stage(path)
+    fn read_file(
+        &mut self,
+        (path, choice): &(PathBuf, usd::Choice),
+        named_at: &Span,
+    ) -> Option<usize> {
+        let read = if is_stage(path) {
+            self.read_stage(path, choice)
         } else {
             let ready = self.options.ahead.take(path);
             ready.map_or_else(|| read_guarded(path, &self.sandbox), Ok)
@@ -258,13 +263,13 @@ impl<'a> Loader<'a> {
     }
 
     /// A stage is read as the glTF file that it is converted to, but known by its own files.
-    fn read_stage(&mut self, path: &Path) -> Result<Model, Vec<Diagnostic>> {
+    fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
         let named = |fault: Fault| {
             let mut error = Diagnostic::in_file(fault.name, path, fault.message);
             error.help = fault.help;
             vec![error]
         };
-        let converted = usd::convert(path, &self.folders).map_err(named)?;
+        let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
         let ready = self.options.ahead.take(&converted.glb);

@@ -15,7 +15,10 @@ use self::{
     tool::Tool,
 };
 use super::gltf::Fault;
-use crate::scene::diagnostic::{Diagnostic, Severity, Span};
+use crate::scene::{
+    desc::StageDesc,
+    diagnostic::{Diagnostic, Severity, Span},
+};
 
 mod record;
 mod tool;
@@ -36,33 +39,52 @@ pub struct Converted {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Whether a file is a USD stage, by its name.
-pub fn is_stage(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    ["usd", "usda", "usdc", "usdz"]
-        .iter()
-        .any(|known| extension.eq_ignore_ascii_case(known))
+/// What of a stage is converted: arguments of the converter, none where nothing is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Choice(Vec<String>);
+
+impl Choice {
+    /// What the scene text asks for.
+    pub fn of(desc: &StageDesc) -> Self {
+        let mut arguments = Vec::new();
+        for variant in &desc.variants {
+            arguments.extend(["--variant".to_owned(), variant.value.clone()]);
+        }
+        if !desc.purpose.is_empty() {
+            let words: Vec<_> = desc
+                .purpose
+                .iter()
+                .map(|word| word.value.as_str())
+                .collect();
+            arguments.extend(["--purpose".to_owned(), words.join(",")]);
+        }
+        if desc.subdiv > 0 {
+            arguments.extend(["--subdiv".to_owned(), desc.subdiv.to_string()]);
+        }
+        Self(arguments)
+    }
 }
 
 /// How often a stage is converted whose files change meanwhile.
 const MOST_TRIES: usize = 3;
 
-/// Converts a stage, or finds the conversion of the same content. Layers and textures may lie in
+/// Converts what is chosen of a stage, or finds the conversion of the same content. Layers and textures may lie in
 /// `roots` too.
 ///
 /// # Errors
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
 /// a cache folder that cannot be written.
-pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
+pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Converted, Fault> {
     let cache = cache_folder().join("usd");
     fs::create_dir_all(&cache).map_err(|e| cannot_keep(&cache, &e))?;
     let tool = Tool::find()?;
-    // Other folders or another converter make another file of the same stage.
+    // Other choices, other folders or another converter make another file of the same stage.
     let paths = [stage, &tool.path].into_iter();
     let paths = paths.chain(roots.iter().map(|r| &**r));
     let version = env!("CARGO_PKG_VERSION").as_bytes();
-    let name =
-        hash_of(std::iter::once(version).chain(paths.map(|p| p.as_os_str().as_encoded_bytes())));
+    let paths = paths.map(|p| p.as_os_str().as_encoded_bytes());
+    let chosen = choice.0.iter().map(String::as_bytes);
+    let name = hash_of([version].into_iter().chain(chosen).chain(paths));
     let record_path = cache.join(format!("{name}.json"));
     let glb = cache.join(format!("{name}.glb"));
     let earlier = Record::read(&record_path);
@@ -80,7 +102,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
         return Ok(converted(stage, glb, record));
     }
     let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
-    let (record, is_steady) = convert_anew(&tool, stage, roots, &glb, known)?;
+    let (record, is_steady) = convert_anew(&tool, (stage, choice), roots, &glb, known)?;
     let mut result = converted(stage, glb, &record);
     if !is_steady {
         let message = format!(
@@ -99,7 +121,7 @@ pub fn convert(stage: &Path, roots: &[PathBuf]) -> Result<Converted, Fault> {
 /// last. `known` are those that it is likely to read.
 fn convert_anew(
     tool: &Tool,
-    stage: &Path,
+    (stage, choice): (&Path, &Choice),
     roots: &[PathBuf],
     glb: &Path,
     mut known: Inputs,
@@ -112,7 +134,7 @@ fn convert_anew(
         let stage_path = stage.to_owned();
         let before = Inputs::of(known.paths().chain([&stage_path]));
         let since = SystemTime::now();
-        tool.convert(stage, &fresh.0, roots)?;
+        tool.convert(stage, &choice.0, &fresh.0, roots)?;
         let sidecar = read_sidecar(&fresh.sidecar())?;
         let read = sidecar.files.iter().chain(&sidecar.absent);
         let inputs = Inputs::of(read.chain([&stage_path]));
@@ -158,12 +180,6 @@ fn is_news(name: &str) -> bool {
 }
 
 fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
-    let told = |w: &SidecarWarning| {
-        let help = (w.name == "asset-outside-roots")
-            .then(|| "allow the folder that it is in with --assets FOLDER".to_owned());
-        let message = format!("{}: {} [{}]", w.prim, w.message, w.name);
-        warning(stage, message, help)
-    };
     let mut files = record.files.clone();
     if !files.iter().any(|f| f == stage) {
         files.push(stage.to_owned());
@@ -171,8 +187,49 @@ fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
     Converted {
         glb,
         files,
-        warnings: record.warnings.iter().map(told).collect(),
+        warnings: told(stage, &record.warnings),
     }
+}
+
+/// Warnings of one name that are told one by one; of more, the first speaks for all.
+const MOST_OF_A_NAME: usize = 3;
+
+/// What the converter's warnings say to those who only want the picture.
+fn told(stage: &Path, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
+    let mut names: Vec<&str> = Vec::new();
+    for warning in warnings {
+        if !names.contains(&warning.name.as_str()) {
+            names.push(&warning.name);
+        }
+    }
+    let of_name = |name: &str| {
+        warnings
+            .iter()
+            .filter(move |w| w.name == name)
+            .collect::<Vec<_>>()
+    };
+    let groups = names.into_iter().map(of_name);
+    groups
+        .flat_map(|group| told_of_a_name(stage, &group))
+        .collect()
+}
+
+fn told_of_a_name(stage: &Path, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
+    let is_long = group.len() > MOST_OF_A_NAME;
+    let shown = if is_long { &group[..1] } else { group };
+    let one = |w: &&SidecarWarning| {
+        let mut message = format!("{}: {} [{}]", w.prim, w.message, w.name);
+        let outside = w.name == "asset-outside-roots";
+        let mut help =
+            outside.then(|| "allow the folder that it is in with --assets FOLDER".into());
+        if is_long {
+            message += &format!(", and {} more of that name", group.len() - 1);
+            let list = format!("`reflet-usd inspect --json {}` lists all", stage.display());
+            help = Some(help.map_or(list.clone(), |help: String| format!("{help}; {list}")));
+        }
+        warning(stage, message, help)
+    };
+    shown.iter().map(one).collect()
 }
 
 fn warning(stage: &Path, message: String, help: Option<String>) -> Diagnostic {
@@ -231,4 +288,32 @@ fn cannot_keep(path: &Path, error: &std::io::Error) -> Fault {
     );
     fault.help = Some(format!("name another folder in {CACHE_ENV}"));
     fault
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_warnings_of_a_name_are_one() {
+        let of = |name: &str, prim: &str| SidecarWarning {
+            name: name.into(),
+            prim: prim.into(),
+            message: "is left out".into(),
+        };
+        let mut warnings = vec![of("a", "/A"), of("b", "/B"), of("a", "/C"), of("a", "/D")];
+        let messages = |warnings: &[SidecarWarning]| -> Vec<String> {
+            let told = told(Path::new("s.usda"), warnings);
+            told.into_iter().map(|warning| warning.message).collect()
+        };
+        let one_by_one = ["/A", "/C", "/D"].map(|prim| format!("{prim}: is left out [a]"));
+        let b = "/B: is left out [b]".to_owned();
+        assert_eq!(
+            messages(&warnings),
+            [&one_by_one[..], std::slice::from_ref(&b)].concat()
+        );
+        warnings.push(of("a", "/E"));
+        let first = "/A: is left out [a], and 3 more of that name".to_owned();
+        assert_eq!(messages(&warnings), [first, b]);
+    }
 }

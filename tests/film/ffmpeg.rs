@@ -11,7 +11,7 @@ use std::{
 
 use crate::{common::gpu_or_skip, folder};
 
-fn is_there(tool: &str) -> bool {
+pub fn is_there(tool: &str) -> bool {
     let found = Command::new(tool).arg("-version").output().is_ok();
     if !found {
         eprintln!("SKIPPED: {tool} is not installed");

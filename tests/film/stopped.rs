@@ -7,7 +7,7 @@ use std::{
     os::unix::process::ExitStatusExt as _,
     path::Path,
     process::{Child, Command, Stdio},
-    time::{Duration, Instant},
+    time::{Duration, Instant, SystemTime},
 };
 
 use crate::{common::gpu_or_skip, folder, pictures};
@@ -140,6 +140,63 @@ fn a_hundred_kills_lose_nothing() {
     end_at_random_moments("kills-100", 100);
 }
 
+/// Ends a film in one file at random moments: what has its name is the film before or the new one,
+/// whole.
+fn end_a_film_at_random_moments(name: &str, rounds: u32) {
+    if gpu_or_skip().is_none() || !crate::ffmpeg::is_there("ffmpeg") {
+        return;
+    }
+    for film in ["f.apng", "f.mp4"] {
+        let folder = folder(&format!("{name}-{film}"));
+        let arguments = ["-o", film, "--set", "timeline.end=23"];
+        let started = Instant::now();
+        assert_eq!(end(start(&folder, &arguments)).0, 0);
+        let run_s = started.elapsed().as_secs_f64();
+        let path = folder.join(film);
+        let whole = fs::read(&path).expect("a film");
+        let before = b"the film before".to_vec();
+        let mut chance = Chance(0x5EED);
+        let (mut ended_early, mut done) = (0, 0);
+        for round in 1..=rounds {
+            fs::write(&path, &before).expect("writable");
+            let kill = round % 2 == 0;
+            let child = start(&folder, &arguments);
+            std::thread::sleep(Duration::from_secs_f64(1.1 * chance.next() * run_s));
+            signal(&child, if kill { "-KILL" } else { "-TERM" });
+            let (code, text) = end(child);
+            let context = format!("{film}, round {round}, code {code}: {text}");
+            let allowed: &[i32] = if kill { &[-9, 0] } else { &[143, -15, 0] };
+            assert!(allowed.contains(&code), "{context}");
+            let now = fs::read(&path).expect(&context);
+            assert!(now == whole || (now == before && code != 0), "{context}");
+            ended_early += u32::from(code != 0);
+            done += u32::from(now == whole);
+        }
+        assert!(ended_early > 0, "no moment was inside");
+        eprintln!("{film}: {ended_early} of {rounds} ended early, {done} were done");
+        let (code, text) = end(start(&folder, &arguments));
+        assert_eq!(code, 0, "{text}");
+        assert!(
+            fs::read(&path).expect("a film") == whole,
+            "{film} is another"
+        );
+        if cfg!(target_os = "linux") {
+            assert_eq!(hidden(&folder), [] as [String; 0]);
+        }
+    }
+}
+
+#[test]
+fn a_few_kills_leave_no_film_in_part() {
+    end_a_film_at_random_moments("film-kills", 4);
+}
+
+#[test]
+#[ignore = "takes minutes; tools/check.sh --full runs it"]
+fn a_hundred_kills_leave_no_film_in_part() {
+    end_a_film_at_random_moments("film-kills-100", 50);
+}
+
 /// After the first frame is told, so that the program is known to listen.
 #[test]
 fn a_signal_ends_a_film_between_frames() {
@@ -173,8 +230,8 @@ fn a_signal_ends_a_film_between_frames() {
     assert!((1..2000).contains(&told), "{told} frames");
 }
 
-/// Of a film and of frames, with --resume and without; those of a run that lives, and of other
-/// machines, stay.
+/// Of a film and of frames, with --resume and without; those of a run that lives stay, and those of
+/// other machines until they were left alone for a day.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_killed_run_has_left_is_removed_by_the_next() {
@@ -201,8 +258,16 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
     let elsewhere = name("0123456789abcdef", u32::MAX);
     let alive = name(parts[2], std::process::id());
     let dead = name(parts[2], u32::MAX);
-    for name in [&elsewhere, &alive, &dead] {
+    // Of another place, a day after it was last written to; and a little before that.
+    let abandoned = name("0123456789abcdef", 7);
+    let written = name("0123456789abcdef", 8);
+    for name in [&elsewhere, &alive, &dead, &abandoned, &written] {
         fs::write(folder.join(name), "half").expect("writable");
+    }
+    for (name, hours) in [(&abandoned, 25), (&written, 23), (&alive, 25)] {
+        let file = fs::File::options().write(true).open(folder.join(name));
+        let time = SystemTime::now() - Duration::from_secs(hours * 3600);
+        file.expect("there").set_modified(time).expect("settable");
     }
     assert_eq!(
         crate::render(&folder, &["-o", "g.#.png"], 0)
@@ -210,11 +275,11 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
             .count(),
         6
     );
-    assert_eq!(hidden(&folder).len(), 4, "those of another goal stay");
+    assert_eq!(hidden(&folder).len(), 6, "those of another goal stay");
     crate::render(&folder, &["-o", "f.apng"], 0);
     let mut stays = hidden(&folder);
     stays.sort();
-    let mut wanted = [elsewhere, alive];
+    let mut wanted = [elsewhere, alive, written];
     wanted.sort();
     assert_eq!(stays, wanted);
 }

@@ -10,7 +10,9 @@ use std::{
 use glam::{Quat, Vec3};
 use reflet::{
     scene::{
-        desc::{At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, SceneDesc},
+        desc::{
+            At, Entry, InstanceDesc, ModelDesc, ModelSource, PlacementDesc, SceneDesc, StageDesc,
+        },
         diagnostic::{Diagnostic, Severity, Span},
     },
     world::{
@@ -200,6 +202,7 @@ pub fn scene(folder: &Path, file: &str) -> SceneDesc {
         overrides: Vec::new(),
         lights: true,
         animation: None,
+        usd: StageDesc::default(),
     };
     SceneDesc {
         folder: folder.to_owned(),

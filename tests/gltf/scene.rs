@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 use reflet::{
     scene::desc::{
         InstanceDesc, InstanceMaterialDesc, LightKind, MaterialDesc, ModelDesc, ModelSource,
-        RepeatDesc, SceneDesc, ShapeDesc,
+        RepeatDesc, SceneDesc, ShapeDesc, StageDesc,
     },
     world::{
         World,
@@ -24,6 +24,7 @@ fn shape(shape: ShapeDesc, material: Option<&str>) -> ModelDesc {
         overrides: Vec::new(),
         lights: true,
         animation: None,
+        usd: StageDesc::default(),
     }
 }
 

@@ -4,6 +4,7 @@
 use std::{
     fs,
     sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::RecvTimeoutError},
+    thread,
     time::{Duration, Instant},
 };
 
@@ -11,9 +12,11 @@ use glam::Vec3;
 use reflet::{
     app::{
         live::{Live, Wishes},
+        output,
         preview::{
             self,
-            facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+            facts::{Eye, Facts, Inspect, Inspection, Report, Shot, Shown, Side, Task, View},
+            look::Look,
             worker::Worker,
         },
     },
@@ -37,10 +40,10 @@ const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
 /// One endless script at a time: each takes a whole core.
 static TURN: Mutex<()> = Mutex::new(());
 
-struct Watched {
-    worker: Worker,
+pub struct Watched {
+    pub worker: Worker,
     _turn: MutexGuard<'static, ()>,
-    folder: Folder,
+    pub folder: Folder,
     view: View,
     /// Whether a script runs that pictures do not wait for.
     runs: bool,
@@ -56,7 +59,7 @@ impl Watched {
     }
 
     /// Some scene in the preview's thread, drawn once.
-    fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
+    pub fn start(gpu: Arc<Gpu>, folder: Folder, live: Live, is_waiting: bool) -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
@@ -82,7 +85,7 @@ impl Watched {
         this
     }
 
-    fn show(&mut self, change: impl FnOnce(&mut View)) {
+    pub fn show(&mut self, change: impl FnOnce(&mut View)) {
         change(&mut self.view);
         self.worker.desk.show(self.view.clone());
     }
@@ -99,7 +102,7 @@ impl Watched {
     }
 
     /// Waits for what `found` looks for; no report before may tell a mistake.
-    fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
+    pub fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
         let deadline = Instant::now() + MOST;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
@@ -233,6 +236,76 @@ fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
     // It ends with the window.
     preview.show(|view| view.frame = 3);
     preview.is_running();
+}
+
+#[test]
+fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    // Pictures do not wait for frame 9.
+    let late = "fn frame(ctx) { if ctx.frame == 9 { let text = \"abcdefgh\"; \
+                for i in 0..16 { text += text; } for i in 0..3000 { text.contains(\"no\"); } }";
+    assert!(
+        session
+            .save_script(&SCRIPT.replace("fn frame(ctx) {", late))
+            .ok
+    );
+    let size = session.live.renderer().targets().size;
+    let wanted = output::encode_png(size, &session.afresh(9, &[]), None).expect("encodes");
+    let shots = Folder::new();
+    let mut preview = Watched::new(session);
+    preview.show(|view| view.size = size);
+    let ask = |preview: &Watched, frame, with| {
+        let view = View {
+            frame,
+            ..preview.view.clone()
+        };
+        let inspection = Inspection { view, with };
+        preview.worker.desk.ask(Task::Inspect(inspection));
+    };
+    let shot = Inspect::Shot(Shot {
+        folder: shots.0.clone(),
+        stem: "nine".to_owned(),
+        wipe_at: 0.5,
+        heat: false,
+    });
+    ask(&preview, 9, shot);
+    let note = preview.until("a note", |report| match report {
+        Report::Shown(shown) => {
+            assert_eq!(shown.frame, 0, "it is not what is looked at");
+            None
+        }
+        Report::Note(note) => Some(note.clone()),
+        _ => None,
+    });
+    let written = fs::read(shots.path("nine-001.png")).expect(&note);
+    assert!(written == wanted, "it is another frame");
+    ask(&preview, 9, Inspect::Judge(3));
+    preview.until("an error", |report| match report {
+        Report::Judged(judged) => {
+            assert_eq!((judged.view.frame, judged.edits), (9, 3));
+            Some(())
+        }
+        _ => None,
+    });
+    // And the view goes on where it was.
+    preview.shown(|shown| shown.frame == 0);
+}
+
+#[test]
+fn numbers_are_told_while_frames_follow_each_other() {
+    let Some(session) = Session::new() else {
+        return;
+    };
+    let mut preview = Watched::new(session);
+    let told = Duration::from_millis(300); // longer ago than they are told again
+    thread::sleep(told);
+    preview.show(|view| (view.frame, view.plays, view.draft_ms) = (5, true, Some(1e3)));
+    preview.facts(|facts| {
+        let red = facts.materials.iter().find(|row| row.name == "red");
+        red.is_some_and(|row| row.numbers.roughness == Some(0.55))
+    });
 }
 
 #[test]

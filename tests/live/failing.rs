@@ -2,15 +2,11 @@
 
 use std::{fs, sync::Arc};
 
-use reflet::{
-    app::{
-        cli::SceneArgs,
-        error::AppError,
-        live::{Live, Origin, Wishes},
-        params::Tuned,
-        watch::Change,
-    },
-    scene::desc::ParamValue,
+use reflet::app::{
+    cli::SceneArgs,
+    error::AppError,
+    live::{Live, Origin, Wishes},
+    watch::Change,
 };
 
 use crate::{
@@ -108,29 +104,6 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
     // The only good frames are those that the shown scene does not have.
     assert!(session.live.pose_now(48) && session.live.problems.is_empty());
     assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
-}
-
-#[test]
-fn parameters_outlive_a_save_that_fails() {
-    let Some(mut session) = Session::new() else {
-        return;
-    };
-    let count = session.live.declared()[0].1.clone();
-    let mut tuned = Tuned::default();
-    tuned.set("count", ParamValue::Integer(3), &count);
-    assert!(session.live.tune_now(tuned.clone()).ok);
-    let three = session.picture();
-    let text = fs::read_to_string(&session.scene).expect("readable");
-    let cut = text.find("[params]").expect("it has parameters");
-    for part in ["", &text[..cut]] {
-        fs::write(&session.scene, part).expect("written");
-        assert!(!session.live.reload(&[Change::Scene].into()).ok, "{part}");
-        assert!(*session.live.tuned() == tuned, "{part}");
-        assert!(session.picture() == three);
-    }
-    fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
-    assert!(session.live.reload(&[Change::Scene].into()).ok);
-    assert!(*session.live.tuned() == tuned && session.picture() == three);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use reflet::{
         cli::SceneArgs,
         live::{Keeps, Live, Origin, Reload, Wishes},
         params::Tuned,
-        watch::{Changes, WatchList, Watcher},
+        watch::{Changes, News, WatchList, Watcher},
     },
     gpu::Gpu,
 };
@@ -146,8 +146,13 @@ impl AtOnce for Live {
             files: true,
             edits: true,
         };
-        let errand = self.reading(keeps, self.posed_frame());
-        self.take(errand.run())
+        loop {
+            let errand = self.reading(keeps, self.posed_frame());
+            let reload = self.take(errand.run());
+            if !self.reads_again() {
+                return reload;
+            }
+        }
     }
 }
 
@@ -171,8 +176,10 @@ const MOST: Duration = Duration::from_secs(20);
 impl Watch {
     pub fn new() -> Self {
         let (sender, changes) = mpsc::channel();
-        let watcher = Watcher::new(move |changes, _| {
-            let _ = sender.send(changes);
+        let watcher = Watcher::new(move |news| {
+            if let News::Changed(changes, _) = news {
+                let _ = sender.send(changes);
+            }
         });
         Self {
             watcher: watcher.expect("files can be watched"),

@@ -11,6 +11,8 @@ mod includes;
 mod kit;
 mod latency;
 mod models;
+mod params;
+mod picks;
 mod redone;
 mod saves;
 mod scripts;

@@ -1,13 +1,19 @@
 //! A scene over a glTF file: text edits are placed and shaded over what was read before, and look
 //! like a fresh start.
 
-use std::{fs, sync::Arc};
+use std::{
+    cell::RefCell,
+    fs,
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
 
 use reflet::app::watch::Change;
 
 use crate::{
     common::gpu_or_skip,
-    kit::{Folder, open, picture},
+    kit::{Folder, Watch, open, picture},
 };
 
 const SCENE: &str = r#"version = 1
@@ -115,5 +121,55 @@ fn text_edits_over_a_model_read_only_what_is_new() {
         );
         assert!(now != last, "{text}");
         last = now;
+    }
+}
+
+#[test]
+fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let gpu = Arc::new(gpu);
+    let folder = Folder::new();
+    write_model(&folder);
+    let scene = folder.write("scene.toml", SCENE);
+    let save = |round: u8, step: u8| {
+        let picture = image::RgbImage::from_pixel(4, 4, image::Rgb([step, 9 * round, 250]));
+        let beside = folder.path("next.png");
+        picture.save(&beside).expect("written");
+        // In one step: half an image is a mistake.
+        fs::rename(beside, folder.path("left.png")).expect("renamed");
+    };
+    let mut load_time = Duration::from_millis(50);
+    for round in 0..6 {
+        // The last save is by turns early, late and after loading.
+        let writing = load_time.mul_f32(0.2 + 0.2 * f32::from(round));
+        let started = Instant::now();
+        let live = thread::scope(|scope| {
+            scope.spawn(|| {
+                let mut step = 0_u8;
+                while started.elapsed() < writing {
+                    save(round, step);
+                    step = step.wrapping_add(1);
+                    thread::sleep(Duration::from_millis(2));
+                }
+            });
+            let live = open(&gpu, &scene, None);
+            load_time = started.elapsed();
+            live
+        });
+        let live = RefCell::new(live);
+        let watch = Watch::new();
+        let follow = || {
+            let (list, since) = live.borrow().watch_list();
+            watch.watcher.watch(list, since);
+        };
+        follow();
+        let wanted = picture(&gpu, &mut open(&gpu, &scene, None));
+        watch.until(
+            |changes| {
+                live.borrow_mut().reload(changes);
+                follow();
+            },
+            || picture(&gpu, &mut live.borrow_mut()) == wanted,
+        );
     }
 }

@@ -193,3 +193,34 @@ fn each_file_is_one_module() {
     let error = load(&folder, twice).expect_err("it is too deep");
     assert!(error.contains("nested more than 64 deep"), "{error}");
 }
+
+#[test]
+fn a_refused_import_is_an_error_whoever_catches_it() {
+    let folder = folder("caught");
+    let asks = "fn x() { }\ntry { import \"../../out\" as o; } catch { }";
+    fs::write(folder.join("parts/asks.rhai"), asks).expect("temporary file");
+    for (script, place) in [
+        (
+            "try {\n  import \"../out\" as o;\n} catch { }\nfn frame(ctx) { }",
+            "s.rhai:2:",
+        ),
+        (
+            "import \"parts/asks\" as a;\nfn frame(ctx) { }",
+            "asks.rhai:2:",
+        ),
+        (
+            "fn f() {\n  import \"parts/none\" as n;\n}\ntry { f(); } catch (e) { }\nfn frame(ctx) { }",
+            "s.rhai:2:",
+        ),
+    ] {
+        let error = load(&folder, script).expect_err(script);
+        assert!(error.contains(place), "{script}:\n{error}");
+    }
+    let late = "fn frame(ctx) {\n  try { import \"parts/none\" as n; } catch { }\n}";
+    let desc = load(&folder, late).expect("nothing runs yet");
+    let error = Motion::new(&desc).pose(0).expect_err("it is refused")[0].to_string();
+    assert!(
+        error.contains("s.rhai:2:") && error.contains("at the top"),
+        "{error}"
+    );
+}

@@ -188,3 +188,18 @@ def expect_found(done: Converted, damage: Damage) -> None:
     damage(output)
     output.save()
     assert not agrees(done)
+
+
+def expect_required(done: Converted, warning: str, prim: str, *named: str) -> None:
+    """The warning is there with all it names, the file passes with it, and fails without it."""
+    found = [w for w in done.sidecar["warnings"] if (w["name"], w["prim"]) == (warning, prim)]
+    told = " ".join(entry["message"] for entry in found)
+    assert found
+    assert [name for name in named if f"'{name}'" not in told] == []
+    proof = prove(done.out, done.out.parent / "stage.usda", khronos=False)
+    assert proof.passed, format_proof(proof)
+    kept = [entry for entry in done.sidecar["warnings"] if entry not in found]
+    place = Path(f"{done.out}.json")
+    place.write_text(json.dumps({**done.sidecar, "warnings": kept}), encoding="utf-8")
+    assert not agrees(done)
+    place.write_text(json.dumps(done.sidecar), encoding="utf-8")

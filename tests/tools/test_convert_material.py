@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from convert_materials import material, noise, save, stage, texture
 from convert_reading import convert_text
+from tampering import agrees
+from test_validate_strict import rewrite
 
 
 def test_constants(tmp_path: Path) -> None:
@@ -126,3 +128,24 @@ def test_unknown_shaders_show_display_color_and_say_so(tmp_path: Path) -> None:
         0,
         1,
     ]
+
+
+@pytest.mark.parametrize("output", ["rgb", "r"])
+@pytest.mark.parametrize("bias", ["(0.5, 0, 0, 0)", "(0, 0, 0, 0)", "(-1, -0.5, 2, 0)"])
+def test_textured_emission_above_one_keeps_its_strength(
+    tmp_path: Path, output: str, bias: str
+) -> None:
+    save(tmp_path, "t.png", noise("RGB", (32, 32)))
+    node = texture(
+        "T", "t.png", f"float4 inputs:scale = (3, 7, 100, 1)\nfloat4 inputs:bias = {bias}"
+    )
+    inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
+    done = convert_text(tmp_path, stage(inputs, node))
+    look = material(done)
+    strength = look["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"]
+    first, last = float(bias[1:].split(",")[0]), float(bias.split(",")[2])
+    assert strength == pytest.approx(100 + last if output == "rgb" else 3 + first)
+    assert agrees(done)
+    look["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = strength * 0.98
+    rewrite(done, done.json)
+    assert not agrees(done)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
 from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
+from tampering import agrees
 
 CUBE_FACES = np.array(
     [0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4],
@@ -156,3 +157,47 @@ def test_other_schemes_are_named(tmp_path: Path) -> None:
     assert "subdivision-cage" in convert(tmp_path, 2, scheme="loop").warnings("/M")
     assert "subdivision-cage" not in convert(tmp_path, 2, scheme="none").warnings()
     assert "subdivision-cage" in convert(tmp_path, 0).warnings("/M")
+
+
+# A triangle beside a triangle, and a square beside both.
+TRIANGLES = """
+def Mesh "M"
+{
+    int[] faceVertexCounts = [3, 3, 4, 3, 3]
+    int[] faceVertexIndices = [0, 1, 4, 1, 2, 4, 0, 3, 2, 1, 2, 3, 4, 3, 0, 4]
+    point3f[] points = [(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (0, 2, 0)]
+    uniform token triangleSubdivisionRule = "smooth"
+}
+"""
+
+
+def test_smooth_triangles_weigh_more(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, TRIANGLES, subdiv_level=1)
+    points = done.triangles(0).reshape(-1, 3)
+    faces = {"first": np.array([0, 2, -2]) / 3, "second": np.array([2, 2, 0]) / 3}
+    between = 0.03 * np.array([1.0, 2.0, -1.0]) + 0.47 * (faces["first"] + faces["second"])
+    beside = 0.14 * np.array([0.0, 0.0, -2.0]) + 0.36 * (faces["first"] + np.zeros(3))
+    for expected in (between, beside):
+        assert np.linalg.norm(points - expected, axis=1).min() < 1e-6
+    assert agrees(convert_text(tmp_path, TRIANGLES, subdiv_level=2))
+
+
+@pytest.mark.parametrize("rule", ["smooth", "catmullClark"])
+def test_the_rule_for_triangles_has_to_be_followed(tmp_path: Path, rule: str) -> None:
+    text = TRIANGLES.replace("smooth", rule)
+    done = convert_text(tmp_path, text, subdiv_level=1)
+    assert agrees(done)
+    other = {"smooth": "catmullClark", "catmullClark": "smooth"}[rule]
+    stage = tmp_path / "stage.usda"
+    stage.write_text(stage.read_text(encoding="utf-8").replace(rule, other), encoding="utf-8")
+    assert not agrees(done)
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_a_loop_cage_is_not_said_to_refine(tmp_path: Path, level: int) -> None:
+    text = TRIANGLES.replace("{\n", '{\n    uniform token subdivisionScheme = "loop"\n', 1)
+    done = convert_text(tmp_path, text, subdiv_level=level)
+    told = [e["message"] for e in done.sidecar["warnings"] if e["name"] == "subdivision-cage"]
+    assert len(told) == 1
+    assert "--subdiv" not in told[0]
+    assert "loop" in told[0]

@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 from convert_materials import image, material, noise, pixels, save, stage, texture
 from convert_reading import convert_text
+from PIL import Image
+from tampering import agrees, expect_required
+from test_validate_strict import rewrite
 
 
 @pytest.mark.parametrize(("name", "options"), [("a.png", {}), ("a.jpg", {"quality": 90})])
@@ -284,3 +287,56 @@ def test_other_image_formats_become_png(tmp_path: Path) -> None:
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert np.array_equal(pixels(done, info)[..., :3], data)
     assert "texture-converted" in done.warnings("/Mat/T")
+
+
+@pytest.mark.parametrize("workflow", [0, 1])
+@pytest.mark.parametrize("name", ["ior", "opacityThreshold", "useSpecularWorkflow"])
+def test_textures_of_single_numbers_are_named(tmp_path: Path, name: str, workflow: int) -> None:
+    save(tmp_path, "t.png", noise("RGB"))
+    inputs = f"float inputs:{name}.connect = </Mat/T.outputs:r>\nfloat inputs:metallic = 0.25\n"
+    if name != "useSpecularWorkflow":
+        inputs += f"int inputs:useSpecularWorkflow = {workflow}\n"
+    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    if (name, workflow) == ("ior", 1):  # the specular workflow has no ior
+        assert agrees(done)
+    else:
+        expect_required(done, "material-texture-dropped", "/Mat", name)
+
+
+def keyed(folder: Path, mode: str) -> None:
+    """A picture of which one color is transparent by a tRNS chunk."""
+    picture = Image.fromarray(noise("RGB", (8, 8)))
+    if mode == "I;16":
+        picture = Image.fromarray(np.arange(64, dtype=np.uint16).reshape(8, 8) * 500)
+        key: Any = 1000
+    else:
+        picture = picture.convert(mode)
+        key = picture.getpixel((3, 2))
+    picture.save(folder / "t.png", transparency=key)
+
+
+@pytest.mark.parametrize("mode", ["RGB", "L", "I;16"])
+def test_a_color_that_is_transparent_stays_so(tmp_path: Path, mode: str) -> None:
+    keyed(tmp_path, mode)
+    inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+    inputs += "float inputs:opacity.connect = </Mat/T.outputs:a>"
+    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    look = material(done)
+    assert look["alphaMode"] == "BLEND"
+    alpha = pixels(done, look["pbrMetallicRoughness"]["baseColorTexture"])[..., 3]
+    assert (alpha == 0).sum() >= 1
+    assert (alpha == 255).sum() >= 32
+    assert agrees(done)
+    del look["alphaMode"]
+    rewrite(done, done.json)
+    assert not agrees(done)
+
+
+def test_a_transparent_color_that_nothing_reads_does_not_show(tmp_path: Path) -> None:
+    keyed(tmp_path, "RGB")
+    inputs = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>\n"
+    inputs += "float inputs:opacity = 0.5"
+    done = convert_text(tmp_path, stage(inputs, texture("T", "t.png")))
+    info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
+    assert (pixels(done, info)[..., 3] == 255).all()
+    assert agrees(done)

@@ -2,6 +2,7 @@
 //! do it while pictures are drawn.
 
 use std::{
+    path::Path,
     sync::{
         Arc,
         atomic::{AtomicBool, Ordering},
@@ -9,7 +10,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{Live, Origin, Reload};
+use super::{Live, Origin, Reload, guard::guarded};
 use crate::{
     app::{
         params::{Declared, Tuned},
@@ -98,6 +99,7 @@ pub(super) enum Outcome {
     /// The scene and its wanted frame.
     Read {
         read: Result<(Read, Pose), Vec<Diagnostic>>,
+        tuned: Tuned,
         keeps: Keeps,
     },
     /// Another frame of this scene.
@@ -138,6 +140,7 @@ impl Errand {
                     let pose = pose_of(&read.desc, read.frame);
                     (read, pose)
                 }),
+                tuned,
                 keeps,
             },
             Work::Pose { desc, frame } => Outcome::Posed {
@@ -162,6 +165,16 @@ pub(super) fn read(
     texts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
+    let file = origin.path.as_deref().unwrap_or(Path::new("atrium"));
+    guarded(file, || read_unguarded(origin, tuned, texts, frame))
+}
+
+fn read_unguarded(
+    origin: &Origin,
+    tuned: &Tuned,
+    texts: &Trail,
+    frame: u32,
+) -> Result<Read, Vec<Diagnostic>> {
     let options = load_options(&origin.from, &Trail::default());
     let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
     let declared = parse::params(&text, &name, &origin.from.set);
@@ -172,7 +185,8 @@ pub(super) fn read(
         tuned.keep_what_fits(declared);
     }
     let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
-    let (desc, warnings) = parse::parse_traced(&text, &name, &overrides, texts)?;
+    let parsed = parse::parse_traced(&text, &name, &overrides, texts);
+    let (desc, warnings) = parsed.map_err(|mistakes| tuned.name_sliders(mistakes))?;
     let frame = within(&desc, frame);
     Ok(Read {
         desc: Arc::new(desc),
@@ -195,7 +209,8 @@ pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Pose {
     if motion.is_still() {
         return Ok(None);
     }
-    motion.pose(frame).map(Some)
+    let file = (desc.script.as_ref()).map_or_else(|| desc.folder.clone(), |s| s.name().into());
+    guarded(&file, || motion.pose(frame).map(Some))
 }
 
 impl Live {
@@ -218,16 +233,11 @@ impl Live {
         self.ahead = Trail::default();
         Errand::new(Work::Read {
             origin: self.origin.clone(),
-            tuned: self.tuned.clone(),
+            tuned: self.asked().clone(),
             texts: self.ahead.clone(),
             frame,
             keeps,
         })
-    }
-
-    /// Lays other values over the script's parameters, for the next [`Live::reading`].
-    pub fn tune(&mut self, tuned: Tuned) {
-        self.tuned = tuned;
     }
 
     /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
@@ -259,9 +269,11 @@ impl Live {
             took,
         } = done;
         let mut reload = self.measured(|live, reload| match outcome {
-            Outcome::Read { read, keeps } => {
+            Outcome::Read { read, tuned, keeps } => {
                 live.read_since = since;
+                let (is_trial, before) = (tuned != live.tuned, live.problems.clone());
                 live.take_scene(read, keeps, reload);
+                live.judge(&tuned, is_trial, before, reload);
             }
             Outcome::Posed { desc, frame, pose } => live.take_pose(&desc, frame, pose, reload),
         });

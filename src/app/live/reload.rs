@@ -59,10 +59,13 @@ impl Live {
     pub fn reload(&mut self, changes: &Changes) -> Reload {
         let shaders = self.reload_shaders(changes);
         match Self::after(changes) {
-            Some(keeps) => {
+            Some(keeps) => loop {
                 let done = self.reading(keeps, self.frame).run();
-                shaders.and(self.take(done))
-            }
+                let read = self.take(done);
+                if !self.reads_again() {
+                    return shaders.and(read);
+                }
+            },
             None => shaders,
         }
     }

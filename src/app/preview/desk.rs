@@ -92,8 +92,8 @@ impl Desk {
 pub fn free_name(folder: &Path, stem: &str) -> PathBuf {
     let name = |number: u32| folder.join(format!("{stem}-{number:03}.png"));
     let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
-    let found = (1..10_000).map(name).find(is_free);
-    found.unwrap_or_else(|| name(10_000))
+    let found = (1..u32::MAX).map(name).find(is_free);
+    found.unwrap_or_else(|| name(u32::MAX))
 }
 
 #[cfg(test)]
@@ -109,6 +109,20 @@ mod tests {
     };
 
     #[test]
+    fn no_picture_takes_the_place_of_another() {
+        let name = format!("reflet-names-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder).expect("a folder");
+        assert_eq!(free_name(&folder, "a"), folder.join("a-001.png"));
+        for number in 1..=10_000 {
+            fs::write(folder.join(format!("a-{number:03}.png")), "").expect("written");
+        }
+        let next = free_name(&folder, "a");
+        fs::remove_dir_all(&folder).expect("clean up");
+        assert_eq!(next, folder.join("a-10001.png"));
+    }
+
+    #[test]
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
         let desk = Desk::default();
         let edit = |material, roughness| {
@@ -121,7 +135,7 @@ mod tests {
             desk.ask(edit(4, roughness));
             desk.ask(edit(5, 1.0 - roughness));
         }
-        desk.ask(Task::Judge(0));
+        desk.ask(Task::Pick([0.5, 0.5]));
         for count in [5, 6, 7] {
             let mut tuned = Tuned::default();
             tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
@@ -131,7 +145,7 @@ mod tests {
         assert!(view.is_none() && desk.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
         assert_eq!(left.len(), 5, "{left:?}");
-        assert!(left[0].starts_with("Reload") && left[3] == "Judge(0)");
+        assert!(left[0].starts_with("Reload") && left[3].starts_with("Pick"));
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
         assert!(left[4].contains("Integer(7)"), "{left:?}");
         // Woken, or when it is time: with nothing to do.

@@ -2,9 +2,9 @@
 
 use std::{
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
-        mpsc::{self, Receiver, RecvTimeoutError},
+        mpsc::{self, Receiver},
     },
     thread,
     time::{Duration, Instant},
@@ -51,13 +51,21 @@ impl Running {
         let (sender, answer) = mpsc::channel();
         let halt = Halt::default();
         let (own, desk) = (halt.clone(), desk.clone());
-        thread::spawn(move || {
-            let done = own.over(|| errand.run());
+        let errand = Arc::new(Mutex::new(Some(errand)));
+        let shared = errand.clone();
+        let work = move || {
+            let errand = shared.lock().unwrap_or_else(PoisonError::into_inner).take();
+            let done = errand.map(|errand| own.over(|| errand.run()));
             // Nobody waits for one that was halted.
-            if sender.send(done).is_ok() {
+            if done.is_some_and(|done| sender.send(done).is_ok()) {
                 desk.wake();
             }
-        });
+        };
+        let thread = thread::Builder::new().name("errand".into());
+        // Where the system has no thread left, pictures wait for the script.
+        if thread.spawn(work.clone()).is_err() {
+            work();
+        }
         Self {
             halt,
             answer,
@@ -75,11 +83,8 @@ impl Running {
     /// What came of it, if it is done or soon will be.
     fn answer(&self) -> Option<Done> {
         let patience = PATIENCE.saturating_sub(self.started.elapsed());
-        match self.answer.recv_timeout(patience) {
-            Ok(done) => Some(done),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => panic!("the thread of a script has panicked"),
-        }
+        // What panics in an errand is caught there, so that an answer comes.
+        self.answer.recv_timeout(patience).ok()
     }
 }
 
@@ -169,9 +174,8 @@ impl State {
 
     /// When there is something to do though nobody asks for anything.
     pub(super) fn until(&self) -> Option<Instant> {
-        let frame = self.view.as_ref().map(|view| view.frame);
         let is_behind = self.errands.posing.is_none()
-            && frame.is_some_and(|frame| self.live.posing(frame).is_some());
+            && (self.wanted()).is_some_and(|(frame, _)| self.live.posing(frame).is_some());
         if is_behind {
             Some(Instant::now())
         } else {
@@ -209,7 +213,7 @@ impl State {
 
     /// Whether a scene that was read is shown; `None` while there is none.
     fn read_scene(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> Option<bool> {
-        let (frame, plays) = (self.view.as_ref()).map_or((0, false), |v| (v.frame, v.plays));
+        let (frame, plays) = self.wanted().unwrap_or((0, false));
         if let Some((running, of)) = self.errands.reading.take() {
             let is_left = !plays && running.poses_other(frame);
             if is_left && !self.errands.has_grace(&running) {
@@ -240,19 +244,35 @@ impl State {
         self.errands.reading = None;
         self.errands.posing = None; // of the scene before
         let reload = wanted.before.and(self.live.take(done));
+        if self.live.reads_again() {
+            self.errands.want(wanted);
+            return Some(false);
+        }
         self.watch(watcher);
-        match wanted.saved {
-            Some(since) => self.reloads.push((reload, since)),
-            None => self.tell(Report::Tuned(reload)),
+        let refusal = self.live.refusal();
+        match (&refusal, wanted.saved) {
+            (_, Some(since)) => self.reloads.push((reload, since)),
+            (None, None) => self.tell(Report::Tuned(reload)),
+            (Some(_), None) => {}
+        }
+        if let Some(refusal) = refusal {
+            self.tell(Report::Refused(Box::new(refusal)));
         }
         self.tell_facts();
         Some(reload.ok)
     }
 
-    /// Goes to the view's frame; what is wrong there is told, and told again when it is over.
+    /// The frame that is wanted now, and whether others follow it by themselves: that of what is asked
+    /// for on demand, else the view's.
+    fn wanted(&self) -> Option<(u32, bool)> {
+        let on_demand = self.inspections.front().map(|of| (of.view.frame, false));
+        on_demand.or_else(|| self.view.as_ref().map(|view| (view.frame, view.plays)))
+    }
+
+    /// Goes to the wanted frame; what is wrong there is told, and told again when it is over.
     /// Whether another frame is shown.
     fn pose(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> bool {
-        let Some((frame, plays)) = self.view.as_ref().map(|view| (view.frame, view.plays)) else {
+        let Some((frame, plays)) = self.wanted() else {
             return false;
         };
         let errand = self.live.posing(frame);

@@ -4,44 +4,20 @@ use std::{path::PathBuf, time::Instant};
 
 use crate::{
     app::{
-        live::{Edit, Live, Problems, Reload},
+        live::{Edit, Live, Problems, Refusal, Reload},
         params::{Declared, Tuned},
         watch::Changes,
     },
     bench::metric::Scores,
     math::Bounds,
-    render::{aov::Aov, stats::FrameStats},
+    render::{looks::shadow_faces, stats::FrameStats},
     scene::{
         desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
         diagnostic::Diagnostic,
     },
 };
 
-use super::canvas::Canvas;
-
-/// What of a frame is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
-    /// The finished picture.
-    Picture,
-    /// An intermediate one.
-    Aov(Aov),
-}
-
-impl Look {
-    /// Name in menus.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Picture => "picture",
-            Self::Aov(aov) => aov.name(),
-        }
-    }
-
-    /// Everything that can be looked at.
-    pub fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Self::Picture).chain(Aov::ALL.into_iter().map(Self::Aov))
-    }
-}
+use super::{canvas::Canvas, look::Look, pick::Picked};
 
 /// One side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,16 +79,60 @@ impl View {
 pub enum Task {
     /// Files changed; since when that is known.
     Reload(Changes, Instant),
+    /// Tell why saves are seen only now and then; `None` when that is over.
+    Unwatched(Option<String>),
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
     Tune(Tuned),
-    /// Compare the left side's method with `rt`.
-    Judge(u64),
-    /// Write the left side's picture.
-    Shot(PathBuf, String),
-    /// Which material is at this part of the picture, from the top left.
+    /// Look closer at a frame, once it is posed.
+    Inspect(Inspection),
+    /// Select the instance at this part of the picture, from the top left.
     Pick([f32; 2]),
+    /// Select no instance.
+    Unpick,
+}
+
+/// A picture to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shot {
+    /// Where its file goes.
+    pub folder: PathBuf,
+    /// What the file's name begins with.
+    pub stem: String,
+    /// Where the line of the wipe is, 0 to 1, if the view has two sides.
+    pub wipe_at: f32,
+    /// Whether the error map is shown in place of the left side.
+    pub heat: bool,
+}
+
+/// A light whose shadow maps can be looked at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Caster {
+    /// Index into the world's lights.
+    pub light: usize,
+    /// Its name.
+    pub name: String,
+    /// Maps: six for a point light.
+    pub faces: usize,
+}
+
+/// What is done on demand with the left side of a view, in its frame.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    /// Of what.
+    pub view: View,
+    /// What is done.
+    pub with: Inspect,
+}
+
+/// What can be done with a frame on demand.
+#[derive(Clone, Debug)]
+pub enum Inspect {
+    /// Compare its method with `rt`; the number comes back with the answer.
+    Judge(u64),
+    /// Write what is shown of it.
+    Shot(Shot),
 }
 
 /// A material as the panel lists it.
@@ -143,6 +163,8 @@ pub struct Facts {
     pub cameras: Vec<(String, CameraDesc)>,
     /// Parallel to the world's.
     pub materials: Vec<Row>,
+    /// Lights with shadow maps.
+    pub casters: Vec<Caster>,
     /// Around everything.
     pub bounds: Bounds,
     /// The scene's own method.
@@ -158,6 +180,11 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Whether nothing stands in the scene.
+    pub fn is_nothing(&self) -> bool {
+        self.materials.iter().all(|row| row.uses == 0)
+    }
+
     /// Those of a live scene.
     pub fn of(live: &Live) -> Self {
         let world = live.world();
@@ -171,8 +198,7 @@ impl Facts {
         let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
         let mut bounds = Bounds::EMPTY;
         for instance in &world.instances {
-            let around = world.meshes[instance.mesh].bounds;
-            let around = around.transformed(&instance.world_from_object);
+            let around = world.bounds_of(instance);
             let row = &mut materials[instance.material];
             row.uses += 1;
             row.bounds = row.bounds.union(around);
@@ -187,6 +213,14 @@ impl Facts {
                 .map(|entry| (entry.name.clone(), entry.value.clone()))
                 .collect(),
             materials,
+            casters: (world.lights.iter().enumerate())
+                .map(|(light, lamp)| Caster {
+                    light,
+                    name: lamp.name.clone(),
+                    faces: shadow_faces(lamp),
+                })
+                .filter(|caster| caster.faces > 0)
+                .collect(),
             bounds,
             method: live.desc().reflection.method,
             unit_m: live.renderer().unit_m(),
@@ -206,8 +240,25 @@ pub struct Shown {
     pub frame: u32,
     /// From where it was taken.
     pub camera: CameraDesc,
+    /// The viewport that it was drawn for, pixels.
+    pub size: [u32; 2],
     /// The left side, and the right one of a wipe.
-    pub sides: Vec<(Canvas, FrameStats)>,
+    pub sides: Vec<Drawn>,
+    /// The selected instance, if it is still there.
+    pub picked: Option<Picked>,
+}
+
+/// One side, drawn.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// What it shows.
+    pub look: Look,
+    /// The picture.
+    pub canvas: Canvas,
+    /// Of its frame.
+    pub stats: FrameStats,
+    /// What its colors mean, or why there is nothing; empty for finished pictures.
+    pub legend: String,
 }
 
 /// The left side's method against `rt`.
@@ -230,6 +281,8 @@ pub enum Report {
     Facts(Box<Facts>),
     /// What other parameters did.
     Tuned(Reload),
+    /// Parameters that do not work.
+    Refused(Box<Refusal>),
     /// A reload, and from the first word of it to the new picture, milliseconds.
     Reloaded(Reload, f64),
     /// Since when a script runs that pictures do not wait for; `None` when it has ended.
@@ -238,8 +291,12 @@ pub enum Report {
     Shown(Box<Shown>),
     /// An error map.
     Judged(Box<Judged>),
-    /// The material under the pointer.
-    Picked(Option<usize>),
+    /// What was clicked.
+    Picked(Option<Picked>),
+    /// No instance is selected any more.
+    Unpicked,
+    /// Why saves are seen only now and then, and what to do; `None` when that is over.
+    Unwatched(Option<String>),
     /// Something to tell in the status line.
     Note(String),
     /// Nothing is left to do.

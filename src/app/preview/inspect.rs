@@ -1,14 +1,13 @@
-//! What the rendering thread does on demand: compare with `rt`, write a picture, tell the material
-//! under the pointer.
+//! What the rendering thread does on demand with the frame that is looked at, and how it compares
+//! the left side's method with `rt`.
 
 use super::{
     canvas::Canvas,
-    desk::free_name,
-    facts::{Judged, Look, Report, Task},
+    drawn::Pixels,
+    facts::{Inspect, Inspection, Judged, Report, View},
     worker::State,
 };
 use crate::{
-    app::{aov, output},
     bench::{
         metric::{Maps, flip},
         picture::{Pair, Picture},
@@ -18,48 +17,47 @@ use crate::{
 };
 
 impl State {
-    /// Tasks that need a frame.
-    pub(super) fn look(&mut self, task: Task) {
-        let done = match task {
-            Task::Judge(edits) => self.judge(edits),
-            Task::Pick(at) => self.pick(at),
-            Task::Shot(folder, stem) => {
-                let path = free_name(&folder, &stem);
-                let said = match self.shot() {
-                    Ok(png) => match crate::files::write_whole(&path, &png) {
-                        Ok(()) => format!("wrote {}", path.display()),
-                        Err(error) => format!("cannot write {}: {error}", path.display()),
-                    },
-                    Err(error) => format!("no screenshot: {error}"),
-                };
-                self.tell(Report::Note(said));
-                Ok(())
+    /// Does what was asked for of frames, as far as these are posed.
+    pub(super) fn inspect(&mut self) {
+        while let Some(first) = self.inspections.front() {
+            if self.live.posing(first.view.frame).is_some() {
+                return;
             }
-            Task::Reload(..) | Task::Edit(_) | Task::Tune(_) => Ok(()),
-        };
-        if let Err(error) = done {
-            self.refuse(&error);
+            let Some(Inspection { view, with }) = self.inspections.pop_front() else {
+                return;
+            };
+            if !self.live.problems.pose.is_empty() {
+                let text = "cannot be posed, so that nothing was made of it";
+                self.tell(Report::Note(format!("frame {} {text}", view.frame)));
+                continue;
+            }
+            let done = match with {
+                Inspect::Judge(edits) => self.judge(view, edits),
+                Inspect::Shot(shot) => {
+                    self.shoot(&view, &shot);
+                    Ok(())
+                }
+            };
+            if let Err(error) = done {
+                self.refuse(&error);
+            }
         }
     }
 
     /// Renders one method at full size and reads it back.
-    fn read(&mut self, method: Method) -> Result<([u32; 2], Vec<u8>), RenderError> {
-        let Some(mut view) = self.view.clone() else {
-            return Ok(([1, 1], vec![0; 4]));
+    fn read(&mut self, view: &View, method: Method) -> Result<([u32; 2], Vec<u8>), RenderError> {
+        let view = View {
+            draft_ms: None,
+            ..view.clone()
         };
-        view.draft_ms = None;
         let stats = self.render(&view, method)?;
         let rgba = self.live.renderer().read(&self.gpu, Target::Display)?;
         Ok((stats.size, rgba))
     }
 
-    fn judge(&mut self, edits: u64) -> Result<(), RenderError> {
-        let Some(view) = self.view.clone() else {
-            return Ok(());
-        };
-        let method = view.a.method;
-        let (size, reference) = self.read(Method::Rt)?;
-        let (test_size, test) = self.read(method)?;
+    fn judge(&mut self, view: View, edits: u64) -> Result<(), RenderError> {
+        let (size, reference) = self.read(&view, Method::Rt)?;
+        let (test_size, test) = self.read(&view, view.a.method)?;
         let picture = |rgba: &[u8]| {
             let rgb: Vec<u8> = rgba
                 .chunks_exact(4)
@@ -75,44 +73,21 @@ impl State {
             return Ok(());
         };
         let maps = Maps::of(&pair);
-        let heat = Canvas::of_size(&self.gpu, self.heat.take(), size)?;
+        let old = self.heat.take().map(|(canvas, _)| canvas);
+        let heat = Canvas::of_size(&self.gpu, old, size)?;
         let rgb = flip::heat(&maps.flip);
         let rgba: Vec<u8> = rgb
             .chunks_exact(3)
             .flat_map(|p| [p[0], p[1], p[2], 255])
             .collect();
         heat.write(&self.gpu, &rgba);
-        self.heat = Some(heat.clone());
+        self.heat = Some((heat.clone(), Pixels { size, rgba }));
         self.tell(Report::Judged(Box::new(Judged {
             view,
             edits,
             scores: maps.scores(None),
             heat,
         })));
-        Ok(())
-    }
-
-    /// What is shown, or left of the wipe: the finished picture or another texture, at full size.
-    fn shot(&mut self) -> Result<Vec<u8>, String> {
-        let view = self.view.clone().ok_or("nothing is shown yet")?;
-        let read = self.read(view.a.method);
-        let (size, mut rgba) = read.map_err(|error| error.to_string())?;
-        if let Look::Aov(shown) = view.a.look {
-            let camera = self.camera(&view.eye);
-            let plane = shown.plane(&self.gpu, self.live.renderer(), &camera);
-            rgba = aov::view(&plane.map_err(|error| error.to_string())?);
-        }
-        output::encode_png(size, &rgba, None)
-    }
-
-    fn pick(&mut self, at: [f32; 2]) -> Result<(), RenderError> {
-        let [width, height] = self.live.renderer().targets().size;
-        let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
-        let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
-        let index = pixel(at[1], height) * width + pixel(at[0], width);
-        let instances = &self.live.world().instances;
-        let instance = instances.get(ids[index as usize][0] as usize);
-        self.tell(Report::Picked(instance.map(|found| found.material)));
         Ok(())
     }
 }

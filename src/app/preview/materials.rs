@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 
-use eframe::egui::{self, DragValue, Slider, Ui};
+use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
 use super::{
     facts::{Facts, Row},
     panels::{Choice, Wish, named},
+    pick::Picked,
 };
 use crate::{
     app::live::Edit,
@@ -21,40 +22,74 @@ use crate::{
 /// What a pixel of dragging changes where a number has no upper end.
 const SPEED: f32 = 0.01;
 
-/// The list of materials, and the numbers of the selected one.
-pub fn panel(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
-    egui::CollapsingHeader::new("Materials")
-        .default_open(true)
-        .show(ui, |ui| {
-            egui::ScrollArea::vertical()
-                .id_salt("materials")
-                .max_height(110.0)
-                .show(ui, |ui| {
-                    for row in &facts.materials {
-                        let index = row.edit.material;
-                        let text = format!("{}  ×{}", row.name, row.uses);
-                        if ui
-                            .selectable_label(choice.material == Some(index), text)
-                            .clicked()
-                        {
-                            choice.material = (choice.material != Some(index)).then_some(index);
-                        }
-                    }
-                });
-            let selected = choice.material.and_then(|index| facts.materials.get(index));
-            let Some(row) = selected else {
-                ui.weak("click one here or in the picture");
-                return;
-            };
-            let edit = numbers(ui, row);
-            if edit != row.edit {
-                wishes.push(Wish::Edit(edit));
+/// The list of materials, and the numbers of the selected one; with the instance that was clicked.
+pub fn panel(
+    ui: &mut Ui,
+    choice: &mut Choice,
+    facts: &Facts,
+    picked: Option<&Picked>,
+    wishes: &mut Vec<Wish>,
+) {
+    let header = egui::CollapsingHeader::new("Materials").default_open(true);
+    let shown = (header.open(choice.reveals.then_some(true))).show(ui, |ui| {
+        list(ui, choice, facts);
+        if let Some(picked) = picked {
+            instance(ui, picked);
+        }
+        let selected = choice.material.and_then(|index| facts.materials.get(index));
+        let Some(row) = selected else {
+            ui.weak("click one here or in the picture");
+            return;
+        };
+        let edit = numbers(ui, row);
+        if edit != row.edit {
+            wishes.push(Wish::Edit(edit));
+        }
+        if ui.button("copy as scene text").clicked() {
+            ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
+        }
+        ui.weak("until the scene is saved again; it wins over motion");
+    });
+    if choice.reveals {
+        let is_open = shown.fully_open();
+        let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
+        ui.scroll_to_rect(shown.header_response.rect.union(body), None);
+        // It unfolds over several frames.
+        choice.reveals = !is_open;
+    }
+}
+
+fn list(ui: &mut Ui, choice: &mut Choice, facts: &Facts) {
+    let area = egui::ScrollArea::vertical().id_salt("materials");
+    area.max_height(110.0).show(ui, |ui| {
+        for row in &facts.materials {
+            let index = row.edit.material;
+            let text = format!("{}  ×{}", row.name, row.uses);
+            let is_selected = choice.material == Some(index);
+            let label = ui.selectable_label(is_selected, text);
+            if label.clicked() {
+                choice.material = (!is_selected).then_some(index);
             }
-            if ui.button("copy as scene text").clicked() {
-                ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
+            if is_selected && choice.reveals {
+                label.scroll_to_me(None);
             }
-            ui.weak("until the scene is saved again; it wins over motion");
-        });
+        }
+    });
+}
+
+/// The clicked instance: its name, as scripts and scene text have it, and how large it is.
+fn instance(ui: &mut Ui, picked: &Picked) {
+    ui.horizontal_wrapped(|ui| {
+        ui.weak("instance");
+        ui.strong(&picked.label);
+    });
+    let triangles = picked.triangles;
+    ui.weak(if picked.bounds.is_empty() {
+        format!("{triangles} triangles, hidden in this frame")
+    } else {
+        let [x, y, z] = (picked.bounds.max - picked.bounds.min).to_array();
+        format!("{triangles} triangles, {x:.2} × {y:.2} × {z:.2} m")
+    });
 }
 
 /// Every number that the material has; the edit with what was moved.

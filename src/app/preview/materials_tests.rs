@@ -10,12 +10,14 @@ use egui_kittest::{
 use super::*;
 use crate::{
     app::preview::panels::tests::facts,
+    math::Bounds,
     scene::desc::{CheckerDesc, Method},
 };
 
 struct State {
     choice: Choice,
     facts: Facts,
+    picked: Option<Picked>,
     wishes: Vec<Wish>,
 }
 
@@ -35,10 +37,12 @@ fn harness<'a>() -> Harness<'a, State> {
     let state = State {
         choice: Choice::new(Method::Hybrid),
         facts,
+        picked: None,
         wishes: Vec::new(),
     };
     let draw = |ui: &mut Ui, state: &mut State| {
-        panel(ui, &mut state.choice, &state.facts, &mut state.wishes);
+        let (facts, picked) = (&state.facts, state.picked.as_ref());
+        panel(ui, &mut state.choice, facts, picked, &mut state.wishes);
     };
     // The picker has a character that no font here has.
     let builder = Harness::builder().allow_missing_glyphs();
@@ -82,6 +86,33 @@ fn a_selected_material_shows_the_numbers_that_it_has() {
     assert!(harness.state().wishes.is_empty(), "looking changes nothing");
     select(&mut harness, "floor  ×2");
     assert_eq!(harness.state().choice.material, None);
+}
+
+#[test]
+fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
+    let mut harness = harness();
+    select(&mut harness, "Materials");
+    assert!(harness.query_by_label("chrome  ×2").is_none(), "folded");
+    let state = harness.state_mut();
+    (state.choice.material, state.choice.reveals) = (Some(1), true);
+    state.picked = Some(Picked {
+        label: "ball (2 of 3)".to_owned(),
+        material: 1,
+        bounds: Bounds {
+            min: Vec3::ZERO,
+            max: Vec3::new(1.0, 2.0, 0.5),
+        },
+        triangles: 12,
+        outline: None,
+    });
+    harness.run();
+    for label in ["ball (2 of 3)", "12 triangles, 1.00 × 2.00 × 0.50 m"] {
+        harness.get_by_label(label);
+    }
+    assert!(harness.query_all_by_label("reflectivity").count() > 0);
+    assert!(!harness.state().choice.reveals, "once");
+    select(&mut harness, "Materials");
+    assert!(harness.query_by_label("ball (2 of 3)").is_none(), "by hand");
 }
 
 #[test]

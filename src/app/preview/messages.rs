@@ -1,18 +1,12 @@
-//! Mistakes with their places, facts about the scene, and the list of keys.
+//! The status line, facts about the scene, and the list of keys.
 
-use eframe::egui::{self, Color32, RichText, Ui};
+use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::facts::Facts;
-use crate::{
-    app::live::Problems,
-    scene::{
-        diagnostic::{Diagnostic, Severity},
-        script::DEADLINE,
-    },
-};
+use super::{facts::Facts, mistakes::place_of, note::Note};
+use crate::scene::script::DEADLINE;
 
 /// Keys and what they do.
-pub const KEYS: [(&str, &str); 19] = [
+pub const KEYS: [(&str, &str); 20] = [
     ("left drag", "orbit around the target"),
     ("middle drag", "pan"),
     ("right drag", "look around"),
@@ -21,7 +15,14 @@ pub const KEYS: [(&str, &str); 19] = [
         "wheel",
         "closer, farther; with the right button: flying speed",
     ),
-    ("click", "select the material under the pointer"),
+    (
+        "click",
+        "select the instance under the pointer, and its material",
+    ),
+    (
+        "Esc",
+        "close this list or the error map; else select nothing",
+    ),
     ("Space", "play, pause"),
     ("left, right arrow", "one frame back, on"),
     ("Home, End", "first, last frame"),
@@ -31,8 +32,11 @@ pub const KEYS: [(&str, &str); 19] = [
     ("B", "wipe between two methods or textures; drag its line"),
     ("C", "copy the camera as scene text"),
     ("R", "back to the scene's camera"),
-    ("X", "error against rt"),
-    ("F12", "write the picture to a PNG file"),
+    ("X", "error against rt, as numbers and as a map"),
+    (
+        "F12",
+        "write what is shown to a PNG file, without labels and outline",
+    ),
     ("H", "this list"),
     ("Ctrl Q", "close"),
 ];
@@ -49,7 +53,7 @@ pub enum Doing {
 }
 
 /// The status line. `script_s` is how long a script has been running that pictures do not wait for.
-pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, note: &str) {
+pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, note: &mut Note) {
     ui.horizontal(|ui| {
         if let Some(script_s) = script_s {
             let most_s = DEADLINE.as_secs();
@@ -60,80 +64,30 @@ pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, n
                 ));
             ui.separator();
         }
-        ui.label(match doing {
-            Doing::Plays(less) => format!("playing: picture {picture}{less}"),
-            Doing::Draws => format!("drawing after picture {picture} …"),
-            Doing::Rests => format!("still: nothing changed since picture {picture}"),
-        });
-        if !note.is_empty() {
+        // What is too long is whole in its tooltip.
+        ui.add(
+            Label::new(match (doing, script_s) {
+                (Doing::Plays(less), _) => format!("playing: picture {picture}{less}"),
+                (Doing::Draws, _) => format!("drawing after picture {picture} …"),
+                (Doing::Rests, Some(_)) => format!("picture {picture} stays meanwhile"),
+                (Doing::Rests, None) => format!("still: nothing changed since picture {picture}"),
+            })
+            .truncate(),
+        );
+        if !note.text().is_empty() {
             ui.separator();
-            ui.weak(note);
+            let shown = ui.add(Label::new(RichText::new(note.text()).weak()).truncate());
+            if shown.hovered() {
+                note.linger();
+            }
         }
     });
 }
 
-/// Where a message points: `file:line:column`, or the file.
-pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
-    if let Some(source) = &diagnostic.span.source {
-        let place = source.place(diagnostic.span.range.start);
-        return Some(format!(
-            "{}:{}:{}",
-            source.path.display(),
-            place.line,
-            place.column
-        ));
-    }
-    diagnostic
-        .file
-        .as_ref()
-        .map(|file| file.display().to_string())
-}
-
-/// What keeps the newest content from being shown, with its places; click copies one.
-pub fn problems(ui: &mut Ui, problems: &Problems) {
-    let red = Color32::from_rgb(255, 110, 100);
-    ui.colored_label(
-        red,
-        RichText::new("Not taken over; what is shown stays:").strong(),
-    );
-    egui::ScrollArea::vertical()
-        .id_salt("problems")
-        .max_height(160.0)
-        .show(ui, |ui| {
-            ui.set_min_width(ui.available_width());
-            let mut entry = |place: Option<String>, message: &str, help: Option<&str>| {
-                ui.horizontal_wrapped(|ui| {
-                    if let Some(place) = place {
-                        let text = RichText::new(&place).monospace();
-                        if ui.link(text).on_hover_text("copy this place").clicked() {
-                            ui.ctx().copy_text(place);
-                        }
-                    }
-                    ui.label(message);
-                    if let Some(help) = help {
-                        ui.weak(help);
-                    }
-                });
-            };
-            for diagnostic in problems.scene.iter().chain(&problems.pose) {
-                if diagnostic.severity == Severity::Error {
-                    entry(
-                        place_of(diagnostic),
-                        &diagnostic.message,
-                        diagnostic.help.as_deref(),
-                    );
-                }
-            }
-            if let Some(error) = &problems.shader {
-                let at = error.location.as_ref();
-                let place = at.map(|at| format!("{}:{}:{}", at.file, at.line, at.column.max(1)));
-                let place = place.unwrap_or_else(|| error.file.to_string());
-                entry(Some(place), &error.message, None);
-            }
-            if let Some(why) = &problems.refused {
-                entry(None, why, None);
-            }
-        });
+/// Why saves are seen late or not at all, and what to do: it stays until that is over.
+pub fn unwatched(ui: &mut Ui, why: &str) {
+    let text = format!("Saves: {why}");
+    ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
 }
 
 /// Facts and warnings about the scene.
@@ -182,15 +136,30 @@ pub fn log(ui: &mut Ui, log: &[String]) {
         });
 }
 
-/// The list of keys.
-pub fn help(ui: &mut Ui) {
+/// The list of keys in a window of its own, which scrolls where there is no room for all of it.
+pub fn help(ui: &Ui, is_open: &mut bool) {
+    let room = ui.ctx().content_rect().shrink(8.0);
+    egui::Window::new("Keys")
+        .open(is_open)
+        .constrain_to(room)
+        .pivot(Align2::CENTER_CENTER)
+        .default_pos(room.center())
+        .default_width(480.0_f32.min(room.width()))
+        .max_size(room.size() - vec2(24.0, 56.0))
+        .resizable(false)
+        .collapsible(false)
+        .vscroll(true)
+        .show(ui.ctx(), keys);
+}
+
+fn keys(ui: &mut Ui) {
     egui::Grid::new("keys")
         .num_columns(2)
         .striped(true)
         .show(ui, |ui| {
             for (key, what) in KEYS {
                 ui.monospace(key);
-                ui.label(what);
+                ui.add(Label::new(what).wrap());
                 ui.end_row();
             }
         });

@@ -26,16 +26,25 @@ use crate::{
 pub mod canvas;
 mod cost;
 pub mod desk;
+mod display;
+mod drawn;
 mod errands;
 pub mod facts;
 mod inspect;
+pub mod look;
 mod materials;
 mod messages;
+mod mistakes;
 pub mod navigate;
+mod note;
+mod paint;
 mod panels;
+pub mod pick;
 mod picture;
 mod plot;
 mod receive;
+mod shot;
+mod side;
 mod timeline;
 mod tuning;
 mod window;
@@ -44,9 +53,6 @@ pub mod worker;
 use facts::Facts;
 use window::Window;
 use worker::Worker;
-
-/// In wgpu's words: a surface was configured while pictures were being drawn. It is tried again.
-const BUSY: &str = "wait for GPU to come idle";
 
 /// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -78,6 +84,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         }
         None => env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
     };
+    display::check()?;
     let gpu = Arc::new(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?);
@@ -121,9 +128,8 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     // Renderer commands are checked where they are made; what arrives here is about the window,
     // which repairs its surface by itself, and must not end the rendering.
     (gpu.device).on_uncaptured_error(Arc::new(|error| {
-        let text = error.to_string();
-        if !text.contains(BUSY) {
-            eprintln!("warning: the window: {text}");
+        if !display::is_busy(&error) {
+            eprintln!("warning: the window: {error}");
         }
     }));
     let create = move |context: &eframe::CreationContext<'_>| {
@@ -131,17 +137,14 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
             // Units and hints are read too.
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+            style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
         });
         let repaint = context.egui_ctx.clone();
         let worker = Worker::start(gpu, live, is_waiting, move || repaint.request_repaint());
         let window = Window::new(worker, facts, method, camera, (shots, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native(&title, options, Box::new(create)).map_err(|error| {
-        AppError::Internal(format!(
-            "no window can be opened: {error}; `reflet render` needs none"
-        ))
-    })
+    eframe::run_native(&title, options, Box::new(create)).map_err(|error| display::refused(&error))
 }
 
 /// The scene, and whether it must be read anew: where its text is there but has mistakes, they are

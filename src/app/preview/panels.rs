@@ -6,11 +6,13 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
-    facts::{Facts, Judged, Look, Side},
+    facts::{Facts, Side},
+    look::{Look, MENU, side_menu},
     plot,
 };
 use crate::{
     app::{live::Edit, params::Tuned},
+    bench::metric::Scores,
     render::stats::{FrameStats, Share},
     scene::desc::Method,
 };
@@ -54,6 +56,8 @@ pub struct Choice {
     pub wipe_at: f32,
     /// Index of the selected material.
     pub material: Option<usize>,
+    /// Whether its numbers are to be scrolled to.
+    pub reveals: bool,
     /// Index of the scene's camera that is looked through; `None` once it was moved.
     pub through: Option<usize>,
     /// Index of the one that was looked through last.
@@ -81,6 +85,7 @@ impl Choice {
             wipe: false,
             wipe_at: 0.5,
             material: None,
+            reveals: false,
             through: None,
             home: 0,
             help: false,
@@ -107,68 +112,93 @@ pub fn method_name(method: Method) -> &'static str {
         .map_or("?", |(_, name)| name)
 }
 
-fn side_menu(ui: &mut Ui, id: &str, side: &mut Side) {
-    for (method, name) in METHODS {
-        ui.selectable_value(&mut side.method, method, name);
+/// After each group of the bar, points.
+const GAP: f32 = 8.0;
+
+/// Things that stay side by side where a narrow window breaks the row.
+fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let id = ui.scope_id().with(name);
+    let known: Option<f32> = ui.data(|data| data.get_temp(id));
+    let left = ui.available_size_before_wrap().x;
+    if known.is_some_and(|width| width > left && left < ui.max_rect().width() - 1.0) {
+        ui.end_row();
     }
-    let label = ui.weak("shows");
-    let menu = egui::ComboBox::from_id_salt(id)
-        .selected_text(side.look.name())
-        .width(104.0)
-        .height(360.0)
-        .show_ui(ui, |ui| {
-            for look in Look::all() {
-                ui.selectable_value(&mut side.look, look, look.name());
-            }
-        });
-    menu.response.labelled_by(label.id);
+    let width = ui.horizontal(content).response.rect.width();
+    if known.is_none_or(|known| (known - width).abs() > 0.5) {
+        ui.data_mut(|data| data.insert_temp(id, width));
+        ui.ctx().request_discard("the width of a group is another");
+    }
+    ui.add_space(GAP);
 }
 
-/// The row above the picture.
+/// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
 pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
     ui.horizontal_wrapped(|ui| {
-        side_menu(ui, "texture", &mut choice.a);
-        ui.separator();
-        ui.checkbox(&mut choice.wipe, "wipe")
-            .on_hover_text("B: compare with another method or texture");
-        if choice.wipe {
-            side_menu(ui, "texture of the right side", &mut choice.b);
-        }
-        ui.separator();
-        let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
-        let shown = choice.through.and_then(name).unwrap_or("free camera");
-        let label = ui.weak("camera");
-        let menu = egui::ComboBox::from_id_salt("camera")
-            .selected_text(shown)
-            .show_ui(ui, |ui| {
-                for (index, (name, _)) in facts.cameras.iter().enumerate() {
-                    if ui
-                        .selectable_label(choice.through == Some(index), name)
-                        .clicked()
-                    {
-                        wishes.push(Wish::Through(index));
-                    }
-                }
+        group(ui, "a", |ui| {
+            side_menu(ui, "texture", &mut choice.a, &facts.casters);
+        });
+        group(ui, "b", |ui| {
+            ui.checkbox(&mut choice.wipe, "wipe")
+                .on_hover_text("B: compare with another method or texture");
+            ui.add_enabled_ui(choice.wipe, |ui| {
+                side_menu(
+                    ui,
+                    "texture of the right side",
+                    &mut choice.b,
+                    &facts.casters,
+                );
             });
-        menu.response.labelled_by(label.id);
-        let mut button = |ui: &mut Ui, text: &str, hover: &str, wish: Wish| {
+        });
+        group(ui, "camera", |ui| cameras(ui, choice, facts, wishes));
+        let button = |ui: &mut Ui, wishes: &mut Vec<Wish>, text: &str, hover: &str, wish: Wish| {
             if ui.button(text).on_hover_text(hover).clicked() {
                 wishes.push(wish);
             }
         };
-        button(
-            ui,
-            "frame",
-            "F: show the selection, or the scene",
-            Wish::Frame,
-        );
-        button(ui, "copy camera", "C: as scene text", Wish::Copy);
-        button(ui, "error", "X: this method against rt", Wish::Judge);
-        button(ui, "screenshot", "F12: write a PNG file", Wish::Shot);
-        if ui.button("keys").on_hover_text("H").clicked() {
-            choice.help = !choice.help;
-        }
+        group(ui, "of the camera", |ui| {
+            let hover = "F: show the selection, or the scene";
+            button(ui, wishes, "frame", hover, Wish::Frame);
+            button(ui, wishes, "copy camera", "C: as scene text", Wish::Copy);
+        });
+        group(ui, "of the picture", |ui| {
+            button(
+                ui,
+                wishes,
+                "error",
+                "X: this method against rt",
+                Wish::Judge,
+            );
+            button(
+                ui,
+                wishes,
+                "screenshot",
+                "F12: write a PNG file",
+                Wish::Shot,
+            );
+            if ui.button("keys").on_hover_text("H").clicked() {
+                choice.help = !choice.help;
+            }
+        });
     });
+}
+
+/// The menu of the scene's cameras.
+fn cameras(ui: &mut Ui, choice: &Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+    let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
+    let label = ui.weak("camera");
+    let menu = egui::ComboBox::from_id_salt("camera")
+        .selected_text(choice.through.and_then(name).unwrap_or("free camera"))
+        .width(MENU)
+        .truncate()
+        .show_ui(ui, |ui| {
+            for (index, (name, _)) in facts.cameras.iter().enumerate() {
+                let is_shown = choice.through == Some(index);
+                if ui.selectable_label(is_shown, name).clicked() {
+                    wishes.push(Wish::Through(index));
+                }
+            }
+        });
+    menu.response.labelled_by(label.id);
 }
 
 /// Times of the passes: now as bars, lately as stacks below the time of the frame.
@@ -275,39 +305,51 @@ fn over_time(
     plot::stack(ui, &columns, 100.0, label);
 }
 
-/// The last comparison with `rt`.
-pub fn judged(ui: &mut Ui, judged: Option<&Judged>, is_old: bool, choice: &mut Choice) {
-    let Some(judged) = judged else { return };
+/// The last comparison of a method with `rt`. It has the same height with and without one: what is below stays
+/// where it is when the numbers come.
+pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choice: &mut Choice) {
+    let number = |of: &dyn Fn(&Scores) -> Option<String>| {
+        let text = judged.and_then(|(_, scores)| of(scores));
+        text.unwrap_or("–".to_owned())
+    };
     egui::CollapsingHeader::new("Error against rt")
         .default_open(true)
         .show(ui, |ui| {
-            let scores = &judged.scores;
-            let ssim = scores
-                .ssim
-                .map_or("–".to_owned(), |ssim| format!("{ssim:.4}"));
-            egui::Grid::new("scores")
-                .num_columns(2)
-                .striped(true)
-                .show(ui, |ui| {
-                    for (name, value) in [
-                        ("method", method_name(judged.view.a.method).to_owned()),
-                        ("SSIM", ssim),
-                        ("FLIP mean", format!("{:.4}", scores.flip_mean)),
-                        ("FLIP 99 %", format!("{:.4}", scores.flip_p99)),
-                        ("PSNR", format!("{:.1} dB", scores.psnr_db)),
-                    ] {
-                        ui.label(name);
+            let numbers = [
+                ("SSIM", number(&|s| Some(format!("{:.4}", s.ssim?)))),
+                ("PSNR", number(&|s| Some(format!("{:.1} dB", s.psnr_db)))),
+                ("FLIP", number(&|s| Some(format!("{:.4}", s.flip_mean)))),
+                ("99 %", number(&|s| Some(format!("{:.4}", s.flip_p99)))),
+            ];
+            egui::Grid::new("scores").num_columns(4).show(ui, |ui| {
+                for row in numbers.chunks(2) {
+                    for (name, value) in row {
+                        ui.label(*name).on_hover_text(match *name {
+                            "FLIP" => "mean over the picture",
+                            "99 %" => "FLIP that 99 % of the pixels do not exceed",
+                            _ => "over the picture",
+                        });
                         ui.monospace(value);
-                        ui.end_row();
                     }
-                });
-            ui.checkbox(&mut choice.heat, "show where (FLIP)");
-            if choice.heat {
-                plot::heat_scale(ui);
+                    ui.end_row();
+                }
+            });
+            let method = judged.map(|(method, _)| method_name(method));
+            let of_what = match method {
+                None => "X compares this method with rt".to_owned(),
+                Some(method) if is_old => {
+                    format!("{method}, of an earlier view; X compares again")
+                }
+                Some(method) => format!("{method}, of this view"),
+            };
+            let of_what = egui::RichText::new(of_what).weak();
+            ui.add(egui::Label::new(of_what).truncate());
+            let mut shows = choice.heat && judged.is_some();
+            let switch = egui::Checkbox::new(&mut shows, "show where (FLIP)");
+            if ui.add_enabled(judged.is_some(), switch).changed() {
+                choice.heat = shows;
             }
-            if is_old {
-                ui.weak("of an earlier view; X compares again");
-            }
+            plot::heat_scale(ui);
         });
 }
 

@@ -3,7 +3,10 @@
 use std::{collections::VecDeque, path::Path};
 
 use eframe::egui::{self, accesskit::Role};
-use egui_kittest::{Harness, kittest::Queryable as _};
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT as _, Queryable as _},
+};
 
 use super::*;
 use crate::{
@@ -11,17 +14,16 @@ use crate::{
         live::Problems,
         preview::{
             facts::Row,
-            messages::{Doing, help, log, place_of, problems, status},
+            messages::{Doing, help, log, status, unwatched},
+            note::Note,
             timeline::{self, Timeline},
-            tuning,
         },
     },
     math::Bounds,
     render::stats::Shares,
     scene::{
-        desc::{CameraDesc, MaterialDesc, ParamValue, TimelineDesc},
+        desc::{CameraDesc, MaterialDesc, TimelineDesc},
         diagnostic::Diagnostic,
-        parse,
     },
 };
 
@@ -42,6 +44,7 @@ pub fn facts() -> Facts {
             ("side".to_owned(), CameraDesc::default()),
         ],
         materials: vec![row(0, "floor"), row(1, "chrome")],
+        casters: Vec::new(),
         bounds: Bounds::EMPTY,
         method: Method::Hybrid,
         unit_m: 1.0,
@@ -56,7 +59,6 @@ struct State {
     facts: Facts,
     wishes: Vec<Wish>,
     timeline: Timeline,
-    tuned: Tuned,
     now_s: f64,
     shown: Option<u32>,
 }
@@ -71,7 +73,6 @@ fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, Sta
             start: 2,
             end: 11,
         }),
-        tuned: Tuned::default(),
         now_s: 0.0,
         shown: None,
     };
@@ -90,12 +91,19 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
     let mut harness = harness(|ui, state| {
         bar(ui, &mut state.choice, &state.facts, &mut state.wishes);
     });
-    click(&mut harness, "ssr");
+    let ssr = harness.get_all_by_label("ssr").next();
+    ssr.expect("of the left side").click();
+    harness.run();
     assert_eq!(harness.state().choice.a.method, Method::Ssr);
-    assert!(harness.query_all_by_label("ssr").count() == 1);
+    let sides = |harness: &Harness<'_, State>| {
+        let all = harness.get_all_by_label("ssr");
+        all.filter(|side| !side.accesskit_node().is_disabled())
+            .count()
+    };
+    assert_eq!(sides(&harness), 1);
     click(&mut harness, "wipe");
     assert!(harness.state().choice.wipe);
-    assert_eq!(harness.query_all_by_label("ssr").count(), 2, "a side each");
+    assert_eq!(sides(&harness), 2, "a side each");
     for (label, wish) in [
         ("frame", Wish::Frame),
         ("copy camera", Wish::Copy),
@@ -108,15 +116,68 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
 }
 
 #[test]
-fn mistakes_show_their_place() {
-    let text = "version = 1\n[camera.main]\neye = [0, 1]\n";
-    let errors = parse::parse(text, Path::new("my.toml"), &[]).expect_err("a mistake");
-    let place = place_of(&errors[0]).expect("has a place");
-    assert!(place.starts_with("my.toml:3:"), "{place}");
-    let mut harness = harness(|ui, state| problems(ui, &state.facts.problems));
-    harness.state_mut().facts.problems.scene = errors;
+fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
+    for width in [620.0, 900.0, 1280.0] {
+        let mut harness = harness(move |ui, state| {
+            ui.set_max_width(width);
+            let before = ui.cursor().top();
+            bar(ui, &mut state.choice, &state.facts, &mut state.wishes);
+            state.now_s = f64::from(ui.cursor().top() - before);
+        });
+        harness.set_size(egui::vec2(width, 400.0));
+        harness.run();
+        let rows = harness.state().now_s / 26.0;
+        assert!(rows < 2.5, "{width}: {rows} rows");
+        let menus = harness.get_all_by_role(Role::ComboBox);
+        let menus: Vec<_> = menus.map(|menu| menu.rect()).collect();
+        let label = harness.get_by_role_and_label(Role::Label, "camera").rect();
+        let camera = menus.last().expect("a menu");
+        assert!(camera.left() > label.right() && camera.y_range().contains(label.center().y));
+        for menu in menus {
+            assert!(menu.right() <= width, "{width}: {menu:?}");
+        }
+        let before = harness.state().now_s;
+        click(&mut harness, "wipe");
+        harness.state_mut().choice.through = Some(1);
+        harness.run();
+        assert_eq!(harness.state().now_s, before, "{width}: the picture moves");
+    }
+}
+
+#[test]
+fn a_comparison_moves_nothing_below_it() {
+    let scores = Scores {
+        ssim: Some(0.98765),
+        psnr_db: 31.25,
+        flip_mean: 0.0123,
+        flip_p99: 0.4567,
+        area_px: 1,
+        area_share: 1.0,
+        flip_p95: 0.1,
+        rel_mse: 0.0,
+        rel_mse_trimmed: 0.0,
+        max_difference: 9.0,
+    };
+    let mut harness = harness(move |ui, state| {
+        let judged = state.shown.map(|_| (Method::Ssr, &scores));
+        super::judged(ui, judged, state.now_s > 0.0, &mut state.choice);
+        ui.label("below");
+    });
     harness.run();
-    assert!(harness.query_by_label(&place).is_some());
+    let below = |harness: &Harness<'_, State>| harness.get_by_label("below").rect().top();
+    let without = below(&harness);
+    harness.get_by_label("X compares this method with rt");
+    harness.state_mut().shown = Some(0);
+    harness.run();
+    assert_eq!(below(&harness), without);
+    for text in ["0.9877", "31.2 dB", "0.0123", "0.4567", "ssr, of this view"] {
+        harness.get_by_label(text);
+    }
+    click(&mut harness, "show where (FLIP)");
+    assert!(harness.state().choice.heat);
+    harness.state_mut().now_s = 1.0;
+    harness.run();
+    assert_eq!(below(&harness), without);
 }
 
 #[test]
@@ -139,7 +200,7 @@ fn times_shares_and_keys_are_listed() {
     let harness = harness(move |ui, _| {
         shares(ui, &stats, &history);
         times(ui, &stats, &history);
-        help(ui);
+        help(ui, &mut true);
     });
     for label in [
         "30.0 % of the picture reflects; of that, in %:",
@@ -244,51 +305,6 @@ fn keys_move_time() {
 }
 
 #[test]
-fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
-    let mut harness = harness(|ui, state| {
-        let mut tuned = state.tuned.clone();
-        if tuning::params(ui, &state.facts.declared, &mut tuned) {
-            state.wishes.push(Wish::Tune(tuned.clone()));
-            state.tuned = tuned;
-        }
-    });
-    assert!(harness.query_by_label("Script parameters").is_none());
-    let declared = [
-        ("count", ParamValue::Integer(31)),
-        ("speed", ParamValue::Number(0.5)),
-        ("night", ParamValue::Switch(false)),
-        ("word", ParamValue::Text("walk".into())),
-        ("at", ParamValue::Numbers(vec![1.0, -2.0])),
-    ];
-    let declared = declared.map(|(name, value)| (name.to_owned(), value));
-    harness.state_mut().facts.declared = declared.into();
-    harness.run();
-    assert!(harness.state().wishes.is_empty(), "looking changes nothing");
-    click(&mut harness, "night");
-    let field = harness.get_by_role(Role::TextInput);
-    field.focus();
-    field.type_text("er");
-    harness.run();
-    let count = harness.get_all_by_role(Role::Slider).next();
-    count.expect("a slider").set_value_accesskit(62.0);
-    harness.run();
-    let settings = harness.state().tuned.settings();
-    assert_eq!(settings.len(), 3, "{settings:?}");
-    assert!(
-        settings.contains(&"params.night=true".to_owned()),
-        "{settings:?}"
-    );
-    assert!(
-        settings.contains(&"params.count=62".to_owned()),
-        "{settings:?}"
-    );
-    let last = harness.state().wishes.last().cloned();
-    assert_eq!(last, Some(Wish::Tune(harness.state().tuned.clone())));
-    click(&mut harness, "reset");
-    assert!(harness.state().tuned.is_empty());
-}
-
-#[test]
 fn what_a_script_prints_is_listed() {
     let mut harness = harness(|ui, state| log(ui, &state.facts.log));
     assert!(harness.query_by_label("Script output").is_none());
@@ -306,7 +322,9 @@ fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
             None => Doing::Draws,
             Some(_) => Doing::Rests,
         };
-        status(ui, 7, &doing, script_s, "saved");
+        let mut note = Note::default();
+        note.say("saved");
+        status(ui, 7, &doing, script_s, &mut note);
     });
     harness.get_by_label("drawing after picture 7 …");
     harness.get_by_label("saved");
@@ -314,7 +332,47 @@ fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
     (harness.state_mut().now_s, harness.state_mut().shown) = (3.24, Some(0));
     harness.run();
     harness.get_by_label("script running 3.2 s");
+    harness.get_by_label("picture 7 stays meanwhile");
+    assert!(
+        harness.query_by_label_contains("still").is_none(),
+        "a script runs"
+    );
+    harness.state_mut().now_s = 0.0;
+    harness.run();
     harness.get_by_label("still: nothing changed since picture 7");
+}
+
+#[test]
+fn a_note_that_is_too_long_is_cut_and_whole_in_its_tooltip() {
+    let text = "wrote /a/folder/with/a/long/name/".repeat(6) + "scene-001.png";
+    let said = text.clone();
+    let mut harness = harness(move |ui, _| {
+        ui.set_max_width(500.0);
+        let mut note = Note::default();
+        note.say(said.clone());
+        status(ui, 7, &Doing::Rests, None, &mut note);
+    });
+    let note = harness.get_by_label(&text);
+    assert!(note.rect().right() <= 508.0, "{:?}", note.rect());
+    note.hover();
+    harness.run_steps(60); // tooltips wait
+    assert_eq!(harness.query_all_by_label(&text).count(), 2);
+}
+
+#[test]
+fn every_key_can_be_read_in_a_small_window() {
+    let size = egui::vec2(620.0, 420.0);
+    let mut harness = harness(|ui, _| help(ui, &mut true));
+    harness.set_size(size);
+    harness.run();
+    let inside = |harness: &Harness<'_, State>, label: &str| {
+        let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        screen.contains_rect(harness.get_by_label(label).rect())
+    };
+    assert!(inside(&harness, "left drag") && !inside(&harness, "Ctrl Q"));
+    harness.get_by_label("Ctrl Q").scroll_to_me();
+    harness.run();
+    assert!(inside(&harness, "Ctrl Q") && inside(&harness, "close"));
 }
 
 #[test]
@@ -323,4 +381,12 @@ fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
     for text in ["0: the same", "FLIP 0.5", "1: most"] {
         harness.get_by_label(text);
     }
+}
+
+#[test]
+fn a_refused_watch_is_told_as_long_as_it_lasts() {
+    let why = "the system does not tell of files saved in /a: raise the limit";
+    let mut harness = harness(|ui, _| unwatched(ui, why));
+    harness.run();
+    assert!(harness.query_by_label(&format!("Saves: {why}")).is_some());
 }

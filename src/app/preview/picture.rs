@@ -1,13 +1,14 @@
-//! The part of the window that shows the picture: painting it, the wipe, and the camera's moves.
+//! The part of the window that shows the picture: what a click selects, what is framed, and the
+//! camera's moves.
 
-use eframe::egui::{self, Color32, Key, PointerButton, Rect, Response, Sense, Ui, pos2, vec2};
+use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 use super::{
-    canvas::Canvas,
-    facts::{Side, Task},
-    messages,
-    panels::method_name,
+    facts::Task,
+    mistakes,
+    paint::{self, fit},
+    pick::Picked,
     window::Window,
 };
 
@@ -19,121 +20,72 @@ impl Window {
         self.viewport = [pixels.x, pixels.y].map(|side| side.max(0.0).round() as u32);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.paint(ui, frame, rect);
-        if !self.facts.problems.is_empty() {
-            // Over the picture: were it beside, a mistake would change the picture's size.
-            egui::Area::new(egui::Id::unique("reflet problems"))
-                .pivot(egui::Align2::LEFT_BOTTOM)
-                .fixed_pos(rect.left_bottom() + vec2(8.0, -8.0))
-                .show(ui.ctx(), |ui| {
-                    egui::Frame::popup(ui.style()).show(ui, |ui| {
-                        ui.set_width((rect.width() - 32.0).max(40.0));
-                        messages::problems(ui, &self.facts.problems);
-                    });
-                });
+        self.captions(ui, rect);
+        let is_known = self.facts.problems.is_empty() && self.script.is_none();
+        if self.facts.is_nothing() && is_known {
+            paint::nothing(ui, rect, &self.facts.warnings);
         }
+        mistakes::over(ui, rect, &self.facts.problems, &mut self.fold);
         let grabbed = self.choice.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed
             && let Some(at) = response.interact_pointer_pos()
         {
-            let part = (at - rect.min) / rect.size();
-            self.ask(Task::Pick([part.x, part.y]));
+            self.click(at, rect);
         }
         !grabbed && self.navigate(ui, &response)
     }
 
-    fn paint(&mut self, ui: &Ui, frame: &eframe::Frame, rect: Rect) {
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        let painter = ui.painter().with_clip_rect(rect);
-        painter.rect_filled(rect, 0.0, Color32::from_gray(16));
-        let mut canvases: Vec<Canvas> = Vec::new();
-        if let Some(shown) = &self.shown {
-            canvases.extend(shown.sides.iter().map(|(canvas, _)| canvas.clone()));
-        }
-        if let (Some(judged), Some(first)) = (&self.judged, canvases.first_mut())
-            && self.choice.heat
-        {
-            *first = judged.heat.clone();
-        }
-        self.register(frame, &canvases);
-        let texture = |canvas: &Canvas| self.textures.get(&canvas.number).copied();
-        if let Some(first) = canvases.first().and_then(texture) {
-            painter.image(first, rect, whole, Color32::WHITE);
-        }
-        if let Some(second) = canvases
-            .get(1)
-            .and_then(texture)
-            .filter(|_| self.choice.wipe)
-        {
-            let mut right = rect;
-            right.min.x += rect.width() * self.choice.wipe_at;
-            let uv = Rect::from_min_max(pos2(self.choice.wipe_at, 0.0), whole.max);
-            painter.image(second, right, uv, Color32::WHITE);
-        }
-    }
-
-    /// Makes the window's renderer know exactly these canvases.
-    fn register(&mut self, frame: &eframe::Frame, canvases: &[Canvas]) {
-        let Some(state) = frame.wgpu_render_state() else {
+    /// Selects what was clicked; beside everything, nothing.
+    fn click(&mut self, at: Pos2, rect: Rect) {
+        let (is_of_camera, place) = match self.layer_at(at, rect) {
+            Some(layer) => (layer.is_of_camera, fit(rect, layer.shape)),
+            None => return,
+        };
+        if !is_of_camera {
             return;
-        };
-        let mut renderer = state.renderer.write();
-        self.textures.retain(|number, texture| {
-            let is_used = canvases.iter().any(|canvas| canvas.number == *number);
-            if !is_used {
-                renderer.free_texture(texture);
-            }
-            is_used
-        });
-        for canvas in canvases {
-            self.textures.entry(canvas.number).or_insert_with(|| {
-                renderer.register_native_texture(
-                    &state.device,
-                    &canvas.view,
-                    wgpu::FilterMode::Linear,
-                )
-            });
+        }
+        if place.contains(at) {
+            let part = (at - place.min) / place.size();
+            self.ask(Task::Pick([part.x, part.y]));
+        } else {
+            self.unselect();
         }
     }
 
-    /// The line between the two sides; whether it is being dragged.
-    fn wipe_line(&mut self, ui: &Ui, rect: Rect) -> bool {
-        let x = rect.left() + rect.width() * self.choice.wipe_at;
-        let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
-        let line = ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag());
-        let line = line.on_hover_cursor(egui::CursorIcon::ResizeHorizontal);
-        if line.dragged() && rect.width() > 0.0 {
-            let at = self.choice.wipe_at + line.drag_delta().x / rect.width();
-            self.choice.wipe_at = at.clamp(0.0, 1.0);
-        }
-        let color = Color32::from_white_alpha(if line.hovered() || line.dragged() {
-            255
-        } else {
-            160
-        });
-        ui.painter()
-            .vline(x, rect.y_range(), egui::Stroke::new(1.5, color));
-        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.look.name());
-        let shows_error = self.choice.heat && self.judged.is_some();
-        let left = match shows_error {
-            true => "FLIP against rt".to_owned(),
-            false => name(&self.choice.a),
+    /// Selects neither an instance nor a material.
+    pub(super) fn unselect(&mut self) {
+        self.choice.material = None;
+        self.ask(Task::Unpick);
+    }
+
+    /// Takes over what was clicked.
+    pub(super) fn take_picked(&mut self, picked: Option<Picked>) {
+        self.choice.material = picked.as_ref().map(|picked| picked.material);
+        self.choice.reveals = picked.is_some();
+        self.picked = picked;
+    }
+
+    /// Shows all of the selected instance, else of the selected material, else of the scene.
+    pub(super) fn frame_selection(&mut self) {
+        let rows = &self.facts.materials;
+        let row = self.choice.material.and_then(|index| rows.get(index));
+        let bounds = match (&self.picked, row) {
+            (Some(picked), _) => picked.bounds,
+            (None, Some(row)) => row.bounds,
+            (None, None) => self.facts.bounds,
         };
-        for (label, anchor, dx) in [
-            (left, egui::Align2::RIGHT_TOP, -8.0),
-            (name(&self.choice.b), egui::Align2::LEFT_TOP, 8.0),
-        ] {
-            let at = pos2(x + dx, rect.top() + 8.0);
-            let font = egui::FontId::proportional(13.0);
-            let shadow = ui
-                .painter()
-                .layout_no_wrap(label.clone(), font.clone(), Color32::WHITE);
-            let back = anchor.anchor_size(at, shadow.size()).expand(3.0);
-            ui.painter()
-                .rect_filled(back, 3.0, Color32::from_black_alpha(140));
-            ui.painter().text(at, anchor, label, font, Color32::WHITE);
+        if bounds.is_empty() {
+            let is_selected = self.picked.is_some() || row.is_some();
+            self.note.say(match is_selected {
+                true => "nothing to frame: the selection is not there in this frame",
+                false => "nothing to frame: nothing stands in the scene",
+            });
+            return;
         }
-        line.dragged() || line.hovered()
+        let [width, height] = self.viewport.map(|side| side.max(1) as f32);
+        self.navigator.frame(&bounds, width / height);
+        self.choice.through = None;
     }
 
     /// Moves the camera; whether it moved.
@@ -159,7 +111,8 @@ impl Window {
             let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
             if notches != 0.0 && flies {
                 self.navigator.change_speed(notches);
-                self.note = format!("flying at {:.2} m/s", self.navigator.speed_m);
+                let speed_m = self.navigator.speed_m;
+                self.note.say(format!("flying at {speed_m:.2} m/s"));
             } else if notches != 0.0 {
                 self.navigator.dolly(notches);
             }

@@ -1,6 +1,6 @@
 //! Small charts for the panels: a bar, stacks over time, stacked shares.
 
-use eframe::egui::{self, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
+use eframe::egui::{self, Color32, FontId, Mesh, Rect, Sense, Ui, pos2, vec2};
 
 use crate::{
     bench::metric::flip,
@@ -10,6 +10,9 @@ use crate::{
         stats::Share,
     },
 };
+
+/// Size of the charts' texts, points.
+const SMALL: f32 = 10.0;
 
 /// Columns of a chart over time.
 pub const HISTORY: usize = 120;
@@ -87,7 +90,7 @@ pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str
             bottom -= height;
         }
     }
-    let font = FontId::proportional(11.0);
+    let font = FontId::proportional(SMALL);
     let text = painter.layout_no_wrap(label.to_owned(), font, Color32::from_gray(230));
     let back = Rect::from_min_size(rect.min + vec2(3.0, 2.0), text.size()).expand(1.5);
     painter.rect_filled(back, 2.0, Color32::from_black_alpha(150));
@@ -110,7 +113,10 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
             ui.spacing_mut().item_spacing.x = 4.0;
             let (dot, _) = ui.allocate_exact_size(vec2(9.0, 9.0), Sense::hover());
             ui.painter().rect_filled(dot, 2.0, source_color(share.name));
-            ui.label(egui::RichText::new(format!("{} {:.1}  ", share.name, share.percent)).small());
+            ui.label(
+                egui::RichText::new(format!("{}\u{a0}{:.1} ", share.name, share.percent))
+                    .size(SMALL),
+            );
         }
     });
 }
@@ -121,16 +127,25 @@ pub fn heat_scale(ui: &mut Ui) {
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 12.0), Sense::hover());
     let values: Vec<f32> = (0..STEPS).map(|i| i as f32 / (STEPS - 1) as f32).collect();
-    let x = |i: usize| rect.left() + rect.width() * i as f32 / STEPS as f32;
-    for (i, color) in flip::heat(&values).chunks_exact(3).enumerate() {
-        let part = Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range());
+    // One mesh: bars side by side would show their soft edges.
+    let mut mesh = Mesh::default();
+    for (value, color) in values.iter().zip(flip::heat(&values).chunks_exact(3)) {
         let color = rgb([color[0], color[1], color[2]]);
-        ui.painter().rect_filled(part, 0.0, color);
+        let last = mesh.vertices.len() as u32;
+        for y in [rect.top(), rect.bottom()] {
+            mesh.colored_vertex(pos2(rect.left() + rect.width() * value, y), color);
+        }
+        if last > 0 {
+            mesh.add_triangle(last - 2, last - 1, last);
+            mesh.add_triangle(last - 1, last, last + 1);
+        }
     }
+    ui.painter().add(mesh);
+    let small = |text: &str| egui::RichText::new(text).size(SMALL);
     ui.columns(3, |columns| {
-        columns[0].small("0: the same");
-        columns[1].vertical_centered(|ui| ui.small("FLIP 0.5"));
+        columns[0].label(small("0: the same"));
+        columns[1].vertical_centered(|ui| ui.label(small("FLIP 0.5")));
         let right = egui::Layout::right_to_left(egui::Align::Min);
-        columns[2].with_layout(right, |ui| ui.small("1: most"));
+        columns[2].with_layout(right, |ui| ui.label(small("1: most")));
     });
 }

@@ -5,7 +5,7 @@ use std::sync::mpsc::TryRecvError;
 use super::{
     facts::{Facts, Report, Shown},
     plot::HISTORY,
-    timeline::Timeline,
+    timeline,
     window::Window,
 };
 
@@ -19,17 +19,21 @@ impl Window {
                 Ok(Report::Shown(shown)) => self.take_shown(*shown, now_s),
                 Ok(Report::Tuned(reload)) => {
                     let ms = reload.took.as_secs_f64() * 1e3;
-                    self.note = if reload.ok {
+                    self.note.say(if reload.ok {
                         self.judged = None;
                         self.edits += 1;
                         format!("the parameters took {ms:.0} ms")
                     } else {
-                        "these parameters do not work".to_owned()
-                    };
+                        "the parameters wait for the scene to be mended".to_owned()
+                    });
+                }
+                Ok(Report::Refused(refusal)) => {
+                    self.note.say("refused; see the script parameters");
+                    self.knobs.refuse(*refusal, &self.facts.declared);
                 }
                 Ok(Report::Reloaded(reload, ms)) => {
                     let cpu = reload.took.as_secs_f64() * 1e3;
-                    self.note = if reload.ok {
+                    self.note.say(if reload.ok {
                         // Its map would hide what the save has changed.
                         self.judged = None;
                         self.edits += 1;
@@ -37,23 +41,26 @@ impl Window {
                             "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
                         )
                     } else {
-                        "not taken over; see below the picture".to_owned()
-                    };
+                        "not taken over; see the list over the picture".to_owned()
+                    });
                 }
                 Ok(Report::Judged(judged)) => {
                     if judged.edits == self.edits {
                         self.judged = Some(*judged);
                         self.choice.heat = true;
                     } else {
-                        self.note = "the scene has changed meanwhile; compare again".to_owned();
+                        (self.note).say("the scene has changed meanwhile; compare again");
                     }
                 }
-                Ok(Report::Picked(material)) => self.choice.material = material,
-                Ok(Report::Note(note)) => self.note = note,
+                Ok(Report::Picked(picked)) => self.take_picked(picked),
+                Ok(Report::Unpicked) => self.picked = None,
+                Ok(Report::Note(note)) => self.note.say(note),
+                Ok(Report::Unwatched(why)) => self.unwatched = why,
                 Ok(Report::Idle) => self.is_busy = false,
                 Err(TryRecvError::Empty) => return,
                 Err(TryRecvError::Disconnected) => {
-                    self.note = "the renderer stopped; start the preview again".to_owned();
+                    let text = "the renderer stopped; start the preview again";
+                    self.note.say_for_good(text);
                     return;
                 }
             }
@@ -65,7 +72,7 @@ impl Window {
             // The scene's camera may move with time; who takes it over starts from there.
             self.navigator.camera = shown.camera.clone();
         }
-        let stats = shown.sides.first().map(|(_, stats)| stats.clone());
+        let stats = shown.sides.first().map(|side| side.stats.clone());
         self.history.extend(stats);
         if self.history.len() > HISTORY {
             self.history.pop_front();
@@ -74,22 +81,19 @@ impl Window {
         if let (Some(timeline), true) = (&mut self.timeline, is_next) {
             timeline.count(now_s);
         }
+        self.picked.clone_from(&shown.picked);
         self.shown = Some(shown);
     }
 
     /// Takes over a scene that was read again: camera, time and selection stay, by name.
     fn take_facts(&mut self, facts: Facts, now_s: f64) {
-        self.timeline = facts
-            .timeline
-            .as_ref()
-            .map(|desc| match self.timeline.take() {
-                Some(mut timeline) => {
-                    timeline.replace(desc, now_s);
-                    timeline
-                }
-                None => Timeline::new(desc),
-            });
-        self.tuned.keep_what_fits(&facts.declared);
+        timeline::follow(
+            &mut self.timeline,
+            &mut self.put_away,
+            facts.timeline.as_ref(),
+            now_s,
+        );
+        self.knobs.keep_what_fits(&facts.declared);
         let material = self
             .choice
             .material
@@ -111,6 +115,9 @@ impl Window {
             self.navigator.camera = facts.cameras[index].1.clone();
         }
         self.navigator.rescale(&facts.bounds);
+        for side in [&mut self.choice.a, &mut self.choice.b] {
+            side.look = side.look.after(&self.facts.casters, &facts.casters);
+        }
         if facts.method != self.facts.method {
             self.choice.a.method = facts.method;
         }

@@ -45,6 +45,12 @@ impl Timeline {
         }
     }
 
+    /// Takes over the frames after a while without any: goes on where it was.
+    fn resume(&mut self, desc: &TimelineDesc, now_s: f64) {
+        self.desc = desc.clone();
+        self.seek(self.frame, now_s);
+    }
+
     /// The frame that is wanted.
     pub fn frame(&self) -> u32 {
         self.frame
@@ -145,6 +151,26 @@ impl Timeline {
             }
             _ => format!("{fps} fps"),
         }
+    }
+}
+
+/// Follows a scene that was read again: its timeline is kept while the scene has none, so that time,
+/// pause and loop are as they were when it comes back.
+pub fn follow(
+    shown: &mut Option<Timeline>,
+    put_away: &mut Option<Timeline>,
+    desc: Option<&TimelineDesc>,
+    now_s: f64,
+) {
+    match (desc, &mut *shown) {
+        (Some(desc), Some(timeline)) => timeline.replace(desc, now_s),
+        (Some(desc), None) => {
+            let mut timeline = put_away.take().unwrap_or_else(|| Timeline::new(desc));
+            timeline.resume(desc, now_s);
+            *shown = Some(timeline);
+        }
+        (None, Some(_)) => *put_away = shown.take(),
+        (None, None) => {}
     }
 }
 
@@ -309,6 +335,34 @@ mod tests {
         assert_eq!(time.frame(), 89);
         time.replace(&desc(24.0, 50), 10.5);
         assert!(time.frame() == 50 && time.is_playing());
+    }
+
+    #[test]
+    fn a_timeline_that_goes_and_comes_back_is_where_it_was() {
+        let desc = |end| TimelineDesc {
+            fps: 24.0,
+            start: 0,
+            end,
+        };
+        let (mut shown, mut put_away) = (Some(timeline(24.0, 0, 100)), None);
+        let time = shown.as_mut().expect("is there");
+        time.repeats = false;
+        time.seek(40, 0.0);
+        time.toggle(0.0);
+        time.tick(0.5);
+        follow(&mut shown, &mut put_away, None, 0.5);
+        follow(&mut shown, &mut put_away, None, 5.0);
+        assert!(shown.is_none());
+        // The seconds between do not count.
+        follow(&mut shown, &mut put_away, Some(&desc(100)), 90.0);
+        let time = shown.as_mut().expect("is back");
+        time.tick(90.0);
+        assert!(time.frame() == 52 && time.is_playing() && !time.repeats);
+        time.toggle(90.0);
+        follow(&mut shown, &mut put_away, None, 91.0);
+        follow(&mut shown, &mut put_away, Some(&desc(30)), 92.0);
+        let time = shown.as_ref().expect("is back");
+        assert!(time.frame() == 30 && !time.is_playing() && !time.repeats);
     }
 
     #[test]

@@ -4,49 +4,186 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::panels::named;
+use super::{mistakes::Mistake, panels::named};
 use crate::{
-    app::params::{Declared, Tuned},
+    app::{
+        live::Refusal,
+        params::{Declared, Tuned, same_kind, setting},
+    },
     scene::{desc::ParamValue, parse::range::LIMIT},
 };
 
-/// The panel; whether a value was changed.
-pub fn params(ui: &mut Ui, declared: &Declared, tuned: &mut Tuned) -> bool {
+/// What the controls show.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Knobs {
+    /// Laid over the scene's own values.
+    pub tuned: Tuned,
+    /// Values that do not work: their controls show them, but the picture has what `tuned` has.
+    refused: Vec<Refused>,
+}
+
+/// Values that were refused together, and why.
+#[derive(Clone, Debug, PartialEq)]
+struct Refused {
+    values: Vec<(String, ParamValue)>,
+    why: Vec<Mistake>,
+}
+
+impl Knobs {
+    fn refused(&self, name: &str) -> Option<&ParamValue> {
+        let mut all = self.refused.iter().flat_map(|refused| &refused.values);
+        all.find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+
+    /// What the control shows of a parameter.
+    fn shown<'a>(&'a self, name: &str, own: &'a ParamValue) -> &'a ParamValue {
+        let value = self.refused(name).or_else(|| self.tuned.get(name));
+        value.unwrap_or(own)
+    }
+
+    fn set(&mut self, name: &str, value: ParamValue, own: &ParamValue) {
+        self.forget_refused(|known, _| known == name);
+        self.tuned.set(name, value, own);
+    }
+
+    fn forget_refused(&mut self, is_over: impl Fn(&str, &ParamValue) -> bool) {
+        for refused in &mut self.refused {
+            refused.values.retain(|(name, value)| !is_over(name, value));
+        }
+        self.refused.retain(|refused| !refused.values.is_empty());
+    }
+
+    /// Marks values that were refused, where no others were chosen since.
+    pub fn refuse(&mut self, refusal: Refusal, declared: &Declared) {
+        let Refusal { values, stays, why } = refusal;
+        let mut marked = Vec::new();
+        for (name, value) in values {
+            let own = declared.iter().find(|(known, _)| *known == name);
+            let own = own.filter(|(_, own)| *self.shown(&name, own) == value);
+            if let Some((_, own)) = own {
+                let stays = stays.get(&name).unwrap_or(own);
+                self.set(&name, stays.clone(), own);
+                marked.push((name, value));
+            }
+        }
+        if !marked.is_empty() {
+            self.refused.push(Refused {
+                values: marked,
+                why: Mistake::all(&why),
+            });
+        }
+    }
+
+    /// Forgets what the parameters of a scene that was read again no longer leave room for.
+    pub fn keep_what_fits(&mut self, declared: &Declared) {
+        self.tuned.keep_what_fits(declared);
+        let tuned = self.tuned.clone();
+        self.forget_refused(|name, value| {
+            let own = declared.iter().find(|(known, _)| known == name);
+            // What is in force was not refused.
+            own.is_none_or(|(_, own)| {
+                !same_kind(own, value) || tuned.get(name).unwrap_or(own) == value
+            })
+        });
+    }
+}
+
+/// The panel; whether other values are to be laid over the scene's.
+pub fn params(ui: &mut Ui, declared: &Declared, knobs: &mut Knobs) -> bool {
     if declared.is_empty() {
         return false;
     }
-    let before = tuned.clone();
+    let before = knobs.tuned.clone();
     egui::CollapsingHeader::new("Script parameters")
         .default_open(true)
         .show(ui, |ui| {
             for (name, own) in declared {
-                let now = tuned.get(name).unwrap_or(own);
+                let now = knobs.shown(name, own);
                 let mut value = now.clone();
-                row(ui, name, own, &mut value);
+                row(ui, label(ui, knobs, name, own), own, &mut value);
                 if value != *now {
-                    tuned.set(name, value, own);
+                    knobs.set(name, value, own);
                 }
             }
             ui.horizontal(|ui| {
-                let reset = ui.add_enabled(!tuned.is_empty(), egui::Button::new("reset"));
+                let is_own = knobs.tuned.is_empty() && knobs.refused.is_empty();
+                let reset = ui.add_enabled(!is_own, egui::Button::new("reset"));
                 if reset.on_hover_text("the values of the scene").clicked() {
-                    *tuned = Tuned::default();
+                    *knobs = Knobs::default();
                 }
-                if ui.button("copy as text").clicked() {
-                    ui.ctx().copy_text(tuned.as_text(declared));
+                let copy = ui.button("copy as text");
+                if copy.on_hover_text("the values in force").clicked() {
+                    ui.ctx().copy_text(knobs.tuned.as_text(declared));
                 }
             });
+            // Below the controls: none moves when a value is refused.
+            for index in 0..knobs.refused.len() {
+                if refused(ui, index, declared, knobs) {
+                    break; // it is over
+                }
+            }
         });
-    *tuned != before
+    knobs.tuned != before
 }
 
-/// One parameter; those that differ from the scene's value stand out.
-fn row(ui: &mut Ui, name: &str, own: &ParamValue, value: &mut ParamValue) {
-    let label = if value == own {
+/// Values that differ from the scene's stand out, and more so those that do not work.
+fn label(ui: &Ui, knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
+    if knobs.refused(name).is_some() {
+        RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
+    } else if knobs.tuned.get(name).unwrap_or(own) == own {
         RichText::new(name)
     } else {
         RichText::new(name).strong()
+    }
+}
+
+/// Values that do not work, why, and what the picture has; whether somebody decided about them.
+fn refused(ui: &mut Ui, index: usize, declared: &Declared, knobs: &mut Knobs) -> bool {
+    let all = knobs.refused[index].clone();
+    let line = |values: &[(String, ParamValue)]| {
+        let texts: Vec<_> = values.iter().map(|(name, v)| setting(name, v)).collect();
+        texts.join(", ")
     };
+    let in_force: Vec<_> = (all.values.iter())
+        .filter_map(|(name, _)| {
+            let own = declared.iter().find(|(known, _)| known == name);
+            let now = knobs.tuned.get(name).or(own.map(|(_, own)| own));
+            now.map(|now| (name.clone(), now.clone()))
+        })
+        .collect();
+    let mut is_decided = false;
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        let text = format!(
+            "refused: {}; the picture has {}",
+            line(&all.values),
+            line(&in_force)
+        );
+        ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().error_fg_color)).wrap());
+        for mistake in &all.why {
+            ui.scope(|ui| mistake.show(ui));
+        }
+        ui.horizontal(|ui| {
+            let back = ui
+                .button("take back")
+                .on_hover_text("show what is in force");
+            let again = ui.button("try again").on_hover_text("after other changes");
+            if again.clicked() {
+                for (name, value) in &all.values {
+                    if let Some((_, own)) = declared.iter().find(|(known, _)| known == name) {
+                        knobs.set(name, value.clone(), own);
+                    }
+                }
+            } else if back.clicked() {
+                knobs.refused.remove(index);
+            }
+            is_decided = again.clicked() || back.clicked();
+        });
+    });
+    is_decided
+}
+
+/// The control of one parameter.
+fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
     match (value, own) {
         (ParamValue::Integer(now), ParamValue::Integer(own)) => {
             let (least, most) = range(*own as f64, 10.0).into_inner();
@@ -99,3 +236,7 @@ fn range(own: f64, around: f64) -> RangeInclusive<f64> {
         -around..=around
     }
 }
+
+#[cfg(test)]
+#[path = "tuning_tests.rs"]
+mod tests;

@@ -3,23 +3,25 @@
 
 use std::{
     collections::{HashMap, VecDeque},
-    iter,
+    ops::RangeInclusive,
     path::PathBuf,
     time::Instant,
 };
 
 use eframe::egui::{self, Key, Ui};
 
-use crate::{app::params::Tuned, render::stats::FrameStats, scene::desc::Method};
+use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    facts::{Eye, Facts, Judged, Shown, Task, View},
-    materials,
+    facts::{Eye, Facts, Inspect, Inspection, Judged, Shot, Shown, Task, View},
     messages::{self, Doing},
-    navigate::{Navigator, as_text},
+    mistakes::Fold,
+    navigate::Navigator,
+    note::Note,
     panels::{self, Choice, METHODS, Wish},
+    pick::Picked,
     timeline::{self, Timeline},
-    tuning,
+    tuning::Knobs,
     worker::Worker,
 };
 
@@ -27,8 +29,10 @@ use super::{
 const SETTLE_S: f64 = 0.15;
 /// Longest that a picture should take while the camera moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
-/// Width of the panel beside the picture, points, and of the narrowest window that has one.
-const SIDE: f32 = 320.0;
+/// Width of the panel beside the picture, points: this part of the window, in this range; and of the
+/// narrowest window that has one.
+const SIDE_PART: f32 = 0.36;
+const SIDE: RangeInclusive<f32> = 250.0..=320.0;
 const HAS_SIDE: f32 = 560.0;
 /// How long a script runs before that is told, seconds, and how often from then on.
 const LONG_S: f64 = 0.3;
@@ -44,9 +48,15 @@ pub struct Window {
     pub(super) navigator: Navigator,
     /// Where time is, if the scene has frames.
     pub(super) timeline: Option<Timeline>,
-    pub(super) tuned: Tuned,
+    /// Where time was when the scene last had some.
+    pub(super) put_away: Option<Timeline>,
+    pub(super) knobs: Knobs,
+    /// Whether the list of mistakes is folded.
+    pub(super) fold: Fold,
     pub(super) shown: Option<Shown>,
     pub(super) judged: Option<Judged>,
+    /// The selected instance.
+    pub(super) picked: Option<Picked>,
     /// How often the scene has changed: what was compared before is of another.
     pub(super) edits: u64,
     /// Of the last pictures, newest last.
@@ -54,12 +64,14 @@ pub struct Window {
     /// Registered textures by the number of their canvas.
     pub(super) textures: HashMap<u64, egui::TextureId>,
     /// The view that was last asked for.
-    asked: Option<View>,
+    pub(super) asked: Option<View>,
     /// When the camera moved last, seconds.
     moved_at: f64,
-    pub(super) note: String,
+    pub(super) note: Note,
     /// Since when a script runs that the picture does not wait for.
     pub(super) script: Option<Instant>,
+    /// Why saves are seen only now and then, and what to do.
+    pub(super) unwatched: Option<String>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
     shots: PathBuf,
@@ -83,19 +95,23 @@ impl Window {
         Self {
             navigator: Navigator::new(start, &facts.bounds),
             timeline: facts.timeline.as_ref().map(Timeline::new),
-            tuned: Tuned::default(),
+            put_away: None,
+            knobs: Knobs::default(),
+            fold: Fold::default(),
             worker,
             facts,
             choice,
             shown: None,
             judged: None,
+            picked: None,
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),
             asked: None,
             moved_at: f64::NEG_INFINITY,
-            note: String::new(),
+            note: Note::default(),
             script: None,
+            unwatched: None,
             is_busy: false,
             viewport: [0, 0],
             shots,
@@ -156,8 +172,11 @@ impl Window {
             self.choice.help = !self.choice.help;
         }
         if pressed(Key::Escape) {
-            self.choice.help = false;
-            self.choice.heat = false;
+            if self.choice.help || self.choice.heat {
+                (self.choice.help, self.choice.heat) = (false, false);
+            } else {
+                self.unselect();
+            }
         }
     }
 
@@ -170,22 +189,20 @@ impl Window {
                         (self.choice.through, self.choice.home) = (Some(index), index);
                     }
                 }
-                Wish::Frame => {
-                    let row = self
-                        .choice
-                        .material
-                        .and_then(|i| self.facts.materials.get(i));
-                    let bounds = row.map_or(self.facts.bounds, |row| row.bounds);
-                    let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-                    self.navigator.frame(&bounds, width / height);
-                    self.choice.through = None;
-                }
+                Wish::Frame => self.frame_selection(),
                 Wish::Copy => {
                     ui.ctx().copy_text(self.camera_text());
-                    self.note = "the camera is in the clipboard, as scene text".to_owned();
+                    (self.note).say("the camera is in the clipboard, as scene text");
                 }
-                Wish::Judge => self.ask(Task::Judge(self.edits)),
-                Wish::Shot => self.ask(Task::Shot(self.shots.clone(), self.stem.clone())),
+                Wish::Judge => self.inspect(Inspect::Judge(self.edits)),
+                Wish::Shot => {
+                    self.inspect(Inspect::Shot(Shot {
+                        folder: self.shots.clone(),
+                        stem: self.stem.clone(),
+                        wipe_at: self.choice.wipe_at,
+                        heat: self.heat().is_some(),
+                    }));
+                }
                 Wish::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
@@ -194,12 +211,21 @@ impl Window {
                     self.edits += 1;
                     self.ask(Task::Edit(edit));
                 }
-                Wish::Tune(tuned) => {
-                    self.tuned = tuned.clone();
-                    self.ask(Task::Tune(tuned));
-                }
+                Wish::Tune(tuned) => self.ask(Task::Tune(tuned)),
             }
         }
+    }
+
+    /// Asks for something of the view's frame; while time runs, of the one that is seen.
+    fn inspect(&mut self, with: Inspect) {
+        let Some(mut view) = self.asked.clone() else {
+            self.note.say("nothing is shown yet");
+            return;
+        };
+        if let (true, Some(shown)) = (view.plays, &self.shown) {
+            view.frame = shown.frame;
+        }
+        self.ask(Task::Inspect(Inspection { view, with }));
     }
 
     /// Asks for the view, if it is another than before.
@@ -266,7 +292,7 @@ impl Window {
     /// How much smaller the shown picture was drawn than its place is, in words.
     fn reduced(&self) -> String {
         let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
-        match sides.map(|(_, stats)| stats.size) {
+        match sides.map(|side| side.stats.size) {
             Some([width, height]) if width < self.viewport[0] || height < self.viewport[1] => {
                 format!(", drawn at {width}x{height} to keep up")
             }
@@ -274,7 +300,7 @@ impl Window {
         }
     }
 
-    fn status(&self, ui: &mut Ui) {
+    fn status(&mut self, ui: &mut Ui) {
         let picture = self.shown.as_ref().map_or(0, |shown| shown.number);
         let doing = if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
             Doing::Plays(self.reduced())
@@ -283,15 +309,8 @@ impl Window {
         } else {
             Doing::Rests
         };
-        messages::status(ui, picture, &doing, self.script_s(), &self.note);
-    }
-
-    /// The camera as scene text, under a name that the scene does not have.
-    fn camera_text(&self) -> String {
-        let is_free = |name: &String| self.facts.cameras.iter().all(|(known, _)| known != name);
-        let names = (2..).map(|number| format!("copied{number}"));
-        let name = iter::once("copied".to_owned()).chain(names).find(is_free);
-        as_text(&name.unwrap_or_default(), &self.navigator.camera)
+        let script_s = self.script_s();
+        messages::status(ui, picture, &doing, script_s, &mut self.note);
     }
 
     /// How long a script has been running, once that is worth telling, seconds.
@@ -299,41 +318,12 @@ impl Window {
         let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
         ran_s.filter(|ran_s| *ran_s >= LONG_S)
     }
-
-    fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
-        area.show(ui, |ui| {
-            // Beside the scroll bar.
-            ui.set_max_width(ui.available_width() - 8.0);
-            let mut tuned = self.tuned.clone();
-            if tuning::params(ui, &self.facts.declared, &mut tuned) {
-                wishes.push(Wish::Tune(tuned));
-            }
-            let is_old = match (&self.judged, &self.asked) {
-                (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
-                _ => false,
-            };
-            panels::judged(ui, self.judged.as_ref(), is_old, &mut self.choice);
-            let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
-            if let Some((_, stats)) = shown {
-                panels::shares(ui, stats, &self.history);
-            }
-            materials::panel(ui, &mut self.choice, &self.facts, wishes);
-            if let Some((_, stats)) = shown {
-                panels::times(ui, stats, &self.history);
-            }
-            messages::log(ui, &self.facts.log);
-            messages::scene(ui, &self.facts);
-            egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
-                ui.monospace(self.camera_text());
-            });
-        });
-    }
 }
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let now_s = ui.input(|i| i.time);
+        self.note.give_way(ui, now_s);
         self.receive(now_s);
         let mut wishes = Vec::new();
         self.keys(ui, &mut wishes);
@@ -343,6 +333,9 @@ impl eframe::App for Window {
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        if let Some(why) = &self.unwatched {
+            egui::Panel::bottom("unwatched").show(ui, |ui| messages::unwatched(ui, why));
+        }
         if self.script.is_some() {
             ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
         }
@@ -356,23 +349,20 @@ impl eframe::App for Window {
                 ui.add_space(1.0);
             });
         }
-        if ui.available_width() >= HAS_SIDE {
+        let width = ui.available_width();
+        if width >= HAS_SIDE {
+            let side = (width * SIDE_PART).clamp(*SIDE.start(), *SIDE.end());
             egui::Panel::right("side")
                 .resizable(false)
-                .exact_size(SIDE)
+                .exact_size(side)
                 .show(ui, |ui| self.side_panel(ui, &mut wishes));
         }
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
         let mut is_open = self.choice.help;
-        egui::Window::new("Keys")
-            .open(&mut is_open)
-            .constrain_to(central.response.rect)
-            .default_pos(central.response.rect.min + egui::vec2(16.0, 16.0))
-            .resizable(false)
-            .collapsible(false)
-            .show(ui.ctx(), messages::help);
+        messages::help(ui, &mut is_open);
         self.choice.help &= is_open;
         self.grant(ui, wishes);
         self.ask_view(ui, central.inner);
+        self.note.tick(ui, now_s);
     }
 }

@@ -2,34 +2,38 @@
 //! sleeps when nothing changed.
 
 use std::{
+    collections::VecDeque,
     sync::{
         Arc,
         mpsc::{self, Receiver, Sender},
     },
     thread,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use super::{
     canvas::Canvas,
     cost::Cost,
     desk::Desk,
+    drawn::Pixels,
     errands::Errands,
-    facts::{Eye, Facts, Look, Report, Shown, Side, Task, View},
+    facts::{Drawn, Eye, Facts, Inspection, Report, Shown, Task, View},
+    pick::Mark,
 };
 use crate::{
     app::{
-        aov,
         live::{Edit, Live, Reload, Wishes},
-        watch::{Change, WatchList, Watcher},
+        watch::{Change, News, WatchList, Watcher},
     },
     gpu::Gpu,
-    render::{RenderError, stats::FrameStats, targets::Target},
+    render::{RenderError, stats::FrameStats},
     scene::desc::{CameraDesc, Method},
 };
 
 /// A still picture may take this long before sub-frames are left out, milliseconds.
 const STILL_MS: f64 = 1000.0;
+/// While frames follow each other, their numbers are told this often: they are read, not seen.
+const TELL: Duration = Duration::from_millis(250);
 
 /// The thread; ends when it is dropped.
 pub struct Worker {
@@ -54,18 +58,26 @@ impl Worker {
         let inbox = desk.clone();
         let body = move || {
             let desk = inbox.clone();
-            let watcher =
-                Watcher::new(move |changes, since| desk.ask(Task::Reload(changes, since)));
+            let watcher = Watcher::new(move |news| {
+                desk.ask(match news {
+                    News::Changed(changes, since) => Task::Reload(changes, since),
+                    News::Trouble(why) => Task::Unwatched(why),
+                });
+            });
             let mut state = State {
                 gpu,
                 live,
                 view: None,
                 canvases: Vec::new(),
                 heat: None,
+                mark: None,
+                outline: None,
                 errands: Errands::default(),
+                inspections: VecDeque::new(),
                 reloads: Vec::new(),
                 watched: WatchList::default(),
                 told_frame: 0,
+                told_at: Instant::now(),
                 number: 0,
                 cost: Cost::default(),
                 sender,
@@ -73,7 +85,7 @@ impl Worker {
             };
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
-                state.tell(Report::Note(why.clone()));
+                state.tell(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
                 // What the scene imports is not watched yet either.
@@ -107,15 +119,21 @@ pub(super) struct State {
     pub(super) live: Live,
     pub(super) view: Option<View>,
     canvases: Vec<Canvas>,
-    pub(super) heat: Option<Canvas>,
+    pub(super) heat: Option<(Canvas, Pixels)>,
+    /// The selected instance.
+    pub(super) mark: Option<Mark>,
+    pub(super) outline: Option<Canvas>,
     /// Scripts that run.
     pub(super) errands: Errands,
+    /// What waits for its frame.
+    pub(super) inspections: VecDeque<Inspection>,
     /// What was reloaded since the last picture, and when that was saved.
     pub(super) reloads: Vec<(Reload, Instant)>,
     /// What was last said to be watched.
     pub(super) watched: WatchList,
     /// The frame of the facts that were told last.
     told_frame: u32,
+    told_at: Instant,
     number: u64,
     cost: Cost,
     sender: Sender<Report>,
@@ -130,7 +148,7 @@ impl State {
     }
 
     pub(super) fn tell_facts(&mut self) {
-        self.told_frame = self.live.posed_frame();
+        (self.told_frame, self.told_at) = (self.live.posed_frame(), Instant::now());
         self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
     }
 
@@ -150,7 +168,7 @@ impl State {
                 redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
                 self.view = Some(view);
             }
-            let mut after = Vec::new();
+            let mut picks = Vec::new();
             for task in tasks {
                 match task {
                     Task::Reload(changes, since) => self.reload(&changes, since),
@@ -159,24 +177,41 @@ impl State {
                         self.edit(edit);
                     }
                     Task::Tune(tuned) => self.tune(tuned),
-                    task => after.push(task),
+                    Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
+                    Task::Inspect(inspection) => self.inspections.push_back(inspection),
+                    Task::Pick(at) => picks.push(Some(at)),
+                    Task::Unpick => picks.push(None),
                 }
             }
             redraw |= self.errands(desk, watcher);
-            if redraw || self.reloads.iter().any(|(reload, _)| reload.ok) {
+            redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
+            if redraw && !self.is_aside() {
                 self.draw();
             }
             for (reload, since) in std::mem::take(&mut self.reloads) {
                 let ms = since.elapsed().as_secs_f64() * 1e3;
                 self.tell(Report::Reloaded(reload, ms));
             }
-            for task in after {
-                self.look(task);
+            for at in picks {
+                match at.map(|at| self.pick(at)) {
+                    Some(Ok(())) => {}
+                    Some(Err(error)) => self.refuse(&error),
+                    None => self.unpick(),
+                }
             }
-            if desk.is_empty() {
+            self.inspect();
+            if desk.is_empty() && self.inspections.is_empty() {
                 self.tell(Report::Idle);
             }
         }
+    }
+
+    /// Whether the posed frame is not the view's, but that of something on demand.
+    fn is_aside(&self) -> bool {
+        let posed = self.live.posed_frame();
+        let is_posed = |frame: u32| frame == posed;
+        (self.inspections.front()).is_some_and(|of| is_posed(of.view.frame))
+            && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
     }
 
     fn edit(&mut self, edit: Edit) {
@@ -196,8 +231,8 @@ impl State {
         let Some(view) = self.view.clone() else {
             return;
         };
-        match self.sides(&view) {
-            Ok(sides) => {
+        match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
+            Ok((sides, picked)) => {
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
@@ -205,11 +240,14 @@ impl State {
                     number,
                     frame: self.live.posed_frame(),
                     camera: self.camera(&view.eye),
+                    size: view.size,
                     sides,
+                    picked,
                 })));
-                // Numbers that move are told when they rest.
+                // Numbers that move are told now and then, and when they rest.
                 let is_new = self.told_frame != self.live.posed_frame();
-                if had_problem || (is_new && view.draft_ms.is_none()) {
+                let is_time = view.draft_ms.is_none() || self.told_at.elapsed() >= TELL;
+                if had_problem || (is_new && is_time) {
                     self.tell_facts();
                 }
             }
@@ -217,18 +255,19 @@ impl State {
         }
     }
 
-    fn sides(&mut self, view: &View) -> Result<Vec<(Canvas, FrameStats)>, RenderError> {
-        let mut sides = Vec::new();
-        let mut last: Option<(Method, FrameStats)> = None;
+    fn sides(&mut self, view: &View) -> Result<Vec<Drawn>, RenderError> {
+        let mut sides: Vec<Drawn> = Vec::new();
         for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
-            let stats = match last.take().filter(|(method, _)| *method == side.method) {
-                Some((_, stats)) => stats,
+            let last = sides.last().filter(|_| view.a.method == side.method);
+            let stats = match last {
+                Some(last) => last.stats.clone(),
                 None => self.render(view, side.method)?,
             };
-            last = Some((side.method, stats.clone()));
-            let canvas = self.canvas(index, stats.size)?;
-            self.fill(&canvas, side, view)?;
-            sides.push((canvas, stats));
+            let old = self.canvases.get(index).cloned();
+            let drawn = self.drawn(side, view, stats, old)?;
+            self.canvases.truncate(index);
+            self.canvases.push(drawn.canvas.clone());
+            sides.push(drawn);
         }
         Ok(sides)
     }
@@ -276,29 +315,5 @@ impl State {
         self.cost
             .learn(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)
-    }
-
-    fn canvas(&mut self, index: usize, size: [u32; 2]) -> Result<Canvas, RenderError> {
-        let old = self.canvases.get(index).cloned();
-        let canvas = Canvas::of_size(&self.gpu, old, size)?;
-        self.canvases.truncate(index);
-        self.canvases.push(canvas.clone());
-        Ok(canvas)
-    }
-
-    fn fill(&self, canvas: &Canvas, side: Side, view: &View) -> Result<(), RenderError> {
-        let renderer = self.live.renderer();
-        match side.look {
-            Look::Picture => {
-                if let Some(display) = renderer.targets().texture(Target::Display) {
-                    canvas.copy(&self.gpu, display)?;
-                }
-            }
-            Look::Aov(aov) => {
-                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
-                canvas.write(&self.gpu, &aov::view(&plane));
-            }
-        }
-        Ok(())
     }
 }

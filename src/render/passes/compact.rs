@@ -58,7 +58,7 @@ impl RayList {
             })
         };
         gpu.scoped("ray list", || Self {
-            rays: make("rays", bytes, storage),
+            rays: make("rays", bytes, storage | wgpu::BufferUsages::COPY_SRC),
             counters: make(
                 "counters",
                 64,

@@ -68,7 +68,7 @@ pub struct InstanceMotionDesc {
     /// Track of the turn, degrees about X, then Y, then Z, all fixed axes. Without `keys` it is
     /// applied before the instance's own rotation, so about the model's own axes.
     pub rotation_deg: Option<TrackDesc>,
-    /// Track of the factors on the model's size; must not pass 0.
+    /// Track of the factor on the model's size, or of three; must not pass 0, but by a `"step"`.
     pub scale: Option<TrackDesc>,
     /// Changing numbers of its own `material = { … }`, which it must have and which may be empty;
     /// what that leaves open begins at what is below it.
@@ -171,7 +171,7 @@ pub struct TrackDesc {
     /// then starts over, for ever and before the first key too. Default: no loop.
     pub loop_s: Option<f32>,
     /// Whether the way is covered at constant speed, by arc length; only the first and the last
-    /// key's times count then. Default false.
+    /// key's times count then, and the track's `ease`, none of a key. Default false.
     pub constant_speed: bool,
     /// Takes the position from an instance, wherever that moves.
     pub follow: Option<FollowDesc>,
@@ -191,6 +191,10 @@ pub struct NumberTrackDesc;
 /// `rate` and `oscillate` are then added to it.
 pub struct PairTrackDesc;
 
+/// `scale = { … }`, a track of one number for all three axes or of three: `keys` replace the value of
+/// the thing's own table; `rate` and `oscillate` are then added to it.
+pub struct ScaleTrackDesc;
+
 /// `keys = [{ at_s = 0, value = [0, 1, 5] }, …]`, in the order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyDesc {
@@ -198,7 +202,8 @@ pub struct KeyDesc {
     pub at_s: f32,
     /// The value then.
     pub value: Vec3,
-    /// How time passes from here to the next key. Default `"none"`.
+    /// How time passes from here to the next key. Default `"none"`; any other does not go with
+    /// `constant_speed`.
     pub ease: Ease,
     /// For `"bezier"`: control point before the key, relative to it. Default: a third of the way to
     /// the key before.
@@ -215,6 +220,9 @@ pub struct NumberKeyDesc;
 
 /// `keys = [{ at_s = 0, value = [1, 1] }, …]`, in the order of time.
 pub struct PairKeyDesc;
+
+/// `keys = [{ at_s = 0, value = 1.5 }, …]`, in the order of time.
+pub struct ScaleKeyDesc;
 
 /// `follow = { instance = "car", offset = [0, 1, 0] }`
 #[derive(Clone, Debug, PartialEq)]
@@ -254,6 +262,9 @@ pub struct NumberOscillateDesc;
 
 /// `oscillate = { amplitude = [0.2, 0], period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
 pub struct PairOscillateDesc;
+
+/// `oscillate = { amplitude = 0.2, period_s = 2 }`: adds `amplitude * sin(2π (t / period_s + phase))`.
+pub struct ScaleOscillateDesc;
 
 /// A parameter of the scene's script.
 #[derive(Clone, Debug, PartialEq)]

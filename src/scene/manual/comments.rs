@@ -6,7 +6,8 @@ static SOURCE: &str = concat!(
     include_str!("../desc.rs"),
     include_str!("../desc/animation.rs"),
     include_str!("../desc/light.rs"),
-    include_str!("../desc/motion.rs")
+    include_str!("../desc/motion.rs"),
+    include_str!("../desc/stage.rs")
 );
 
 /// The comment of one type, variant or field.

@@ -5,6 +5,7 @@ mod animation;
 mod instance;
 mod light;
 mod motion;
+mod stage;
 
 use std::path::PathBuf;
 
@@ -156,7 +157,7 @@ impl Section for ModelDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(true, &[&["file"], &["shape"]]);
-        let file = t.find("file", ANY).map(ModelSource::File);
+        let file = t.find::<At<String>>("file", ANY);
         let shape = t.table("shape").map(ModelSource::Shape);
         let (mut material, mut overrides) = (None, Vec::new());
         match t.name_or_entries("material") {
@@ -185,12 +186,15 @@ impl Section for ModelDesc {
             let help = "move its instance by `[motion.instance.NAME]`";
             t.refuse("wrong-source", "animation", message, help);
         }
+        let usd = stage::stage(t, file.as_ref());
+        let source = file.map(ModelSource::File).or(shape);
         Some(Self {
-            source: file.or(shape)?,
+            source: source?,
             material,
             overrides,
             lights,
             animation,
+            usd,
         })
     }
 }

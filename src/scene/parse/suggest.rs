@@ -29,6 +29,9 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("uri", &["file"]),
 ];
 
+/// Words that look alike and mean quite different things.
+const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
+
 /// The nearest of `words` to `typed`, if any is near.
 pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if typed.len() > 64 {
@@ -45,6 +48,12 @@ pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Opt
             .is_some_and(|rest| rest.starts_with('_'));
         if is_stem || meant.contains(&word) {
             return 2.0;
+        }
+        if STRANGERS
+            .iter()
+            .any(|pair| pair.contains(&word) && pair.contains(&lower.as_str()))
+        {
+            return 0.0;
         }
         let longest = lower.chars().count().max(word.chars().count()).max(1);
         let edits = strsim::damerau_levenshtein(&lower, &word.to_lowercase());

@@ -1,5 +1,7 @@
 //! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
 
+mod deep;
+
 use std::{ops::Range, sync::Arc};
 
 use toml::{Spanned, de::DeTable};
@@ -87,6 +89,8 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
         error.related = first.map(|span: Span| (span, "it is first written here".into()));
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
+        // The parser does not say where.
+        let at = deep::first(text).unwrap_or(at);
         report.error("too-deep", &moved(&at), message).help =
             Some("a scene needs four levels".into());
     } else {

@@ -13,10 +13,12 @@ use rhai::{
 };
 
 use super::{
-    api, bounded, dedup,
+    api, bounded,
+    caught::{self, Caught},
+    dedup,
     limited::{print, progress},
     nested::{self, NESTED},
-    parsing, sort,
+    parsing, push, sort,
     sources::{MOST_BYTES, Resolver, Sources},
 };
 
@@ -151,7 +153,10 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     nested::register(&mut engine);
     sort::register(&mut engine);
     dedup::register(&mut engine);
-    parsing::register(&mut engine);
+    push::register(&mut engine);
+    let caught = Caught::default();
+    parsing::register(&mut engine, &caught);
+    caught::register(&mut engine, &caught);
     api::register(&mut engine);
     engine
 }

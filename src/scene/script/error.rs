@@ -323,6 +323,15 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
     }
 }
 
+/// What was wrong, without place and advice.
+pub fn words(wrong: &Wrong) -> String {
+    let nothing = Known {
+        functions: Vec::new(),
+        params: Vec::new(),
+    };
+    explain(wrong, &nothing).1
+}
+
 /// Rhai counts what is inside too, and says only of which kind it was.
 fn too_large(what: &str) -> String {
     let (what, most, unit) = match what {

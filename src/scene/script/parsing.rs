@@ -3,19 +3,23 @@
 
 use rhai::{Engine, LexError, OptimizationLevel, Token};
 
-use super::limited::progress;
+use super::{caught::Caught, limited::progress};
 
-/// Puts the limits into an engine.
-pub fn register(engine: &mut Engine) {
+/// Puts the limits into an engine, which tells `caught` each token.
+pub fn register(engine: &mut Engine, caught: &Caught) {
+    let caught = caught.clone();
     // The optimizer runs after the last token, where nothing ends it.
     engine.set_optimization_level(OptimizationLevel::None);
     #[expect(
         deprecated,
         reason = "Rhai marks its token callback so to say that it may change"
     )]
-    engine.on_parse_token(|token, _, _| match wrong_with(&token) {
+    engine.on_parse_token(move |token, _, _| match wrong_with(&token) {
         Some(wrong) => Token::LexError(wrong.into()),
-        None => token,
+        None => {
+            caught.note(&token);
+            token
+        }
     });
 }
 

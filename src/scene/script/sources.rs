@@ -43,6 +43,8 @@ struct State {
     found: Vec<(String, PathBuf)>,
     /// Whether everything was read: frames read no files.
     sealed: bool,
+    /// The first import that was refused, of the call that runs: text, file and place.
+    refused: Option<(String, String, Position)>,
 }
 
 /// Scripts, in messages about their files.
@@ -134,6 +136,22 @@ impl Sources {
         self.add(&name, &text);
         self.state().files.push(real);
         (name, text)
+    }
+
+    /// What a call gave; where an import in it was refused, that error, also if the script has passed
+    /// over it.
+    pub fn or_refused<T>(
+        &self,
+        result: Result<T, Box<EvalAltResult>>,
+    ) -> Result<T, Box<EvalAltResult>> {
+        match (result, self.state().refused.take()) {
+            (Ok(_), Some((text, file, at))) => {
+                let wrong = EvalAltResult::ErrorRuntime(text.into(), at);
+                let at = Position::NONE;
+                Err(EvalAltResult::ErrorInModule(file, wrong.into(), at).into())
+            }
+            (result, _) => result,
+        }
     }
 
     /// From now on nothing more is read.
@@ -252,7 +270,26 @@ impl rhai::ModuleResolver for Resolver {
     fn resolve(
         &self,
         engine: &rhai::Engine,
-        _source: Option<&str>,
+        source: Option<&str>,
+        path: &str,
+        at: Position,
+    ) -> Result<Shared<rhai::Module>, Box<EvalAltResult>> {
+        let module = self.find(engine, path, at);
+        if let Err(wrong) = &module
+            && let EvalAltResult::ErrorRuntime(text, at) = &**wrong
+        {
+            let file = source.unwrap_or_default().to_owned();
+            let mut state = self.0.state();
+            (state.refused).get_or_insert_with(|| (text.to_string(), file, *at));
+        }
+        module
+    }
+}
+
+impl Resolver {
+    fn find(
+        &self,
+        engine: &rhai::Engine,
         path: &str,
         at: Position,
     ) -> Result<Shared<rhai::Module>, Box<EvalAltResult>> {

@@ -228,6 +228,58 @@ fn wrong_keys_are_placed_where_they_are_written() {
     assert!(error.contains("caught: a material has no `a`"), "{error}");
 }
 
+/// However deep it went wrong; and what is thrown stays as it is.
+#[test]
+fn what_is_caught_has_a_message_and_a_place_in_plain_words() {
+    let bounds = "array index 5 out of bounds: only 2 elements in array";
+    for (body, caught) in [
+        ("[1, 2][5]", format!("3:22: {bounds}")),
+        ("deep()", format!("1:20: {bounds}")),
+        ("[1].map(|x| [1, 2][5]);", format!("3:34: {bounds}")),
+        (
+            "placed(1)",
+            "3:15: there is no function `placed`".to_owned(),
+        ),
+        ("#{ a: 1 }.b", "3:25: there is no property `b`".to_owned()),
+    ] {
+        let script = format!(
+            "fn deep() {{ [1, 2][5] }}\nfn frame(ctx) {{\n        try {{ {body} }} catch (e) {{\n\
+             if e.keys() != [\"column\", \"line\", \"message\"] {{ throw `has ${{e.keys()}}`; }}\n\
+             throw `${{e.line}}:${{e.column}}: ${{e.message}}`; }} }}"
+        );
+        let error = frame(&script).expect_err(body);
+        assert!(
+            error.contains(&caught),
+            "{body} should say {caught}:\n{error}"
+        );
+    }
+    let thrown = "fn frame(ctx) { try { throw #{ error: \"ours\", message: 3 }; } \
+                  catch (e) { e.more = 1; throw `${e}`; } }";
+    let error = frame(thrown).expect_err("it throws");
+    assert!(
+        error.contains("\"error\": \"ours\", \"message\": 3, \"more\": 1"),
+        "{error}"
+    );
+}
+
+/// Lists that are built one by one; printed, not judged.
+#[test]
+#[ignore = "a measurement: cargo test --release --lib pushes -- --ignored --nocapture"]
+fn many_pushes() {
+    for count in [1_000, 10_000, 50_000] {
+        let script = format!(
+            "fn setup(ctx) {{ let all = []; for i in 0..{count} {{
+                all.push(#{{ name: `ball ${{i}}`, model: \"ball\", translation: vec3(i, 0, 0) }});
+            }} print(all.len()); #{{}} }}"
+        );
+        let script = Script::from_text("many.rhai", &script).expect("it compiles");
+        let started = std::time::Instant::now();
+        let ended = script.setup(&[], None).map(drop);
+        let ms = started.elapsed().as_secs_f64() * 1e3;
+        println!("{count} pushes: {ms:.0} ms, {}", ended.is_ok());
+    }
+}
+
 /// What Rhai does by recursion with a value, on the stack of a call.
 #[test]
 fn the_stack_of_a_call_holds_the_deepest_values() {

@@ -14,11 +14,11 @@ use crate::{
         desc::{ModelSource, SceneDesc, ShapeDesc},
         diagnostic::Diagnostic,
     },
-    world::{Mesh, World, gltf::Model},
+    world::{Mesh, World, gltf::Model, usd},
 };
 
 /// A model's name and what it is made from.
-type NamedSource = (String, Result<String, ShapeDesc>);
+type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 
 /// What is kept of a loaded scene beside its [`World`].
 #[derive(Debug)]
@@ -41,7 +41,7 @@ pub struct Kept {
 pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
-            ModelSource::File(file) => Ok(file.value.clone()),
+            ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
             ModelSource::Shape(shape) => Err(*shape),
         };
         (entry.name.clone(), source)

@@ -44,11 +44,18 @@ impl Tool {
     }
 
     /// Converts a stage to `glb`, with its sidecar; its progress is passed on.
-    pub(super) fn convert(&self, stage: &Path, glb: &Path, roots: &[PathBuf]) -> Result<(), Fault> {
+    pub(super) fn convert(
+        &self,
+        stage: &Path,
+        choice: &[String],
+        glb: &Path,
+        roots: &[PathBuf],
+    ) -> Result<(), Fault> {
         let mut command = Command::new(&self.path);
         command
             .arg("convert")
             .arg(stage)
+            .args(choice)
             .arg("-o")
             .arg(glb)
             .stdin(Stdio::null())
@@ -67,11 +74,21 @@ impl Tool {
         let errors = errors.unwrap_or_default();
         let mut fault = Fault::new("usd-not-converted", errors.join("; "));
         fault.help = Some(format!(
-            "try: {} convert {} -o out.glb",
+            "try: {} convert {}{} -o out.glb",
             self.path.display(),
-            stage.display()
+            stage.display(),
+            choice.iter().map(|word| quoted(word)).collect::<String>()
         ));
         Err(fault)
+    }
+}
+
+/// A word of a command after a space, in quotes where a shell would read it otherwise.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-,./_".contains(c);
+    match word.chars().all(plain) {
+        true => format!(" {word}"),
+        false => format!(" '{}'", word.replace('\'', r"'\''")),
     }
 }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.extras import plain_value
 from reflet_usd.convert.primvars import Primvar, Topology, read_primvar, to_stream
-from reflet_usd.convert.surface import Stream, Surface
+from reflet_usd.convert.surface import Stream
 
 # The last one is how files of early USD versions name float2[].
 UV_TYPES = (
@@ -68,6 +68,20 @@ class GprimPrimvars:
     uvs: dict[str, Primvar] = field(default_factory=dict)
     custom: dict[str, Primvar] = field(default_factory=dict)
     constants: dict[str, Any] = field(default_factory=dict)
+    attributes: dict[str, str] = field(default_factory=dict)
+    """The names of glTF attributes, by primvar: numbered where two primvars would share one."""
+
+    def name_attribute(self, primvar: str) -> None:
+        """Choose the attribute for a primvar; those before it keep theirs.
+
+        glTF wants application attributes to begin with an underscore, in capitals.
+        """
+        base = "_" + re.sub(r"[^A-Za-z0-9_]", "_", primvar).upper()
+        chosen, number = base, 1
+        while chosen in self.attributes.values():
+            number += 1
+            chosen = f"{base}_{number}"
+        self.attributes[primvar] = chosen
 
 
 def inherited_primvars(prim: Usd.Prim) -> list[UsdGeom.Primvar]:
@@ -95,20 +109,34 @@ def read_primvars(
             continue
         is_uv = type_name.startswith("texCoord") or primvar.GetInterpolation() != "constant"
         if type_name in UV_TYPES and is_uv:
-            _read_into(found.uvs, context, prim, primvar)
+            if type_name.startswith("texCoord3"):
+                found.name_attribute(name)
+            _read_into(found.uvs, context, prim, primvar, (2, 3))
         elif _FLOAT_TYPES.match(type_name) and primvar.GetInterpolation() != "constant":
-            _read_into(found.custom, context, prim, primvar)
+            found.name_attribute(name)
+            _read_into(found.custom, context, prim, primvar, (1, 2, 3, 4))
         else:
             _keep_constant(found, context, prim, primvar)
     return found
 
 
 def _read_into(
-    target: dict[str, Primvar], context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar
+    target: dict[str, Primvar],
+    context: Context,
+    prim: Usd.Prim,
+    primvar: UsdGeom.Primvar,
+    widths: tuple[int, ...],
 ) -> None:
+    """Add the primvar where an element of it has one of the `widths`."""
     read = read_primvar(context, prim, primvar)
-    if read is not None and len(read.values):
+    if read is None or not len(read.values):
+        return
+    if read.values.shape[1] in widths:
         target[read.name] = read
+        return
+    message = f"elements of primvar '{read.name}' have {read.values.shape[1]} numbers,"
+    message += f" a glTF attribute takes {widths[-1]}"
+    context.ledger.warn("primvar-dropped", prim, message)
 
 
 def _keep_constant(
@@ -172,25 +200,33 @@ def _read_display(
     return stream
 
 
-def attach(
-    context: Context,
-    prim: Usd.Prim,
-    surface: Surface,
-    found: GprimPrimvars,
-    topology: Topology,
-) -> None:
-    """Give `surface` its UV sets and custom streams."""
-    for name, primvar in found.uvs.items():
-        stream = to_stream(context, prim, primvar, topology)
-        if stream is not None:
-            stream.values = stream.values[:, :2]
-            surface.uvs[name] = stream
-    for name, primvar in found.custom.items():
-        stream = to_stream(context, prim, primvar, topology)
-        if stream is not None and stream.values.shape[1] in (1, 2, 3, 4):
-            surface.custom[_custom_name(name)] = stream
+@dataclass
+class Streams:
+    """What travels as vertex attributes."""
+
+    uvs: dict[str, Stream] = field(default_factory=dict)
+    """By primvar."""
+    custom: dict[str, Stream] = field(default_factory=dict)
+    """By glTF attribute."""
+    renamed: dict[str, str] = field(default_factory=dict)
+    """The primvars of the attributes of `custom` whose name is not simply theirs."""
 
 
-def _custom_name(name: str) -> str:
-    """glTF wants application attributes to begin with an underscore, in capitals."""
-    return "_" + re.sub(r"[^A-Za-z0-9_]", "_", name).upper()
+def primvar_streams(
+    context: Context, prim: Usd.Prim, found: GprimPrimvars, topology: Topology
+) -> Streams:
+    """UV sets and custom streams; the whole of a set whose third coordinate is used is custom."""
+    result = Streams()
+    for name, primvar in {**found.uvs, **found.custom}.items():
+        stream = to_stream(context, prim, primvar, topology)
+        if stream is None:
+            continue
+        if name in found.uvs:
+            result.uvs[name] = replace(stream, values=stream.values[:, :2])
+            if not stream.values[:, 2:].any():
+                continue
+        attribute = found.attributes[name]
+        result.custom[attribute] = stream
+        if attribute != f"_{name.upper()}":
+            result.renamed[attribute] = name
+    return result

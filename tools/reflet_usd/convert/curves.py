@@ -8,8 +8,15 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.attributes import inherited_primvars, read_display
+from reflet_usd.convert.attributes import (
+    Streams,
+    inherited_primvars,
+    primvar_streams,
+    read_display,
+    read_primvars,
+)
 from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.geometry import BuiltMesh, mesh_extras, warn_still_points
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
     ELEMENT_ARRAY_BUFFER,
@@ -22,6 +29,7 @@ from reflet_usd.convert.polygons import read_points
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.subsets import bound_material
+from reflet_usd.convert.surface import Stream
 
 SEGMENTS_PER_SPAN = 8
 # Rows are powers of t from 1 to t³ times these matrices times four control points.
@@ -39,8 +47,9 @@ def is_curves(prim: Usd.Prim) -> bool:
 
 def build_points(
     context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
-) -> int | None:
+) -> BuiltMesh | None:
     """A mesh of glTF points, or None (with a warning) where there are none."""
+    warn_still_points(context, prim)
     points = read_points(context, prim)
     finite = in_float32(points).all(axis=1)
     if not finite.any():
@@ -48,15 +57,16 @@ def build_points(
         return None
     if not finite.all():
         context.ledger.warn("points-non-finite", prim, "points that are not finite were dropped")
-    _warn_width(context, prim, "a glTF point has no size")
+    _warn_lost(context, prim, "a glTF point has no size")
     vertices = np.flatnonzero(finite)
     return _write(context, writer, materials, prim, points, vertices, None)
 
 
 def build_curves(
     context: Context, writer: GltfWriter, materials: MaterialLibrary, prim: Usd.Prim
-) -> int | None:
+) -> BuiltMesh | None:
     """A mesh of glTF lines, or None (with a warning) where there is nothing to draw."""
+    warn_still_points(context, prim)
     points = read_points(context, prim)
     counts = np.array(authored(prim, "curveVertexCounts", context.time, []), dtype=np.int64)
     if len(counts) == 0 or (counts < 0).any() or counts.sum() > len(points):
@@ -68,7 +78,7 @@ def build_curves(
     if not in_float32(points).all():
         context.ledger.warn("points-non-finite", prim, "curves with such points were dropped")
         return None
-    _warn_width(context, prim, "a glTF line has no width")
+    _warn_lost(context, prim, "a glTF line has no width")
     kind = str(authored(prim, "type", context.time, "cubic"))
     wrap = str(authored(prim, "wrap", context.time, "nonperiodic"))
     if prim.GetTypeName() == "HermiteCurves" or kind == "linear":
@@ -157,22 +167,26 @@ def _write(
     lines: Array | None,
     topology: Topology | None = None,
     dropped: tuple[str, ...] = (),
-) -> int:
+) -> BuiltMesh:
     """Points or lines with the gprim's display color; bound materials do not shade them.
 
     Primvars of an interpolation in `dropped` are named and left out.
     """
     if topology is None:
         count = len(points)
-        topology = Topology(count, count, np.arange(count), np.zeros(count, dtype=np.int64))
+        topology = Topology(count, 1, np.arange(count), np.zeros(count, dtype=np.int64))
     topology = replace(topology, dropped=dropped)
-    display = read_display(context, prim, inherited_primvars(prim), topology)
+    primvars = read_primvars(context, prim, inherited_primvars(prim))
+    streams = primvar_streams(context, prim, primvars, topology)
+    display = read_display(context, prim, primvars.owned, topology)
     plan = materials.plan(None)
     warn_translucent(context, prim, plan, display)
     color = display.stream_for(True, True)
     attributes = {"POSITION": _accessor(writer, points[vertices], bounds=True)}
     if color is not None:
         attributes["COLOR_0"] = _accessor(writer, color.values[color.ids[vertices]])
+    for name, stream in _vertex_streams(streams).items():
+        attributes[name] = _accessor(writer, stream.values[stream.ids[vertices]])
     entry: dict[str, Any] = {"attributes": attributes, "mode": POINTS if lines is None else LINES}
     if lines is not None:
         indices = lines.reshape(-1).astype(np.uint32)
@@ -181,16 +195,35 @@ def _write(
         message = "points and lines show displayColor, not the bound material"
         context.ledger.warn("material-unsupported", prim, message)
     entry["material"] = materials.instantiate(plan, {}, False, display, color is not None)
-    extras = {"prim": str(prim.GetPath())}
-    return writer.add("meshes", {"name": prim.GetName(), "primitives": [entry], "extras": extras})
+    mesh = {"name": prim.GetName(), "primitives": [entry], "extras": mesh_extras(prim, streams)}
+    extras = {"primvars": primvars.constants} if primvars.constants else {}
+    return BuiltMesh(writer.add("meshes", mesh), extras)
+
+
+def _vertex_streams(streams: Streams) -> dict[str, Stream]:
+    """By glTF attribute; UV sets in the order of meshes without a material, v pointing down."""
+    result = dict(streams.custom)
+    names = sorted(streams.uvs, key=lambda name: (name != "st", name))
+    for slot, name in enumerate(names):
+        uv = streams.uvs[name]
+        flipped = np.column_stack([uv.values[:, 0], 1.0 - uv.values[:, 1]])
+        result[f"TEXCOORD_{slot}"] = replace(uv, values=flipped)
+    return result
 
 
 def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
-    return writer.add_accessor(values.astype(np.float32), ARRAY_BUFFER, bounds)
+    shaped = values[:, 0] if values.shape[1] == 1 else values
+    return writer.add_accessor(shaped.astype(np.float32), ARRAY_BUFFER, bounds)
 
 
-def _warn_width(context: Context, prim: Usd.Prim, message: str) -> None:
+def _warn_lost(context: Context, prim: Usd.Prim, message: str) -> None:
+    """Name what no glTF point or line has: widths (`message` says why), normals and numbers."""
     widths = UsdGeom.PrimvarsAPI(prim).GetPrimvar("widths")
     attribute = prim.GetAttribute("widths")
     if (widths and widths.HasValue()) or (attribute and attribute.HasAuthoredValue()):
         context.ledger.warn("width-dropped", prim, message)
+    for name, warning in (("normals", "normals-dropped"), ("ids", "ids-dropped")):
+        attributes = (prim.GetAttribute(name), prim.GetAttribute(f"primvars:{name}"))
+        if any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
+            message = f"the {name} of points and curves are not carried"
+            context.ledger.warn(warning, prim, message)

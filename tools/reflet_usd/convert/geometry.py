@@ -10,9 +10,10 @@ from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.attributes import (
     GprimPrimvars,
-    attach,
+    Streams,
     inherited_primvars,
     primvar_signature,
+    primvar_streams,
     read_display,
     read_primvars,
 )
@@ -43,6 +44,12 @@ class BuiltMesh:
     index: int
     extras: dict[str, Any]
     """For the node: constants that have no place in the mesh."""
+
+
+def mesh_extras(prim: Usd.Prim, streams: Streams) -> dict[str, Any]:
+    """The path of the prim, and the primvars of attributes that had to be renamed."""
+    extras: dict[str, Any] = {"prim": str(prim.GetPath())}
+    return extras | ({"primvarOf": streams.renamed} if streams.renamed else {})
 
 
 class Deformer(Protocol):
@@ -96,7 +103,8 @@ class GeometryBuilder:
             return None
         surface, topology, polygons = made
         primvars = read_primvars(self.context, prim, owned)
-        attach(self.context, prim, surface, primvars, topology)
+        streams = primvar_streams(self.context, prim, primvars, topology)
+        surface.uvs, surface.custom = streams.uvs, streams.custom
         if deformation is not None:
             deformation.prepare(surface, polygons)
         entries = []
@@ -119,7 +127,7 @@ class GeometryBuilder:
         mesh: dict[str, Any] = {
             "name": prim.GetName(),
             "primitives": entries,
-            "extras": {"prim": str(prim.GetPath())},
+            "extras": mesh_extras(prim, streams),
         }
         if deformation is not None and deformation.shape_names:
             mesh["weights"] = [0.0] * len(deformation.shape_names)
@@ -252,6 +260,8 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         and attribute.ValueMightBeTimeVarying()
         and not is_custom(prim, attribute.GetName())
     ]
+    if _draws_normals(prim) and prim.GetAttribute("normals").ValueMightBeTimeVarying():
+        animated.append("normals")
     owners = [(p.GetAttr(), str(p.GetName())) for p in primvars]
     animated += [
         name
@@ -269,6 +279,15 @@ def warn_frozen(context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar
         if names:
             message = f"animated {', '.join(sorted(names))} stay at their first value"
             context.ledger.warn(warning, prim, message)
+
+
+def _draws_normals(prim: Usd.Prim) -> bool:
+    """Whether the attribute `normals` counts: on meshes that are no subdivision surfaces."""
+    mesh = UsdGeom.Mesh(prim)
+    if not mesh or mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+        return False
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals")
+    return not (primvar and primvar.HasValue())
 
 
 def warn_still_points(context: Context, prim: Usd.Prim) -> None:

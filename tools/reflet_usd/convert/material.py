@@ -67,7 +67,10 @@ class MaterialLibrary:
         if plan.prim is not None and plan.prim != prim:
             self.context.ledger.repeat(plan.prim, prim)
         for node in plan.nodes:  # of every instance of the material
-            self.context.ledger.carry(prim.GetPath().AppendPath(node))
+            path = prim.GetPath().AppendPath(node)
+            self.context.ledger.carry(path)
+            if plan.prim is not None and plan.prim != prim:
+                self.context.ledger.repeat(plan.prim.GetPath().AppendPath(node), path)
         return plan
 
     def instantiate(

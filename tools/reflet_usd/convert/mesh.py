@@ -114,7 +114,11 @@ def _authored_normals(context: Context, prim: Usd.Prim, polygons: Polygons) -> S
             if not np.isfinite(values).all():
                 values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
             read = Primvar("normals", str(mesh.GetNormalsInterpolation()), values, None)
-    if read is None or len(read.values) == 0 or read.values.shape[1] != 3:
+    if read is None or len(read.values) == 0:
+        return None
+    if read.values.shape[1] != 3:
+        message = f"'normals' have elements of {read.values.shape[1]} numbers, left out"
+        context.ledger.warn("primvar-size-wrong", prim, message)
         return None
     stream = to_stream(context, prim, read, polygons.topology())
     if stream is None:

@@ -104,12 +104,7 @@ class NetworkReader:
     def _constant(self, attribute: Usd.Attribute) -> Constant | None:
         value = self._read(attribute)
         numbers = _numbers(value)
-        if numbers is None:
-            return None
-        if attribute.ValueMightBeTimeVarying():
-            message = f"animated '{attribute.GetName()}' stays at its first value"
-            self.context.ledger.warn("material-animation-frozen", attribute.GetPrim(), message)
-        return Constant(numbers)
+        return None if numbers is None else Constant(numbers)
 
     def _node(self, shader: UsdShade.Shader, name: str, attribute: Usd.Attribute) -> Source | None:
         node = UsdShade.Shader(attribute.GetPrim())
@@ -139,8 +134,11 @@ class NetworkReader:
         return fallback if value is None else value
 
     def _read(self, attribute: Usd.Attribute) -> Any:
-        """The attribute's value; None, with a warning, where a number in it is not finite."""
+        """The attribute's first value; None, with a warning, where a number is not finite."""
         value = attribute.Get(self.context.time)
+        if attribute.ValueMightBeTimeVarying():
+            message = f"animated '{attribute.GetName()}' stays at its first value"
+            self.context.ledger.warn("material-animation-frozen", attribute.GetPrim(), message)
         if value is None or isinstance(value, (str, Sdf.AssetPath)) or _all_finite(value):
             return value
         message = f"'{attribute.GetName()}' is {value}, its fallback is used"

@@ -236,19 +236,9 @@ class PreviewMaterial:
                 message = f"'emissiveColor' {tuple(emitted.tolist())} is below 0, clamped"
                 self._warn("material-value-clamped", message)
         else:
-            scale, bias = np.array(read.scale), np.array(read.bias)  # one channel may be alpha
-            plain = not bias[:3].any() and (scale[:3] >= 0.0).all()
-            as_factor = plain and len(read.channels) == 3
-            color = scale[:3] if as_factor else np.ones(3)
-            channels: list[Channel | None] = [
-                Channel(
-                    read,
-                    index,
-                    1.0 if as_factor else float(scale[index]),
-                    0.0 if as_factor else float(bias[index]),
-                )
-                for index in (read.channels * 3)[:3]
-            ]
+            parts = [_shining(read, index) for index in (read.channels * 3)[:3]]
+            color = np.array([factor for factor, _ in parts])
+            channels: list[Channel | None] = [channel for _, channel in parts]
             if color.any():
                 entry["emissiveTexture"] = self.packer.texture(channels, True, self.slots)
         strongest = float(color.max())
@@ -315,6 +305,15 @@ class PreviewMaterial:
             self.writer.use_extension(name)
         if extensions:
             entry.setdefault("extensions", {}).update(extensions)
+
+
+def _shining(read: TextureRead, index: int) -> tuple[float, Channel]:
+    """A factor and what is left for the texels, whose values stay within 0…1."""
+    scale, bias = read.scale[index], read.bias[index]
+    if bias == 0.0 and scale >= 0.0:
+        return scale, Channel(read, index)
+    strongest = max(1.0, bias, scale + bias)
+    return strongest, Channel(read, index, scale / strongest, bias / strongest)
 
 
 def _factored(read: TextureRead, count: int) -> tuple[list[float], list[Channel | None]]:

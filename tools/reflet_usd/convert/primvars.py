@@ -54,7 +54,12 @@ def read_primvar(context: Context, prim: Usd.Prim, primvar: UsdGeom.Primvar) -> 
         return None
     values = np.atleast_1d(np.array(value, dtype=np.float64))
     if primvar.GetTypeName().isArray:
-        values = values.reshape(len(values), -1) if len(values) else values.reshape(0, 1)
+        size = max(1, primvar.GetElementSize())
+        if len(values) % size:
+            message = f"primvar '{name}' has {len(values)} values, which elements of {size} do not"
+            context.ledger.warn("primvar-size-wrong", prim, f"{message} divide; it was left out")
+            return None
+        values = values.reshape(len(values) // size, -1) if len(values) else values.reshape(0, 1)
     else:
         values = values.reshape(1, -1)
     indices = None
@@ -102,6 +107,10 @@ def to_stream(
         )
         context.ledger.warn("primvar-size-wrong", prim, message)
         return None
+    if count > needed:
+        message = f"primvar '{primvar.name}' ({interpolation}) has {count} values,"
+        message += f" {needed} are needed; those beyond were left out"
+        context.ledger.warn("primvar-size-wrong", prim, message)
     if topology.refine is not None:
         primvar = topology.refine(primvar)
     corners = len(topology.corner_points)

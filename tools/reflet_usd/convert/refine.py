@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context, authored
 from reflet_usd.convert.polygons import Polygons
@@ -68,6 +68,7 @@ class Refiner:
         _, first, ids = np.unique(pairs, return_index=True, return_inverse=True)
         ids = ids.reshape(-1)
         cage = Cage(self.counts, ids, len(first))
+        cage.smooth_triangles = self.steps[0].cage.smooth_triangles
         cage.pin_corners = self.linear_rule != "none"
         cage.pin_boundary = self.linear_rule == "boundaries"
         if self.linear_rule in ("cornersPlus1", "cornersPlus2"):
@@ -100,6 +101,8 @@ def refine_polygons(
     cage = Cage(polygons.counts, polygons.corner_points, len(polygons.points))
     boundary = str(authored(prim, "interpolateBoundary", context.time, "edgeAndCorner"))
     cage.pin_corners = boundary == "edgeAndCorner"
+    triangles = str(authored(prim, "triangleSubdivisionRule", context.time, "catmullClark"))
+    cage.smooth_triangles = triangles == UsdGeom.Tokens.smooth
     _read_sharpness(context, prim, cage)
     rule = str(authored(prim, "faceVaryingLinearInterpolation", context.time, "cornersPlus1"))
     refiner = Refiner(refine_steps(cage, level), topology, polygons.counts, rule)
@@ -119,10 +122,10 @@ def refine_polygons(
 
 
 def _why_not(context: Context, prim: Usd.Prim, polygons: Polygons, level: int) -> str:
-    if level == 0:
-        return f"the {polygons.scheme} cage is carried with smooth normals; refine with --subdiv"
     if polygons.scheme != "catmullClark":
-        return f"the scheme '{polygons.scheme}' is not refined, its cage is carried"
+        return f"the scheme '{polygons.scheme}' is not refined; its smooth cage is carried"
+    if level == 0:
+        return "the catmullClark cage is carried with smooth normals; refine with --subdiv"
     faces = int(polygons.counts.sum()) * 4 ** (level - 1)
     if faces > MAX_REFINED_FACES:
         return f"level {level} would give {faces} faces, its cage is carried"

@@ -13,6 +13,9 @@ import numpy as np
 from reflet_usd.convert.scene import Array
 
 INFINITE = 1e9
+_FACE_SHARE = 0.25
+_TRIANGLE_SHARE = 0.47
+"""Weights of the points of two faces in that of their edge; of triangles as in OpenSubdiv."""
 
 
 @dataclass
@@ -35,6 +38,8 @@ class Cage:
     """All boundary vertices stay where they are (faceVarying `boundaries`)."""
     pinned: Array | None = None
     """(V,) vertices that stay whatever surrounds them."""
+    smooth_triangles: bool = False
+    """Triangles weigh more (triangleSubdivisionRule `smooth`); their children are quads."""
 
 
 def edge_keys(a: Array, b: Array, base: int) -> Array:
@@ -99,10 +104,20 @@ class Step:
         faces = self._face_points(values)
         middles = values[self.edges].mean(axis=1)
         around = _gather(self.corner_edges, faces[self.corner_faces], len(self.edges))
-        soft = (middles * 2.0 + around) / 4.0
+        share = self._face_shares()[:, None]
+        soft = middles * (1.0 - 2.0 * share) + around * share
         weight = np.minimum(self.sharpness, 1.0)[:, None]
         edge_points = np.where(weight >= 1.0, middles, soft + (middles - soft) * weight)
         return np.concatenate([self._vertex_points(values, faces, middles), edge_points, faces])
+
+    def _face_shares(self) -> Array:
+        """(E,) the weight of each of the two faces beside an edge."""
+        if not self.cage.smooth_triangles:
+            return np.full(len(self.edges), _FACE_SHARE)
+        shares = np.where(self.cage.counts == 3, _TRIANGLE_SHARE, _FACE_SHARE)
+        weights = shares[self.corner_faces]
+        sums = np.bincount(self.corner_edges, weights=weights, minlength=len(self.edges))
+        return np.asarray(sums / 2.0)
 
     def linear(self, values: Array) -> Array:
         """Bilinear values (V + E + F, k): for `varying` and faceVarying `all`."""

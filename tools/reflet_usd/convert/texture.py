@@ -33,6 +33,8 @@ class ImageFile:
     size: tuple[int, int]
     wide: bool
     """More than 8 bits per channel."""
+    has_key: bool = False
+    """Whether one color is transparent (a PNG's tRNS chunk)."""
 
     @property
     def is_gray(self) -> bool:
@@ -41,8 +43,8 @@ class ImageFile:
 
     @property
     def has_alpha(self) -> bool:
-        """Whether there is an alpha channel (a palette may have a transparent entry)."""
-        return self.mode in ("LA", "RGBA", "PA") or self.mode == "P"
+        """Whether there is alpha (a palette may have a transparent entry)."""
+        return self.mode in ("LA", "RGBA", "PA", "P") or self.has_key
 
     @property
     def copies(self) -> bool:
@@ -56,7 +58,8 @@ class ImageFile:
                 gray = np.asarray(image, dtype=np.float64)
                 peak = 65535.0 if gray.max() > 255.0 else 255.0
                 narrow = np.round(gray / peak * 255.0).astype(np.uint8)
-                return np.dstack([narrow, narrow, narrow, np.full_like(narrow, 255)])
+                opaque = gray != image.info.get("transparency", -1)
+                return np.dstack([narrow, narrow, narrow, opaque.astype(np.uint8) * 255])
             return np.asarray(image.convert("RGBA"))
 
 
@@ -125,9 +128,12 @@ def _decode(read: TextureRead, data: bytes) -> ImageFile:
         # The resolved path of a packaged file ends in "package.usdz[name]".
         name = os.path.basename(read.file.rstrip("]").split("[")[-1])
         wide = image.mode in ("I", "I;16", "I;16B", "F")
-        return ImageFile(
-            os.path.splitext(name)[0], data, image.format or "", image.mode, image.size, wide
+        stem, kind, key = (
+            os.path.splitext(name)[0],
+            image.format or "",
+            "transparency" in image.info,
         )
+        return ImageFile(stem, data, kind, image.mode, image.size, wide, key)
 
 
 def _reason(error: Exception) -> str:

@@ -21,11 +21,12 @@ from reflet_usd.convert.curves import build_curves, build_points, is_curves
 from reflet_usd.convert.damage import DAMAGE, reason_of_damage
 from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
-from reflet_usd.convert.geometry import GeometryBuilder, is_surface, warn_still_points
+from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light, keep_mesh_light
 from reflet_usd.convert.light_size import Emitter, size_lights
+from reflet_usd.convert.loose_primvars import keep_loose_primvars
 from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
 from reflet_usd.convert.scene import Node
@@ -192,6 +193,7 @@ class Traversal:
         """What is said about the prim and does not draw; a prim without a node keeps none."""
         names = [str(name) for name in prim.GetAuthoredPropertyNames()]
         keep_custom_properties(self.context, prim, node, names)
+        keep_loose_primvars(self.context, prim, node, names)
         keep_collections(self.context, prim, node, names)
         note_binding_purposes(self.context, prim, names)
         keep_metadata(self.context, prim, node)
@@ -241,18 +243,12 @@ class Traversal:
             self.skeletons.fill(prim, node)
         elif is_surface(prim):
             keys = point_keys(context, self.writer, prim)
-            built = self.geometry.build(prim, keys)
-            if built is not None:
-                node.mesh = built.index
-                node.extras.update(built.extras)
-                if keys is not None:
-                    keys.animate(node)
+            if self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
+                keys.animate(node)
         elif type_name == "Points":
-            warn_still_points(context, prim)
-            node.mesh = build_points(context, self.writer, self.geometry.materials, prim)
+            self._draw(node, build_points(context, self.writer, self.geometry.materials, prim))
         elif is_curves(prim):
-            warn_still_points(context, prim)
-            node.mesh = build_curves(context, self.writer, self.geometry.materials, prim)
+            self._draw(node, build_curves(context, self.writer, self.geometry.materials, prim))
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
         elif prim.HasAPI(UsdLux.LightAPI) and not prim.IsA(UsdGeom.Gprim):
@@ -269,6 +265,14 @@ class Traversal:
         placed = node.mesh is not None or node.camera is not None or node.light is not None
         if placed or type_name in _GROUPS or len(node.children) > before:
             ledger.carry(prim)
+        return True
+
+    def _draw(self, node: Node, built: BuiltMesh | None) -> bool:
+        """Give `node` a mesh, where there is one."""
+        if built is None:
+            return False
+        node.mesh = built.index
+        node.extras.update(built.extras)
         return True
 
     def _warn_dropped(self, prim: Usd.Prim) -> None:

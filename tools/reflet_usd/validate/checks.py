@@ -137,9 +137,11 @@ class Checks:
             )
             self._warnings.setdefault(warning["prim"], []).append(entry)
 
-    def add_lost(self, prim: str, warnings: tuple[str, ...], text: str) -> None:
-        """Record an input that cannot be in the output; only one of `warnings` excuses that."""
-        named = text.strip("'") if text.startswith("'") else ""
+    def add_lost(self, prim: str, warnings: tuple[str, ...], text: str, named: str = "") -> None:
+        """Record an input that cannot be in the output; only one of `warnings` excuses that.
+
+        `named`, if any, must stand in quotes in the message.
+        """
         told = self.excuse(prim, warnings, named=named)
         self.add("inputs", prim, 1, text, excuses=(told,) if told else ())
 

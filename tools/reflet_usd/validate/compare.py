@@ -11,10 +11,10 @@ from scipy.spatial import cKDTree
 from .checks import BARS, Checks
 from .compare_rig import Device, camera_values, light_values, matrix_distance, nearby
 from .distances import attribute_distance, one_way, open_edges, set_distance
-from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, absent
+from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_SET, absent
 from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
-from .uv_compare import compare_customs, compare_uvs
+from .uv_compare import compare_customs, compare_point_values, compare_uvs
 
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
@@ -70,6 +70,10 @@ class SceneComparer:
             self._is_carried(key, there, kind)
         for prim, lost in (*truth.lost.items(), *truth.inputs.items()):
             self._lost(prim, lost)
+        for prim, names in truth.misfits.items():
+            for name in names:
+                text = f"'{name}' has values without a place"
+                self.checks.add_lost(prim, UV_SET, text, name)
         for prim in sorted(truth.mesh_lights):
             self.checks.add_lost(prim, SHINES, "shines")
 
@@ -136,8 +140,7 @@ class SceneComparer:
             return
         if len(found) > len(expected):
             self.checks.add("unexpected", key, len(found) - len(expected), f"{check} too many")
-        for text, warning in dict.fromkeys((text, w) for one in expected for w, text in one.lost):
-            self.checks.add_lost(key, (warning,), text)
+        self._lost(key, list(dict.fromkeys(entry for one in expected for entry in one.lost)))
         for one, near in zip(expected, nearby(expected, found), strict=True):
             pairs = [list(measure(one, found[other], self.diagonal)) for other in near]
             best = min(pairs, key=lambda values: max((value for _, value in values), default=0.0))
@@ -146,7 +149,8 @@ class SceneComparer:
 
     def _lost(self, key: str, lost: Lost) -> None:
         for warning, text in lost:
-            self.checks.add_lost(key, (warning,), text)
+            named = text[1:-1] if text.startswith("'") and text.endswith("'") else ""
+            self.checks.add_lost(key, (warning,), text, named)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
         text = f"{what} is not in the output"
@@ -160,6 +164,8 @@ class SceneComparer:
                 assert found is not None
                 value = set_distance(expected.points, found.points) / self.diagonal
                 self.checks.add("positions", key, value, "points", self.slack)
+                reach = self.diagonal * (BARS["positions"].limit + self.slack)
+                compare_point_values(self.checks, key, expected, found, reach)
         if not len(expected.positions):
             return
         there = found is not None and bool(len(found.positions))

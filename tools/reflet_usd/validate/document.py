@@ -13,6 +13,7 @@ from .checks import Checks
 from .excuses import LEFT_OUT
 from .gltf_pose import VISIBILITY
 from .gltf_scene import OutputReader
+from .primvar_words import compare_primvar_words
 from .usd_light import read_radiance
 from .usd_stage import TruthStage, may_move, stated_codes
 from .words import compare_words, is_same
@@ -37,6 +38,7 @@ def compare_document(
             checks.add("lights", "/", math.inf, f"a range of {light['range']} m, USD has none")
     _compare_nodes(checks, truth.stage, output)
     compare_words(checks, truth.stage, output, rest)
+    compare_primvar_words(checks, truth.stage, output, rest)
     _compare_extras(checks, truth, output, rest, settings)
 
 

@@ -36,6 +36,10 @@ NO_PLACE = {
     "occlusion": "occlusion-dropped",
 }
 """Constant inputs of a UsdPreviewSurface that no glTF material holds."""
+NO_TEXTURE = ("material-texture-dropped",)
+"""The texture of an input that is one number in glTF; its default counts."""
+FROZEN_LOOK = ("material-animation-frozen",)
+"""Keys of an attribute of a material, which the warning names in quotes."""
 # What follows excuses nothing: it chooses the rule by which the truth computes a texture.
 PACKED = ("texture-packed-transform",)
 """A texture that is placed as another one it was packed with."""

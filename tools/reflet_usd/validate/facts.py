@@ -61,6 +61,8 @@ class Corners:
     material_paths: list[str] = dataclasses.field(default_factory=list)
     points: Array = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
     """(k, 3) positions of point clouds and lines."""
+    point_values: dict[str, Array] = dataclasses.field(default_factory=dict)
+    """What they have besides, each (k, n), by the attribute's name; v upward."""
     double_sided: bool | None = None
 
 
@@ -143,6 +145,8 @@ class Scene:
     """Other inputs without a place in glTF, by prim."""
     inputs: dict[str, Lost] = dataclasses.field(default_factory=dict)
     """The same of geometry that is a light, and of environments."""
+    misfits: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
+    """Primvars of which some value has no place, by prim."""
     optional: set[str] = dataclasses.field(default_factory=set)
     """Prims that may draw something or nothing: all of their faces are degenerate."""
 

@@ -120,6 +120,10 @@ class OutputReader:
         )
         if loose:
             result.points = np.vstack([transform_points(p.local.points, p.place) for p in loose])
+            names = set.intersection(*({*p.local.uvs, *p.local.customs} for p in loose))
+            for name in sorted(names):
+                values = [{**p.local.uvs, **p.local.customs}[name] for p in loose]
+                result.point_values[name] = np.vstack(values)
         if not solid:
             return result
         center = result.positions.mean(axis=0) if len(result.positions) else np.zeros(3)
@@ -197,7 +201,7 @@ class _Local:
         self.material: int | None = primitive.material
         self.triangles = _triangles(4 if primitive.mode is None else primitive.mode, indices)
         self.points = positions[indices] if self.triangles is None else np.zeros((0, 3))
-        corners = self.triangles if self.triangles is not None else indices[:0]
+        corners = self.triangles if self.triangles is not None else indices
         self.positions = positions[corners]
         self.normals = normals[corners] if normals is not None else None
         self.uvs: dict[str, Array] = {}

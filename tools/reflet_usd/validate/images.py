@@ -44,11 +44,15 @@ def _texels(image: Image.Image) -> Texels:
     deep = image.mode.startswith("I") or image.mode == "F"
     if deep:
         values = np.asarray(image, dtype=np.float64)
+        key = values != image.info.get("transparency", -1)
         values = values / 65535.0 if image.mode != "F" else values
+        values = values if key.all() else np.dstack([values, key])
     else:
         if image.mode in ("P", "PA", "1", "CMYK", "YCbCr", "HSV", "LAB"):
             alpha = image.mode == "PA" or "transparency" in image.info
             image = image.convert("RGBA" if alpha else "RGB")
+        elif "transparency" in image.info:  # one color of a PNG, by its tRNS chunk
+            image = image.convert("LA" if image.mode == "L" else "RGBA")
         values = np.asarray(image, dtype=np.float64) / 255.0
     if values.ndim == 2:
         values = values[:, :, None]

@@ -9,8 +9,10 @@ import numpy as np
 
 from .checks import Checks
 from .excuses import (
+    FROZEN_LOOK,
     LOST_FILE,
     NO_PLACE,
+    NO_TEXTURE,
     NORMAL_SCALE,
     OTHER_SURFACE,
     PACKED,
@@ -22,6 +24,7 @@ from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
 from .images import linear_to_srgb
 from .looks import strange_extensions, unlike_plain
+from .usd_frozen import animated_inputs
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
 from .usd_materialx import materialx_inputs
 from .usd_stage import TruthStage
@@ -30,6 +33,8 @@ from .uv_compare import UvUse
 _SAMPLES = 16
 _ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
+_WHOLE = ("useSpecularWorkflow", "opacityThreshold", "ior")
+"""One number each for a whole glTF material."""
 _SLOTS = (
     ("diffuseColor", "opacity"),
     ("metallic", "roughness"),
@@ -82,6 +87,8 @@ def compare_materials(
             for index in outputs.get(path, []):
                 _compare_plain(checks, path, OutputMaterial(file, index))
             continue
+        for prim, name in animated_inputs(truth.stage.GetPrimAtPath(path)):
+            checks.add_lost(prim, FROZEN_LOOK, f"keys of '{name}'", name)
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
@@ -125,10 +132,11 @@ class _Comparison:
         self.checks = checks
         self.path = path
         self.inputs = inputs
+        self._drop_textures()
 
     def compare(self, found: OutputMaterial) -> None:
         """Compare all inputs, as values or as losses."""
-        specular = not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
+        specular = self._is_specular()
         self._alpha_mode(found)
         for name in _VALUES:
             source = self.inputs[name]
@@ -142,12 +150,22 @@ class _Comparison:
                 continue
             if name == "occlusion" and source.constant is not None:
                 source = PreviewInput(np.array([1.0]), None)
-            if name == "ior" and source.texture is not None:
-                source = source.without_file()
             self._channel(name, source, found)
         self._normal(found)
         self._losses()
         self._empty_slots(found)
+
+    def _drop_textures(self) -> None:
+        """Inputs that are one number in glTF have their default where the stage has a texture."""
+        for name in _WHOLE:
+            if self.inputs[name].texture is None or (name == "ior" and self._is_specular()):
+                continue
+            self.checks.add_lost(self.path, NO_TEXTURE, f"the texture of {name}", name)
+            value = np.array(DEFAULTS.get(name, (0.0,)))
+            self.inputs = {**self.inputs, name: PreviewInput(value, None)}
+
+    def _is_specular(self) -> bool:
+        return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
         """Which UV set stands for which primvar; the first texture's where several share one."""
@@ -216,8 +234,10 @@ class _Comparison:
         """Texels by any of the reads: a few where the image is the stage's own, else all."""
         worst = math.inf
         for read in reads:
+            # Of light above 1 the texels hold the share of the strongest possible.
+            reach = read.strongest if name == "emissiveColor" else 1.0
             parts = (
-                _difference(name, read.at(st), found.channel(name, st))
+                _difference(name, read.at(st), found.channel(name, st), reach)
                 for st in read.centers(whole)
             )
             worst = min(worst, max(parts))
@@ -285,17 +305,22 @@ class _Comparison:
             self.checks.add("materials", self.path, value, "normal")
 
 
-def _difference(name: str, wanted: Array, found: Array) -> float:
-    """Largest difference, relative where values are above 1, after the documented clamps."""
+def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> float:
+    """Largest difference, relative where values are above 1, after the documented clamps.
+
+    `reach` is the value that texels of 1 stand for.
+    """
     if name == "emissiveColor":
         wanted = np.maximum(wanted, 0.0)
     elif name == "ior":
         wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))
     else:
         wanted = np.clip(wanted, 0.0, 1.0)
-    scale = max(1.0, float(np.abs(wanted).max()))
+    reach = max(1.0, reach)
+    scale = max(reach, float(np.abs(wanted).max()))
     difference = np.abs(wanted - found) / scale
     if name in _ENCODED:  # 8 bits round the encoded value
+        wanted, found = wanted / reach, found / reach
         inside = (np.abs(wanted - 0.5) <= 0.5) & (np.abs(found - 0.5) <= 0.5)
         coded = np.abs(linear_to_srgb(np.clip(wanted, 0, 1)) - linear_to_srgb(np.clip(found, 0, 1)))
         difference = np.where(inside, np.minimum(difference, coded), difference)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from pxr import Usd, UsdGeom
 from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
 
-from .facts import Array, Lost
-from .usd_mesh import array_of
+from .facts import Array, Indices, Lost
+from .usd_primvars import CornerMap, array_of, carried, customs, misfits, uv_sets
 
 _STEPS = 8
 """Lines for each span of a cubic, as documented, and quads for each span of a patch."""
@@ -15,32 +17,99 @@ _MOST_SAMPLES = 1024
 """Of a patch in each direction."""
 _BASES = ("bezier", "bspline", "catmullRom")
 _UNFIT: Lost = [("curves-invalid", "counts that do not fit the points")]
+_COLORS = {"displayColor", "displayOpacity"}
 
 
-def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array, Lost] | None:
-    """Where points and curves are drawn, and what of them cannot be; None for everything else."""
+@dataclasses.dataclass
+class Cloud:
+    """Where points and curves are drawn."""
+
+    points: Array
+    """(n, 3)."""
+    lost: Lost
+    """What of them cannot be drawn."""
+    corners: CornerMap | None = None
+    """Which values belong to the points; None where there are none."""
+
+    def values(self, prim: Usd.Prim, time: Usd.TimeCode) -> dict[str, Array]:
+        """Each (n, k), by attribute: coordinates in the order of meshes without a material."""
+        if self.corners is None:
+            return {}
+        entries = carried(prim)
+        uvs = uv_sets(entries, time, self.corners)
+        names = sorted(uvs, key=lambda name: (name != "st", name))
+        result = {f"TEXCOORD_{slot}": uvs[name] for slot, name in enumerate(names)}
+        return result | customs(entries, time, self.corners)
+
+    def misfits(self, prim: Usd.Prim, time: Usd.TimeCode) -> tuple[str, ...]:
+        """Primvars of which some value has no place."""
+        if self.corners is None:
+            return ()
+        return misfits(prim, carried(prim), time, self.corners, _COLORS)
+
+
+def _drawn(
+    points: Array, lost: Lost, owner: Indices, index: Indices, uniform: int, n: int
+) -> Cloud:
+    """Points with the number of their curve, of `uniform`, and of the authored point, of `n`.
+
+    Samples of cubics, for which `n` is 0, have no authored point: values of those have no place.
+    """
+    totals = {"uniform": uniform}
+    totals |= dict.fromkeys(("vertex", "varying", "faceVarying"), n) if n else {}
+    rows = np.arange(len(index))
+    return Cloud(points, lost, CornerMap(index, index, owner, rows[:0], rows[:0], 0, totals))
+
+
+def read_points(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
+    """Points and curves, and what of them the file lacks; None for everything else."""
+    cloud = _read_cloud(prim, time)
+    if cloud is not None and cloud.corners is not None:
+        cloud.lost = [*cloud.lost, *_without_place(prim)]
+    return cloud
+
+
+def _without_place(prim: Usd.Prim) -> Lost:
+    """What no glTF point or line has."""
+    names = {"widths": "width-dropped", "normals": "normals-dropped", "ids": "ids-dropped"}
+    found: Lost = []
+    for name, warning in names.items():
+        attributes = (prim.GetAttribute(name), prim.GetAttribute(f"primvars:{name}"))
+        if any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
+            found.append((warning, name))
+    return found
+
+
+def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     curves = prim.IsA(UsdGeom.BasisCurves) or prim.IsA(UsdGeom.HermiteCurves)
     if not (prim.IsA(UsdGeom.Points) or curves):
         return None
     points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
     finite = np.abs(points) <= float(np.finfo(np.float32).max)
     if not curves:
-        return points[finite.all(axis=1)], []
+        kept = np.flatnonzero(finite.all(axis=1))
+        return _drawn(points[kept], [], np.zeros_like(kept), kept, 1, len(points))
     counts = array_of(UsdGeom.Curves(prim).GetCurveVertexCountsAttr().Get(time), np.int64)
     if not len(counts) or (counts < 0).any() or counts.sum() > len(points):
-        return points[:0], _UNFIT if len(points) else []
+        return Cloud(points[:0], _UNFIT if len(points) else [])
     lost: Lost = [("curves-invalid", "curves of one point")] if (counts < 2).any() else []
     if not finite.all():
-        return points[:0], [*lost, ("points-non-finite", "curves with such points")]
+        return Cloud(points[:0], [*lost, ("points-non-finite", "curves with such points")])
     runs = np.split(points[: counts.sum()], np.cumsum(counts)[:-1])
     schema = UsdGeom.BasisCurves(prim)
     if prim.IsA(UsdGeom.HermiteCurves) or schema.GetTypeAttr().Get(time) == UsdGeom.Tokens.linear:
-        return np.vstack([run for run in runs if len(run) > 1] or [points[:0]]), lost
+        owner = np.repeat(np.arange(len(counts)), counts)
+        kept = np.flatnonzero(counts[owner] > 1)
+        return _drawn(points[kept], lost, owner[kept], kept, len(counts), len(points))
     basis, wrap = str(schema.GetBasisAttr().Get(time)), str(schema.GetWrapAttr().Get(time))
     if basis not in _BASES:
         return None
-    found = np.vstack([points[:0], *(_cubic(run, basis, wrap) for run in runs)])
-    return found, lost if len(found) else _UNFIT
+    drawn = [_cubic(run, basis, wrap) for run in runs]
+    found = np.vstack([points[:0], *drawn])
+    if not len(found):
+        return Cloud(found, _UNFIT)
+    owner = np.repeat(np.arange(len(drawn)), [len(run) for run in drawn])
+    return _drawn(found, lost, owner, owner, len(counts), 0)
 
 
 def _cubic(control: Array, basis: str, wrap: str) -> Array:

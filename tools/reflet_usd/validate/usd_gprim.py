@@ -9,7 +9,8 @@ from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices, Surface
 from .usd_material import bound_material
-from .usd_mesh import NO_COLOR, CornerMap, LocalMesh, array_of, corner_colors, flattened
+from .usd_mesh import LocalMesh
+from .usd_primvars import NO_COLOR, CornerMap, array_of, corner_colors, flattened
 
 _AXES = {"X": 0, "Y": 1, "Z": 2}
 # Points and faces in the order of UsdGeomCube's mesh in Hydra, which per-face and per-point

@@ -63,6 +63,12 @@ class TextureRead:
         scale, bias = self.scale[self.channels], self.bias[self.channels]
         return bool((bias == 0.0).all() and ((scale >= 0.0) & (scale <= 1.0)).all())
 
+    @property
+    def strongest(self) -> float:
+        """The highest value that any texel can give."""
+        scale, bias = self.scale[self.channels], self.bias[self.channels]
+        return float(np.maximum(bias, scale + bias).max())
+
     def resized(self, size: tuple[int, int], srgb: bool) -> TextureRead:
         """The read of the image that the documentation says is written at another size.
 

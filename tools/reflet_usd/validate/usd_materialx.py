@@ -70,6 +70,12 @@ _WRAPS = {"clamp": "clamp", "mirror": "mirror"}
 _NEUTRAL = ("displacement", "useSpecularWorkflow")
 
 
+def surface_inputs(identifier: str) -> set[str]:
+    """The inputs of a surface that is approximated from which the file's values follow."""
+    slots = _SURFACES.get(identifier, {}).values()
+    return {name for slot in slots for name in (slot.name, slot.weight) if name}
+
+
 def materialx_inputs(
     material: Usd.Prim, roots: tuple[str, ...] | None
 ) -> dict[str, PreviewInput] | None:

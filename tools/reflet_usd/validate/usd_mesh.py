@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
-
-NO_COLOR = 0.18
-"""UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""
-_UV_TYPES = re.compile(r"(texCoord[23][fdh]|float2|double2|half2|Vec2f)\[\]")
-_FLOATS = re.compile(r"(?:float|double|half|color|vector|normal|point)([234]?)[fdh]?\[\]")
-_HANDLED = ("displayColor", "displayOpacity", "normals")
+from .usd_primvars import CornerMap, array_of, carried, corner_colors, customs, misfits, uv_sets
 
 
 @dataclasses.dataclass
@@ -44,6 +38,8 @@ class LocalMesh:
     """Display primvars on parts whose order USD does not define: they are left out."""
     customs: dict[str, Array] = dataclasses.field(default_factory=dict)
     """Other float primvars at the corners, each (n, k), by the attribute's name."""
+    misfits: tuple[str, ...] = ()
+    """Primvars of which not all values are used, or none."""
 
 
 def read_mesh(
@@ -60,6 +56,9 @@ def read_mesh(
     positions = points[indices[corners.index]]
     face_materials, paths = materials or (np.full(len(counts), -1), [])
     scheme = mesh.GetSubdivisionSchemeAttr().Get(time) or "catmullClark"
+    entries = carried(prim)
+    told = {"normals"} if scheme == "none" else set()
+    told |= set() if paths else {"displayColor", "displayOpacity"}
     normals = _normals(mesh, time, corners) if scheme == "none" else None
     return LocalMesh(
         positions,
@@ -67,56 +66,16 @@ def read_mesh(
         points[indices[corners.optional_index]],
         corners.optional_triangles,
         normals,
-        _uvs(prim, time, corners),
+        uv_sets(entries, time, corners),
         corner_colors(prim, time, corners),
         face_materials[corners.faces],
         paths,
         scheme == "none" and normals is None,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
         corners.optional_counts,
-        customs=_customs(prim, time, corners),
+        customs=customs(entries, time, corners),
+        misfits=misfits(prim, entries, time, corners, told) if corners.is_whole else (),
     )
-
-
-@dataclasses.dataclass
-class CornerMap:
-    """Which authored corners are drawn, and where each one's primvar values lie."""
-
-    index: Indices
-    """(n,) authored corner (faceVarying element), in drawing order."""
-    vertex: Indices
-    """(n,) point index."""
-    face: Indices
-    """(n,) authored face."""
-    faces: Indices
-    """(faces,) authored faces that are drawn."""
-    optional_index: Indices
-    optional_triangles: int
-    totals: dict[str, int]
-    """How many elements a primvar of each interpolation must have."""
-    optional_counts: Indices = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
-
-    @classmethod
-    def whole(cls, faces: Indices, points: int) -> CornerMap:
-        """All corners of (n, k) faces of point indices."""
-        index = np.arange(faces.size)
-        owner = np.repeat(np.arange(len(faces)), faces.shape[1])
-        totals = {
-            "uniform": len(faces),
-            "faceVarying": faces.size,
-            "vertex": points,
-            "varying": points,
-        }
-        return cls(index, faces.reshape(-1), owner, np.arange(len(faces)), index[:0], 0, totals)
-
-    def expand(self, values: Array, interpolation: str) -> Array | None:
-        """(n, …) values at the corners; None where the count does not fit the topology."""
-        if interpolation == "constant" and len(values) >= 1:
-            return np.repeat(values[:1], len(self.index), axis=0)
-        if len(values) != self.totals.get(interpolation, -1):
-            return None
-        where = {"uniform": self.face, "faceVarying": self.index}.get(interpolation, self.vertex)
-        return values[where]
 
 
 def _usable_corners(
@@ -160,6 +119,7 @@ def _usable_corners(
         int((counts[optional] - 2).sum()),
         totals,
         counts[optional],
+        not len(broken) and len(indices) == authored,
     )
 
 
@@ -204,78 +164,3 @@ def _normals(mesh: UsdGeom.Mesh, time: Usd.TimeCode, corners: CornerMap) -> Arra
     unit = np.divide(expanded, length, out=np.zeros_like(expanded), where=length > 0.0)
     unit[length[:, 0] == 0.0] = (0.0, 1.0, 0.0)  # as documented for those without a direction
     return unit
-
-
-def _uvs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
-    result = {}
-    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
-        kind, interpolation = str(primvar.GetTypeName()), primvar.GetInterpolation()
-        if not _UV_TYPES.fullmatch(kind):
-            continue
-        if interpolation == "constant" and not kind.startswith("texCoord"):
-            continue  # two numbers that mean something else
-        values = flattened(primvar, time, 3 if "3" in kind else 2)
-        expanded = corners.expand(values, interpolation)
-        if expanded is not None and np.isfinite(expanded).all():
-            result[primvar.GetPrimvarName()] = expanded[:, :2]
-    return result
-
-
-def _customs(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> dict[str, Array]:
-    """Float primvars that are neither coordinates nor read elsewhere, by the file's names."""
-    result = {}
-    for primvar in UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance():
-        name, kind = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())
-        match = _FLOATS.fullmatch(kind)
-        handled = name.startswith("skel:") or name in _HANDLED or _UV_TYPES.fullmatch(kind)
-        if match is None or handled or primvar.GetInterpolation() == "constant":
-            continue
-        values = flattened(primvar, time, int(match.group(1) or 1))
-        expanded = corners.expand(values, primvar.GetInterpolation())
-        if expanded is not None and len(values) and np.isfinite(expanded).all():
-            attribute = "_" + re.sub(r"[^A-Za-z0-9_]", "_", name).upper()
-            result[attribute] = expanded.reshape(len(expanded), -1)
-    return result
-
-
-def corner_colors(prim: Usd.Prim, time: Usd.TimeCode, corners: CornerMap) -> Array | None:
-    """(n, 4) display color and opacity at the corners; None where none fits."""
-    api = UsdGeom.PrimvarsAPI(prim)
-    color = api.FindPrimvarWithInheritance("displayColor")
-    opacity = api.FindPrimvarWithInheritance("displayOpacity")
-    rgb = corners.expand(flattened(color, time, 3), color.GetInterpolation()) if color else None
-    alpha = None
-    if opacity:
-        alpha = corners.expand(flattened(opacity, time, 1), opacity.GetInterpolation())
-    if rgb is None and alpha is None:
-        return None
-    count = len(corners.index)
-    rgb = np.full((count, 3), NO_COLOR) if rgb is None else rgb
-    alpha = np.ones((count, 1)) if alpha is None else alpha.reshape(-1, 1)
-    return np.clip(np.hstack([rgb, alpha]), 0.0, 1.0)
-
-
-def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array:
-    """A primvar's values with its indices applied; empty where there are none that fit."""
-    raw = primvar.Get(time) if primvar else None
-    values = array_of(raw, np.float64, width)
-    if primvar and primvar.IsIndexed():
-        indices = array_of(primvar.GetIndices(time), np.int64)
-        if len(indices) and len(values) and indices.min() >= 0 and indices.max() < len(values):
-            return values[indices]
-        return values[:0]
-    return values
-
-
-def array_of(value: Any, dtype: type, width: int = 1) -> Any:
-    """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing fits."""
-    shape = (0,) if width == 1 else (0, width)
-    if value is None:
-        return np.zeros(shape, dtype)
-    try:
-        array: Any = np.asarray(value, dtype=dtype)
-    except (TypeError, ValueError):  # authored with another type
-        return np.zeros(shape, dtype)
-    if array.ndim == 0 or (width > 1 and array.ndim == 1):
-        array = array.reshape(1, -1) if width > 1 else array.reshape(1)
-    return array if array.size else np.zeros(shape, dtype)

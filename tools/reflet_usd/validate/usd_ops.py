@@ -48,7 +48,7 @@ def compare_ops(checks: Checks, missing: dict[str, list[str]], placed: Collectio
     """Every op that is not there is named, at the prims that the file places."""
     for path in sorted(missing.keys() & set(placed)):
         for token in missing[path]:
-            checks.add_lost(path, SKIPPED, f"'{token}'")
+            checks.add_lost(path, SKIPPED, f"the op '{token}'", token)
 
 
 def _attribute(prim: Usd.Prim, token: str) -> Usd.Attribute | None:

@@ -14,7 +14,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .facts import Array, Indices
-from .usd_mesh import LocalMesh, array_of
+from .usd_mesh import LocalMesh
+from .usd_primvars import array_of
 
 INFINITE = 10.0
 """Sharpness from which a crease never becomes smooth, as in OpenSubdiv."""
@@ -33,6 +34,8 @@ class Cage:
     corner_sharpness: dict[int, float]
     pin_corners: bool
     """Whether boundary vertices of one face stay (edgeAndCorner)."""
+    softer: bool = False
+    """Whether triangles follow the rule `smooth` of triangleSubdivisionRule."""
 
 
 def read_refined(
@@ -53,7 +56,9 @@ def read_refined(
     boundary = mesh.GetInterpolateBoundaryAttr().Get(time)
     ends = np.cumsum(counts)
     faces = [indices[end - count : end].tolist() for count, end in zip(counts, ends, strict=True)]
-    cage = Cage(points, faces, list(range(len(faces))), {}, {}, boundary == "edgeAndCorner")
+    softer = mesh.GetTriangleSubdivisionRuleAttr().Get(time) == UsdGeom.Tokens.smooth
+    parents, pinned = list(range(len(faces))), boundary == "edgeAndCorner"
+    cage = Cage(points, faces, parents, {}, {}, pinned, softer)
     _read_sharpness(mesh, time, cage)
     hidden = set(array_of(mesh.GetHoleIndicesAttr().Get(time), np.int64).tolist())
     if boundary == UsdGeom.Tokens.none:
@@ -66,7 +71,7 @@ def read_refined(
     quads = np.array([cage.faces[number] for number in drawn], dtype=np.int64).reshape(-1, 4)
     if mesh.GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded:
         quads = quads[:, ::-1]
-    parents = np.array([cage.parents[number] for number in drawn], dtype=np.int64)
+    owners = np.array([cage.parents[number] for number in drawn], dtype=np.int64)
     return LocalMesh(
         cage.points[quads.reshape(-1)],
         np.full(len(quads), 4),
@@ -75,7 +80,7 @@ def read_refined(
         None,
         {},
         None,
-        materials[0][parents],
+        materials[0][owners],
         materials[1],
         False,
         bool(mesh.GetDoubleSidedAttr().Get(time)),
@@ -155,8 +160,12 @@ def _edge_point(cage: Cage, around: _Neighbors, edge: Edge, face_points: list[Ar
     sharpness = around.sharpness(cage, edge)
     if sharpness >= 1:
         return middle
-    beside = [face_points[face] for face in around.faces_of_edge[edge]]
-    smooth = (ends[0] + ends[1] + beside[0] + beside[1]) / 4
+    pair = around.faces_of_edge[edge]
+    # The weights of Sdc::Scheme<SCHEME_CATMARK>::assignSmoothMaskForEdge in OpenSubdiv.
+    each = [0.47 if cage.softer and len(cage.faces[face]) == 3 else 0.25 for face in pair]
+    of_face = sum(each) / 2
+    of_end = (1 - 2 * of_face) / 2
+    smooth = of_face * (face_points[pair[0]] + face_points[pair[1]]) + of_end * (ends[0] + ends[1])
     return smooth * (1 - sharpness) + middle * sharpness
 
 

@@ -15,7 +15,8 @@ from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_lathe import read_lathe
 from .usd_light import OF_GEOMETRY, Source, lost_of_dome, read_source, unusual_inputs
 from .usd_material import bound_material
-from .usd_mesh import LocalMesh, array_of, read_mesh
+from .usd_mesh import LocalMesh, read_mesh
+from .usd_primvars import array_of
 from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
 from .usd_walk import StageWalk, is_light
@@ -49,7 +50,7 @@ class TruthReader:
         scene = Scene()
         pieces: dict[str, list[tuple[LocalMesh, Array]]] = {}
         lathes: dict[str, list[tuple[LocalMesh, Array]]] = {}
-        clouds: dict[str, list[Array]] = {}
+        clouds: dict[str, list[tuple[Array, dict[str, Array]]]] = {}
         meshes: dict[str, LocalMesh | None] = {}
         sources: dict[str, Source | None] = {}
         for place in walk.placements():
@@ -84,9 +85,11 @@ class TruthReader:
                 if (lathe := read_lathe(prim, time, surface)) is not None:
                     lathes.setdefault(place.key, []).append((lathe, matrix))
             elif (drawn := read_points(prim, time)) is not None:
-                points, scene.lost[str(prim.GetPath())] = drawn
-                if len(points):
-                    clouds.setdefault(place.key, []).append(transform_points(points, matrix))
+                scene.lost[str(prim.GetPath())] = drawn.lost
+                if len(drawn.points):
+                    scene.misfits[str(prim.GetPath())] = drawn.misfits(prim, time)
+                    placed = transform_points(drawn.points, matrix)
+                    clouds.setdefault(place.key, []).append((placed, drawn.values(prim, time)))
             elif prim.IsA(UsdGeom.NurbsPatch):
                 grid, scene.lost[str(prim.GetPath())] = read_patch(prim, time)
                 if grid is not None:
@@ -96,16 +99,20 @@ class TruthReader:
                 mesh = self._mesh(prim, time, meshes)
                 if mesh is not None and len(mesh.counts):
                     pieces.setdefault(place.key, []).append((mesh, matrix))
+                    scene.misfits[str(prim.GetPath())] = mesh.misfits
                 elif (mesh is not None and mesh.optional_triangles) or _is_pointless(prim, time):
                     scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
         _add_lathes(scene, pieces, lathes)
-        for key, placed in pieces.items():
-            scene.corners[key] = place_meshes(placed, key in self.deformed)
-        for key, parts in clouds.items():
+        for key, parts in pieces.items():
+            scene.corners[key] = place_meshes(parts, key in self.deformed)
+        for key, many in clouds.items():
             empty = Corners(np.zeros((0, 3)), np.zeros((0, 3)))
-            scene.corners.setdefault(key, empty).points = np.vstack(parts)
+            cloud = scene.corners.setdefault(key, empty)
+            cloud.points = np.vstack([points for points, _ in many])
+            for name in sorted(set.intersection(*(set(values) for _, values in many))):
+                cloud.point_values[name] = np.vstack([values[name] for _, values in many])
         self.instancers, self.skipped = walk.instancers, walk.skipped
         self.outermost = walk.outermost
         for path in walk.not_finite:

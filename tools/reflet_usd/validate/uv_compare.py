@@ -92,20 +92,42 @@ def compare_customs(
     checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
 ) -> None:
     """Every other float primvar of the stage is in the file, under its own name."""
+    both = expected.optional_triangles == 0
     for name, wanted in expected.customs.items():
-        values = found.customs.get(name)
-        if values is None or values.shape[1] != wanted.shape[1]:
-            _missing(checks, key, name)
+        drawn = (found.positions, found.customs.get(name))
+        _compare_values(checks, key, name, (expected.positions, wanted), drawn, tolerance, both)
+
+
+def compare_point_values(
+    checks: Checks, key: str, expected: Corners, found: Corners, tolerance: float
+) -> None:
+    """The same of points and lines, with their coordinates."""
+    for name in sorted(expected.point_values.keys() | found.point_values.keys()):
+        wanted, values = (side.point_values.get(name) for side in (expected, found))
+        if wanted is None:
+            checks.add("uvs", key, math.inf, f"{name} is only in the output")
             continue
-        reach = max(1.0, float(np.abs(wanted).max(initial=0.0)))
-        distance = attribute_distance(
-            (expected.positions, wanted),
-            (found.positions, values),
-            tolerance,
-            BARS["uvs"].limit * reach,
-            both=expected.optional_triangles == 0,
-        )
-        checks.add("uvs", key, distance / reach, name)
+        pairs = (expected.points, wanted), (found.points, values)
+        _compare_values(checks, key, name, *pairs, tolerance, both=True)
+
+
+def _compare_values(
+    checks: Checks,
+    key: str,
+    name: str,
+    expected: tuple[Array, Array],
+    found: tuple[Array, Array | None],
+    tolerance: float,
+    both: bool,
+) -> None:
+    places, values = found
+    if values is None or values.shape[1] != expected[1].shape[1]:
+        _missing(checks, key, name)
+        return
+    reach = max(1.0, float(np.abs(expected[1]).max(initial=0.0)))
+    step = BARS["uvs"].limit * reach
+    distance = attribute_distance(expected, (places, values), tolerance, step, both)
+    checks.add("uvs", key, distance / reach, name)
 
 
 def compare_uv_uses(

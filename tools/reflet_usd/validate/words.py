@@ -27,7 +27,7 @@ _OF_KINDS = {
 }
 _USER = "userProperties"
 _MAX_VALUES = 64
-_NAMED = 8
+NAMED = 8
 """So many names a warning lists; of more it tells their number."""
 
 
@@ -58,7 +58,7 @@ def _compare_properties(
         checks.add("extras", path, 1, f"'{name}' is only in the output")
     missing = sorted(name for name in expected.keys() - kept.keys() if expected[name] is not None)
     for name in missing:
-        named = name if len(missing) <= _NAMED else ""
+        named = name if len(missing) <= NAMED else ""
         told = checks.excuse(path, WORDS, named=named)
         excuses = (told,) if told else ()
         checks.add("extras", path, 1, f"'{name}' is not in the output", excuses=excuses)
@@ -104,7 +104,11 @@ def _value(item: Usd.Property, rest: Usd.TimeCode) -> Any:
     if isinstance(item, Usd.Relationship):
         targets = [str(target) for target in item.GetTargets()]
         return targets if len(targets) <= _MAX_VALUES else None
-    value = item.Get(rest)
+    return plain(item.Get(rest))
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON has it; None for what is not plain or too long."""
     if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, float):

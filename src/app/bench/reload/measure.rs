@@ -10,7 +10,11 @@ use serde::Serialize;
 use super::copy::Edit;
 use crate::{
     app::{
-        bench::progress::Progress, error::AppError, live::Live, render::explain, watch::Watcher,
+        bench::progress::Progress,
+        error::AppError,
+        live::Live,
+        render::explain,
+        watch::{News, Watcher},
     },
     bench::run::Watch as _,
 };
@@ -75,9 +79,15 @@ pub fn saves(
     save: impl Fn(u32) -> Result<(), AppError>,
 ) -> Result<Vec<Sample>, AppError> {
     let (sender, changes) = mpsc::channel();
-    let watcher = Watcher::new(move |changes, _| {
+    let watcher = Watcher::new(move |news| {
+        let news = match news {
+            News::Changed(changes, _) => Ok(changes),
+            // Saves that are seen late would be measured.
+            News::Trouble(Some(why)) => Err(AppError::Internal(why)),
+            News::Trouble(None) => return,
+        };
         // Nobody listens any more at the end.
-        let _ = sender.send(changes);
+        let _ = sender.send(news);
     });
     let watcher = watcher.map_err(AppError::Internal)?;
     let (list, since) = live.watch_list();
@@ -87,9 +97,9 @@ pub fn saves(
         // The first save tells when everything is watched; it is not counted.
         save(i)?;
         let saved = Instant::now();
-        let change = changes
-            .recv_timeout(MOST_WAIT)
-            .map_err(|_| AppError::Internal(format!("a save was not noticed in {MOST_WAIT:?}")))?;
+        let change = changes.recv_timeout(MOST_WAIT).map_err(|_| {
+            AppError::Internal(format!("a save was not noticed in {MOST_WAIT:?}"))
+        })??;
         let notice = saved.elapsed();
         let reload = live.reload(&change);
         if !reload.ok {

@@ -1,5 +1,7 @@
 //! Names in `[motion]`: what moves must exist and must have what is moved.
 
+mod flat;
+
 use toml::de::DeTable;
 
 use super::Names;
@@ -41,12 +43,9 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
                 .related(instance.at.clone(), "the instance is here");
             report.push(error);
         }
+        flat::check(scene, entry, report);
         // A loop of instances that follow each other would have no order.
-        for track in [
-            &entry.value.translation,
-            &entry.value.rotation_deg,
-            &entry.value.scale,
-        ] {
+        for track in [&entry.value.translation, &entry.value.rotation_deg] {
             if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {
                 let message = "an instance cannot follow another one";
                 let error = Diagnostic::at("wrong-motion", follow.instance.at.clone(), message);

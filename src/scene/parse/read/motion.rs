@@ -9,7 +9,7 @@ use crate::scene::{
     parse::{
         range::{ABOVE_0, ANY, Range, range},
         table::{Section, Table},
-        value::Value,
+        value::{Scale, Value},
     },
 };
 
@@ -80,7 +80,7 @@ impl Section for InstanceMotionDesc {
         Some(Self {
             translation: track::<Vec3>(t, "translation", ANY),
             rotation_deg: track::<Vec3>(t, "rotation_deg", ANY),
-            scale: track::<Vec3>(t, "scale", ANY),
+            scale: track::<Scale>(t, "scale", ANY),
             material: t.table("material"),
         })
     }
@@ -161,6 +161,25 @@ impl Lane for f32 {
     const SWING: &'static str = "NumberOscillateDesc";
     const SWING_HEADING: &'static str = "oscillate = { amplitude = …, … }";
     const IS_VECTOR: bool = false;
+}
+
+impl Lane for Scale {
+    const TRACK: &'static str = "ScaleTrackDesc";
+    const TRACK_HEADING: &'static str = "scale = { … }";
+    const KEY: &'static str = "ScaleKeyDesc";
+    const KEY_HEADING: &'static str = "keys = [{ at_s = …, value = … or […] }, …]";
+    const SWING: &'static str = "ScaleOscillateDesc";
+    const SWING_HEADING: &'static str = "oscillate = { amplitude = … or […], … }";
+    const IS_VECTOR: bool = false;
+}
+
+impl Lanes for Scale {
+    fn lanes(self) -> Vec3 {
+        self.0
+    }
+    fn of(lanes: Vec3) -> Self {
+        Self(lanes)
+    }
 }
 
 /// A track whose lanes are `L`s.
@@ -258,6 +277,14 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
             format!("`loop_s` must be more than the {run} s from the first key to the last");
         let help = "in the time left after the last key, the path goes back to the first";
         t.refuse("key-order", "loop_s", &message, help);
+    }
+    if let Some(key) = track.keys.iter().find(|key| key.ease != Ease::None)
+        && track.constant_speed
+    {
+        let message = "`ease` of a key does not go with `constant_speed`, which keeps one speed";
+        let help = "remove it, or write `ease` beside `keys`: that eases the whole way";
+        t.report
+            .push(Diagnostic::at("no-ease", key.at.clone(), message).help(help));
     }
     let bent = |key: &&KeyDesc| key.handle_in.is_some() || key.handle_out.is_some();
     if let Some(key) = track.keys.iter().find(bent)

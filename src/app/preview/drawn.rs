@@ -1,0 +1,273 @@
+//! How each texture that can be looked at becomes a picture, and what its colors mean.
+
+use super::{
+    canvas::Canvas,
+    facts::{Drawn, Side, View},
+    look::{Cast, Look},
+    worker::State,
+};
+use crate::{
+    app::aov,
+    bench::metric::flip,
+    gpu::GpuError,
+    render::{
+        Plane, PlaneData, RenderError, aov::Aov, looks::CUBE_FACES, stats::FrameStats,
+        targets::Target,
+    },
+    scene::desc::LightKind,
+};
+
+/// Longest edge of a cube's face where all six are shown, pixels.
+const FACE_PX: u32 = 512;
+/// Where the faces of an unfolded cube stand, in faces from the top left: neighbors share an edge.
+pub const CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
+/// How much of the picture is left where no ray starts.
+const DIMMED: f32 = 0.3;
+/// The darkest color of the first ray, as a value of the map of colors.
+const FIRST: f32 = 0.35;
+/// Beside a picture of another shape.
+pub const NOTHING: u8 = 16;
+/// Where a shadow map holds nothing.
+const NO_CASTER: [u8; 4] = [24, 36, 84, 255];
+
+/// A picture in memory: RGBA, 8 bits a channel, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    pub size: [u32; 2],
+    pub rgba: Vec<u8>,
+}
+
+impl State {
+    /// Draws a side of the frame that was rendered last, with a canvas to draw it into if it fits.
+    pub(super) fn drawn(
+        &self,
+        side: Side,
+        view: &View,
+        stats: FrameStats,
+        old: Option<Canvas>,
+    ) -> Result<Drawn, RenderError> {
+        let display = self.live.renderer().targets().texture(Target::Display);
+        let (canvas, legend) = match (side.look, display) {
+            (Look::Picture, Some(display)) => {
+                let canvas = Canvas::of_size(&self.gpu, old, stats.size)?;
+                canvas.copy(&self.gpu, display)?;
+                (canvas, String::new())
+            }
+            (look, _) => {
+                let (pixels, legend) = self.pixels(look, view)?;
+                let canvas = Canvas::of_size(&self.gpu, old, pixels.size)?;
+                canvas.write(&self.gpu, &pixels.rgba);
+                (canvas, legend)
+            }
+        };
+        Ok(Drawn {
+            look: side.look,
+            canvas,
+            stats,
+            legend,
+        })
+    }
+
+    /// What of the frame that was rendered last is looked at, and what its colors mean.
+    pub(super) fn pixels(&self, look: Look, view: &View) -> Result<(Pixels, String), RenderError> {
+        let renderer = self.live.renderer();
+        let size = renderer.targets().size;
+        match look {
+            Look::Picture => {
+                let rgba = renderer.read(&self.gpu, Target::Display)?;
+                Ok((Pixels { size, rgba }, String::new()))
+            }
+            Look::Aov(aov) => {
+                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
+                let rgba = aov::view(&plane);
+                Ok((Pixels { size, rgba }, meaning(aov, &plane)))
+            }
+            Look::Rays => {
+                let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
+                let rays = renderer.ray_list(&self.gpu)?;
+                let list = rays.as_deref().unwrap_or_default();
+                let rgba = marked(size, list, &display);
+                let legend = match rays {
+                    Some(rays) => format!(
+                        "{} rays start from {:.1} % of the pixels; dark: first in the list, light: last",
+                        rays.len(),
+                        100.0 * rays.len() as f64 / (f64::from(size[0]) * f64::from(size[1])),
+                    ),
+                    None => "no list is made: this method traces nothing, or nothing reflects"
+                        .to_owned(),
+                };
+                Ok((Pixels { size, rgba }, legend))
+            }
+            Look::Shadow(cast) => Ok(self.shadow(cast)?),
+        }
+    }
+
+    fn shadow(&self, cast: Cast) -> Result<(Pixels, String), GpuError> {
+        let (world, renderer) = (self.live.world(), self.live.renderer());
+        let read = |face| renderer.shadow_map(&self.gpu, world, cast.light, face);
+        let light = world.lights.get(cast.light);
+        let is_cube = light.is_some_and(|l| matches!(l.desc.kind, LightKind::Point { .. }));
+        let (size, distances, of) = if let (true, None) = (is_cube, cast.face) {
+            let mut faces = Vec::new();
+            for face in 0..CUBE_FACES.len() {
+                faces.extend(read(face)?.map(|(edge, map)| shrunk(edge, &map)));
+            }
+            let (size, cross) = unfolded(&faces);
+            (size, cross, "all six faces".to_owned())
+        } else {
+            let face = cast.face.unwrap_or(0);
+            let (edge, map) = read(face)?.unwrap_or((1, vec![f32::INFINITY]));
+            let of = match is_cube {
+                true => format!("the face to {}", CUBE_FACES[face]),
+                false => "the light's whole map".to_owned(),
+            };
+            ([edge; 2], map.into_iter().map(Some).collect(), of)
+        };
+        let known: Vec<f32> = distances.iter().copied().flatten().collect();
+        let legend = format!("{of}; {}", span(&known, "blue"));
+        let grays = aov::view(&Plane {
+            name: "shadow_map",
+            channels: &["Z"],
+            data: PlaneData::F32(known),
+        });
+        let mut grays = grays.chunks_exact(4);
+        let texel = |distance: &Option<f32>| match (distance, distance.and_then(|_| grays.next())) {
+            (Some(distance), _) if distance.is_infinite() => NO_CASTER,
+            (_, Some(gray)) => [gray[0], gray[1], gray[2], 255],
+            _ => [NOTHING, NOTHING, NOTHING, 255],
+        };
+        let rgba = distances.iter().flat_map(texel).collect();
+        Ok((Pixels { size, rgba }, legend))
+    }
+}
+
+/// What the colors of an AOV mean.
+fn meaning(aov: Aov, plane: &Plane) -> String {
+    let text = match (aov, &plane.data) {
+        (Aov::Depth | Aov::HitDistance, PlaneData::F32(distances)) => {
+            return span(distances, "black");
+        }
+        (Aov::Normal, _) => "red, green, blue: x, y, z from -1 to 1",
+        (Aov::Material, _) => "red: roughness, green: metallic, blue: reflectivity",
+        (Aov::Reflectance, _) => "black: 0, white: 1",
+        (Aov::Source | Aov::Cause, _) => "colors as in the panel's Reflections",
+        (Aov::Ids | Aov::HitIds, _) => "a color for each instance and triangle",
+        _ => "linear light, cut off at 1",
+    };
+    text.to_owned()
+}
+
+/// What the ends of a gray scale of distances are, and the color of nothing.
+fn span(distances: &[f32], nothing: &str) -> String {
+    let finite = distances.iter().filter(|distance| distance.is_finite());
+    let (least, most) = finite.fold((f32::INFINITY, 0.0_f32), |(least, most), distance| {
+        (least.min(*distance), most.max(*distance))
+    });
+    if least > most {
+        return "nothing is there".to_owned();
+    }
+    format!("white: {least:.2} m, black: {most:.2} m; nothing is {nothing}")
+}
+
+/// A square map no larger than [`FACE_PX`]: of each block the nearest.
+fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
+    let step = edge.div_ceil(FACE_PX).max(1);
+    let small = edge / step;
+    let nearest = |x: u32, y: u32| {
+        let rows = (y * step..(y + 1) * step).map(|y| (y * edge + x * step) as usize);
+        let blocks = rows.flat_map(|start| &map[start..start + step as usize]);
+        blocks.copied().fold(f32::INFINITY, f32::min)
+    };
+    let texels = (0..small).flat_map(|y| (0..small).map(move |x| (x, y)));
+    (small, texels.map(|(x, y)| nearest(x, y)).collect())
+}
+
+/// The faces of a cube side by side as a cross, and its size; `None` is beside them.
+fn unfolded(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
+    let edge = faces.first().map_or(1, |(edge, _)| *edge);
+    let size = [4 * edge, 3 * edge];
+    let mut cross = vec![None; (size[0] * size[1]) as usize];
+    for ((_, map), [left, top]) in faces.iter().zip(CROSS) {
+        for (row, y) in map.chunks_exact(edge as usize).zip(top * edge..) {
+            let start = (y * size[0] + left * edge) as usize;
+            for (to, distance) in cross[start..].iter_mut().zip(row) {
+                *to = Some(*distance);
+            }
+        }
+    }
+    (size, cross)
+}
+
+/// The picture, dim and gray, with the pixels that are traced in the order of the list.
+fn marked(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
+    let dim = |texel: &[u8]| {
+        let [r, g, b] = [0, 1, 2].map(|i| f32::from(texel[i]));
+        // Luma (ITU-R BT.709).
+        let gray = (DIMMED * (0.2126 * r + 0.7152 * g + 0.0722 * b)) as u8;
+        [gray, gray, gray, 255]
+    };
+    let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
+    let last = rays.len().saturating_sub(1).max(1) as f32;
+    let values: Vec<f32> = (0..rays.len())
+        .map(|i| FIRST + (1.0 - FIRST) * i as f32 / last)
+        .collect();
+    for ([x, y], color) in rays.iter().zip(flip::heat(&values).chunks_exact(3)) {
+        let at = 4 * (y * size[0] + x) as usize;
+        if let Some(texel) = rgba.get_mut(at..at + 3) {
+            texel.copy_from_slice(color);
+        }
+    }
+    rgba
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_map_keeps_the_nearest_of_each_block() {
+        let edge = 2 * FACE_PX;
+        let mut map = vec![f32::INFINITY; (edge * edge) as usize];
+        map[(3 * edge + 5) as usize] = 2.0;
+        map[(2 * edge + 4) as usize] = 7.0;
+        let (small, shrunk) = shrunk(edge, &map);
+        assert_eq!(small, FACE_PX);
+        let found: Vec<_> = (shrunk.iter().enumerate())
+            .filter(|(_, distance)| distance.is_finite())
+            .collect();
+        assert_eq!(found, [((FACE_PX + 2) as usize, &2.0)]);
+    }
+
+    #[test]
+    fn an_unfolded_cube_shows_each_face_once() {
+        let faces: Vec<_> = (0..6).map(|face| (2, vec![face as f32; 4])).collect();
+        let (size, cross) = unfolded(&faces);
+        assert_eq!(size, [8, 6]);
+        for (face, [left, top]) in CROSS.into_iter().enumerate() {
+            let at = (2 * top * size[0] + 2 * left) as usize;
+            assert_eq!(cross[at], Some(face as f32));
+            assert_eq!(cross[at + 1 + size[0] as usize], Some(face as f32));
+        }
+        assert_eq!(cross.iter().flatten().count(), 24);
+    }
+
+    #[test]
+    fn rays_are_seen_where_they_start_from_dark_to_light() {
+        let display = vec![200; 4 * 12];
+        let rgba = marked([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
+        let sum = |x: usize, y: usize| -> u32 {
+            let at = 4 * (4 * y + x);
+            rgba[at..at + 3].iter().map(|v| u32::from(*v)).sum()
+        };
+        assert_eq!(sum(0, 0), 3 * 60, "the picture, dimmed");
+        assert!(sum(3, 1) < sum(0, 2) && sum(0, 2) < sum(1, 0));
+        assert!(rgba.iter().skip(3).step_by(4).all(|alpha| *alpha == 255));
+    }
+
+    #[test]
+    fn the_ends_of_a_scale_are_told() {
+        let text = span(&[f32::INFINITY, 2.5, 1.25], "blue");
+        assert_eq!(text, "white: 1.25 m, black: 2.50 m; nothing is blue");
+        assert_eq!(span(&[f32::INFINITY], "blue"), "nothing is there");
+    }
+}

@@ -1,0 +1,275 @@
+//! Painting the picture area: the sides in their own shapes, the outline of the selection, the line
+//! of the wipe, and what is written over the picture.
+
+use eframe::egui::{
+    self, Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Ui, UiBuilder, pos2, vec2,
+};
+
+use super::{
+    canvas::Canvas,
+    drawn::{CROSS, NOTHING},
+    facts::{Judged, Side},
+    mistakes::place_of,
+    panels::method_name,
+    plot,
+    window::Window,
+};
+use crate::{
+    bench::metric::Scores,
+    render::looks::CUBE_FACES,
+    scene::{desc::Method, diagnostic::Diagnostic},
+};
+
+/// Widest that something written over the picture may be, points.
+const CHIP: f32 = 360.0;
+/// Below the names of a wipe's sides.
+const BELOW_NAMES: f32 = 44.0;
+
+/// Something painted, in a part of the picture area.
+pub(super) struct Layer {
+    canvas: Canvas,
+    /// Its width and height, or those that a draft stands for.
+    pub(super) shape: [u32; 2],
+    /// Whether its pixels are the camera's.
+    pub(super) is_of_camera: bool,
+    /// Whether it is an unfolded cube.
+    is_cross: bool,
+    clip: Rect,
+}
+
+/// Where a picture of this shape is shown: as large as fits. What was drawn for this area fills it,
+/// though pictures have whole pixels.
+pub(super) fn fit(rect: Rect, size: [u32; 2]) -> Rect {
+    let size = vec2(size[0].max(1) as f32, size[1].max(1) as f32);
+    let pixels_per_point = (size / rect.size()).max_elem();
+    let off = rect.width() * size.y - rect.height() * size.x;
+    // Half a pixel on each side.
+    if off.abs() * pixels_per_point <= 0.5 * (size.x + size.y) {
+        return rect;
+    }
+    let scale = (rect.size() / size).min_elem();
+    Rect::from_center_size(rect.center(), size * scale)
+}
+
+/// Writes on the faces of an unfolded cube where they look.
+fn name_faces(painter: &Painter, place: Rect) {
+    let face = place.size() / vec2(4.0, 3.0);
+    for (name, [left, top]) in CUBE_FACES.into_iter().zip(CROSS) {
+        let at = place.min + face * vec2(left as f32 + 0.5, top as f32 + 1.0) - vec2(0.0, 4.0);
+        let font = FontId::proportional(13.0);
+        let text = painter.layout_no_wrap(name.to_owned(), font, Color32::WHITE);
+        let back = Align2::CENTER_BOTTOM.anchor_size(at, text.size());
+        painter.rect_filled(back.expand(2.0), 3.0, Color32::from_black_alpha(140));
+        painter.galley(back.min, text, Color32::WHITE);
+    }
+}
+
+impl Window {
+    /// The error map, if it is shown.
+    pub(super) fn heat(&self) -> Option<&Judged> {
+        self.judged.as_ref().filter(|_| self.choice.heat)
+    }
+
+    /// What is shown, from left to right.
+    fn layers(&self, rect: Rect) -> Vec<Layer> {
+        let Some(shown) = &self.shown else {
+            return Vec::new();
+        };
+        let line = rect.left() + rect.width() * self.choice.wipe_at;
+        let is_wiped = self.choice.wipe && shown.sides.len() > 1;
+        let mut layers = Vec::new();
+        for (index, side) in shown.sides.iter().enumerate() {
+            let heat = self.heat().filter(|_| index == 0);
+            let x = match (is_wiped, index) {
+                (false, 0) => rect.x_range(),
+                (true, 0) => (rect.left()..=line).into(),
+                (true, _) => (line..=rect.right()).into(),
+                (false, _) => continue,
+            };
+            let (canvas, shape) = match heat {
+                Some(judged) => (&judged.heat, judged.view.size),
+                None if side.look.is_of_camera() => (&side.canvas, shown.size),
+                None => (&side.canvas, side.canvas.size),
+            };
+            layers.push(Layer {
+                canvas: canvas.clone(),
+                shape,
+                is_of_camera: side.look.is_of_camera() || heat.is_some(),
+                is_cross: heat.is_none() && side.look.is_cross(&self.facts.casters),
+                clip: Rect::from_x_y_ranges(x, rect.y_range()),
+            });
+        }
+        layers
+    }
+
+    /// What is shown at a point.
+    pub(super) fn layer_at(&self, at: Pos2, rect: Rect) -> Option<Layer> {
+        let mut layers = self.layers(rect).into_iter();
+        layers.find(|layer| layer.clip.contains(at))
+    }
+
+    pub(super) fn paint(&mut self, ui: &Ui, frame: &eframe::Frame, rect: Rect) {
+        let back = Color32::from_gray(NOTHING);
+        ui.painter().rect_filled(rect, 0.0, back);
+        let layers = self.layers(rect);
+        let outline = self.picked.as_ref().and_then(|p| p.outline.clone());
+        let canvases = layers.iter().map(|layer| &layer.canvas).chain(&outline);
+        let canvases: Vec<Canvas> = canvases.cloned().collect();
+        self.register(frame, &canvases);
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        for layer in &layers {
+            let painter = ui.painter().with_clip_rect(layer.clip);
+            let place = fit(rect, layer.shape);
+            let lines = outline.iter().filter(|_| layer.is_of_camera);
+            for canvas in std::iter::once(&layer.canvas).chain(lines) {
+                if let Some(texture) = self.textures.get(&canvas.number) {
+                    painter.image(*texture, place, whole, Color32::WHITE);
+                }
+            }
+            if layer.is_cross {
+                name_faces(&painter, place);
+            }
+        }
+    }
+
+    /// Makes the window's renderer know exactly these canvases.
+    fn register(&mut self, frame: &eframe::Frame, canvases: &[Canvas]) {
+        let Some(state) = frame.wgpu_render_state() else {
+            return;
+        };
+        let mut renderer = state.renderer.write();
+        self.textures.retain(|number, texture| {
+            let is_used = canvases.iter().any(|canvas| canvas.number == *number);
+            if !is_used {
+                renderer.free_texture(texture);
+            }
+            is_used
+        });
+        for canvas in canvases {
+            self.textures.entry(canvas.number).or_insert_with(|| {
+                renderer.register_native_texture(
+                    &state.device,
+                    &canvas.view,
+                    wgpu::FilterMode::Linear,
+                )
+            });
+        }
+    }
+
+    /// The line between the two sides; whether it is being dragged.
+    pub(super) fn wipe_line(&mut self, ui: &Ui, rect: Rect) -> bool {
+        let x = rect.left() + rect.width() * self.choice.wipe_at;
+        let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
+        let line = ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag());
+        let line = line.on_hover_cursor(egui::CursorIcon::ResizeHorizontal);
+        if line.dragged() && rect.width() > 0.0 {
+            let at = self.choice.wipe_at + line.drag_delta().x / rect.width();
+            self.choice.wipe_at = at.clamp(0.0, 1.0);
+        }
+        let is_held = line.hovered() || line.dragged();
+        let color = Color32::from_white_alpha(if is_held { 255 } else { 160 });
+        ui.painter()
+            .vline(x, rect.y_range(), egui::Stroke::new(1.5, color));
+        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.look.name());
+        let left = match self.heat() {
+            Some(_) => "error map".to_owned(),
+            None => name(&self.choice.a),
+        };
+        for (label, anchor, dx) in [
+            (left, Align2::RIGHT_TOP, -8.0),
+            (name(&self.choice.b), Align2::LEFT_TOP, 8.0),
+        ] {
+            let at = pos2(x + dx, rect.top() + 8.0);
+            let font = FontId::proportional(13.0);
+            let painter = ui.painter();
+            let text = painter.layout_no_wrap(label, font, Color32::WHITE);
+            let place = anchor.anchor_size(at, text.size());
+            painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(140));
+            painter.galley(place.min, text, Color32::WHITE);
+        }
+        is_held
+    }
+
+    /// What the colors of the picture mean, and what is selected.
+    pub(super) fn captions(&self, ui: &mut Ui, rect: Rect) {
+        let shown = self.shown.iter().flat_map(|shown| &shown.sides);
+        let first = usize::from(self.heat().is_some());
+        let legends = shown.skip(first).filter(|side| !side.legend.is_empty());
+        let legends: Vec<_> =
+            (legends.map(|side| (side.look.name(), side.legend.as_str()))).collect();
+        if legends.is_empty() && self.heat().is_none() && self.picked.is_none() {
+            return;
+        }
+        let below = if self.choice.wipe { BELOW_NAMES } else { 8.0 };
+        let place = Rect::from_min_size(rect.min + vec2(8.0, below), vec2(CHIP, 0.0));
+        let mut child = ui.new_child(UiBuilder::new().max_rect(place.intersect(rect)));
+        // Drags go to the picture below.
+        child.style_mut().interaction.selectable_labels = false;
+        let back = egui::Frame::new().fill(Color32::from_black_alpha(190));
+        back.inner_margin(6)
+            .corner_radius(4)
+            .show(&mut child, |ui| {
+                if let Some(judged) = self.heat() {
+                    error_map(ui, judged.view.a.method, &judged.scores);
+                }
+                for (name, legend) in legends {
+                    ui.strong(name);
+                    ui.label(legend);
+                }
+                if let Some(picked) = &self.picked {
+                    let material = self.facts.materials.get(picked.material);
+                    let material = material.map_or("", |row| row.name.as_str());
+                    selection(ui, &picked.label, material, picked.outline.is_some());
+                }
+            });
+    }
+}
+
+/// What is selected.
+fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
+    ui.strong(label);
+    ui.label(format!("material {material}"));
+    if !is_seen {
+        ui.label("not seen from here");
+    }
+    ui.weak("F frames it, Esc lets go");
+}
+
+/// What the error map shows: metric, scale and number.
+fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
+    let method = method_name(method);
+    ui.strong(format!("error map: FLIP of {method} against rt"));
+    if scores.max_difference == 0.0 {
+        ui.label("identical: no pixel differs, so all of it is black");
+    } else {
+        let (mean, most) = (scores.flip_mean, scores.flip_p99);
+        ui.label(format!(
+            "mean {mean:.4}; 99 % of the pixels up to {most:.4}"
+        ));
+    }
+    plot::heat_scale(ui);
+}
+
+/// Why the picture is empty.
+pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
+    egui::Area::new(egui::Id::unique("reflet nothing"))
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(rect.center())
+        .show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width((rect.width() - 32.0).clamp(40.0, 1.25 * CHIP));
+                ui.strong("Nothing stands in this scene");
+                for warning in warnings {
+                    let place = place_of(warning).map_or(String::new(), |p| format!("{p}: "));
+                    ui.label(format!("{place}{}", warning.message));
+                    if let Some(help) = &warning.help {
+                        ui.weak(help);
+                    }
+                }
+            });
+        });
+}
+
+#[cfg(test)]
+#[path = "paint_tests.rs"]
+mod tests;

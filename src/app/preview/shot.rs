@@ -1,0 +1,134 @@
+//! F12: what is shown as a file: both sides of a wipe with its line, the error map. Labels and the
+//! outline of the selection belong to the window and are left out.
+
+use super::{
+    desk::free_name,
+    drawn::{NOTHING, Pixels},
+    facts::{Report, Shot, Side, View},
+    worker::State,
+};
+use crate::{app::output, files::write_whole};
+
+/// Width of the line between the sides, pixels.
+const LINE_PX: u32 = 2;
+
+impl State {
+    /// Writes what is shown and says where.
+    pub(super) fn shoot(&mut self, view: &View, shot: &Shot) {
+        let path = free_name(&shot.folder, &shot.stem);
+        let said = match self.shot(view, shot) {
+            Ok(png) => match write_whole(&path, &png) {
+                Ok(()) => format!("wrote {}", path.display()),
+                Err(error) => format!("cannot write {}: {error}", path.display()),
+            },
+            Err(error) => format!("no screenshot: {error}"),
+        };
+        self.tell(Report::Note(said));
+    }
+
+    /// Everything at full size, also while something moves.
+    fn shot(&mut self, view: &View, shot: &Shot) -> Result<Vec<u8>, String> {
+        let view = View {
+            draft_ms: None,
+            ..view.clone()
+        };
+        let heat = self.heat.as_ref().filter(|_| shot.heat);
+        let left = match heat.map(|(_, pixels)| pixels.clone()) {
+            Some(pixels) => pixels,
+            None => self.side(view.a, &view)?,
+        };
+        let whole = match view.b {
+            None => left,
+            Some(b) => {
+                let right = self.side(b, &view)?;
+                let size = if left.size == right.size {
+                    left.size
+                } else {
+                    self.live.renderer().targets().size
+                };
+                wiped(&left, &right, shot.wipe_at, size)
+            }
+        };
+        output::encode_png(whole.size, &whole.rgba, None)
+    }
+
+    fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {
+        let rendered = self.render(view, side.method);
+        rendered.map_err(|error| error.to_string())?;
+        let (pixels, _) = (self.pixels(side.look, view)).map_err(|error| error.to_string())?;
+        Ok(pixels)
+    }
+}
+
+/// The left side up to the line, the right one from there; each as large as fits with its own shape.
+fn wiped(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
+    let line = (at.clamp(0.0, 1.0) * size[0] as f32).round() as u32;
+    let line_x = line.saturating_sub(LINE_PX / 2)..line + LINE_PX / 2;
+    let texel = |x: u32, y: u32| {
+        if line_x.contains(&x) {
+            return [255; 4];
+        }
+        let of = if x < line { left } else { right };
+        sample(of, [x, y], size)
+    };
+    let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+    Pixels {
+        size,
+        rgba: pixels.flat_map(|(x, y)| texel(x, y)).collect(),
+    }
+}
+
+/// The texel that is nearest to a pixel of a picture of this size that `of` fills as far as it can.
+fn sample(of: &Pixels, pixel: [u32; 2], size: [u32; 2]) -> [u8; 4] {
+    let scale = [0, 1]
+        .map(|axis| size[axis] as f32 / of.size[axis].max(1) as f32)
+        .into_iter()
+        .fold(f32::INFINITY, f32::min);
+    let [x, y] = [0, 1].map(|axis| {
+        let free = size[axis] as f32 - of.size[axis] as f32 * scale;
+        ((pixel[axis] as f32 + 0.5 - 0.5 * free) / scale).floor()
+    });
+    let is_there = x >= 0.0 && y >= 0.0 && x < of.size[0] as f32 && y < of.size[1] as f32;
+    let at = 4 * (y as usize * of.size[0] as usize + x as usize);
+    let texel = of.rgba.get(at..at + 4).filter(|_| is_there);
+    texel.map_or([NOTHING, NOTHING, NOTHING, 255], |texel| {
+        [texel[0], texel[1], texel[2], texel[3]]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain(size: [u32; 2], gray: u8) -> Pixels {
+        Pixels {
+            size,
+            rgba: vec![gray; 4 * (size[0] * size[1]) as usize],
+        }
+    }
+
+    fn reds(pixels: &Pixels, y: u32) -> Vec<u8> {
+        let [width, _] = pixels.size;
+        let row = (y * width) as usize..((y + 1) * width) as usize;
+        row.map(|i| pixels.rgba[4 * i]).collect()
+    }
+
+    #[test]
+    fn both_sides_and_the_line_are_written() {
+        let (left, right) = (plain([8, 2], 10), plain([8, 2], 90));
+        let whole = wiped(&left, &right, 0.5, [8, 2]);
+        assert_eq!(reds(&whole, 1), [10, 10, 10, 255, 255, 90, 90, 90]);
+        assert_eq!(reds(&wiped(&left, &right, 0.0, [8, 2]), 0)[1..], [90; 7]);
+        assert_eq!(reds(&wiped(&left, &right, 1.0, [8, 2]), 0)[..7], [10; 7]);
+    }
+
+    #[test]
+    fn a_side_of_another_shape_keeps_it() {
+        let mut left = plain([2, 2], 10);
+        left.rgba[..4].copy_from_slice(&[77; 4]);
+        let whole = wiped(&left, &plain([8, 4], 90), 0.999, [8, 4]);
+        // Four pixels wide in the middle, twice as large.
+        assert_eq!(reds(&whole, 0)[..7], [16, 16, 77, 77, 10, 10, 16]);
+        assert_eq!(reds(&whole, 3)[..7], [16, 16, 10, 10, 10, 10, 16]);
+    }
+}

@@ -1,0 +1,58 @@
+//! The column beside the picture: everything about the scene and its last picture, below each other.
+
+use std::iter;
+
+use eframe::egui::{self, Ui};
+
+use super::{
+    facts::{Judged, Task},
+    materials, messages,
+    navigate::as_text,
+    panels::{self, Wish},
+    tuning,
+    window::Window,
+};
+
+impl Window {
+    /// The camera as scene text, under a name that the scene does not have.
+    pub(super) fn camera_text(&self) -> String {
+        let is_free = |name: &String| self.facts.cameras.iter().all(|(known, _)| known != name);
+        let names = (2..).map(|number| format!("copied{number}"));
+        let name = iter::once("copied".to_owned()).chain(names).find(is_free);
+        as_text(&name.unwrap_or_default(), &self.navigator.camera)
+    }
+
+    pub(super) fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+        let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
+        area.show(ui, |ui| {
+            // Beside the scroll bar.
+            ui.set_max_width(ui.available_width() - 8.0);
+            // First what is dragged: nothing above it changes its height by itself.
+            if tuning::params(ui, &self.facts.declared, &mut self.knobs) {
+                wishes.push(Wish::Tune(self.knobs.tuned.clone()));
+            }
+            let before = self.choice.material;
+            let picked = self.picked.as_ref();
+            materials::panel(ui, &mut self.choice, &self.facts, picked, wishes);
+            if self.choice.material != before && picked.is_some() {
+                self.worker.desk.ask(Task::Unpick);
+            }
+            let is_old = match (&self.judged, &self.asked) {
+                (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
+                _ => false,
+            };
+            let judged = (self.judged.as_ref()).map(|j| (j.view.a.method, &j.scores));
+            panels::judged(ui, judged, is_old, &mut self.choice);
+            let shown = self.shown.as_ref().and_then(|shown| shown.sides.first());
+            if let Some(side) = shown {
+                panels::shares(ui, &side.stats, &self.history);
+                panels::times(ui, &side.stats, &self.history);
+            }
+            messages::log(ui, &self.facts.log);
+            messages::scene(ui, &self.facts);
+            egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
+                ui.monospace(self.camera_text());
+            });
+        });
+    }
+}

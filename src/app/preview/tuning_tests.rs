@@ -1,0 +1,187 @@
+//! The parameters without a window: each kind has its control, and values that do not work are told
+//! from those that are shown.
+
+use eframe::egui::accesskit::Role;
+use egui_kittest::{
+    Harness,
+    kittest::{NodeT as _, Queryable as _},
+};
+
+use super::*;
+use crate::{app::live::Problems, scene::diagnostic::Diagnostic};
+
+#[derive(Default)]
+struct State {
+    declared: Declared,
+    knobs: Knobs,
+    asked: Vec<Tuned>,
+}
+
+fn harness<'a>() -> Harness<'a, State> {
+    let draw = |ui: &mut Ui, state: &mut State| {
+        if params(ui, &state.declared, &mut state.knobs) {
+            state.asked.push(state.knobs.tuned.clone());
+        }
+    };
+    Harness::builder()
+        .with_size(egui::vec2(320.0, 700.0))
+        .build_ui_state(draw, State::default())
+}
+
+fn click(harness: &mut Harness<'_, State>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run();
+}
+
+#[test]
+fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
+    let mut harness = harness();
+    assert!(harness.query_by_label("Script parameters").is_none());
+    let declared = [
+        ("count", ParamValue::Integer(31)),
+        ("speed", ParamValue::Number(0.5)),
+        ("night", ParamValue::Switch(false)),
+        ("word", ParamValue::Text("walk".into())),
+        ("at", ParamValue::Numbers(vec![1.0, -2.0])),
+    ];
+    let declared = declared.map(|(name, value)| (name.to_owned(), value));
+    harness.state_mut().declared = declared.into();
+    harness.run();
+    assert!(harness.state().asked.is_empty(), "looking changes nothing");
+    click(&mut harness, "night");
+    let field = harness.get_by_role(Role::TextInput);
+    field.focus();
+    field.type_text("er");
+    harness.run();
+    let count = harness.get_all_by_role(Role::Slider).next();
+    count.expect("a slider").set_value_accesskit(62.0);
+    harness.run();
+    let settings = harness.state().knobs.tuned.settings();
+    assert_eq!(settings.len(), 3, "{settings:?}");
+    assert!(
+        settings.contains(&"params.night=true".to_owned()),
+        "{settings:?}"
+    );
+    assert!(
+        settings.contains(&"params.count=62".to_owned()),
+        "{settings:?}"
+    );
+    assert_eq!(
+        harness.state().asked.last(),
+        Some(&harness.state().knobs.tuned)
+    );
+    click(&mut harness, "reset");
+    assert!(harness.state().knobs.tuned.is_empty());
+}
+
+/// Two parameters; the values `count = 60` and `speed = 2` were asked for, and before these `stays`.
+fn two<'a>() -> (Harness<'a, State>, Declared, Tuned) {
+    let declared: Declared = vec![
+        ("count".to_owned(), ParamValue::Integer(31)),
+        ("speed".to_owned(), ParamValue::Number(0.5)),
+    ];
+    let mut stays = Tuned::default();
+    stays.set("count", ParamValue::Integer(40), &declared[0].1);
+    let mut harness = harness();
+    let state = harness.state_mut();
+    state.declared.clone_from(&declared);
+    state.knobs.tuned = stays.clone();
+    let set = |knobs: &mut Knobs, name: &str, value| {
+        let own = declared.iter().find(|(known, _)| known == name);
+        knobs.set(name, value, &own.expect("is declared").1);
+    };
+    set(&mut state.knobs, "count", ParamValue::Integer(60));
+    set(&mut state.knobs, "speed", ParamValue::Number(2.0));
+    (harness, declared, stays)
+}
+
+fn refusal(value: i64, stays: &Tuned) -> Refusal {
+    let why = Diagnostic::in_file("script", "walk.rhai".as_ref(), "at most 50 fit");
+    Refusal {
+        values: vec![("count".to_owned(), ParamValue::Integer(value))],
+        stays: stays.clone(),
+        why: Problems {
+            scene: vec![why.help("make the hall longer")],
+            ..Problems::default()
+        },
+    }
+}
+
+#[test]
+fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
+    let (mut harness, declared, stays) = two();
+    let state = harness.state_mut();
+    state.knobs.refuse(refusal(60, &stays), &declared);
+    // What else was chosen goes on.
+    assert_eq!(
+        state.knobs.tuned.settings(),
+        ["params.speed=2.0", "params.count=40"]
+    );
+    harness.run();
+    let is_marked = |harness: &Harness<'_, State>| {
+        let mut marked = harness.query_all_by_label("count (refused)");
+        marked.next().is_some()
+    };
+    assert!(is_marked(&harness));
+    for label in [
+        "refused: count = 60; the picture has count = 40",
+        "at most 50 fit",
+        "walk.rhai",
+        "help: make the hall longer",
+    ] {
+        harness.get_by_label(label);
+    }
+    let slider = harness.get_all_by_role(Role::Slider).next();
+    let shown = slider.expect("a slider").accesskit_node().numeric_value();
+    assert_eq!(shown, Some(60.0));
+    assert!(harness.state().asked.is_empty(), "marking asks for nothing");
+    // A save of the scene is no new chance for it, nor another parameter.
+    harness.state_mut().knobs.keep_what_fits(&declared);
+    let speed = harness.get_all_by_role(Role::Slider).last();
+    speed.expect("a slider").set_value_accesskit(1.0);
+    harness.run();
+    let asked = harness.state().asked.last().expect("asks").settings();
+    assert_eq!(asked, ["params.count=40", "params.speed=1.0"]);
+    assert!(is_marked(&harness));
+    click(&mut harness, "try again");
+    let asked = harness.state().asked.last().expect("asks").settings();
+    assert_eq!(asked, ["params.speed=1.0", "params.count=60"]);
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
+}
+
+#[test]
+fn a_refused_value_is_taken_back_moved_on_or_reset() {
+    let (mut harness, declared, stays) = two();
+    let knobs = &mut harness.state_mut().knobs;
+    knobs.refuse(refusal(55, &stays), &declared);
+    assert!(knobs.refused.is_empty(), "the slider has moved on");
+    knobs.refuse(refusal(60, &stays), &declared);
+    let marked = knobs.clone();
+    harness.run();
+    click(&mut harness, "take back");
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
+    assert!(harness.state().asked.is_empty(), "it was not in force");
+    harness.state_mut().knobs = marked.clone();
+    harness.run();
+    let count = harness.get_all_by_role(Role::Slider).next();
+    count.expect("a slider").set_value_accesskit(45.0);
+    harness.run();
+    assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
+    let asked = harness.state().asked.last().expect("asks").settings();
+    assert_eq!(asked, ["params.speed=2.0", "params.count=45"]);
+    harness.state_mut().knobs = marked.clone();
+    harness.run();
+    click(&mut harness, "reset");
+    assert_eq!(harness.state().knobs, Knobs::default());
+    // Written in the scene it is in force.
+    let mut written = marked;
+    written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
+    assert_eq!(
+        written.refused("count"),
+        Some(&ParamValue::Integer(60)),
+        "over it are 40"
+    );
+    written.tuned = Tuned::default();
+    written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
+    assert_eq!(written, Knobs::default());
+}

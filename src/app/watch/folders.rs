@@ -1,0 +1,199 @@
+//! The folders that the system is asked to watch: which it does, which do not exist yet, and which
+//! it refuses and why. What is refused is asked for again, less and less often.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    io,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use notify::{ErrorKind, RecursiveMode};
+
+/// What tells the system's events.
+pub type System = Box<dyn notify::Watcher + Send>;
+/// Asks the system for that.
+pub type Start = Box<dyn FnMut() -> notify::Result<System> + Send>;
+
+/// After a refusal the system is asked again after this long…
+const FIRST_PAUSE: Duration = Duration::from_millis(250);
+/// …then twice as long each time, up to this.
+const MOST_PAUSE: Duration = Duration::from_secs(8);
+
+/// Something that the system has refused.
+#[derive(Debug)]
+struct Refusal {
+    why: String,
+    pause: Duration,
+    again: Instant,
+}
+
+impl Refusal {
+    fn new(why: String, before: Option<&Self>) -> Self {
+        let pause = before.map_or(FIRST_PAUSE, |old| (2 * old.pause).min(MOST_PAUSE));
+        Self {
+            why,
+            pause,
+            again: Instant::now() + pause,
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        Instant::now() >= self.again
+    }
+}
+
+#[derive(Debug)]
+enum Folder {
+    Watched,
+    /// There is none, so nothing can be saved in it.
+    Missing,
+    Refused(Refusal),
+}
+
+/// The folders, by what they are called.
+pub struct Folders {
+    start: Start,
+    system: Result<System, Refusal>,
+    folders: BTreeMap<PathBuf, Folder>,
+}
+
+impl Folders {
+    /// None yet.
+    pub fn new(mut start: Start) -> Self {
+        let system = start().map_err(|error| Refusal::new(no_system(&error), None));
+        Self {
+            start,
+            system,
+            folders: BTreeMap::new(),
+        }
+    }
+
+    /// Watches these and no others, as far as the system does; whether any was added.
+    pub fn watch(&mut self, wanted: &BTreeSet<PathBuf>) -> bool {
+        if let Err(refusal) = &self.system
+            && refusal.is_due()
+        {
+            let again = (self.start)();
+            self.system = again.map_err(|error| Refusal::new(no_system(&error), Some(refusal)));
+        }
+        let (kept, gone) = std::mem::take(&mut self.folders)
+            .into_iter()
+            .partition::<BTreeMap<_, _>, _>(|(folder, _)| wanted.contains(folder));
+        self.folders = kept;
+        let Ok(system) = &mut self.system else {
+            return false;
+        };
+        for (folder, state) in gone {
+            if matches!(state, Folder::Watched) {
+                let _ = system.unwatch(&folder);
+            }
+        }
+        let mut added = false;
+        for folder in wanted {
+            let before = match self.folders.get(folder) {
+                Some(Folder::Watched) => continue,
+                Some(Folder::Refused(refusal)) if !refusal.is_due() => continue,
+                Some(Folder::Refused(refusal)) => Some(refusal),
+                Some(Folder::Missing) | None => None,
+            };
+            let state = match system.watch(folder, RecursiveMode::NonRecursive) {
+                Ok(()) => Folder::Watched,
+                Err(_) if !folder.is_dir() => Folder::Missing,
+                Err(error) => Folder::Refused(Refusal::new(not_watched(&error, folder), before)),
+            };
+            added |= matches!(state, Folder::Watched);
+            self.folders.insert(folder.clone(), state);
+        }
+        added
+    }
+
+    /// Gives up every watch: a folder that goes away takes its watch along, also when another takes
+    /// its name.
+    pub fn forget(&mut self) {
+        let Ok(system) = &mut self.system else { return };
+        for (folder, state) in &mut self.folders {
+            if matches!(state, Folder::Watched) {
+                let _ = system.unwatch(folder);
+                *state = Folder::Missing;
+            }
+        }
+    }
+
+    /// Whether it is one of them.
+    pub fn contains(&self, folder: &Path) -> bool {
+        self.folders.contains_key(folder)
+    }
+
+    /// Whether nothing tells what happens in some of them.
+    pub fn is_incomplete(&self) -> bool {
+        let is_watched = |state: &Folder| matches!(state, Folder::Watched);
+        self.system.is_err() || !self.folders.values().all(is_watched)
+    }
+
+    /// Whether files in it can change though nothing tells.
+    pub fn is_silent(&self, folder: &Path) -> bool {
+        self.system.is_err() || matches!(self.folders.get(folder), Some(Folder::Refused(_)))
+    }
+
+    /// What the system refuses, and what to do about it.
+    pub fn trouble(&self) -> Option<String> {
+        const MEANWHILE: &str = "meanwhile they are looked at four times a second";
+        if let Err(refusal) = &self.system {
+            return Some(format!("{}; {MEANWHILE}", refusal.why));
+        }
+        let mut refused = self.folders.values().filter_map(|state| match state {
+            Folder::Refused(refusal) => Some(refusal),
+            _ => None,
+        });
+        let first = refused.next()?;
+        let others = match refused.count() {
+            0 => String::new(),
+            1 => " (and of another folder)".to_owned(),
+            more => format!(" (and of {more} other folders)"),
+        };
+        Some(format!("{}{others}; {MEANWHILE}", first.why))
+    }
+}
+
+/// Why nothing can be watched.
+fn no_system(error: &notify::Error) -> String {
+    let (why, what) = match &error.kind {
+        // EMFILE: of the user's watchers, or of the process's open files.
+        ErrorKind::Io(error) if cfg!(target_os = "linux") && error.raw_os_error() == Some(24) => (
+            "too many programs watch files already".to_owned(),
+            "close some, or raise the limit: `sudo sysctl fs.inotify.max_user_instances=1024`",
+        ),
+        _ => (cause(error), "the system's log may say more"),
+    };
+    format!("the system does not tell of saved files: {why}; {what}")
+}
+
+/// Why a folder is not watched.
+fn not_watched(error: &notify::Error, folder: &Path) -> String {
+    let folder = folder.display();
+    let (why, what) = match &error.kind {
+        ErrorKind::MaxFilesWatch => (
+            "its limit of watched folders is reached".to_owned(),
+            "raise it: `sudo sysctl fs.inotify.max_user_watches=1048576`".to_owned(),
+        ),
+        ErrorKind::Io(error) if error.kind() == io::ErrorKind::PermissionDenied => (
+            "the folder may not be listed".to_owned(),
+            format!("allow it: `chmod u+r {folder}`"),
+        ),
+        _ => (
+            cause(error),
+            "if it stays so, move the scene to a disk of this machine".to_owned(),
+        ),
+    };
+    format!("the system does not tell of files saved in {folder}: {why}; {what}")
+}
+
+/// Without the paths that the whole error repeats.
+fn cause(error: &notify::Error) -> String {
+    match &error.kind {
+        ErrorKind::Io(error) => error.to_string(),
+        ErrorKind::Generic(text) => text.clone(),
+        _ => error.to_string(),
+    }
+}

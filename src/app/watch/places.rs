@@ -1,0 +1,52 @@
+//! What a file's name means: its own place and the links on the way to it.
+
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
+
+/// Links in a row before a path is given up; as in Linux.
+const MOST_LINKS: u32 = 40;
+
+/// Without links, or at least absolute.
+pub fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize()
+        .or_else(|_| std::path::absolute(path))
+        .unwrap_or_else(|_| path.to_owned())
+}
+
+/// The file's own place and those of the links on the way to it, each with a folder that is no link.
+pub fn places(name: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());
+    for _ in 0..MOST_LINKS {
+        let Some((link, after)) = first_link(&rest) else {
+            found.push(rest);
+            return found;
+        };
+        let target = fs::read_link(&link).unwrap_or_default();
+        let folder = link.parent().unwrap_or(Path::new("/"));
+        rest = folder.join(target).join(after);
+        found.push(link);
+    }
+    found
+}
+
+/// The first link of an absolute path, and what follows it.
+fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
+    let mut before = PathBuf::new();
+    let mut parts = path.components();
+    while let Some(part) = parts.next() {
+        match part {
+            Component::ParentDir => {
+                before.pop();
+            }
+            Component::CurDir => {}
+            part => before.push(part),
+        }
+        if before.is_symlink() {
+            return Some((before, parts.as_path().to_owned()));
+        }
+    }
+    None
+}

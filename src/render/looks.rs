@@ -1,0 +1,178 @@
+//! What passes leave beside the targets, for eyes: shadow maps as distances, and the ray list.
+
+use glam::Mat4;
+
+use crate::{
+    gpu::{
+        Gpu, GpuError,
+        readback::{read_buffer, read_texture_layer, values},
+    },
+    scene::desc::{LightKind, ShadowMode},
+    world::{Light, World},
+};
+
+use super::{Renderer, lights::SHADOW_NEAR_M, passes::compact::RAY_COUNTER};
+
+/// Faces of a cube map in their order: the axes that they look along.
+pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+
+/// How many maps the shadow of a light takes: six faces for a point light, one for the others, none
+/// where it is found otherwise.
+pub fn shadow_faces(light: &Light) -> usize {
+    match (light.desc.shadow, &light.desc.kind) {
+        (ShadowMode::Map, LightKind::Point { .. }) => CUBE_FACES.len(),
+        (ShadowMode::Map, _) => 1,
+        _ => 0,
+    }
+}
+
+/// Meters along the map's axis of a stored depth: from a point or spot light, or from the near side
+/// of the box that a directional light's map spans. Infinite where nothing casts.
+fn distance_m(kind: &LightKind, clip_from_world: &Mat4, depth: f32) -> f32 {
+    if depth <= 0.0 {
+        return f32::INFINITY;
+    }
+    match kind {
+        LightKind::Directional { .. } => {
+            let depth_per_m = clip_from_world.row(2).truncate().length();
+            (1.0 - depth) / depth_per_m
+        }
+        LightKind::Point { .. } | LightKind::Spot { .. } => SHADOW_NEAR_M / depth,
+    }
+}
+
+impl Renderer {
+    /// One face of a light's shadow map as the last picture drew it: pixels of its edge, and for
+    /// each texel the distance in meters along the map's axis, rows from the top. `None` where the
+    /// light has no such map.
+    ///
+    /// # Errors
+    /// What reading back says.
+    pub fn shadow_map(
+        &self,
+        gpu: &Gpu,
+        world: &World,
+        light: usize,
+        face: usize,
+    ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
+        let lit = world.lights.get(light);
+        let Some(lit) = lit.filter(|light| face < shadow_faces(light)) else {
+            return Ok(None);
+        };
+        let before: usize = world.lights[..light].iter().map(shadow_faces).sum();
+        let (_, views) = self.lights(world);
+        let Some(view) = views.get(before + face) else {
+            return Ok(None);
+        };
+        let maps = if view.cube {
+            &self.maps.cubes
+        } else {
+            &self.maps.maps
+        };
+        let texture = maps.texture();
+        let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
+        let distance = |depth| distance_m(&lit.desc.kind, &view.clip_from_world, depth);
+        Ok(Some((
+            texture.width(),
+            depths.into_iter().map(distance).collect(),
+        )))
+    }
+
+    /// The pixels that the last sub-frame traced, x and y from the top left, in the order in which
+    /// they stand in the list. `None` where the frame makes no list: nothing reflects, or the
+    /// method traces nothing.
+    ///
+    /// # Errors
+    /// What reading back says.
+    pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
+        let reflections = self.passes.reflections.as_ref();
+        let Some(reflections) = reflections.filter(|r| r.trace.is_some()) else {
+            return Ok(None);
+        };
+        let counters: Vec<u32> = read_buffer(gpu, &reflections.list.counters)?;
+        let count = counters.get(RAY_COUNTER).copied().unwrap_or(0);
+        let mut rays: Vec<u32> = read_buffer(gpu, &reflections.list.rays)?;
+        rays.truncate(count as usize);
+        let place = |ray: u32| [ray & 0xFFFF, ray >> 16];
+        Ok(Some(rays.into_iter().map(place).collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{
+        math::Bounds,
+        render::lights::{ShadowSizes, lights},
+        scene::desc::LightDesc,
+    };
+
+    fn light(kind: LightKind) -> Light {
+        Light {
+            name: "lamp".to_owned(),
+            desc: LightDesc {
+                kind,
+                color: Vec3::ONE,
+                shadow: ShadowMode::Map,
+                shadow_px: 64,
+            },
+            range_m: None,
+        }
+    }
+
+    /// A point is drawn into the map and read back: the distance is the one that it has.
+    #[test]
+    fn stored_depths_are_the_distances_that_were_drawn() {
+        let bounds = Bounds {
+            min: Vec3::new(-2.0, 0.0, -3.0),
+            max: Vec3::new(4.0, 5.0, 6.0),
+        };
+        let eye = Vec3::new(0.5, 4.0, 1.0);
+        let down = Vec3::NEG_Y;
+        let kinds = [
+            LightKind::Point {
+                position: eye,
+                intensity_cd: 1.0,
+            },
+            LightKind::Spot {
+                position: eye,
+                direction: down,
+                target: None,
+                intensity_cd: 1.0,
+                inner_deg: 20.0,
+                outer_deg: 40.0,
+            },
+            LightKind::Directional {
+                direction: down,
+                intensity_lux: 1.0,
+            },
+        ];
+        let point = Vec3::new(0.7, 1.25, 0.8);
+        for (kind, expected_m) in kinds.into_iter().zip([2.75, 2.75, 3.75]) {
+            let all = [light(kind)];
+            let (_, views) = lights(&all, ShadowSizes::of(&all), &bounds);
+            assert_eq!(views.len(), shadow_faces(&all[0]));
+            // Of a cube, the face that looks down.
+            let view = views.get(3).unwrap_or(&views[0]);
+            let clip = view.clip_from_world * point.extend(1.0);
+            let depth = clip.z / clip.w;
+            let got_m = distance_m(&all[0].desc.kind, &view.clip_from_world, depth);
+            assert!((got_m - expected_m).abs() < 1e-3, "{got_m} {expected_m}");
+            let none = distance_m(&all[0].desc.kind, &view.clip_from_world, 0.0);
+            assert_eq!(none, f32::INFINITY);
+        }
+    }
+
+    #[test]
+    fn only_lights_with_maps_have_faces() {
+        let mut lamp = light(LightKind::Directional {
+            direction: Vec3::X,
+            intensity_lux: 1.0,
+        });
+        assert_eq!(shadow_faces(&lamp), 1);
+        lamp.desc.shadow = ShadowMode::Ray;
+        assert_eq!(shadow_faces(&lamp), 0);
+    }
+}

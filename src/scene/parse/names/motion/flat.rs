@@ -1,0 +1,73 @@
+//! Sizes that pass 0 on the way: between two frames nobody would see why a model turns inside out,
+//! and in the one that meets it there would be no model.
+
+use crate::scene::{
+    desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, SceneDesc, TrackDesc},
+    diagnostic::Diagnostic,
+    motion::track::Track,
+    parse::report::Report,
+};
+
+/// Times at which the way of a frame is looked at, and most of a film.
+const STEPS: u32 = 8;
+const MOST_STEPS: u32 = 1 << 16;
+
+/// Refuses a track of `scale` that passes 0.
+pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
+    let Some(track) = &entry.value.scale else {
+        return;
+    };
+    if track.curve == CurveKind::Step && !track.keys.is_empty() {
+        return; // it jumps over
+    }
+    let help = "write sizes of one sign; to turn a model inside out at once, `curve = \"step\"`";
+    if let Some([before, key]) = between_keys(track) {
+        let message = "`scale` passes 0 on the way to this key";
+        let error = Diagnostic::at("passes-zero", key.at.clone(), message).help(help);
+        report.push(error.related(before.at.clone(), "the key before is here"));
+    } else if let Some(time_s) = on_the_way(scene, entry, track) {
+        let message = format!("`scale` passes 0 at about {time_s:.2} s");
+        report.push(Diagnostic::at("passes-zero", entry.at.clone(), message).help(help));
+    }
+}
+
+/// Two keys in a row whose numbers differ in sign, leaving aside those that are 0; the way from the
+/// last back to the first, of a loop, ends at the first.
+fn between_keys(track: &TrackDesc) -> Option<[&KeyDesc; 2]> {
+    (0..3).find_map(|axis| {
+        let keys = track.keys.iter().filter(|key| key.value[axis] != 0.0);
+        let keys: Vec<_> = keys.collect();
+        let back = track.loop_s.and(keys.first());
+        let mut pairs = keys.iter().zip(keys.iter().skip(1).chain(back));
+        let passes = |(a, b): &(&&KeyDesc, &&KeyDesc)| a.value[axis] * b.value[axis] < 0.0;
+        pairs.find(passes).map(|(a, b)| [*a, *b])
+    })
+}
+
+/// When curves, rates and swings pass it, in the timeline, seconds.
+fn on_the_way(
+    scene: &SceneDesc,
+    entry: &Entry<InstanceMotionDesc>,
+    track: &TrackDesc,
+) -> Option<f64> {
+    let timeline = scene.timeline.as_ref()?;
+    let of = |name: &Option<String>| name.as_ref() == Some(&entry.name);
+    let instance = scene.instances.iter().find(|instance| of(&instance.name))?;
+    let PlacementDesc::Trs { scale: base, .. } = instance.placement else {
+        return None;
+    };
+    let ready = Track::new(track, |_| None);
+    let time = |frame: u32| f64::from(frame) / f64::from(timeline.fps);
+    let (start, end) = (time(timeline.start), time(timeline.end));
+    let frames = timeline.end - timeline.start;
+    let steps = frames.saturating_mul(STEPS).min(MOST_STEPS);
+    let times = (0..=steps).map(|step| {
+        let share = f64::from(step) / f64::from(steps.max(1));
+        start + share * (end - start)
+    });
+    let signs = |time_s: f64| ready.at(time_s, base, &[]).to_array().map(f32::signum);
+    let first = signs(start);
+    times
+        .map(|time_s| (time_s, signs(time_s)))
+        .find_map(|(time_s, now)| (now != first).then_some(time_s))
+}

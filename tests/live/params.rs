@@ -1,0 +1,120 @@
+//! Values that sliders lay over a script's parameters: they stay as long as they work and fit, and
+//! those that do not work leave everything as it was.
+
+use std::fs;
+
+use reflet::{
+    app::{params::Tuned, watch::Change},
+    render::Redone,
+    scene::desc::ParamValue,
+};
+
+use crate::{
+    kit::AtOnce,
+    scripts::{SCRIPT, Session},
+};
+
+#[test]
+fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    session.live.pose_now(10);
+    let first = session.picture();
+    let own = session.live.declared().clone();
+    assert_eq!(own[0], ("count".to_owned(), ParamValue::Integer(2)));
+    let mut tuned = Tuned::default();
+    tuned.set("count", ParamValue::Integer(3), &own[0].1);
+    assert!(session.live.tune_now(tuned.clone()).ok);
+    let three = session.picture();
+    assert!(three != first && three == session.afresh(10, &["params.count=3"]));
+    // A save keeps it.
+    let reload = session.save_script(&format!("{SCRIPT}// saved\n"));
+    assert!(reload.ok && reload.redone == Redone::default());
+    assert!(session.picture() == three);
+    // The parameter goes, and with it what was laid over it.
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    fs::write(&session.scene, text.replace("count = 2", "number = 2")).expect("written");
+    session.folder.write(
+        "sub/move.rhai",
+        SCRIPT.replace("ctx.params.count", "ctx.params.number"),
+    );
+    let reload = session.live.reload(&[Change::Scene, Change::Script].into());
+    assert!(reload.ok, "{:?}", session.live.problems);
+    assert!(session.live.tuned().is_empty() && session.picture() == first);
+}
+
+#[test]
+fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    session.live.pose_now(10);
+    let own = session.live.declared()[0].1.clone();
+    let tuned = |count| {
+        let mut tuned = Tuned::default();
+        tuned.set("count", ParamValue::Integer(count), &own);
+        tuned
+    };
+    assert!(session.live.tune_now(tuned(3)).ok);
+    let three = session.picture();
+    let refused = |session: &mut Session| {
+        let refusal = session.live.refusal().expect("is refused");
+        assert!(session.live.problems.is_empty() && *session.live.tuned() == tuned(3));
+        assert!(session.picture() == three && refusal.stays == tuned(3));
+        refusal
+    };
+    assert!(session.live.tune_now(tuned(60_000)).ok);
+    let refusal = refused(&mut session);
+    let value = ("count".to_owned(), ParamValue::Integer(60_000));
+    assert_eq!(refusal.values, [value]);
+    assert!(!refusal.why.scene.is_empty());
+    // Nor does the next save try them again.
+    assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);
+    assert!(session.live.refusal().is_none() && session.picture() == three);
+    // A save together with values that fail in the wanted frame alone, or before it.
+    for place in ["fn frame(ctx) {", "fn setup(ctx) {"] {
+        let text = SCRIPT.replace(
+            place,
+            &format!("{place} if ctx.params.count == 5 {{ throw 5; }}"),
+        );
+        assert!(text != SCRIPT, "{place}");
+        session.live.tune(tuned(5));
+        assert!(session.save_script(&text).ok, "{:?}", session.live.problems);
+        let why = refused(&mut session).why;
+        assert_eq!(why.pose.is_empty(), place.contains("setup"));
+    }
+    // Where the text itself is broken nothing is known of them: they wait.
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    fs::write(&session.scene, format!("{text}\n[")).expect("written");
+    assert!(!session.live.reload(&[Change::Scene].into()).ok);
+    assert!(!session.live.tune_now(tuned(4)).ok && session.live.refusal().is_none());
+    assert!(!session.live.problems.scene.is_empty() && session.picture() == three);
+    fs::write(&session.scene, text).expect("written");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
+    assert!(*session.live.tuned() == tuned(4) && session.live.refusal().is_none());
+    assert!(session.picture() == session.afresh(10, &["params.count=4"]));
+}
+
+#[test]
+fn parameters_outlive_a_save_that_fails() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let count = session.live.declared()[0].1.clone();
+    let mut tuned = Tuned::default();
+    tuned.set("count", ParamValue::Integer(3), &count);
+    assert!(session.live.tune_now(tuned.clone()).ok);
+    let three = session.picture();
+    let text = fs::read_to_string(&session.scene).expect("readable");
+    let cut = text.find("[params]").expect("it has parameters");
+    for part in ["", &text[..cut]] {
+        fs::write(&session.scene, part).expect("written");
+        assert!(!session.live.reload(&[Change::Scene].into()).ok, "{part}");
+        assert!(*session.live.tuned() == tuned, "{part}");
+        assert!(session.picture() == three);
+    }
+    fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
+    assert!(session.live.reload(&[Change::Scene].into()).ok);
+    assert!(*session.live.tuned() == tuned && session.picture() == three);
+}

@@ -1,0 +1,154 @@
+//! What a click in the preview selects, and what of a frame can be looked at, without a window.
+
+use std::{fs, sync::Arc};
+
+use glam::Vec3;
+use reflet::app::preview::{
+    facts::{Drawn, Report, Task},
+    look::{Cast, Look},
+    pick::Picked,
+};
+
+use crate::{
+    beside::Watched,
+    common::gpu_or_skip,
+    kit::{Folder, SCENE, open},
+};
+
+const MIDDLE: [f32; 2] = [0.5, 0.5];
+const SKY: [f32; 2] = [0.5, 0.0];
+
+/// A floor and a box in the middle of the picture.
+fn preview() -> Option<Watched> {
+    let gpu = Arc::new(gpu_or_skip()?);
+    let folder = Folder::new();
+    let scene = folder.write("scene.toml", SCENE);
+    let live = open(&gpu, &scene, None);
+    Some(Watched::start(gpu, folder, live, false))
+}
+
+fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
+    preview.worker.desk.ask(Task::Pick(at));
+    preview.until("what was clicked", |report| match report {
+        Report::Picked(picked) => Some(picked.clone()),
+        _ => None,
+    })
+}
+
+/// Saves in one step: half a scene is a mistake.
+fn save(preview: &Watched, text: &str) {
+    let beside = preview.folder.write("next.toml", text);
+    fs::rename(beside, preview.folder.path("scene.toml")).expect("renamed");
+}
+
+/// What is selected in the next picture for which this holds.
+fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -> Option<Picked> {
+    preview.until("the selection", |report| match report {
+        Report::Shown(shown) => is_right(&shown.picked).then(|| shown.picked.clone()),
+        _ => None,
+    })
+}
+
+/// The left side by what is looked at.
+fn drawn(preview: &mut Watched, look: Look) -> Drawn {
+    preview.show(|view| view.a.look = look);
+    preview.until("a picture", |report| match report {
+        Report::Shown(shown) => (shown.sides[0].look == look).then(|| shown.sides[0].clone()),
+        _ => None,
+    })
+}
+
+#[test]
+fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
+    let Some(mut preview) = preview() else { return };
+    let picked = pick(&mut preview, MIDDLE).expect("the box");
+    assert_eq!((picked.label.as_str(), picked.triangles), ("box", 12));
+    assert_eq!(picked.bounds.max, Vec3::new(0.5, 1.0, 0.5));
+    let outline = picked.outline.expect("is seen");
+    assert_eq!(outline.size, [24, 16]);
+
+    let moved = SCENE.replace("translation = [0, 0.5, 0]", "translation = [1, 0.5, 0]");
+    save(&preview, &moved);
+    let is_moved = |picked: &Option<Picked>| {
+        let picked = picked.as_ref().expect("is still there");
+        picked.bounds.max.x == 1.5
+    };
+    selected(&mut preview, is_moved);
+    // Behind the camera it is still selected.
+    let away = SCENE.replace("translation = [0, 0.5, 0]", "translation = [0, 0.5, 90]");
+    save(&preview, &away);
+    let is_away = |picked: &Option<Picked>| {
+        let picked = picked.as_ref().expect("is still there");
+        picked.outline.is_none()
+    };
+    selected(&mut preview, is_away);
+    // Two of one name: the first one is the one.
+    let two = format!("{SCENE}[[instance]]\nmodel = \"box\"\n");
+    save(&preview, &two);
+    let is_one = |picked: &Option<Picked>| {
+        let picked = picked.as_ref().expect("is still there");
+        picked.label == "box (1 of 2)"
+    };
+    selected(&mut preview, is_one);
+    let other = SCENE.replace("model.box", "model.cube");
+    let other = other.replace("model = \"box\"", "model = \"cube\"");
+    save(&preview, &other);
+    selected(&mut preview, Option::is_none);
+}
+
+#[test]
+fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
+    let Some(mut preview) = preview() else { return };
+    assert!(pick(&mut preview, MIDDLE).is_some());
+    assert!(pick(&mut preview, SKY).is_none());
+    assert!(pick(&mut preview, MIDDLE).is_some());
+    preview.worker.desk.ask(Task::Unpick);
+    preview.until("the end of it", |report| {
+        matches!(report, Report::Unpicked).then_some(())
+    });
+    preview.show(|view| view.size = [32, 16]);
+    selected(&mut preview, Option::is_none);
+}
+
+#[test]
+fn shadow_maps_are_told_in_meters() {
+    let Some(mut preview) = preview() else { return };
+    let shadow = |face| Look::Shadow(Cast { light: 0, face });
+    // The lamp hangs 4 m over the floor and 3 m over the top of the box.
+    let down = drawn(&mut preview, shadow(Some(3)));
+    assert_eq!(down.canvas.size, [64, 64]);
+    assert_eq!(
+        down.legend,
+        "the face to -Y; white: 3.00 m, black: 4.00 m; nothing is blue"
+    );
+    let up = drawn(&mut preview, shadow(Some(2)));
+    assert_eq!(up.legend, "the face to +Y; nothing is there");
+    let all = drawn(&mut preview, shadow(None));
+    assert_eq!(all.canvas.size, [256, 192]);
+    let none = drawn(
+        &mut preview,
+        Look::Shadow(Cast {
+            light: 9,
+            face: None,
+        }),
+    );
+    assert!(none.legend.ends_with("nothing is there"), "{}", none.legend);
+}
+
+#[test]
+fn the_list_of_rays_is_told_with_its_count() {
+    use reflet::scene::desc::Method;
+    let Some(mut preview) = preview() else { return };
+    let rays = drawn(&mut preview, Look::Rays);
+    assert!(rays.stats.rays > 0);
+    let count = format!("{} rays start from ", rays.stats.rays);
+    assert!(rays.legend.starts_with(&count), "{}", rays.legend);
+    drawn(&mut preview, Look::Picture);
+    preview.show(|view| view.a.method = Method::Ssr);
+    let none = drawn(&mut preview, Look::Rays);
+    assert!(
+        none.legend.starts_with("no list is made"),
+        "{}",
+        none.legend
+    );
+}

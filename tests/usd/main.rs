@@ -1,0 +1,263 @@
+//! USD stages as models: converted once per content by the Python tools, refused with a reason.
+
+#[cfg(unix)]
+mod process;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The converter that `tools/setup.sh` installs; `None` after saying `SKIPPED`.
+fn tool() -> Option<PathBuf> {
+    let tool = root().join(".venv/bin/reflet-usd");
+    if !tool.is_file() {
+        eprintln!(
+            "SKIPPED: {} does not exist; run tools/setup.sh",
+            tool.display()
+        );
+        return None;
+    }
+    Some(tool)
+}
+
+/// A folder of its own for one test, with a stage in it.
+struct Workplace(PathBuf);
+
+impl Workplace {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("reflet-usd-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("a folder");
+        let stage = Self(folder);
+        stage.write("quad.usda", QUAD);
+        stage
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).expect("written");
+    }
+
+    fn command(&self, tool: &Path, scene: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
+        command
+            .arg("info")
+            .arg(self.0.join(scene))
+            .env("REFLET_USD", tool)
+            .env("REFLET_CACHE", self.0.join("cache"));
+        command
+    }
+
+    fn check(&self, tool: &Path, scene: &str) -> Output {
+        self.command(tool, scene).output().expect("reflet runs")
+    }
+}
+
+impl Drop for Workplace {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const QUAD: &str = r#"#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def Xform "World"
+{
+    def Mesh "Quad"
+    {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    }
+}
+"#;
+
+fn said(output: &Output) -> String {
+    format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+#[test]
+fn a_stage_is_converted_once_and_again_when_it_changes() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("once");
+    let first = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        first.contains("usd: converting") && first.contains("triangles   2 placed"),
+        "{first}"
+    );
+    let second = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        second.contains("is unchanged") && second.contains("triangles   2 placed"),
+        "{second}"
+    );
+    let two = QUAD
+        .replace("faceVertexCounts = [4]", "faceVertexCounts = [3]")
+        .replace("[0, 1, 2, 3]", "[0, 1, 2]");
+    place.write("quad.usda", &two);
+    let third = said(&place.check(&tool, "quad.usda"));
+    assert!(
+        third.contains("usd: converting") && third.contains("triangles   1 placed"),
+        "{third}"
+    );
+}
+
+/// Files that come later and folders that are allowed later make another conversion.
+#[test]
+fn what_a_conversion_could_not_read_is_read_when_it_can_be() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("later");
+    let above = |sub: &str| format!("#usda 1.0\ndef \"A\" (references = @{sub}@</World>) {{}}\n");
+    place.write("main.usda", &above("./part.usda"));
+    let without = said(&place.check(&tool, "main.usda"));
+    assert!(without.contains("asset-unresolved"), "{without}");
+    place.write("part.usda", QUAD);
+    let with = said(&place.check(&tool, "main.usda"));
+    assert!(with.contains("triangles   2 placed"), "{with}");
+    fs::create_dir(place.0.join("sub")).expect("a folder");
+    place.write("sub/main.usda", &above("../part.usda"));
+    let outside = said(&place.check(&tool, "sub/main.usda"));
+    assert!(outside.contains("--assets FOLDER"), "{outside}");
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .args(["info", "--assets"])
+        .arg(&place.0)
+        .arg(place.0.join("sub/main.usda"))
+        .env("REFLET_USD", &tool)
+        .env("REFLET_CACHE", place.0.join("cache"))
+        .output();
+    let allowed = said(&output.expect("reflet runs"));
+    assert!(allowed.contains("triangles   2 placed"), "{allowed}");
+    let again = said(&place.check(&tool, "sub/main.usda"));
+    assert!(again.contains("--assets FOLDER"), "{again}");
+}
+
+#[test]
+fn a_scene_places_a_stage_like_any_model() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("scene");
+    place.write(
+        "scene.toml",
+        "version = 1\n[model.quad]\nfile = \"quad.usda\"\n[[instance]]\nmodel = \"quad\"\n\
+         repeat = { count = [3, 1, 1], step = [3, 0, 0] }\n",
+    );
+    let text = said(&place.check(&tool, "scene.toml"));
+    assert!(text.contains("triangles   6 placed"), "{text}");
+}
+
+/// A house in one of two sizes, with a stand-in.
+const HOUSE: &str = r#"#usda 1.0
+(
+    defaultPrim = "House"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def Xform "House" (
+    variants = { string size = "small" }
+    prepend variantSets = "size"
+)
+{
+    variantSet "size" = {
+        "small" {
+            def Cube "Hut" {}
+        }
+        "large" {
+            def Cube "Left" {}
+            def Cube "Right" {}
+        }
+    }
+    def Cube "StandIn"
+    {
+        uniform token purpose = "proxy"
+    }
+    def Mesh "Roof"
+    {
+        uniform token subdivisionScheme = "catmullClark"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)]
+    }
+}
+"#;
+
+/// Cubes have 12 triangles, the roof has 2, and 8 after one step.
+#[test]
+fn a_scene_chooses_what_of_a_stage_it_shows() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("choice");
+    place.write("house.usda", HOUSE);
+    let triangles = |usd: &str| {
+        let model = |name: &str, usd: &str| {
+            format!("[model.{name}]\nfile = \"house.usda\"\nusd = {{ {usd} }}\n")
+        };
+        let text = format!(
+            "version = 1\n{}{}",
+            model("plain", ""),
+            model("chosen", usd)
+        );
+        place.write("scene.toml", &text);
+        said(&place.check(&tool, "scene.toml"))
+    };
+    for (usd, count) in [
+        ("", 14 + 14),
+        ("variants = \"/House{size=large}\"", 14 + 26),
+        ("purpose = [\"default\", \"proxy\"]", 14 + 26),
+        ("subdiv = 1", 14 + 20),
+        ("variants = [\"/House{size=large}\"], subdiv = 1", 14 + 32),
+    ] {
+        let text = triangles(usd);
+        let expected = format!("triangles   {count} placed");
+        assert!(text.contains(&expected), "{usd}: {text}");
+    }
+    let text = triangles("variants = \"/House{size=huge}\"");
+    assert!(
+        text.contains("variant-unknown") && text.contains("large, small"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_bare_stage_takes_the_choices_of_the_command_line() {
+    let Some(tool) = tool() else { return };
+    let place = Workplace::new("bare");
+    place.write("house.usda", HOUSE);
+    let choice = "model.model.usd.variants=[\"/House{size=large}\"]";
+    let mut command = place.command(&tool, "house.usda");
+    let output = command.args(["--set", choice]).output();
+    let text = said(&output.expect("reflet runs"));
+    assert!(text.contains("triangles   26 placed"), "{text}");
+}
+
+#[test]
+fn a_missing_converter_and_a_broken_stage_are_named() {
+    let place = Workplace::new("missing");
+    let output = place.check(Path::new("/nonexistent/reflet-usd"), "quad.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("error[usd-tool-missing]") && text.contains("tools/setup.sh"),
+        "{text}"
+    );
+
+    let Some(tool) = tool() else { return };
+    place.write("broken.usda", "#usda 1.0\ndef Mesh {");
+    let output = place.check(&tool, "broken.usda");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(
+        text.contains("error[usd-not-converted]") && text.contains("broken.usda"),
+        "{text}"
+    );
+}

@@ -1,0 +1,51 @@
+"""Primvars of prims that draw nothing themselves: kept in their own node's extras."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pxr import Usd, UsdGeom
+
+from reflet_usd.convert.context import Context
+from reflet_usd.convert.extras import listed, plain_value
+from reflet_usd.convert.scene import Node
+
+_NAMESPACE = "primvars:"
+_SKELETAL = "primvars:skel:"
+
+
+def keep_loose_primvars(
+    context: Context, prim: Usd.Prim, node: Node | None, names: Iterable[str]
+) -> None:
+    """Of the authored `names` the primvars of a prim that is no gprim, or one warning.
+
+    Gprims keep theirs by their own rules, and what they inherit; so do instancers what varies.
+    """
+    if prim.IsA(UsdGeom.Gprim):
+        return
+    kept, dropped, frozen = {}, [], []
+    for name in names:
+        if not name.startswith(_NAMESPACE) or name.startswith(_SKELETAL):
+            continue
+        primvar = UsdGeom.Primvar(prim.GetAttribute(name))
+        if not primvar:
+            continue
+        varies = primvar.GetInterpolation() != UsdGeom.Tokens.constant
+        if not primvar.HasValue() or (varies and prim.IsA(UsdGeom.PointInstancer)):
+            continue
+        short = str(primvar.GetPrimvarName())
+        value = plain_value(primvar.ComputeFlattened(context.time))
+        if node is None or varies or value is None:
+            dropped.append(short)
+            continue
+        kept[short] = value
+        if primvar.ValueMightBeTimeVarying():
+            frozen.append(name)
+    if kept and node is not None:
+        node.extras["primvars"] = kept
+    if dropped:
+        message = f"of its primvars {listed(dropped)} not carried, nothing here reads them"
+        context.ledger.warn("primvar-dropped", prim, message)
+    if frozen:
+        message = f"animated {', '.join(sorted(frozen))} stay at their first value"
+        context.ledger.warn("primvar-animation-frozen", prim, message)

@@ -1,0 +1,109 @@
+"""Owns the check of the primvars that are no vertex attributes: in extras, or named as lost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pxr import Sdf, Usd, UsdGeom
+
+from .checks import Checks
+from .excuses import LEFT_OUT, UV_SET
+from .gltf_scene import OutputReader
+from .usd_primvars import HANDLED, carried
+from .words import NAMED, is_same, plain
+
+_PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
+_SKELETAL = "skel:"
+
+
+def compare_primvar_words(
+    checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
+) -> None:
+    """What a node's extras say about primvars, and what has no node at all."""
+    nodes, meshes = output.file.tree.get("nodes", []), output.file.tree.get("meshes", [])
+    seen: set[tuple[str, int | None, str]] = set()
+    for index in output.poser.order:
+        extras = nodes[index].get("extras") or {}
+        path, mesh = str(extras.get("prim")), nodes[index].get("mesh")
+        kept = extras.get("primvars") or {}
+        entry = (path, mesh, repr(kept))
+        if entry in seen or not Sdf.Path.IsValidPathString(path) or path == "/":
+            continue
+        seen.add(entry)
+        prim = stage.GetPrimAtPath(path)
+        if not prim or (prim.IsA(UsdGeom.Gprim) and mesh is None):
+            continue
+        expected = _of_gprim(prim, rest) if prim.IsA(UsdGeom.Gprim) else _own(prim, rest)
+        _compare(checks, path, expected, kept)
+        if mesh is not None:
+            _compare_names(checks, prim, meshes[mesh])
+    _compare_placeless(checks, stage, rest)
+
+
+def _of_gprim(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
+    """All that reach it and are no attributes; None for what is not plain, or not one value."""
+    attributes = {entry.name for entry in carried(prim)}
+    found = UsdGeom.PrimvarsAPI(prim).FindPrimvarsWithInheritance()
+    return {
+        name: _value(primvar, rest)
+        for primvar in found
+        if (name := str(primvar.GetPrimvarName())) not in {*HANDLED, *attributes}
+        and not name.startswith(_SKELETAL)
+        and primvar.HasValue()
+    }
+
+
+def _own(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
+    """Those of a prim that draws nothing itself; what varies over an instancer is named there."""
+    instancer = prim.IsA(UsdGeom.PointInstancer)
+    return {
+        name: _value(primvar, rest)
+        for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues()
+        if not (name := str(primvar.GetPrimvarName())).startswith(_SKELETAL)
+        and not (instancer and primvar.GetInterpolation() != UsdGeom.Tokens.constant)
+    }
+
+
+def _value(primvar: UsdGeom.Primvar, rest: Usd.TimeCode) -> Any:
+    constant = primvar.GetInterpolation() == UsdGeom.Tokens.constant
+    return plain(primvar.ComputeFlattened(rest)) if constant else None
+
+
+def _compare(checks: Checks, path: str, expected: dict[str, Any], kept: dict[str, Any]) -> None:
+    for name in sorted(kept.keys() - expected.keys()):
+        checks.add("extras", path, 1, f"the primvar '{name}' is only in the output")
+    missing = sorted(expected.keys() - kept.keys())
+    for name in missing:
+        named = name if len(missing) <= NAMED else ""
+        told = checks.excuse(path, UV_SET, named=named)
+        text = f"the primvar '{name}' is not in the output"
+        checks.add("extras", path, 1, text, excuses=(told,) if told else ())
+    for name in sorted(expected.keys() & kept.keys()):
+        same = is_same(expected[name], kept[name])
+        text = f"the primvar '{name}' is {kept[name]}, expected {expected[name]}"
+        checks.add("extras", path, int(not same), text)
+
+
+def _compare_names(checks: Checks, prim: Usd.Prim, mesh: dict[str, Any]) -> None:
+    """A mesh says which primvar an attribute is whose name is not simply the primvar's."""
+    there = {name for primitive in mesh["primitives"] for name in primitive["attributes"]}
+    expected = {
+        entry.attribute: entry.name
+        for entry in carried(prim)
+        if entry.attribute in there and entry.attribute != f"_{entry.name.upper()}"
+    }
+    kept = (mesh.get("extras") or {}).get("primvarOf") or {}
+    text = f"primvarOf is {kept}, expected {expected}"
+    checks.add("extras", str(prim.GetPath()), int(kept != expected), text)
+
+
+def _compare_placeless(checks: Checks, stage: Usd.Stage, rest: Usd.TimeCode) -> None:
+    """Prims without a node keep nothing: all of theirs are named."""
+    prims = iter(Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        path = str(prim.GetPath())
+        left_out = any(checks.excuse(path, (name,)) for name in LEFT_OUT)
+        if left_out or prim.IsA(UsdGeom.PointInstancer):
+            prims.PruneChildren()
+        elif prim.GetTypeName() in _PLACELESS:
+            _compare(checks, path, _own(prim, rest), {})
