@@ -171,6 +171,15 @@ def agrees(done: Converted) -> bool:
     return prove(done.out, done.out.parent / "stage.usda", khronos=False).passed
 
 
+def forget(done: Converted, name: str) -> None:
+    """The sidecar has no warning of that name any more."""
+    path = Path(f"{done.out}.json")
+    sidecar = json.loads(path.read_text(encoding="utf-8"))
+    kept = [warning for warning in sidecar["warnings"] if warning["name"] != name]
+    assert len(kept) < len(sidecar["warnings"]), name
+    path.write_text(json.dumps({**sidecar, "warnings": kept}), encoding="utf-8")
+
+
 def expect_found(done: Converted, damage: Damage) -> None:
     """The file passes as it is, and fails once damaged."""
     proof = prove(done.out, done.out.parent / "stage.usda", khronos=False)

@@ -271,3 +271,18 @@ def test_inspect_has_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
     assert cli.main(["inspect", str(many), "--cpu-limit", "1"]) == 1
     assert "[cpu-limit]" in capsys.readouterr().err
+
+
+def test_validate_ends_where_layers_outside_are_named(tmp_path: Path) -> None:
+    inside, outside = tmp_path / "in", tmp_path / "out"
+    inside.mkdir()
+    outside.mkdir()
+    (outside / "part.usda").write_text(CUBE)
+    (inside / "link.usda").symlink_to(outside / "part.usda")
+    arcs = ("../out/part.usda", f"{outside}/part.usda", "link.usda")
+    stage, out = inside / "stage.usda", tmp_path / "out.glb"
+    parts = (f'def "R{i}" (references = @{arc}@</C>) {{}}\n' for i, arc in enumerate(arcs))
+    stage.write_text(CUBE + "".join(parts))
+    run_convert(stage, out)
+    options = ["--against", str(stage), "--no-khronos", "--cpu-limit", "20"]
+    assert cli.main(["validate", str(out), *options]) == 0

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import convert_text
+from convert_reading import Converted, convert_text
 from reflet_usd.convert.types import ConvertError
+from reflet_usd.validate.facts import StageError
+from reflet_usd.validate.proof import prove
 
 CUBE = 'def Cube "C" {{\n{0}\n}}\n'
 
@@ -304,3 +306,26 @@ def test_the_count_of_prims_is_that_of_a_walk(
     monkeypatch.setattr("reflet_usd.convert.prim_count.MAX_PRIMS", prims - 1)
     with pytest.raises(ConvertError, match=f"has {prims} prims"):
         convert_text(tmp_path, nested_instances(6))
+
+
+PATTERN = """
+def "Wörld" (
+    prepend apiSchemas = ["CollectionAPI:all"]
+)
+{
+    pathExpression collection:all:membershipExpression = "/Wörld/E*"
+}
+"""
+
+
+def test_a_message_that_cuts_a_character_blames_no_encoding(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, 'def Cube "C" {\n}\n')
+    with pytest.raises(ConvertError) as caught:
+        convert_text(tmp_path, PATTERN, name="pattern.usda")
+    assert caught.value.name == "stage-unreadable"
+    assert "Ill-formed path expression </Wörld/E*>" in caught.value.message
+    with pytest.raises(StageError, match="Ill-formed path expression </Wörld/E"):
+        prove(done.out, tmp_path / "pattern.usda", khronos=False)
+    (tmp_path / "latin.usda").write_bytes(b'#usda 1.0\ndef "W\xf6" {\n}\n')
+    with pytest.raises(ConvertError, match="not UTF-8"):
+        Converted(tmp_path / "latin.usda", tmp_path / "latin.glb")

@@ -440,3 +440,30 @@ def "B" (
     assert places == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
     assert done.warnings() == set()
     assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+
+
+INSTANCES_OF_TWO = """
+def PointInstancer "I"
+{
+    rel prototypes = </I/A>
+    int[] protoIndices = [0]
+    point3f[] positions = [(0, 0, 0)]
+    def Sphere "A" { }
+    def Sphere "Idle" { }
+    def Sphere "Used" { }
+}
+def PointInstancer "J"
+{
+    rel prototypes = </I/Used>
+    int[] protoIndices = [0]
+    point3f[] positions = [(5, 0, 0)]
+}
+"""
+
+
+def test_what_is_below_an_instancer_and_no_prototype_is_told_so(tmp_path: Path) -> None:
+    done = convert_text(tmp_path, INSTANCES_OF_TWO)
+    (entry,) = [w for w in done.sidecar["warnings"] if w["prim"] == "/I/Idle"]
+    assert entry["name"] == "prototype-unused"
+    assert "no prototype" in entry["message"]
+    assert not done.warnings("/I/Used")

@@ -63,7 +63,7 @@ def test_color_and_temperature_are_normalized_into_the_intensity(
 
 @pytest.mark.parametrize(
     ("angle", "kind", "warned"),
-    [(30, "spot", False), (120, "spot", True), (180, "point", False)],
+    [(30, "spot", False), (90, "spot", False), (120, "spot", True), (180, "point", False)],
 )
 def test_cones(tmp_path: Path, angle: int, kind: str, warned: bool) -> None:
     text = f"""

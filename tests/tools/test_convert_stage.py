@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from convert_reading import Converted, convert_text
 from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
+from tampering import agrees, forget
 
 HERE = Path(__file__).resolve().parent
 SMALL = sorted((HERE / "usd").glob("*.usda")) + sorted((HERE / "stages").glob("*.usda"))
@@ -113,8 +114,11 @@ def test_layers_outside_the_folder_are_left_out(tmp_path: Path, arc: str, absolu
         text = f'#usda 1.0\ndef "X" (\n prepend {arc} = @{path}@\n) {{\n}}\ndef Cube "C" {{\n}}\n'
         prim = "/X"
     done = convert_text(inside, text)
-    assert "asset-outside-roots" in done.warnings()
+    assert "asset-outside-roots" in done.warnings("/" if arc == "sublayer" else "/X")
     assert len(done.gltf.meshes) == 1
+    assert agrees(done)
+    forget(done, "asset-outside-roots")
+    assert not agrees(done)
     allowed = convert_text(inside, text, extra_roots=(tmp_path / "out",))
     assert "asset-outside-roots" not in allowed.warnings()
     assert allowed.gltf.nodes[allowed.node(prim)].mesh is not None
@@ -125,6 +129,20 @@ def test_a_link_does_not_lead_out(tmp_path: Path) -> None:
     (inside / "link.usda").symlink_to(tmp_path / "out" / "part.usda")
     text = '#usda 1.0\ndef "X" (\n prepend references = @link.usda@\n) {\n}\n'
     assert "asset-outside-roots" in convert_text(inside, text).warnings()
+
+
+def test_what_a_referenced_layer_must_not_read_is_named_where_it_is_used(tmp_path: Path) -> None:
+    inside = folders(tmp_path)
+    (inside / "middle.usda").write_text(
+        '#usda 1.0\ndef "M" {\n def "N" (\n  variants = { string v = "a" }\n'
+        '  variantSets = "v"\n ) {\n'
+        '  variantSet "v" = { "a" (payload = @../out/part.usda@) {} }\n }\n}\n'
+    )
+    done = convert_text(inside, 'def "A" (references = @middle.usda@</M>) {\n}\n')
+    assert "asset-outside-roots" in done.warnings("/A/N")
+    assert agrees(done)
+    forget(done, "asset-outside-roots")
+    assert not agrees(done)
 
 
 def test_missing_and_cyclic_layers_are_named(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from convert_reading import Converted, convert_text
 from pxr import Usd, UsdGeom
+from reflet_usd.validate.proof import prove
+from reflet_usd.validate.table import format_proof
 from test_convert_skel import STAGE
 
 CODES = (0, 2, 3, 4.5, 6, 7, 9, 10, 12)
@@ -91,3 +93,51 @@ def test_a_skinned_mesh_keeps_the_visibility_above(tmp_path: Path) -> None:
     done = convert_text(tmp_path, text)
     assert done.gltf.nodes[done.node("/A/Root/M")].skin is not None
     check(done, "/A/Root/M")
+
+
+PURPOSES = """
+def Xform "X"
+{{
+    token purpose = "guide"
+    {body}
+}}
+def PointInstancer "I"
+{{
+    rel prototypes = [</I/A>, </I/B>]
+    int[] protoIndices = [0, 1]
+    point3f[] positions = [(0, 0, 0), (9, 0, 0)]
+    def Xform "A"
+    {{
+        def Xform "G"
+        {{
+            token purpose = "guide"
+            {body}
+        }}
+    }}
+    def Sphere "B"
+    {{
+        token purpose = "guide"
+    }}
+}}
+"""
+DEVICES = """
+def SphereLight "L" { }
+def Camera "C" { }
+def Sphere "S" { }
+def Cube "K"
+{
+    token purpose = "default"
+}
+"""
+
+
+@pytest.mark.parametrize("kept", [("default", "render"), ("guide",), ("proxy",)])
+def test_lights_and_cameras_stay_whatever_their_purpose(
+    tmp_path: Path, kept: tuple[str, ...]
+) -> None:
+    done = convert_text(tmp_path, PURPOSES.format(body=DEVICES), purpose=kept)
+    for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else there is no instancer
+        assert done.gltf.nodes[done.node(f"{path}/C")].camera is not None
+        assert done.gltf.nodes[done.node(f"{path}/L")].extensions
+    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    assert proof.passed, format_proof(proof)

@@ -9,6 +9,7 @@ import pytest
 from convert_reading import convert_text
 from convert_worlds import check_world
 from reflet_usd.convert.xform import decompose, nearest_trs, split_shear
+from tampering import FACE, UNIT, agrees, forget
 
 STACK = """#usda 1.0
 (
@@ -192,3 +193,51 @@ def test_half_turns_are_rotations_and_mirrors_are_scales(
     assert parts is not None
     assert parts.scale == pytest.approx(scale)
     assert parts.matrix() == pytest.approx(matrix)
+
+
+BAD_OPS = """
+def Xform "{name}"
+{{
+    double3 xformOp:translate = (1, 2, 3)
+    float xformOp:rotateX = 10
+    uniform token[] xformOpOrder = ["xformOp:translate", "{token}", "xformOp:rotateX"]
+    def Mesh "C"
+    {{{face}
+        double3 xformOp:translate.timeSamples = {{ 0: (1, 0, 0), 24: (0, 1, 0) }}
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    "token", ["xformOp:nope", "xformOp:translate:missing", "!invert!xformOp:scale", "translate", ""]
+)
+def test_ops_that_are_not_there_are_named(tmp_path: Path, token: str) -> None:
+    text = BAD_OPS.format(name="X", token=token, face=FACE)
+    done = convert_text(tmp_path, text + BAD_OPS.format(name="Y", token=token, face=FACE))
+    assert "xform-op-invalid" in done.warnings("/X") & done.warnings("/Y")
+    assert "prim-damaged" not in done.warnings()
+    assert done.world(0.5)[done.node("/X/C")][0, 3] == pytest.approx(1.5)
+    assert agrees(done)
+    forget(done, "xform-op-invalid")
+    assert not agrees(done)
+
+
+def test_an_op_of_no_known_kind_is_damage(tmp_path: Path) -> None:
+    text = BAD_OPS.format(name="X", token="xformOp:nope", face=FACE)
+    text = text.replace(
+        "float xformOp:rotateX", "float xformOp:nope = 1\n    float xformOp:rotateX"
+    )
+    done = convert_text(tmp_path, text + UNIT)
+    assert "prim-damaged" in done.warnings("/X")
+    assert agrees(done)
+
+
+def test_an_instance_with_such_an_op_is_named(tmp_path: Path) -> None:
+    part = BAD_OPS.format(name="X", token="xformOp:nope", face=FACE)
+    text = f'def Xform "P"\n{{\n{part}}}\n'
+    text += 'def "I" (\n    instanceable = true\n    references = </P>\n)\n{\n}\n'
+    done = convert_text(tmp_path, text)
+    assert "xform-op-invalid" in done.warnings("/I/X")
+    assert agrees(done)

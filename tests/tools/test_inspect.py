@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -72,3 +73,14 @@ def test_text_and_refusals(
     broken.write_text("#usda 1.0\ndef {")
     assert cli.main(["inspect", str(broken)]) == 1
     assert "stage-unreadable" in capsys.readouterr().err
+
+
+def test_inspect_waits_for_no_pipe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    os.mkfifo(tmp_path / "pipe.usda")
+    text = '#usda 1.0\ndef Cube "C" {}\ndef "R" (references = @pipe.usda@</X>) {}\n'
+    (tmp_path / "stage.usda").write_text(text)
+    words = ["inspect", str(tmp_path / "stage.usda"), "--json", "--time-limit", "60"]
+    assert cli.main(words) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["missing_layers"] == ["pipe.usda"]
+    assert ("/R", "asset-not-a-file") in {(w["prim"], w["name"]) for w in summary["warnings"]}

@@ -7,11 +7,14 @@ import collections
 import dataclasses
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.limit_arguments import add_limits, limits_from
 from reflet_usd.printing import show
+
+if TYPE_CHECKING:
+    from reflet_usd.convert.context import Context
 
 _TARGET = "reflet_usd.inspect:summarize"
 _SHOWN = 20
@@ -60,7 +63,7 @@ def summarize(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumm
 
 
 def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSummary:
-    from pxr import Usd, UsdUtils
+    from pxr import Usd
 
     from reflet_usd.convert.ledger import Ledger
     from reflet_usd.convert.stage import open_context
@@ -69,7 +72,10 @@ def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumma
     context = open_context(stage_path, ConvertOptions(**options), Ledger())
     stage = context.stage
     layer = stage.GetRootLayer()
-    layers, assets, missing = UsdUtils.ComputeAllDependencies(str(stage_path))
+    # What was found within the confinement: USD's own search would wait for pipes.
+    files = context.files
+    used = {item.identifier for item in stage.GetUsedLayers() if not item.anonymous}
+    layers = [*files.layers, *sorted(used - set(files.layers))]
     types: collections.Counter[str] = collections.Counter()
     variants = {}
     instances = 0
@@ -81,7 +87,7 @@ def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumma
         sets = prim.GetVariantSets()
         if sets.GetNames():
             variants[str(prim.GetPath())] = {name: _choices(sets, name) for name in sets.GetNames()}
-    warnings, refusal = _trial(stage_path, out, options)
+    warnings, refusal = _trial(context, stage_path, out)
     units = layer.pseudoRoot.GetInfo("metersPerUnit")
     has_range = stage.HasAuthoredTimeCodeRange()
     return StageSummary(
@@ -92,9 +98,9 @@ def _summary(stage_path: Path, out: Path, options: dict[str, Any]) -> StageSumma
         float(stage.GetEndTimeCode()) if has_range else None,
         str(layer.defaultPrim),
         dict(sorted(types.items())),
-        [_file_name(item.identifier) for item in layers],
-        sorted(_file_name(str(item)) for item in missing),
-        sorted(_file_name(str(item)) for item in assets),
+        [_file_name(item) for item in layers],
+        sorted(map(_file_name, files.missing)),
+        sorted(map(_file_name, files.assets)),
         variants,
         instances,
         warnings,
@@ -141,16 +147,20 @@ def _file_name(identifier: str) -> str:
     return Path(outer).name + bracket + inner
 
 
-def _trial(
-    stage_path: Path, out: Path, options: dict[str, Any]
-) -> tuple[list[dict[str, str]], str]:
+def _trial(context: Context, stage_path: Path, out: Path) -> tuple[list[dict[str, str]], str]:
     """Warnings of a conversion whose output is thrown away, or why it is refused."""
-    from reflet_usd.convert import convert_stage
+    from pxr import Tf
+
+    from reflet_usd.convert.pipeline import convert_opened
+    from reflet_usd.convert.stage import error_text
 
     try:
-        result = convert_stage(stage_path, out, ConvertOptions(**options))
+        result = convert_opened(context, stage_path, out)
     except ConvertError as error:
         return [], str(error)
+    except (Tf.ErrorException, UnicodeDecodeError) as error:
+        reason = error_text(error, stage_path)
+        return [], str(ConvertError("stage-damaged", reason, str(stage_path)))
     return [warning.to_json() for warning in result.warnings], ""
 
 

@@ -20,6 +20,7 @@ from reflet_usd.convert.keys import (
     sampled_keys,
 )
 from reflet_usd.convert.opchain import chain_of_ops
+from reflet_usd.convert.ops import warn_missing_ops
 from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.samples import (
     has_spline,
@@ -49,6 +50,7 @@ def transform_node(context: Context, prim: Usd.Prim) -> tuple[Node, Node, bool]:
         return node, node, False
     if not xformable.GetXformOpOrderAttr().HasAuthoredValue():
         return node, node, False
+    warn_missing_ops(context, prim)
     reset = xformable.GetResetXformStack()
     codes = key_codes(context, xformable)
     if len(codes) < 2:

@@ -6,15 +6,17 @@ import os
 import re
 import stat
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from pxr import Ar, Sdf, Tf, Usd, UsdUtils
+from pxr import Ar, Sdf, Tf, Usd, UsdShade, UsdUtils
 
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.usdz_check import check_referenced
 
 MAX_LAYERS = 20_000
+_DICTIONARIES = ("assetInfo", "clips", "customData")
 # Named with their shader by the texture reader, which falls back to the node's value.
 _IMAGES = ("png", "jpg", "jpeg", "tga", "bmp", "tif", "tiff", "exr", "hdr", "gif", "webp")
 
@@ -43,18 +45,46 @@ def open_layer(identifier: str) -> Sdf.Layer | None:
     return Sdf.Layer.FindOrOpen(identifier)
 
 
+@dataclass
+class Files:
+    """What the layers of a stage name, whether or not it is there."""
+
+    layers: list[str] = field(default_factory=list)
+    """Identifiers of the layers that were read, the root first."""
+    assets: set[str] = field(default_factory=set)
+    """Other files that are there."""
+    missing: set[str] = field(default_factory=set)
+    """What does not resolve, or was left out."""
+    absent: set[str] = field(default_factory=set)
+    """Where what does not resolve would lie, as far as that is one plain and allowed file."""
+
+
+@dataclass
+class LeftOut:
+    """An asset that a layer names and that must not be opened."""
+
+    name: str
+    """The warning's."""
+    message: str
+    layer: Sdf.Layer
+    places: list[Sdf.Path]
+    """The prims of the layer that name it."""
+
+
 def cut_foreign_layers(
-    root_layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger, absent: set[str]
-) -> list[Sdf.Layer]:
+    root_layer: Sdf.Layer, roots: tuple[str, ...], files: Files
+) -> tuple[list[Sdf.Layer], list[LeftOut]]:
     """Remove, in memory, every reference to a layer outside `roots`, before USD opens it.
 
-    Returns all layers that were read; the caller keeps them alive while it composes the stage.
-    Files that the layers name and that are not there go to `absent`.
+    Returns all layers that were read, which the caller keeps alive while it composes the stage,
+    and what was removed.
     """
     layers = [root_layer]
+    cut: list[LeftOut] = []
     seen = {root_layer.identifier}
     for layer in layers:  # grows while it is walked
-        for identifier in _kept_dependencies(layer, roots, ledger, absent):
+        files.layers.append(layer.identifier)
+        for identifier in _kept_dependencies(layer, roots, files, cut):
             if identifier in seen or len(layers) > MAX_LAYERS:
                 continue
             seen.add(identifier)
@@ -64,64 +94,120 @@ def cut_foreign_layers(
                 continue  # composition names it as unresolved
             if opened is not None:
                 layers.append(opened)
-    return layers
+    return layers, cut
 
 
 def _kept_dependencies(
-    layer: Sdf.Layer, roots: tuple[str, ...], ledger: Ledger, absent: set[str]
+    layer: Sdf.Layer, roots: tuple[str, ...], files: Files, cut: list[LeftOut]
 ) -> list[str]:
-    kept = []
-    refused: list[ConvertError] = []
+    kept: list[str] = []
+    refused: dict[str, tuple[str, str]] = {}
 
     def judge(asset_path: str) -> str:
-        if (
-            refused or "`" in asset_path
-        ):  # an expression; `check_used_layers` judges what it becomes
-            return asset_path
-        if _is_outside(asset_path, roots):
-            message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
-            return leave_out("asset-outside-roots", message, asset_path)
-        identifier = layer.ComputeAbsolutePath(asset_path)
-        resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
-        if resolved and not is_plain_file(resolved):
-            message = f"@{asset_path}@ is a pipe, device or folder, it is not opened"
-            return leave_out("asset-not-a-file", message, asset_path)
-        if resolved and is_allowed(resolved, roots):
-            try:
-                check_referenced(Ar.SplitPackageRelativePathOuter(resolved)[0])
-            except ConvertError as error:
-                refused.append(error)
-                return asset_path
-        if not resolved:
-            absent.update(_absent_file(layer, identifier, roots))
-        if not _names_a_layer(identifier):
-            return asset_path
-        if resolved and not is_allowed(resolved, roots):
-            message = (
-                f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
-            )
-            return leave_out("asset-outside-roots", message, asset_path)
-        if resolved:
-            kept.append(identifier)
+        if "`" not in asset_path:  # an expression; `check_used_layers` judges what it becomes
+            fault = _fault(layer, asset_path, roots, files, kept)
+            if fault is not None:
+                refused[asset_path] = fault
         return asset_path
 
-    def leave_out(name: str, message: str, asset_path: str) -> str:
-        if (
-            not Ar.IsPackageRelativePath(layer.identifier)
-            and layer.GetFileFormat().formatId != "usdz"
-        ):
-            ledger.warn(name, "/", message)
-            return ""
-        refused.append(ConvertError(name, message, layer.identifier))  # USD edits no package
-        return asset_path
-
+    UsdUtils.ModifyAssetPaths(layer, judge)
+    if not refused:
+        return kept
+    if Ar.IsPackageRelativePath(layer.identifier) or layer.GetFileFormat().formatId == "usdz":
+        raise ConvertError(*next(iter(refused.values())), layer.identifier)  # USD edits no package
+    for asset_path, (name, message) in refused.items():
+        files.missing.add(asset_path)
+        cut.append(LeftOut(name, message, layer, _places(layer, asset_path)))
     was_editable = layer.permissionToEdit
     layer.SetPermissionToEdit(True)
-    UsdUtils.ModifyAssetPaths(layer, judge)
+    UsdUtils.ModifyAssetPaths(layer, lambda path: "" if path in refused else path)
     layer.SetPermissionToEdit(was_editable)
-    if refused:
-        raise refused[0]
     return kept
+
+
+def _fault(
+    layer: Sdf.Layer, asset_path: str, roots: tuple[str, ...], files: Files, kept: list[str]
+) -> tuple[str, str] | None:
+    """Why the asset must not be opened (a name and a message), else None and where it belongs."""
+    if _is_outside(asset_path, roots):
+        message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
+        return "asset-outside-roots", message
+    identifier = layer.ComputeAbsolutePath(asset_path)
+    resolved = Ar.GetResolver().Resolve(identifier).GetPathString()
+    if not resolved:
+        tiles = [path for path, _ in UsdShade.UdimUtils.ResolveUdimTilePaths(asset_path, layer)]
+        files.assets.update(tiles)
+        files.missing.update(() if tiles else (identifier,))
+        files.absent.update(_absent_file(layer, identifier, roots))
+        return None
+    if not is_plain_file(resolved):
+        return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
+    is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
+    if is_layer and not allowed:
+        message = f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
+        return "asset-outside-roots", message
+    if allowed:
+        check_referenced(Ar.SplitPackageRelativePathOuter(resolved)[0])
+    if is_layer:
+        kept.append(identifier)
+    else:
+        files.assets.add(identifier)
+    return None
+
+
+def _places(layer: Sdf.Layer, asset_path: str) -> list[Sdf.Path]:
+    """The prims of the layer with a field that names the asset."""
+    found: set[Sdf.Path] = set()
+
+    def look(path: Sdf.Path) -> None:
+        variant = path.IsPrimVariantSelectionPath()  # whose own spec holds no fields
+        spec = layer.GetPrimAtPath(path) if variant else layer.GetObjectAtPath(path)
+        if asset_path in _named_by(spec):
+            found.add(path.GetPrimPath().StripAllVariantSelections())
+
+    layer.Traverse(Sdf.Path.absoluteRootPath, look)
+    return sorted(found)
+
+
+def _named_by(spec: Sdf.Spec) -> set[str]:
+    """The assets that the arcs, asset values and dictionaries of a spec name."""
+    named: set[str] = set()
+    if isinstance(spec, Sdf.PrimSpec):
+        for arcs in (spec.referenceList, spec.payloadList):
+            named.update(item.assetPath for item in arcs.GetAddedOrExplicitItems())
+        values = [spec.GetInfo(name) for name in _DICTIONARIES if spec.HasInfo(name)]
+    elif isinstance(spec, Sdf.AttributeSpec) and "asset" in str(spec.typeName):
+        values = [spec.GetInfo(name) for name in ("default", "timeSamples") if spec.HasInfo(name)]
+    else:
+        return named
+    while values:
+        value = values.pop()
+        if isinstance(value, Sdf.AssetPath):
+            named.add(value.path)
+        elif isinstance(value, dict):
+            values.extend(value.values())
+        elif isinstance(value, Sdf.AssetPathArray):
+            values.extend(value)
+    return named
+
+
+def warn_left_out(stage: Usd.Stage, cut: list[LeftOut], ledger: Ledger) -> None:
+    """Name, at the prims of the stage that it would have fed, what was left out."""
+    wanted: dict[tuple[str, Sdf.Path], list[LeftOut]] = {}
+    for item in cut:
+        for place in item.places:
+            wanted.setdefault((item.layer.identifier, place), []).append(item)
+    told: set[int] = set()
+    everything = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), everything) if wanted else ():
+        for spec in prim.GetPrimStack():
+            place = spec.path.StripAllVariantSelections()
+            for item in wanted.get((spec.layer.identifier, place), ()):
+                ledger.warn(item.name, prim, item.message)
+                told.add(id(item))
+    for item in cut:
+        if id(item) not in told:  # sublayers, and prims that nothing on the stage uses
+            ledger.warn(item.name, "/", item.message)
 
 
 def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
+from reflet_usd.convert.confinement import Files
 from reflet_usd.convert.ledger import Ledger
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.types import ConvertOptions
@@ -25,8 +26,8 @@ class Context:
     ledger: Ledger
     allowed_roots: tuple[str, ...]
     """Real paths of the folders that layers and textures may come from."""
-    absent: set[str]
-    """Files that the stage names and that are not there."""
+    files: Files
+    """What the stage's layers name."""
     meters_per_unit: float = 0.01
     z_up: bool = False
     codes_per_second: float = 24.0
@@ -47,6 +48,8 @@ class Context:
     """Paths of the collections that bind materials, found when the first collection is met."""
     previewed: bool = False
     """Whether a binding for the purpose `preview` was met."""
+    missing_ops: dict[str, list[str]] = field(default_factory=dict)
+    """By source path of a prim the ops that its order names and that are not there."""
     textures_read: set[str] = field(default_factory=set)
     """Resolved paths of the images that were opened."""
 

@@ -6,26 +6,21 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Usd
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.scene import Node
 
 # Read elsewhere, each by the rules of what it belongs to.
-_KNOWN = (
-    "collection",
-    "extent",
-    "extentsHint",
-    "inbetweens",
-    "info",
-    "inputs",
-    "light",
-    "material",
-    "outputs",
-    "primvars",
-    "skel",
-    "xformOp",
+_BINDING = (
+    "skel:animationSource",
+    "skel:blendShapeTargets",
+    "skel:blendShapes",
+    "skel:joints",
+    "skel:skeleton",
 )
+_EXTENTS = ("extent", "extentsHint")
+_SHADING = ("info", "inputs", "outputs")
 _USER = "userProperties"
 _MAX_VALUES = 64
 
@@ -64,15 +59,28 @@ def keep_custom_properties(
 
 def is_custom(prim: Usd.Prim, name: str) -> bool:
     """Whether no schema of `prim` knows the property, so that it cannot change what is drawn."""
-    if name.partition(":")[0] in _KNOWN:
+    if _has_rules(prim, name):
         return False
     return bool(prim.GetPrimDefinition().GetSpecType(name) == Sdf.SpecTypeUnknown)
 
 
+def _has_rules(prim: Usd.Prim, name: str) -> bool:
+    """Whether names of that shape are read on such prims, though no schema lists them."""
+    group = name.partition(":")[0]
+    if group in _SHADING:
+        return bool(prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdShade.Shader))
+    if group == "xformOp":
+        return bool(prim.IsA(UsdGeom.Xformable))
+    if group == "inbetweens":
+        return bool(prim.IsA(UsdSkel.BlendShape))
+    if group == "material":
+        return name == "material:binding" or name.startswith("material:binding:")
+    return group in ("collection", "primvars") or name in _BINDING or name in _EXTENTS
+
+
 def _custom_properties(prim: Usd.Prim, names: Iterable[str]) -> Iterator[Usd.Property]:
-    known = prim.GetPrimDefinition().GetSpecType
     for name in names:
-        if name.partition(":")[0] in _KNOWN or known(name) != Sdf.SpecTypeUnknown:
+        if not is_custom(prim, name):
             continue
         item = prim.GetProperty(name)
         if isinstance(item, Usd.Attribute) and not item.HasAuthoredValue():

@@ -92,6 +92,7 @@ class Instancers:
     def _fill(self, prim: Usd.Prim, node: Node) -> None:
         instancer = UsdGeom.PointInstancer(prim)
         targets = instancer.GetPrototypesRel().GetForwardedTargets()
+        self.context.ledger.note_instancer(prim)
         self._account_children(prim, [str(path) for path in targets])
         instances = self._read(prim, len(targets))
         if instances is None:

@@ -14,6 +14,7 @@ class Ledger:
         self._warnings: dict[Warning, None] = {}
         self._carried: set[str] = set()
         self._skipped: list[str] = []
+        self._instancers: list[str] = []
         self._by_prim: dict[str, list[Warning]] = defaultdict(list)
 
     def warn(self, name: str, prim: object, message: str, deviation: float | None = None) -> None:
@@ -36,6 +37,10 @@ class Ledger:
     def carry(self, prim: object) -> None:
         """Record that `prim` has its counterpart in the file."""
         self._carried.add(_path_text(prim))
+
+    def note_instancer(self, prim: object) -> None:
+        """Remember that of what is below `prim` prototypes alone are drawn."""
+        self._instancers.append(_path_text(prim) + "/")
 
     def warnings(self) -> list[Warning]:
         """All warnings, in the order of prim path, then name."""
@@ -62,6 +67,9 @@ class Ledger:
             self.warn("shader-unused", path, "no carried material reads the node")
         elif kind == "SkelAnimation":
             self.warn("animation-unused", path, "no carried skeleton or shape uses it")
+        elif path.startswith(tuple(self._instancers)):
+            message = "it is below an instancer and no prototype, so nothing draws it"
+            self.warn("prototype-unused", path, message)
         else:
             self.warn("schema-ignored", path, f"glTF has no place for a {kind}")
 

@@ -22,16 +22,16 @@ def run_pipeline(stage_path: Path, out: Path, options: ConvertOptions) -> Conver
     if out.suffix.lower() not in (".glb", ".gltf"):
         raise ConvertError("output-suffix", "expected a name that ends in .glb or .gltf", str(out))
     try:
-        return _convert(stage_path, out, options)
+        return convert_opened(open_context(stage_path, options, Ledger()), stage_path, out)
     except (Tf.ErrorException, UnicodeDecodeError) as error:
         raise ConvertError(
             "stage-damaged", error_text(error, stage_path), str(stage_path)
         ) from None
 
 
-def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertResult:
-    ledger = Ledger()
-    context = open_context(stage_path, options, ledger)
+def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResult:
+    """Convert the opened stage of `context` to `out` and its sidecar; see `convert_stage`."""
+    ledger = context.ledger
     writer = GltfWriter()
     roots = Traversal(context, writer).stage_roots()
     writer.add_nodes(roots, {**_scene_extras(context), **stage_metadata_extras(context)})
@@ -40,9 +40,9 @@ def _convert(stage_path: Path, out: Path, options: ConvertOptions) -> ConvertRes
     counts = ledger.close(_prims(context.stage))
     files = _files_read(context)
     result = ConvertResult(
-        ledger.warnings(), counts, _info(context, writer), files, sorted(context.absent)
+        ledger.warnings(), counts, _info(context, writer), files, sorted(context.files.absent)
     )
-    if options.strict and result.warnings:
+    if context.options.strict and result.warnings:
         first = result.warnings[0]
         message = (
             f"{count_of(len(result.warnings), 'warning')} under --strict, the first one:"

@@ -11,13 +11,16 @@ from typing import Any
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from reflet_usd.convert.confinement import (
+    Files,
     allowed_roots,
     check_used_layers,
     cut_foreign_layers,
     open_layer,
+    warn_left_out,
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
+from reflet_usd.convert.ops import skip_missing_ops
 from reflet_usd.convert.prim_count import check_prim_count
 from reflet_usd.convert.samples import first_code, has_spline
 from reflet_usd.convert.types import ConvertError, ConvertOptions
@@ -37,8 +40,8 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     roots = allowed_roots(path, options.extra_roots)
     root_layer = _open_root_layer(path)
     # The layers stay referenced, so the stage composes the edited copies in memory.
-    absent: set[str] = set()
-    layers = cut_foreign_layers(root_layer, roots, ledger, absent)
+    files = Files()
+    layers, cut = cut_foreign_layers(root_layer, roots, files)
     _repair_time_rates(layers, ledger)
     try:
         stage = Usd.Stage.Open(root_layer, Usd.Stage.LoadAll)
@@ -50,10 +53,12 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     del layers
     _select_variants(stage, options, str(path))
     check_prim_count(stage)
+    warn_left_out(stage, cut, ledger)
     _warn_composition(stage, delegate, ledger)
-    context = Context(stage, options, ledger, roots, absent)
+    context = Context(stage, options, ledger, roots, files)
     _read_units(context)
     _read_time(context)
+    skip_missing_ops(context)
     return context
 
 
@@ -90,13 +95,23 @@ def error_text(error: Exception, path: Path) -> str:
         return "it holds text that is not UTF-8"
     try:
         text = " ".join(str(error).split())
-    except UnicodeDecodeError:  # USD quotes the bytes that it could not read
-        return "it is not UTF-8 text"
+    except UnicodeDecodeError as cut:  # USD quotes bytes, or a part of a character
+        if not _is_utf8(path):
+            return "it is not UTF-8 text"
+        text = " ".join(cut.object.decode("utf-8", "replace").split())
     found = re.search(r"Error in '.*?' at line \d+ in file \S+ : '(.*?)'(?: Error in '|$)", text)
     reason = found.group(1) if found else text or "USD gives no reason"
     reason = re.sub(r"pxrInternal\w*::|\S*pegtl::\S*", "", reason).replace(str(path), path.name)
     reason = re.sub(r"parse error matching .*? at '", "cannot parse '", reason)
     return reason.strip()[:400]
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        path.read_bytes().decode("utf-8")
+    except (OSError, UnicodeDecodeError):
+        return False
+    return True
 
 
 def _select_variants(stage: Usd.Stage, options: ConvertOptions, path: str) -> None:

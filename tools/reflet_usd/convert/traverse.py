@@ -25,6 +25,7 @@ from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instancer import Instancers
 from reflet_usd.convert.light import add_light, keep_mesh_light
+from reflet_usd.convert.light_size import Emitter, size_lights
 from reflet_usd.convert.loose_primvars import keep_loose_primvars
 from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
@@ -71,6 +72,7 @@ class Traversal:
         self.geometry = GeometryBuilder(context, writer)
         self.skeletons = Skeletons(context, writer, self.geometry)
         self.instancers = Instancers(context, writer, self.prototype_node)
+        self._emitters: dict[int, Emitter] = {}
         self._visited = 0
         self._last_report = time.monotonic()
 
@@ -87,6 +89,7 @@ class Traversal:
         self._place_lost_skeletons(root)
         roots = [root, *tree.unplaced]
         check_depth(roots)
+        size_lights(self.context, self.writer, roots, self._emitters)
         return roots
 
     def _place_lost_skeletons(self, root: Node) -> None:
@@ -249,7 +252,9 @@ class Traversal:
         elif prim.IsA(UsdGeom.Camera):
             add_camera(context, self.writer, prim, node)
         elif prim.HasAPI(UsdLux.LightAPI) and not prim.IsA(UsdGeom.Gprim):
-            add_light(context, self.writer, prim, node)
+            emitter = add_light(context, self.writer, prim, node)
+            if emitter is not None and node.light is not None:
+                self._emitters[node.light] = emitter
         elif type_name == "Skeleton":
             self.skeletons.add_joints(prim, node)
         elif type_name not in _GROUPS:

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Sequence
-from typing import TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from .checks import BARS, Checks
-from .compare_rig import camera_values, light_values, matrix_distance
+from .compare_rig import Device, camera_values, light_values, matrix_distance, nearby
 from .distances import attribute_distance, one_way, open_edges, set_distance
 from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_SET, absent
-from .facts import Array, Camera, Corners, Light, Lost, Scene, Surface
+from .facts import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 from .uv_compare import compare_customs, compare_point_values, compare_uvs
 
-Device = TypeVar("Device", Camera, Light)
 _FLOAT32_STEP = float(np.finfo(np.float32).eps)
 _ROUNDINGS = 4.0
 """Single precision allows each stored or transformed coordinate about this many roundings."""
@@ -70,7 +68,7 @@ class SceneComparer:
         for key, kind in truth.other.items():
             there = key in output.corners or key in output.lights
             self._is_carried(key, there, kind)
-        for prim, lost in truth.lost.items():
+        for prim, lost in (*truth.lost.items(), *truth.inputs.items()):
             self._lost(prim, lost)
         for prim, names in truth.misfits.items():
             for name in names:
@@ -120,6 +118,14 @@ class SceneComparer:
         for key, expected in truth.lights.items():
             self._devices("lights", key, expected, output.lights.get(key, []), at, light_values)
 
+    def hold_sizes(self, truth: Scene, rest: Scene, frozen: set[str]) -> None:
+        """Lights that are `frozen` have at any time the power of their size at rest."""
+        for key, lights in truth.lights.items():
+            first = rest.lights.get(key, [])
+            if frozen & (truth.made_of.get(key, set()) | {key}) and len(first) == len(lights):
+                for light, still in zip(lights, first, strict=True):
+                    light.intensity = still.intensity
+
     def _devices(
         self,
         check: str,
@@ -134,16 +140,17 @@ class SceneComparer:
             return
         if len(found) > len(expected):
             self.checks.add("unexpected", key, len(found) - len(expected), f"{check} too many")
-        for one in expected:
-            self._lost(key, one.lost)
-            pairs = [list(measure(one, other, self.diagonal)) for other in found]
+        self._lost(key, list(dict.fromkeys(entry for one in expected for entry in one.lost)))
+        for one, near in zip(expected, nearby(expected, found), strict=True):
+            pairs = [list(measure(one, found[other], self.diagonal)) for other in near]
             best = min(pairs, key=lambda values: max((value for _, value in values), default=0.0))
             for text, value in best:
                 self.checks.add(check, key, value, f"{text} {at}", self.slack)
 
     def _lost(self, key: str, lost: Lost) -> None:
         for warning, text in lost:
-            self.checks.add_lost(key, (warning,), text)
+            named = text[1:-1] if text.startswith("'") and text.endswith("'") else ""
+            self.checks.add_lost(key, (warning,), text, named)
 
     def _is_carried(self, key: str, there: bool, what: str) -> bool:
         text = f"{what} is not in the output"

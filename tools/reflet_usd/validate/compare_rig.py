@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .facts import Array, Camera, Light
+
+Device = TypeVar("Device", Camera, Light)
+_FEW = 1024
+"""So many pairs of devices are all looked at."""
+_FAR = 1e30
 
 
 def matrix_distance(expected: Array, found: Array, diagonal: float) -> float:
@@ -50,6 +57,25 @@ def light_values(expected: Light, found: Light, diagonal: float) -> Iterable[tup
         yield "direction", _axis_distance(expected.matrix, found.matrix, (2,))
     if expected.outer_cone is not None and found.outer_cone is not None:
         yield "cone", _relative(expected.outer_cone, found.outer_cone)
+        soft = abs(expected.inner_cone - found.inner_cone)
+        yield "softness of the cone", soft / max(expected.outer_cone, 1e-12)
+
+
+def nearby(expected: Sequence[Device], found: Sequence[Device]) -> Iterator[Iterable[int]]:
+    """For each of the stage's which of the file's may be the same: all, or of many those nearest.
+
+    Those that are as near as the nearest one, but for rounding, stay together.
+    """
+    if len(expected) * len(found) <= _FEW:
+        yield from (range(len(found)) for _ in expected)
+        return
+    places = np.array([one.matrix[3, :3] for one in found])
+    wanted = np.array([one.matrix[3, :3] for one in expected])
+    tree = cKDTree(np.where(np.isfinite(places), places, _FAR))
+    wanted = np.where(np.isfinite(wanted), wanted, _FAR)
+    step = 1e-5 * float(np.ptp(wanted, axis=0).max())
+    for place, distance in zip(wanted, tree.query(wanted)[0].tolist(), strict=True):
+        yield tree.query_ball_point(place, distance + step)
 
 
 def _place_distance(expected: Array, found: Array, diagonal: float) -> float:

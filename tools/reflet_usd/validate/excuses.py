@@ -28,6 +28,8 @@ WORDS = ("attribute-dropped",)
 """A property outside all schemas that the warning names in quotes."""
 OTHER_SURFACE = ("material-unsupported", "material-approximated")
 UNKNOWN_SURFACE = ("material-unsupported",)
+NOT_READ = ("asset-outside-roots", "asset-not-a-file")
+"""A layer that a prim names and that is outside the folders, or no plain file."""
 NO_PLACE = {
     "displacement": "displacement-dropped",
     "normal": "normal-constant-dropped",

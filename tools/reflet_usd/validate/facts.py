@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Lost = list[tuple[str, str]]
-"""Inputs without a place in glTF: the warning that has to tell of each, and its value."""
+"""Inputs without a place in glTF: the warning that has to tell of each, and its value.
+
+A value in quotes is a name that the warning has to give."""
 
 
 class StageError(Exception):
@@ -111,6 +113,8 @@ class Light:
     """(3,) color times intensity: lux for directional lights, candela for others."""
     matrix: Array
     outer_cone: float | None = None
+    inner_cone: float = 0.0
+    """Of a spot: how far from the axis it is at its brightest."""
     exact: bool = True
     """False where a punctual light can only stand in for the authored one."""
     lost: Lost = dataclasses.field(default_factory=list)
@@ -139,6 +143,8 @@ class Scene:
     """By instancer the prims that it draws."""
     lost: dict[str, Lost] = dataclasses.field(default_factory=dict)
     """Other inputs without a place in glTF, by prim."""
+    inputs: dict[str, Lost] = dataclasses.field(default_factory=dict)
+    """The same of geometry that is a light, and of environments."""
     misfits: dict[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
     """Primvars of which some value has no place, by prim."""
     optional: set[str] = dataclasses.field(default_factory=set)

@@ -176,10 +176,11 @@ class OutputReader:
     def _light(self, index: int, world: Array) -> Light:
         light = self.file.extensions[_LIGHTS]["lights"][index]
         color = np.array(light.get("color", (1.0, 1.0, 1.0)), dtype=np.float64)
-        cone = None
+        result = Light(light["type"], color * light.get("intensity", 1.0), world)
         if light["type"] == "spot":
-            cone = light.get("spot", {}).get("outerConeAngle", math.pi / 4)
-        return Light(light["type"], color * light.get("intensity", 1.0), world, cone)
+            result.outer_cone = light.get("spot", {}).get("outerConeAngle", math.pi / 4)
+            result.inner_cone = light.get("spot", {}).get("innerConeAngle", 0.0)
+        return result
 
 
 class _Local:

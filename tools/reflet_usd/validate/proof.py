@@ -139,7 +139,9 @@ def _compare(
     from .document import compare_document
     from .looks import compare_looks
     from .material_compare import compare_materials
-    from .usd_rules import apply_rules
+    from .usd_layers import compare_layers
+    from .usd_ops import compare_ops, repair_ops
+    from .usd_rules import apply_rules, frozen_sizes
     from .usd_skel import (
         JointTruth,
         bake,
@@ -155,7 +157,9 @@ def _compare(
 
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
+    missing_ops = repair_ops(truth.stage)
     proof.roots = list(truth.roots)
+    compare_layers(checks, truth)
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
     apply_rules(truth.stage, sidecar.get("warnings", ()), rest_time)
@@ -171,6 +175,7 @@ def _compare(
     checks.made_of = rest.made_of
     output = OutputReader(file, reader.instancers)
     stored = output.scene(None)
+    compare_ops(checks, missing_ops, stored.matrices)
     comparer = SceneComparer(checks, rest, skinned)
     comparer.geometry(rest, stored)
     comparer.other(rest, stored)
@@ -183,7 +188,10 @@ def _compare(
     compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
     _look_at(output, stored, checks, proof)
-    proof.times = _compare_moving(comparer, reader, output, joints, skin_codes, frames)
+    frozen = frozen_sizes(sidecar.get("warnings", ()))
+    proof.times = _compare_moving(
+        comparer, reader, output, joints, skin_codes, frames, rest, frozen
+    )
 
 
 def _compare_moving(
@@ -193,6 +201,8 @@ def _compare_moving(
     joints: JointTruth,
     skin_codes: list[float],
     frames: Any,
+    rest: Scene,
+    frozen: set[str],
 ) -> int:
     """Compare at keys and between them; returns at how many times."""
     from pxr import Usd
@@ -222,6 +232,7 @@ def _compare_moving(
         unsure = keyed.between(code, drawn) | _without_key(baked, code)
         comparer.geometry(moved, shown, unsure)
         comparer.cameras(moved, shown, at)
+        comparer.hold_sizes(moved, rest, frozen)
         comparer.lights(moved, shown, at)
     halfway = [(a + b) / 2 for a, b in itertools.pairwise(codes)]
     curved = _spread(_within(codes_in_splines(truth.stage), frames), _MATRIX_TIMES)

@@ -2,83 +2,133 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
 from typing import Any
 
 import numpy as np
 from pxr import Gf, Usd, UsdLux
 
 from .facts import Array, Light, Lost
+from .light_area import is_even, surface_area
 from .usd_stage import TruthStage
 
+_APPROXIMATED = "area-light-approximated"
 _MAX_FLOAT32 = float(np.finfo(np.float32).max)
+_SHAPES = {
+    "SphereLight": ("sphere", ("radius", "radius")),
+    "RectLight": ("rectangle", ("width", "height")),
+    "DiskLight": ("disk", ("radius", "radius")),
+    "CylinderLight": ("cylinder", ("length", "radius")),
+}
+_AREAS = ("RectLight", "DiskLight", "CylinderLight")
+_OF_LIGHTS = r"(inputs:|light:|guideRadius$|poleAxis$|portals$)"
+_LEVELS = r"inputs:(color|colorTemperature|diffuse|enableColorTemperature|exposure|intensity)$"
+OF_GEOMETRY = _LEVELS + r"|light:filters$"
+"""What is compared, or has a check of its own, of geometry that is a light."""
+_COMPARED = OF_GEOMETRY + (
+    r"|inputs:(angle|height|length|normalize|radius|specular|texture:.*|width)$"
+    r"|inputs:(shadow:enable|shaping:(cone:.*|focus|ies:file))$"
+)
 _SURROUNDING = ("DomeLight", "DomeLight_1", "GeometryLight", "PortalLight", "PluginLight")
 
 
-def read_light(
-    prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d
-) -> Light | None:
+@dataclasses.dataclass
+class Source:
+    """What a light sends before it has a place."""
+
+    kind: str
+    """directional, point or spot."""
+    radiance: Array
+    """(3,) nits; of a directional light its lux."""
+    shape: str
+    """Empty for lights whose power has nothing to do with their size."""
+    sizes: tuple[float, float]
+    """As `surface_area` wants them."""
+    normalized: bool
+    """Whether the power is that of one square meter, whatever the size."""
+    cone: tuple[float, float] | None
+    """Inner and outer angle of a spot."""
+    lost: Lost
+    exact: bool = True
+
+    def placed(self, truth: TruthStage, world: Gf.Matrix4d) -> Light:
+        """The light where `world` puts it."""
+        matrix = truth.node_world(world)
+        lost = list(self.lost)
+        power = math.pi * self.radiance
+        if not self.shape:
+            return Light(self.kind, _stored(self.radiance), matrix, exact=self.exact, lost=lost)
+        if not self.normalized:
+            with np.errstate(invalid="ignore"):
+                power = power * surface_area(self.shape, self.sizes, matrix[:3, :3])
+        # Equal power in all directions, which is that of what a body shows on average: a quarter
+        # of its area. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
+        spread = 2.0 * math.pi / 3.0 if self.shape in ("rectangle", "disk") else 4.0 * math.pi
+        if self.shape != "sphere":
+            lost.append((_APPROXIMATED, self.shape))
+        elif self.sizes[0] > 0.0 and not is_even(matrix[:3, :3]):
+            lost.append((_APPROXIMATED, "an ellipsoid"))
+        light = Light(self.kind, _stored(power / spread), matrix, lost=lost)
+        if self.cone is not None:
+            light.inner_cone, light.outer_cone = self.cone
+        return light
+
+
+def read_source(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage) -> Source | None:
     """The light at `time`; None for kinds that no punctual light can stand in for."""
-    if prim.GetTypeName() in _SURROUNDING:
+    kind = str(prim.GetTypeName())
+    if kind in _SURROUNDING:
         return None
-    light = _punctual(prim, time, truth, world)
-    light.lost = _lost_inputs(prim, time)
-    return light
-
-
-def _punctual(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage, world: Gf.Matrix4d) -> Light:
-    kind = prim.GetTypeName()
-    matrix = truth.node_world(world)
-    radiance = read_radiance(prim, time)
+    radiance, lost = read_radiance(prim, time), _lost_inputs(prim, time)
     if kind == "DistantLight":
-        light = UsdLux.DistantLight(prim)
-        half = min(math.radians(float(light.GetAngleAttr().Get(time))), math.pi) / 2
+        half = min(math.radians(float(prim.GetAttribute("inputs:angle").Get(time))), math.pi) / 2
         # Illuminance of a disk of sky of uniform radiance: L·π·sin²(half angle); `normalize`
         # divides by that size factor, which UsdLux takes as 1 for angle 0.
         factor = math.pi * math.sin(half) ** 2
         bare = _normalized(prim, time) or factor == 0
-        return Light("directional", _stored(radiance * (1.0 if bare else factor)), matrix)
-    volume = abs(float(np.linalg.det(matrix[:3, :3])))
-    scale = truth.meters_per_unit * (float(np.cbrt(volume)) if math.isfinite(volume) else 1.0)
-
-    def meters(name: str) -> float:
-        length = abs(float(prim.GetAttribute(f"inputs:{name}").Get(time))) * scale
-        return length if length <= _MAX_FLOAT32 else 0.0
-
-    if kind == "SphereLight":
-        radius = meters("radius")
-        # A sphere of radiance L seen from afar: candela = L·π·r²; normalize divides by 4·π·r²,
-        # as treatAsPoint does where there is no radius.
-        point = UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time) and radius == 0.0
-        quarter = point or _normalized(prim, time)
-        candela = radiance / 4 if quarter else radiance * math.pi * radius**2
-        cone = _cone(prim, time)
-        return Light("point" if cone is None else "spot", _stored(candela), matrix, cone)
-    areas = {
-        "RectLight": lambda: meters("width") * meters("height"),
-        "DiskLight": lambda: math.pi * meters("radius") ** 2,
-        "CylinderLight": lambda: 2.0 * math.pi * meters("radius") * meters("length"),
-    }
-    if kind not in areas:
-        return Light("point", radiance, matrix, exact=False)
-    # Equal power Φ = π·L·A. A spot of 90° falls off as cos² in glTF, which fills 2π/3 steradians.
-    power = math.pi * radiance * (1.0 if _normalized(prim, time) else areas[kind]())
-    if kind == "CylinderLight":
-        return Light("point", _stored(power / (4.0 * math.pi)), matrix)
-    return Light("spot", _stored(power * 1.5 / math.pi), matrix, math.pi / 2)
+        lux = radiance * (1.0 if bare else factor)
+        return Source("directional", lux, "", (0.0, 0.0), True, None, lost)
+    if kind not in _SHAPES:
+        return Source("point", radiance, "", (0.0, 0.0), True, None, lost, exact=False)
+    shape, names = _SHAPES[kind]
+    first, second = (
+        abs(float(prim.GetAttribute(f"inputs:{name}").Get(time))) * truth.meters_per_unit
+        for name in names
+    )
+    cone = _cone(prim, time) if shape == "sphere" else None
+    normalized = _normalized(prim, time)
+    if shape == "sphere" and first == 0.0:
+        normalized |= bool(UsdLux.SphereLight(prim).GetTreatAsPointAttr().Get(time))
+    if shape in ("rectangle", "disk"):
+        cone = (0.0, math.pi / 2)
+    sort = "point" if cone is None else "spot"
+    return Source(sort, radiance, shape, (first, second), normalized, cone, lost)
 
 
-def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> float | None:
-    """The outer angle of a shaped light, at most glTF's 90°; None where it shines all around."""
+def lost_of_dome(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
+    """What an environment in a node's extras does not say; empty for other kinds."""
+    return _lost_inputs(prim, time) if prim.GetTypeName().startswith("DomeLight") else []
+
+
+def _cone(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[float, float] | None:
+    """Inner and outer angle of a shaped light, at most glTF's 90°; None where it has no edge."""
     if not prim.HasAPI(UsdLux.ShapingAPI):
         return None
-    degrees = float(UsdLux.ShapingAPI(prim).GetShapingConeAngleAttr().Get(time) or 0.0)
-    return math.radians(min(degrees, 90.0)) if degrees < 180.0 else None
+    shaping = UsdLux.ShapingAPI(prim)
+    degrees = float(shaping.GetShapingConeAngleAttr().Get(time) or 0.0)
+    if degrees >= 180.0:
+        return None
+    outer = math.radians(min(degrees, 90.0))
+    soft = float(shaping.GetShapingConeSoftnessAttr().Get(time) or 0.0)
+    return outer * (1.0 - float(np.clip(soft, 0.0, 1.0))), outer
 
 
 def _stored(intensity: Array) -> Array:
     """The intensity as a file holds it: 0 where single precision cannot."""
-    fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
+    with np.errstate(invalid="ignore"):
+        fits = bool((np.abs(intensity) <= _MAX_FLOAT32).all())
     return intensity if fits else np.zeros(3)
 
 
@@ -102,8 +152,33 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
         lost.append(("light-shadow-dropped", "casts no shadow"))
     if read("treatAsLine", False):
         lost.append(("light-line-dropped", "treatAsLine"))
-    if prim.HasAPI(UsdLux.ShapingAPI) and read("inputs:shaping:focus", 0.0) != 0.0:
-        lost.append(("light-shaping-dropped", "focus"))
+    if prim.HasAPI(UsdLux.ShapingAPI):
+        if read("inputs:shaping:focus", 0.0) != 0.0:
+            lost.append(("light-shaping-dropped", "focus"))
+        narrow = read("inputs:shaping:cone:angle", 90.0) < 90.0
+        if narrow and prim.GetTypeName() in ("DistantLight", *_AREAS):
+            lost.append(("light-shaping-dropped", "cone"))
+        profile = read("inputs:shaping:ies:file", None)
+        if profile and profile.path:
+            lost.append(("light-linking-dropped", profile.path))
+    return lost + unusual_inputs(prim, time, _COMPARED)
+
+
+def unusual_inputs(prim: Usd.Prim, time: Usd.TimeCode, compared: str) -> Lost:
+    """Inputs of UsdLux's schemas that differ from their fallbacks and are not `compared`."""
+    lost: Lost = []
+    definition = prim.GetPrimDefinition()
+    for name in definition.GetPropertyNames():
+        if not re.match(_OF_LIGHTS, name) or re.match(compared, name):
+            continue
+        item = prim.GetProperty(name)
+        if isinstance(item, Usd.Relationship):
+            differs = len(item.GetTargets()) > 0
+        else:
+            value, usual = item.Get(time), definition.GetAttributeFallbackValue(name)
+            differs = value is not None and value != usual
+        if differs:
+            lost.append(("light-input-dropped", f"'{name}'"))
     return lost
 
 

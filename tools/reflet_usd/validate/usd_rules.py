@@ -33,6 +33,7 @@ _INSTANCER_PARTS = {
 _PLACING = ("positions", "orientations", "orientationsf", "scales", "protoIndices")
 _VELOCITIES = ("velocities", "angularVelocities", "accelerations")
 _NORMALIZED = "instance-rotation-normalized"
+_SIZES = "world sizes"
 _FAR = 1e9
 """A weight that no animation reaches."""
 
@@ -54,6 +55,15 @@ def apply_rules(stage: Usd.Stage, warnings: Iterable[dict[str, Any]], rest: Usd.
                 _normalize_instances(prim, warning.get("message", ""))
             else:
                 _RULES[warning["name"]](prim)
+
+
+def frozen_sizes(warnings: Iterable[dict[str, Any]]) -> set[str]:
+    """Lights of which a warning says that they keep the power of their first world size."""
+    return {
+        warning["prim"]
+        for warning in warnings
+        if warning["name"] == "light-animation-frozen" and _SIZES in warning.get("message", "")
+    }
 
 
 def _prim(stage: Usd.Stage, path: str) -> Usd.Prim | None:

@@ -75,7 +75,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
             _repair_time_rate(layer)
         stage = Usd.Stage.Open(str(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
-        lines = [line.strip(" \t'") for line in str(error).splitlines()]
+        lines = [line.strip(" \t'") for line in _text(error).splitlines()]
         reason = next((line for line in reversed(lines) if line), "it gives no reason")
         raise StageError(f"usd-core does not open {path}: {reason}") from None
     if stage is None:
@@ -109,6 +109,14 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     )
 
 
+def _text(error: Tf.ErrorException) -> str:
+    """USD's own words, which may quote a part of a character."""
+    try:
+        return str(error)
+    except UnicodeDecodeError as cut:
+        return cut.object.decode("utf-8", "replace")
+
+
 def _forget_old_layers() -> None:
     """Read anew from disk what this process still holds of earlier stages.
 
@@ -129,12 +137,19 @@ def is_within(resolved: str, roots: tuple[str, ...]) -> bool:
 
 def _confine(stage: Usd.Stage, roots: tuple[str, ...]) -> None:
     """Mute all layers from elsewhere: the converter was not allowed to read them."""
+    tried: set[str] = set()
     while True:
-        layers = [layer for layer in stage.GetUsedLayers() if layer.realPath]
+        # A layer that was muted before the stage was opened stays in use, without its content.
+        layers = [
+            layer for layer in stage.GetUsedLayers() if layer.realPath and not layer.IsMuted()
+        ]
         # Muting one layer frees those that it alone brought.
-        outside = [layer.identifier for layer in layers if not is_within(layer.realPath, roots)]
+        outside = {layer.identifier for layer in layers if not is_within(layer.realPath, roots)}
         if not outside:
             return
+        if outside <= tried:
+            raise StageError(f"usd-core reads @{min(outside)}@, which is outside the folders")
+        tried |= outside
         for identifier in outside:
             stage.MuteLayer(identifier)
 

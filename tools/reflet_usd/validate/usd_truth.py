@@ -13,7 +13,7 @@ from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
 from .usd_lathe import read_lathe
-from .usd_light import read_light
+from .usd_light import OF_GEOMETRY, Source, lost_of_dome, read_source, unusual_inputs
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, read_mesh
 from .usd_primvars import array_of
@@ -52,6 +52,7 @@ class TruthReader:
         lathes: dict[str, list[tuple[LocalMesh, Array]]] = {}
         clouds: dict[str, list[tuple[Array, dict[str, Array]]]] = {}
         meshes: dict[str, LocalMesh | None] = {}
+        sources: dict[str, Source | None] = {}
         for place in walk.placements():
             prim = place.prim
             matrix = self.truth.world(place.matrix)
@@ -66,12 +67,18 @@ class TruthReader:
                 continue
             if is_light(prim) and prim.IsA(UsdGeom.Gprim):
                 scene.mesh_lights.add(str(prim.GetPath()))
+                scene.inputs[str(prim.GetPath())] = unusual_inputs(prim, time, OF_GEOMETRY)
             elif is_light(prim):
-                light = read_light(prim, time, self.truth, place.matrix)
-                if light:
+                path = str(prim.GetPath())
+                if path not in sources:
+                    sources[path] = read_source(prim, time, self.truth)
+                source = sources[path]
+                if source is not None:
+                    light = source.placed(self.truth, place.matrix)
                     scene.lights.setdefault(place.key, []).append(light)
                 else:
                     scene.other[place.key] = prim.GetTypeName()
+                    scene.inputs[str(prim.GetPath())] = lost_of_dome(prim, time)
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)

@@ -74,11 +74,17 @@ class StageWalk:
             return True
         if imageable.ComputeVisibility(self.time) == UsdGeom.Tokens.invisible:
             reason = "invisible"
-        elif (purpose := imageable.ComputePurpose()) not in self.purposes:
-            reason = str(purpose)
+        elif not self._has_purpose(prim):
+            reason = str(imageable.ComputePurpose())
         if reason:
             self.skipped[str(prim.GetPath())] = reason
         return reason is None
+
+    def _has_purpose(self, prim: Usd.Prim) -> bool:
+        """Whether its purpose keeps the prim; of lights and cameras any does, as in Hydra."""
+        if not (prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.PointInstancer)):
+            return True
+        return UsdGeom.Imageable(prim).ComputePurpose() in self.purposes
 
     def _instances(self, instancer: Usd.Prim, key: str, world: Gf.Matrix4d) -> Iterator[Placement]:
         own = str(instancer.GetPath())
@@ -148,22 +154,19 @@ class StageWalk:
         predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
         prims = iter(Usd.PrimRange(root, predicate))
         for prim in prims:
-            if self._hidden_within(prim, root):
+            imageable = UsdGeom.Imageable(prim)
+            if imageable and self._is_invisible(imageable):
                 prims.PruneChildren()
                 continue
             nested = prim.IsA(UsdGeom.PointInstancer)
             if nested:
                 prims.PruneChildren()
-            if nested or self._is_relevant(prim):
+            if (nested or self._is_relevant(prim)) and self._has_purpose(prim):
                 yield prim, *self.xforms.ComputeRelativeTransform(prim, root)
 
-    def _hidden_within(self, prim: Usd.Prim, root: Usd.Prim) -> bool:
-        imageable = UsdGeom.Imageable(prim)
-        if not imageable:
-            return False
-        if imageable.GetVisibilityAttr().Get(self.time) == UsdGeom.Tokens.invisible:
-            return True
-        return imageable.ComputePurpose() not in self.purposes and prim != root
+    def _is_invisible(self, imageable: UsdGeom.Imageable) -> bool:
+        value = imageable.GetVisibilityAttr().Get(self.time)
+        return bool(value == UsdGeom.Tokens.invisible)
 
 
 def is_light(prim: Usd.Prim) -> bool:

@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Usd
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from .checks import Checks
 from .excuses import WORDS
 from .gltf_scene import OutputReader
 
-# Namespaces with rules of their own.
-_ELSEWHERE = (
-    "collection",
-    "extent",
-    "extentsHint",
-    "inbetweens",
-    "info",
-    "inputs",
-    "light",
-    "material",
-    "outputs",
-    "primvars",
-    "skel",
-    "xformOp",
+# What is compared by rules of its own, wherever it stands and on prims of one kind alone.
+_ELSEWHERE = re.compile(
+    r"collection:|extent$|extentsHint$|primvars:|material:binding(:|$)"
+    r"|skel:(animationSource|blendShapeTargets|blendShapes|joints|skeleton)$"
 )
+_OF_KINDS = {
+    "inputs:": (UsdShade.Shader, UsdShade.NodeGraph),
+    "outputs:": (UsdShade.Shader, UsdShade.NodeGraph),
+    "info:": (UsdShade.Shader, UsdShade.NodeGraph),
+    "inbetweens:": (UsdSkel.BlendShape,),
+    "xformOp:": (UsdGeom.Xformable,),
+}
 _USER = "userProperties"
 _MAX_VALUES = 64
 NAMED = 8
@@ -91,7 +89,10 @@ def _own_properties(prim: Usd.Prim, rest: Usd.TimeCode) -> dict[str, Any]:
     known = prim.GetPrimDefinition().GetSpecType
     result = {}
     for name in map(str, prim.GetAuthoredPropertyNames()):
-        if name.partition(":")[0] in _ELSEWHERE or known(name) != Sdf.SpecTypeUnknown:
+        if known(name) != Sdf.SpecTypeUnknown or _ELSEWHERE.match(name):
+            continue
+        kinds = next((k for start, k in _OF_KINDS.items() if name.startswith(start)), ())
+        if any(prim.IsA(kind) for kind in kinds):
             continue
         item = prim.GetProperty(name)
         if isinstance(item, Usd.Relationship) or item.HasAuthoredValue():

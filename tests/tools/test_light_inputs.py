@@ -1,0 +1,108 @@
+"""Owns the tests of what lights say beyond their emission: each input is carried or named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from convert_reading import convert_text
+from tampering import FACE, UNIT, Output, agrees, expect_found, forget
+
+SHADED = """
+def SphereLight "L" (prepend apiSchemas = ["ShadowAPI", "ShapingAPI"])
+{{
+    {0}
+}}
+"""
+DOME = """
+def DomeLight_1 "L"
+{{
+    {0}
+}}
+"""
+GLOWING = f"""
+def Mesh "L" (prepend apiSchemas = ["MeshLightAPI"])
+{{{{{FACE}
+    {{0}}
+}}}}
+"""
+INPUTS = [
+    (SHADED, "color3f inputs:shadow:color = (1, 0, 0)", "light-input-dropped"),
+    (SHADED, "float inputs:shadow:distance = 3", "light-input-dropped"),
+    (SHADED, "float inputs:shadow:falloff = 2", "light-input-dropped"),
+    (SHADED, "color3f inputs:shaping:focusTint = (1, 0, 0)", "light-input-dropped"),
+    (SHADED, "asset inputs:shaping:ies:file = @a.ies@", "light-linking-dropped"),
+    (
+        SHADED.replace("Sphere", "Disk"),
+        "float inputs:shaping:cone:angle = 9",
+        "light-shaping-dropped",
+    ),
+    (DOME, 'token poleAxis = "Z"', "light-input-dropped"),
+    (DOME, "float guideRadius = 5", "light-input-dropped"),
+    (DOME, "rel portals = </Unit>", "light-input-dropped"),
+    (GLOWING, "bool inputs:normalize = 1", "light-input-dropped"),
+    (GLOWING, 'uniform token light:materialSyncMode = "independent"', "light-input-dropped"),
+]
+
+
+@pytest.mark.parametrize(("stage", "line", "warning"), INPUTS)
+def test_inputs_without_a_counterpart_are_named(
+    tmp_path: Path, stage: str, line: str, warning: str
+) -> None:
+    done = convert_text(tmp_path, stage.format(line) + UNIT)
+    assert warning in done.warnings("/L")
+    assert agrees(done)
+    forget(done, warning)
+    assert not agrees(done)
+
+
+def test_the_warning_has_to_name_the_input(tmp_path: Path) -> None:
+    lines = "float inputs:shadow:distance = 3\n    float inputs:shadow:falloff = 2"
+    done = convert_text(tmp_path, SHADED.format(lines) + UNIT)
+    sidecar = Path(f"{done.out}.json")
+    text = sidecar.read_text(encoding="utf-8")
+    assert agrees(done)
+    sidecar.write_text(text.replace("'inputs:shadow:falloff'", "'inputs:shadow:distance'"))
+    assert not agrees(done)
+
+
+@pytest.mark.parametrize("line", ["float inputs:shadow:distance = -1", "token poleAxis"])
+def test_inputs_at_their_fallback_say_nothing(tmp_path: Path, line: str) -> None:
+    done = convert_text(tmp_path, (DOME if "pole" in line else SHADED).format(line) + UNIT)
+    assert "light-input-dropped" not in done.warnings()
+    assert agrees(done)
+
+
+FOREIGN = [
+    ('def SphereLight "P"', "int inputs:karma:light:samples", 7),
+    ('def SphereLight "P"', "custom float light:whatever", 3.0),
+    ('def Xform "P"', "custom string material:foo", "x"),
+    ('def Xform "P"', "custom float skel:foo", 1.0),
+    ('def Xform "P"', "custom float info:foo", 1.0),
+    ('def Xform "P"', "custom float outputs:foo", 1.0),
+    ('def Scope "P"', "custom float xformOp:foo", 1.0),
+]
+
+
+@pytest.mark.parametrize(("prim", "name", "value"), FOREIGN)
+def test_names_in_a_schemas_namespace_are_kept(
+    tmp_path: Path, prim: str, name: str, value: object
+) -> None:
+    def forget_words(out: Output) -> None:
+        for node in out.gltf.nodes:
+            (node.extras or {}).pop("attributes", None)
+
+    text = f'"{value}"' if isinstance(value, str) else value
+    done = convert_text(tmp_path, f"{prim}\n{{\n    {name} = {text}\n}}\n{UNIT}")
+    extras = done.json["nodes"][done.node("/P")]["extras"]
+    assert extras["attributes"] == {name.rsplit(" ", 1)[1]: value}
+    expect_found(done, forget_words)
+
+
+def test_the_softness_of_a_cone_is_compared(tmp_path: Path) -> None:
+    def sharpen(out: Output) -> None:
+        (entry,) = out.gltf.extensions["KHR_lights_punctual"]["lights"]
+        entry["spot"]["innerConeAngle"] = 0.01
+
+    lines = "float inputs:shaping:cone:angle = 40\n    float inputs:shaping:cone:softness = 0.5"
+    expect_found(convert_text(tmp_path, SHADED.format(lines)), sharpen)

@@ -1,0 +1,54 @@
+"""Ops that `xformOpOrder` names and that are not there: skipped, as USD does, and named."""
+
+from __future__ import annotations
+
+from pxr import Sdf, Usd, UsdGeom
+
+from reflet_usd.convert.context import Context, source_path
+from reflet_usd.convert.damage import DAMAGE
+
+_RESET = "!resetXformStack!"
+_INVERSE = "!invert!"
+
+
+def skip_missing_ops(context: Context) -> None:
+    """Take them out of the order, in memory: some of USD's evaluations throw at them."""
+    stage = context.stage
+    found: list[tuple[Usd.Attribute, list[str]]] = []
+    for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
+        for prim in Usd.PrimRange(root, Usd.PrimIsActive & Usd.PrimIsLoaded):
+            if not _is_placed(prim):
+                continue
+            order = UsdGeom.Xformable(prim).GetXformOpOrderAttr()
+            try:
+                tokens = list(order.Get() or ())
+            except DAMAGE:
+                continue  # named where the prim is converted
+            missing = [token for token in tokens if not _is_there(prim, token)]
+            if missing:
+                context.missing_ops[str(prim.GetPath())] = missing
+                found.append((order, [token for token in tokens if token not in missing]))
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for order, kept in found:
+            if not order.GetPrim().IsInPrototype():
+                order.Set(kept)
+            elif (specs := order.GetPropertyStack()) and specs[0].layer.permissionToEdit:
+                specs[0].default = kept  # no edit of the session layer reaches a prototype
+
+
+def warn_missing_ops(context: Context, prim: Usd.Prim) -> None:
+    """Name those of `prim`."""
+    for token in context.missing_ops.get(source_path(prim), ()):
+        message = f"xformOpOrder names '{token}', which is not there and is skipped"
+        context.ledger.warn("xform-op-invalid", prim, message)
+
+
+def _is_placed(prim: Usd.Prim) -> bool:
+    return bool(prim.IsA(UsdGeom.Xformable) and prim.HasAttribute("xformOpOrder"))
+
+
+def _is_there(prim: Usd.Prim, token: str) -> bool:
+    name = token.removeprefix(_INVERSE)
+    return token == _RESET or (
+        Sdf.Path.IsValidNamespacedIdentifier(name) and bool(prim.HasAttribute(name))
+    )

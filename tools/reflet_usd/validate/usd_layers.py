@@ -1,0 +1,49 @@
+"""Owns the truth about layers that a stage names and that must not be read."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+from pxr import Ar, Sdf, Usd
+
+from .checks import Checks
+from .excuses import NOT_READ
+from .usd_stage import TruthStage, is_within
+
+
+def compare_layers(checks: Checks, truth: TruthStage) -> None:
+    """Every prim that refers to a file outside the folders, or to a pipe, has to be named."""
+    refused = {
+        (layer.identifier, asset)
+        for layer in truth.stage.GetUsedLayers()
+        for asset in layer.GetCompositionAssetDependencies()
+        if _is_refused(layer, asset, truth.roots)
+    }
+    if not refused:
+        return
+    for layer in truth.stage.GetUsedLayers():
+        for asset in layer.subLayerPaths:
+            if (layer.identifier, asset) in refused:
+                checks.add_lost("/", NOT_READ, f"the sublayer @{asset}@ is not read")
+    everything = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
+    for prim in Usd.PrimRange(truth.stage.GetPseudoRoot(), everything):
+        for spec in prim.GetPrimStack():
+            for arcs in (spec.referenceList, spec.payloadList):
+                for arc in arcs.GetAddedOrExplicitItems():
+                    if (spec.layer.identifier, arc.assetPath) in refused:
+                        text = f"the layer @{arc.assetPath}@ is not read"
+                        checks.add_lost(str(prim.GetPath()), NOT_READ, text)
+
+
+def _is_refused(layer: Sdf.Layer, asset: str, roots: tuple[str, ...]) -> bool:
+    resolved = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(asset)).GetPathString()
+    if not resolved:
+        return False  # it is not there, which composition says
+    outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+    if not is_within(outer, roots):
+        return True
+    try:
+        return not stat.S_ISREG(os.stat(outer).st_mode)
+    except OSError:
+        return False
