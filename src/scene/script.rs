@@ -10,6 +10,7 @@ mod context;
 mod dedup;
 mod engine;
 mod error;
+mod key;
 mod limited;
 mod locate;
 mod nested;

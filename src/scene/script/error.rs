@@ -9,10 +9,11 @@ use self::missing::{missing_function, missing_key, missing_property};
 use super::{
     api::value::WrongKey,
     engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
+    key::key_of_call,
     locate::{Ended, Met, Place},
     nested::{NESTED, is_deeper},
     shown::thrown,
-    sources::{self, Sources},
+    sources::Sources,
 };
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
 
@@ -223,7 +224,7 @@ pub fn runtime(
         Wrong::ErrorRuntime(value, _) => value.read_lock::<WrongKey>().map(|w| w.key.clone()),
         _ => None,
     };
-    let written = key.and_then(|key| sources::key_of_call(&span, &key));
+    let written = key.and_then(|key| key_of_call(&span, &key));
     let mut error = Diagnostic::at(kind, written.unwrap_or(span), message);
     error.help = help;
     with_calls(error, &calls, sources)
