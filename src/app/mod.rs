@@ -24,6 +24,7 @@ pub mod fingerprint;
 pub mod frames;
 pub mod info;
 pub mod live;
+pub mod numbered;
 pub mod output;
 pub mod params;
 pub mod preview;

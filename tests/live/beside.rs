@@ -44,7 +44,7 @@ pub struct Watched {
     pub worker: Worker,
     _turn: MutexGuard<'static, ()>,
     pub folder: Folder,
-    view: View,
+    pub view: View,
     /// Whether a script runs that pictures do not wait for.
     runs: bool,
 }

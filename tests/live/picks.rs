@@ -4,7 +4,7 @@ use std::{fs, sync::Arc};
 
 use glam::Vec3;
 use reflet::app::preview::{
-    facts::{Drawn, Report, Task},
+    facts::{Drawn, Inspect, Inspection, Report, Task},
     look::{Cast, Look},
     pick::Picked,
 };
@@ -28,7 +28,11 @@ fn preview() -> Option<Watched> {
 }
 
 fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
-    preview.worker.desk.ask(Task::Pick(at));
+    let inspection = Inspection {
+        view: preview.view.clone(),
+        with: Inspect::Pick(at),
+    };
+    preview.worker.desk.ask(Task::Inspect(inspection));
     preview.until("what was clicked", |report| match report {
         Report::Picked(picked) => Some(picked.clone()),
         _ => None,

@@ -8,6 +8,7 @@ use reflet::{
     app::{
         live::{Edit, Live, Reload},
         params::Tuned,
+        preview::facts::Facts,
         watch::Change,
     },
     gpu::Gpu,
@@ -326,4 +327,34 @@ fn where_nothing_stands_still_lengths_do_not_depend_on_the_frame() {
     assert!(session.live.reload(&[Change::Scene].into()).ok);
     assert_eq!(session.live.renderer().unit_m(), unit_m);
     assert!(session.picture() == session.afresh(40, &[]));
+}
+
+/// A material of each box's own, all of one name.
+#[test]
+fn edits_of_materials_of_one_name_stay_with_their_own() {
+    let Some(mut session) = Session::new() else {
+        return;
+    };
+    let own = "dynamic: true, material: #{ metallic: 0.5 * i } }";
+    let script = SCRIPT.replace("dynamic: true }", own);
+    assert!(session.save_script(&script).ok);
+    let material = |session: &Session, name: &str| {
+        let world = session.live.world();
+        let instance = world.instances.iter().find(|i| i.name == name);
+        instance.expect(name).material
+    };
+    let (first, second) = (material(&session, "box0"), material(&session, "box1"));
+    let names = Facts::of(&session.live).materials;
+    assert_eq!(names[second].name, format!("{}#2", names[first].name));
+    let mut edit = Edit::new(second);
+    for (field, value) in MATERIAL.iter().zip(&mut edit.values) {
+        *value = (field.key == "emission").then_some(Vec3::Y);
+    }
+    session.live.edit(edit).expect("is taken");
+    assert!(session.save_script(&format!("{script}\n")).ok);
+    let emission = |name: &str| {
+        let material = material(&session, name);
+        session.live.world().materials[material].emission
+    };
+    assert_eq!((emission("box0"), emission("box1")), (Vec3::ZERO, Vec3::Y));
 }

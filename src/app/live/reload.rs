@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     app::{
+        numbered::numbered,
         scene::load_options,
         watch::{Change, Changes},
     },
@@ -163,8 +164,9 @@ impl Live {
     /// Takes over a scene; else its problems are kept, and it waits for a frame that can be posed.
     fn show(&mut self, waiting: Waiting, pose: Pose, reload: &mut Reload) {
         let Waiting { read, keeps } = waiting;
+        let names = self.material_names();
         let edited: Vec<_> = (self.edits.iter())
-            .map(|edit| (self.world.materials[edit.material].name.clone(), *edit))
+            .map(|edit| (names[edit.material].clone(), *edit))
             .collect();
         let shown = self.try_show(read, pose, keeps.files, reload);
         reload.ok &= shown.is_ok();
@@ -185,10 +187,15 @@ impl Live {
         }
     }
 
+    fn material_names(&self) -> Vec<String> {
+        numbered(self.world.materials.iter().map(|m| m.name.as_str()))
+    }
+
     /// Another number of things may give the materials other places.
     fn edit_again(&mut self, edited: Vec<(String, Edit)>) {
+        let names = self.material_names();
         for (name, mut edit) in edited {
-            let found = self.world.materials.iter().position(|m| m.name == name);
+            let found = names.iter().position(|known| *known == name);
             let Some(material) = found else { continue };
             edit.material = material;
             if let Err(error) = self.edit(edit) {

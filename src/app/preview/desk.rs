@@ -135,7 +135,7 @@ mod tests {
             desk.ask(edit(4, roughness));
             desk.ask(edit(5, 1.0 - roughness));
         }
-        desk.ask(Task::Pick([0.5, 0.5]));
+        desk.ask(Task::Unpick);
         for count in [5, 6, 7] {
             let mut tuned = Tuned::default();
             tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
@@ -145,7 +145,7 @@ mod tests {
         assert!(view.is_none() && desk.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
         assert_eq!(left.len(), 5, "{left:?}");
-        assert!(left[0].starts_with("Reload") && left[3].starts_with("Pick"));
+        assert!(left[0].starts_with("Reload") && left[3].starts_with("Unpick"));
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
         assert!(left[4].contains("Integer(7)"), "{left:?}");
         // Woken, or when it is time: with nothing to do.

@@ -5,6 +5,7 @@ use std::{path::PathBuf, time::Instant};
 use crate::{
     app::{
         live::{Edit, Live, Problems, Refusal, Reload},
+        numbered::numbered,
         params::{Declared, Tuned},
         watch::Changes,
     },
@@ -87,8 +88,6 @@ pub enum Task {
     Tune(Tuned),
     /// Look closer at a frame, once it is posed.
     Inspect(Inspection),
-    /// Select the instance at this part of the picture, from the top left.
-    Pick([f32; 2]),
     /// Select no instance.
     Unpick,
 }
@@ -133,12 +132,14 @@ pub enum Inspect {
     Judge(u64),
     /// Write what is shown of it.
     Shot(Shot),
+    /// Select the instance at this part of the picture, from the top left.
+    Pick([f32; 2]),
 }
 
 /// A material as the panel lists it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Name in the scene or file.
+    /// Name in the scene or file, with a number where others have it too.
     pub name: String,
     /// Its numbers in the frame that is shown.
     pub numbers: MaterialDesc,
@@ -188,8 +189,9 @@ impl Facts {
     /// Those of a live scene.
     pub fn of(live: &Live) -> Self {
         let world = live.world();
+        let names = numbered(world.materials.iter().map(|m| m.name.as_str()));
         let row = |(material, m): (usize, &crate::world::Material)| Row {
-            name: m.name.clone(),
+            name: names[material].clone(),
             numbers: *m.numbers(),
             edit: live.edit_of(material),
             uses: 0,
@@ -204,6 +206,7 @@ impl Facts {
             row.bounds = row.bounds.union(around);
             bounds = bounds.union(around);
         }
+        let lights = numbered(world.lights.iter().map(|light| light.name.as_str()));
         let dropped = live.renderer().plan().dropped.iter();
         Self {
             timeline: live.timeline().cloned(),
@@ -216,7 +219,7 @@ impl Facts {
             casters: (world.lights.iter().enumerate())
                 .map(|(light, lamp)| Caster {
                     light,
-                    name: lamp.name.clone(),
+                    name: lights[light].clone(),
                     faces: shadow_faces(lamp),
                 })
                 .filter(|caster| caster.faces > 0)

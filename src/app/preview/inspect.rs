@@ -33,6 +33,7 @@ impl State {
             }
             let done = match with {
                 Inspect::Judge(edits) => self.judge(view, edits),
+                Inspect::Pick(at) => self.pick(&view, at),
                 Inspect::Shot(shot) => {
                     self.shoot(&view, &shot);
                     Ok(())

@@ -162,9 +162,9 @@ impl Window {
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
         let line = ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag());
         let line = line.on_hover_cursor(egui::CursorIcon::ResizeHorizontal);
-        if line.dragged() && rect.width() > 0.0 {
-            let at = self.choice.wipe_at + line.drag_delta().x / rect.width();
-            self.choice.wipe_at = at.clamp(0.0, 1.0);
+        let held_at = line.interact_pointer_pos().filter(|_| line.dragged());
+        if let (Some(at), true) = (held_at, rect.width() > 0.0) {
+            self.choice.wipe_at = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
         let is_held = line.hovered() || line.dragged();
         let color = Color32::from_white_alpha(if is_held { 255 } else { 160 });

@@ -1,7 +1,11 @@
 //! The selected instance: which one a click means, what it is called, and the line around what is
 //! seen of it.
 
-use super::{canvas::Canvas, facts::Report, worker::State};
+use super::{
+    canvas::Canvas,
+    facts::{Report, View},
+    worker::State,
+};
 use crate::{
     math::Bounds,
     render::{RenderError, targets::Target},
@@ -67,8 +71,13 @@ impl Mark {
 }
 
 impl State {
-    /// Selects what is at this part of the picture.
-    pub(super) fn pick(&mut self, at: [f32; 2]) -> Result<(), RenderError> {
+    /// Selects what is at this part of a view's picture, which is drawn again if another is there.
+    pub(super) fn pick(&mut self, view: &View, at: [f32; 2]) -> Result<(), RenderError> {
+        let is_drawn = (self.drawn.as_ref())
+            .is_some_and(|drawn| !drawn.looks_other(view) && drawn.frame == view.frame);
+        if !is_drawn {
+            self.render(view, view.a.method)?;
+        }
         let [width, height] = self.live.renderer().targets().size;
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);

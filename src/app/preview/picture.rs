@@ -5,7 +5,7 @@ use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 use super::{
-    facts::Task,
+    facts::{Inspect, Task},
     mistakes,
     paint::{self, fit},
     pick::Picked,
@@ -47,7 +47,7 @@ impl Window {
         }
         if place.contains(at) {
             let part = (at - place.min) / place.size();
-            self.ask(Task::Pick([part.x, part.y]));
+            self.inspect(Inspect::Pick([part.x, part.y]));
         } else {
             self.unselect();
         }

@@ -217,7 +217,7 @@ impl Window {
     }
 
     /// Asks for something of the view's frame; while time runs, of the one that is seen.
-    fn inspect(&mut self, with: Inspect) {
+    pub(super) fn inspect(&mut self, with: Inspect) {
         let Some(mut view) = self.asked.clone() else {
             self.note.say("nothing is shown yet");
             return;

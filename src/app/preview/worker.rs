@@ -73,6 +73,7 @@ impl Worker {
                 mark: None,
                 outline: None,
                 errands: Errands::default(),
+                drawn: None,
                 inspections: VecDeque::new(),
                 reloads: Vec::new(),
                 watched: WatchList::default(),
@@ -125,6 +126,8 @@ pub(super) struct State {
     pub(super) outline: Option<Canvas>,
     /// Scripts that run.
     pub(super) errands: Errands,
+    /// What is in the targets, if it is a view of its posed frame.
+    pub(super) drawn: Option<View>,
     /// What waits for its frame.
     pub(super) inspections: VecDeque<Inspection>,
     /// What was reloaded since the last picture, and when that was saved.
@@ -168,7 +171,6 @@ impl State {
                 redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
                 self.view = Some(view);
             }
-            let mut picks = Vec::new();
             for task in tasks {
                 match task {
                     Task::Reload(changes, since) => self.reload(&changes, since),
@@ -179,8 +181,7 @@ impl State {
                     Task::Tune(tuned) => self.tune(tuned),
                     Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
                     Task::Inspect(inspection) => self.inspections.push_back(inspection),
-                    Task::Pick(at) => picks.push(Some(at)),
-                    Task::Unpick => picks.push(None),
+                    Task::Unpick => self.unpick(),
                 }
             }
             redraw |= self.errands(desk, watcher);
@@ -191,13 +192,6 @@ impl State {
             for (reload, since) in std::mem::take(&mut self.reloads) {
                 let ms = since.elapsed().as_secs_f64() * 1e3;
                 self.tell(Report::Reloaded(reload, ms));
-            }
-            for at in picks {
-                match at.map(|at| self.pick(at)) {
-                    Some(Ok(())) => {}
-                    Some(Err(error)) => self.refuse(&error),
-                    None => self.unpick(),
-                }
             }
             self.inspect();
             if desk.is_empty() && self.inspections.is_empty() {
@@ -233,6 +227,7 @@ impl State {
         };
         match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
             Ok((sides, picked)) => {
+                self.drawn = Some(view.clone());
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
@@ -291,6 +286,7 @@ impl State {
         view: &View,
         method: Method,
     ) -> Result<FrameStats, RenderError> {
+        self.drawn = None;
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let mut size = view.size.map(|side| side.clamp(1, most));

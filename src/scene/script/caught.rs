@@ -68,11 +68,69 @@ pub fn register(engine: &mut Engine, caught: &Caught) {
     });
 }
 
+/// What Rhai calls its errors (`EvalAltResult`) in such a map.
+const KINDS: [&str; 31] = [
+    "ErrorSystem",
+    "ErrorParsing",
+    "ErrorVariableExists",
+    "ErrorForbiddenVariable",
+    "ErrorVariableNotFound",
+    "ErrorPropertyNotFound",
+    "ErrorIndexNotFound",
+    "ErrorFunctionNotFound",
+    "ErrorModuleNotFound",
+    "ErrorInFunctionCall",
+    "ErrorInModule",
+    "ErrorUnboundThis",
+    "ErrorMismatchDataType",
+    "ErrorMismatchOutputType",
+    "ErrorIndexingType",
+    "ErrorArrayBounds",
+    "ErrorStringBounds",
+    "ErrorBitFieldBounds",
+    "ErrorFor",
+    "ErrorDataRace",
+    "ErrorAssignmentToConstant",
+    "ErrorDotExpr",
+    "ErrorArithmetic",
+    "ErrorTooManyOperations",
+    "ErrorTooManyVariables",
+    "ErrorTooManyModules",
+    "ErrorStackOverflow",
+    "ErrorDataTooLarge",
+    "ErrorNonPureMethodCallOnConstant",
+    "ErrorCustomSyntax",
+    "ErrorRuntime",
+];
+
+/// All keys that such a map may have.
+const KEYS: [&str; 16] = [
+    "error",
+    "message",
+    "source",
+    "line",
+    "position",
+    "function",
+    "requested",
+    "actual",
+    "length",
+    "index",
+    "variable",
+    "module",
+    "property",
+    "type",
+    "token",
+    "tokens",
+];
+
 /// A map of Rhai's about an error, as `#{ message, line, column }`; the place is where it happened, as
 /// far as that is known.
 fn plain(map: &Map) -> Option<Map> {
     let text = |key: &str| map.get(key)?.clone().into_string().ok();
-    let is_rhais = text("error")?.starts_with("Error");
+    let error = text("error")?;
+    // What a script throws itself stays as it is.
+    let is_rhais =
+        KINDS.contains(&error.as_str()) && map.keys().all(|key| KEYS.contains(&key.as_str()));
     let whole = text("message").filter(|_| is_rhais)?;
     // The calls that led there follow on lines of their own.
     let first = whole.lines().next().unwrap_or_default();

@@ -1,0 +1,29 @@
+//! Names of things that may share one, made distinct: what finds a thing again after everything was
+//! read anew.
+
+use std::collections::HashMap;
+
+/// The names, each once: the first of several keeps its own, the next are `name#2`, `name#3` and so on.
+pub fn numbered<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
+    let mut counts = HashMap::new();
+    let each = names.into_iter().map(|name| {
+        let count = counts.entry(name).or_insert(0_usize);
+        *count += 1;
+        match *count {
+            1 => name.to_owned(),
+            number => format!("{name}#{number}"),
+        }
+    });
+    each.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_name_is_there_once() {
+        let names = numbered(["ball", "floor", "ball", "ball"]);
+        assert_eq!(names, ["ball", "floor", "ball#2", "ball#3"]);
+    }
+}
