@@ -12,11 +12,22 @@ use crate::scene::{
 const STEPS: u32 = 8;
 const MOST_STEPS: u32 = 1 << 16;
 
-/// Refuses a track of `scale` that passes 0.
+/// Refuses a track of `scale` that is 0 or passes it.
 pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut Report) {
     let Some(track) = &entry.value.scale else {
         return;
     };
+    if let Some(key) = track
+        .keys
+        .iter()
+        .find(|key| key.value.abs().min_element() == 0.0)
+    {
+        let help = "it would flatten the model; one that grows from nothing starts small, such as \
+                    at 0.001";
+        let message = "a key of `scale` must not be 0";
+        report.push(Diagnostic::at("singular", key.at.clone(), message).help(help));
+        return;
+    }
     if track.curve == CurveKind::Step && !track.keys.is_empty() {
         return; // it jumps over
     }
@@ -31,16 +42,15 @@ pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut 
     }
 }
 
-/// Two keys in a row whose numbers differ in sign, leaving aside those that are 0; the way from the
-/// last back to the first, of a loop, ends at the first.
+/// Two keys in a row whose numbers differ in sign; the way from the last back to the first, of a
+/// loop, ends at the first.
 fn between_keys(track: &TrackDesc) -> Option<[&KeyDesc; 2]> {
     (0..3).find_map(|axis| {
-        let keys = track.keys.iter().filter(|key| key.value[axis] != 0.0);
-        let keys: Vec<_> = keys.collect();
+        let keys = &track.keys;
         let back = track.loop_s.and(keys.first());
         let mut pairs = keys.iter().zip(keys.iter().skip(1).chain(back));
-        let passes = |(a, b): &(&&KeyDesc, &&KeyDesc)| a.value[axis] * b.value[axis] < 0.0;
-        pairs.find(passes).map(|(a, b)| [*a, *b])
+        let passes = |(a, b): &(&KeyDesc, &KeyDesc)| a.value[axis] * b.value[axis] < 0.0;
+        pairs.find(passes).map(|(a, b)| [a, b])
     })
 }
 
