@@ -8,11 +8,12 @@ pub mod aov;
 mod build;
 pub mod cause;
 pub mod cull;
+pub mod debug_readback;
 pub mod download;
 pub mod frame;
 pub mod geometry;
 pub mod lights;
-pub mod looks;
+
 pub mod pass;
 pub mod passes;
 pub mod picture;
@@ -27,8 +28,8 @@ pub mod textures;
 pub mod types;
 pub mod view;
 
-pub use picture::{PendingPicture, Picture, Plane, PlaneData, Wanted};
-pub use renderer::{Redone, RenderOptions, Renderer};
+pub use picture::{PendingPicture, Picture, PictureRequest, Plane, PlaneData};
+pub use renderer::{RebuildSummary, RenderOptions, Renderer};
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq)]
