@@ -10,7 +10,7 @@ use crate::{
 };
 
 use super::{
-    RenderOptions,
+    options::RenderOptions,
     pass::{ComputePass, MAIN, Named, Pass, Shared},
     passes::{
         self, blur, compact, compose, light,

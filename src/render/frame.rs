@@ -12,9 +12,11 @@ use crate::{
 };
 
 use super::{
-    RenderError, RenderOptions, Renderer,
+    Renderer,
     build::Reflections,
+    error::RenderError,
     lights::{ShadowView, lights},
+    options::RenderOptions,
     pass::Dispatch,
     passes::{blur, compose, ssr, tone},
     probe::{Probe, Probes},

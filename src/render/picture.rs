@@ -3,9 +3,10 @@
 use crate::{gpu::Gpu, scene::desc::CameraDesc, world::World};
 
 use super::{
-    RenderError, Renderer,
+    Renderer,
     aov::Aov,
     download::{Download, TargetValues},
+    error::RenderError,
     stats::FrameStats,
     targets::Target,
 };

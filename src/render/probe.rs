@@ -11,9 +11,10 @@ use crate::{
 };
 
 use super::{
-    Plane, RenderError, Renderer,
+    Plane, Renderer,
     aov::Aov,
     build::{Build, Passes, march_constant},
+    error::RenderError,
     pass::{COUNTED, ComputePass, MAIN, Pass},
     passes::{light, ssr, trace},
     recorder::Timing,

@@ -5,31 +5,22 @@ use std::time::Instant;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{ImageDesc, Method, ReflectionDesc},
+    scene::desc::{Method, ReflectionDesc},
     world::{World, bvh::Trees},
 };
 
 use super::{
-    RenderError,
     build::{Bound, Passes, Shaders, last_sub_frame, needed_passes, needs},
+    error::RenderError,
     lights::ShadowSizes,
+    options::RenderOptions,
     passes::{compose, shadow::ShadowMaps},
     plan::{Plan, traces_rays},
     scene::GpuScene,
     targets::{Target, Targets},
     types::{Frame, LightBlock},
+    validate::check_world,
 };
-
-/// What to render with.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RenderOptions {
-    /// How reflections are found.
-    pub reflection: ReflectionDesc,
-    /// Size, sub-frames, tone.
-    pub image: ImageDesc,
-    /// Leave nothing out, to compare with the specialized frame.
-    pub general: bool,
-}
 
 /// A scene ready to be rendered at one size with one set of options.
 #[derive(Debug)]
@@ -129,7 +120,7 @@ impl Renderer {
         options: &RenderOptions,
         shaders: &Shaders,
     ) -> Result<Self, RenderError> {
-        super::check_world(world)?;
+        check_world(world)?;
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
@@ -185,7 +176,7 @@ impl Renderer {
         rebuilt.materials =
             rebuilt.trees || old.materials != world.materials || !same_materials(old, world);
         let trees = if rebuilt.trees {
-            super::check_world(world)?;
+            check_world(world)?;
             Some(build_trees(gpu, world, options)?)
         } else {
             None
