@@ -52,7 +52,7 @@ fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
         &gpu,
         &library("double", DOUBLE),
         "double",
-        Checks::NoneIfEmbedded,
+        Checks::TrustedBuiltin,
     )
     .expect("valid shader");
     let group = GroupLayout::new(&gpu, "double", &[&shader.info], 0).expect("layout");

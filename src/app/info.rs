@@ -14,8 +14,8 @@ use super::{
 };
 use crate::{
     render::{
-        plan::{Dropped, Plan, can_reflect, traces},
-        textures::{self, places},
+        plan::{Dropped, Plan, can_reflect, traces_rays},
+        textures::{self, assign_slots},
         types::GpuVertex,
     },
     scene::desc::{Entry, LightKind, SceneDesc},
@@ -120,12 +120,12 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     };
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
-    let trees = if traces(world, reflection) {
+    let trees = if traces_rays(world, reflection) {
         Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
     } else {
         Trees::unbuilt(world)
     };
-    let plan = Plan::of(world, &trees, &places(&world.textures), reflection);
+    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), reflection);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;
     Ok(Info {
@@ -209,8 +209,8 @@ fn geometry_bytes(world: &World) -> u64 {
 
 /// What the texture pools will take: each image at the size of its pool, with all its mips.
 fn texture_bytes(world: &World) -> u64 {
-    let places = textures::places(&world.textures);
-    let layer = |place: &textures::Place| {
+    let places = textures::assign_slots(&world.textures);
+    let layer = |place: &textures::PoolSlot| {
         let px = u64::from(textures::POOL_PX[place.pool as usize]);
         // All mip levels together are 4/3 of the largest.
         px * px * 4 * 4 / 3

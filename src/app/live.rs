@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
-    render::{Redone, RenderError, Renderer, stats::FrameStats},
+    render::{RebuildSummary, RenderError, Renderer, stats::FrameStats},
     scene::{
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
@@ -104,7 +104,7 @@ pub struct Reload {
     /// Pipelines that the driver made.
     pub pipelines: u32,
     /// What the renderer made again.
-    pub redone: Redone,
+    pub redone: RebuildSummary,
     /// From the changes to being ready for the next frame.
     pub took: Duration,
     /// The part of it that texts were read, scripts run and the frame posed.
@@ -121,7 +121,7 @@ impl Reload {
             files: self.files || next.files,
             shaders: self.shaders + next.shaders,
             pipelines: self.pipelines + next.pipelines,
-            redone: self.redone.and(next.redone),
+            redone: self.redone.merged(next.redone),
             took: self.took + next.took,
             parse: self.parse + next.parse,
             driver: self.driver + next.driver,

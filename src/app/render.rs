@@ -19,7 +19,7 @@ use crate::{
     files::sweep,
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
     render::{
-        PendingPicture, Picture, RenderError, RenderOptions, Renderer, Wanted, aov::Aov,
+        PendingPicture, Picture, PictureRequest, RenderError, RenderOptions, Renderer, aov::Aov,
         probe::PassCounts,
     },
     scene::{desc::Method, motion::Motion},
@@ -93,7 +93,7 @@ impl Studio {
         let camera = &world.cameras[self.camera].value;
         let aovs = &self.aovs;
         self.renderer
-            .begin(&self.gpu, world, camera, Wanted { color, aovs })
+            .begin_picture(&self.gpu, world, camera, PictureRequest { color, aovs })
     }
 
     /// Counts what the passes do, in a frame that is rendered for it.

@@ -335,7 +335,7 @@ impl Bench<'_> {
 
     /// The reference's picture with a renderer of method `rt`.
     fn reference(&self, subject: &Subject, rt: &mut Renderer) -> Result<Reference, BenchError> {
-        rt.retune(&self.protocol.reference(&subject.reflection));
+        rt.set_reflection_parameters(&self.protocol.reference(&subject.reflection));
         let picture = rt.picture(self.gpu, &subject.world, &subject.camera, &PLANES)?;
         Reference::new(&picture).map_err(|why| {
             let scene = Path::new(&subject.name);
@@ -354,7 +354,7 @@ impl Bench<'_> {
         size: [u32; 2],
     ) -> Result<block::Judged, BenchError> {
         let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
-        renderer.retune(&variant.reflection);
+        renderer.set_reflection_parameters(&variant.reflection);
         let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
         let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
             .and_then(|view| {
@@ -365,7 +365,7 @@ impl Bench<'_> {
             .map_err(|e| e.to_string());
         let mut verdicts = None;
         if let (Some(hits), true) = (Hits::of(&picture.planes), variant.method != Method::Rt) {
-            renderer.retune(&ReflectionDesc {
+            renderer.set_reflection_parameters(&ReflectionDesc {
                 steps: MAX_STEPS,
                 ..variant.reflection
             });
@@ -375,7 +375,7 @@ impl Bench<'_> {
             let length_m = variant.reflection.ray_length_u * unit_m;
             verdicts = Hits::of(&planes)
                 .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
-            renderer.retune(&variant.reflection);
+            renderer.set_reflection_parameters(&variant.reflection);
         }
         Ok(match (judged, verdicts.transpose()) {
             (Ok((errors, since)), Ok(verdicts)) => block::Judged {

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use super::{error::GpuError, made::Made};
+use super::{compile_stats::CompileStats, error::GpuError};
 
 /// Environment variable that names the adapter, as `--adapter` does.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
@@ -48,7 +48,7 @@ pub struct Gpu {
     /// Optional features that are on: timestamps, where present.
     pub features: wgpu::Features,
     /// What was made on it.
-    pub made: Made,
+    pub compile_stats: CompileStats,
     /// The first error nobody was waiting for.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
@@ -126,7 +126,7 @@ impl Gpu {
             adapter_info: adapter.get_info(),
             instance: instance.clone(),
             adapter,
-            made: Made::default(),
+            compile_stats: CompileStats::default(),
             device,
             queue,
             limits,
@@ -151,7 +151,7 @@ impl Gpu {
             wgpu::ErrorFilter::Validation,
         ]
         .map(|filter| self.device.push_error_scope(filter));
-        let made = create();
+        let created = create();
         let mut first = None;
         // Scopes are a stack: the last one pushed is popped first. What follows from exhausted
         // memory is reported as invalid too, so memory goes before validation.
@@ -160,7 +160,7 @@ impl Gpu {
         }
         match first {
             Some(error) => Err(from_wgpu(what, error)),
-            None => Ok(made),
+            None => Ok(created),
         }
     }
 

@@ -1,9 +1,9 @@
 //! wgpu without opinions: device, shaders, bindings by name, timings, readback. Knows no scene.
 
 pub mod bind;
+pub mod compile_stats;
 pub mod context;
 pub mod error;
-pub mod made;
 mod naga_types;
 pub mod pipeline;
 pub mod readback;

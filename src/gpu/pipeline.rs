@@ -1,4 +1,4 @@
-//! Shader modules and pipelines on the device, made inside error scopes and remembered by their
+//! Shader modules and pipelines on the device, made inside error scopes and cached by their
 //! shader, so that asking for the same pipeline again costs nothing.
 
 use std::{
@@ -24,7 +24,7 @@ pub enum Checks {
     /// No bounds checks and no loop bounding, but only for text that was built into this
     /// program; for anything else this is [`Checks::All`]. The caller must have validated every
     /// index that the shader reads from buffers.
-    NoneIfEmbedded,
+    TrustedBuiltin,
 }
 
 /// A checked shader on the device.
@@ -34,34 +34,34 @@ pub struct Shader {
     pub info: ShaderModuleInfo,
     /// The module.
     pub module: wgpu::ShaderModule,
-    computes: Remembered<wgpu::ComputePipeline>,
-    renders: Remembered<wgpu::RenderPipeline>,
+    computes: PipelineCache<wgpu::ComputePipeline>,
+    renders: PipelineCache<wgpu::RenderPipeline>,
 }
 
 /// Pipelines by everything that makes them differ; clones of a shader share them.
-type Remembered<P> = Arc<Mutex<HashMap<String, P>>>;
+type PipelineCache<P> = Arc<Mutex<HashMap<String, P>>>;
 
-fn remember<P: Clone>(
-    remembered: &Remembered<P>,
+fn get_or_create<P: Clone>(
+    cache: &PipelineCache<P>,
     key: String,
     make: impl FnOnce() -> Result<P, GpuError>,
 ) -> Result<P, GpuError> {
-    let known = |map: &Remembered<P>| {
+    let known = |map: &PipelineCache<P>| {
         map.lock()
             .unwrap_or_else(PoisonError::into_inner)
             .get(&key)
             .cloned()
     };
-    if let Some(pipeline) = known(remembered) {
+    if let Some(pipeline) = known(cache) {
         return Ok(pipeline);
     }
     let pipeline = make()?;
-    let mut map = remembered.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut map = cache.lock().unwrap_or_else(PoisonError::into_inner);
     map.insert(key, pipeline.clone());
     Ok(pipeline)
 }
 
-fn key_of(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
+fn cache_key(what: &str, groups: &[&GroupLayout], constants: &[(&str, f64)]) -> String {
     let of = |b: &Binding| (b.group, b.binding, b.ty, b.visibility);
     let bindings = groups.iter().map(|group| group.bindings.iter().map(of));
     let bindings: Vec<Vec<_>> = bindings.map(Iterator::collect).collect();
@@ -92,12 +92,12 @@ impl Shader {
         let module = gpu.scoped(&format!("shader {}", source.file), || {
             create_module(gpu, source, checks)
         })?;
-        gpu.made.shaders.fetch_add(1, Ordering::Relaxed);
+        gpu.compile_stats.shaders.fetch_add(1, Ordering::Relaxed);
         Ok(Self {
             info,
             module,
-            computes: Remembered::default(),
-            renders: Remembered::default(),
+            computes: PipelineCache::default(),
+            renders: PipelineCache::default(),
         })
     }
 
@@ -144,7 +144,7 @@ impl Shader {
             return Err(ShaderError::new(&self.info.file, message).into());
         }
         self.check_constants(constants)?;
-        remember(&self.computes, key_of(entry, groups, constants), || {
+        get_or_create(&self.computes, cache_key(entry, groups, constants), || {
             let layout = self.pipeline_layout(gpu, groups)?;
             let label = format!("{}.{entry}", self.info.name);
             let descriptor = wgpu::ComputePipelineDescriptor {
@@ -159,7 +159,7 @@ impl Shader {
                 cache: None,
             };
             gpu.scoped(&format!("pipeline {label}"), || {
-                (gpu.made).pipeline(|| gpu.device.create_compute_pipeline(&descriptor))
+                (gpu.compile_stats).pipeline(|| gpu.device.create_compute_pipeline(&descriptor))
             })
         })
     }
@@ -178,10 +178,10 @@ impl Shader {
         make: impl FnOnce(&wgpu::PipelineLayout) -> wgpu::RenderPipeline,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         self.check_constants(constants)?;
-        remember(&self.renders, key_of(state, groups, constants), || {
+        get_or_create(&self.renders, cache_key(state, groups, constants), || {
             let layout = self.pipeline_layout(gpu, groups)?;
             gpu.scoped(&format!("pipeline {}", self.info.name), || {
-                gpu.made.pipeline(|| make(&layout))
+                gpu.compile_stats.pipeline(|| make(&layout))
             })
         })
     }
@@ -232,7 +232,7 @@ fn create_module(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> wgpu::Shad
                   ours, and the caller validated every index"
     )]
     // SAFETY: `source.embedded` says that the text was compiled into this program, and
-    // `Checks::NoneIfEmbedded` makes the caller answer for the buffers it reads.
+    // `Checks::TrustedBuiltin` makes the caller answer for the buffers it reads.
     unsafe {
         gpu.device
             .create_shader_module_trusted(descriptor, unbounded)

@@ -246,13 +246,13 @@ impl Pending {
     /// A lost or silent device.
     pub fn take(self, gpu: &Gpu) -> Result<Vec<Vec<u8>>, GpuError> {
         let mut all = vec![Vec::new(); self.copies.len()];
-        let mut goals: Vec<_> = all.iter_mut().collect();
-        self.take_into(gpu, &mut goals)?;
+        let mut outputs: Vec<_> = all.iter_mut().collect();
+        self.take_into(gpu, &mut outputs)?;
         Ok(all)
     }
 
-    /// Appends the bytes of each copy to its goal.
-    fn take_into(self, gpu: &Gpu, goals: &mut [&mut Vec<u8>]) -> Result<(), GpuError> {
+    /// Appends the bytes of each copy to its output.
+    fn take_into(self, gpu: &Gpu, outputs: &mut [&mut Vec<u8>]) -> Result<(), GpuError> {
         let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
         gpu.wait_for(&self.submission)?;
         for _ in &self.copies {
@@ -263,13 +263,13 @@ impl Pending {
                 .and_then(|mapped| mapped.map_err(|error| error.to_string()))
                 .map_err(lost)?;
         }
-        for (copy, goal) in self.copies.iter().zip(goals) {
+        for (copy, output) in self.copies.iter().zip(outputs) {
             let view = copy.staging.get_mapped_range(..);
             let view = view.map_err(|error| lost(error.to_string()))?;
             let [row_bytes, padded] = copy.row_bytes.map(|bytes| bytes as usize);
-            goal.reserve(view.len() / padded.max(1) * row_bytes);
+            output.reserve(view.len() / padded.max(1) * row_bytes);
             for row in view.chunks_exact(padded.max(1)) {
-                goal.extend_from_slice(&row[..row_bytes]);
+                output.extend_from_slice(&row[..row_bytes]);
             }
             drop(view);
             copy.staging.unmap();

@@ -6,7 +6,7 @@ use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
 use crate::files::read_text;
 
 /// Largest shader, bytes.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_SHADER_BYTES: u64 = 1 << 20;
 
 /// `(path below shaders/, text)` of every shader, made by `build.rs`.
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
@@ -159,7 +159,8 @@ impl ShaderLibrary {
                 let file = entry.map_err(|error| unreadable(&dir, &error))?.path();
                 let name = file.file_name().and_then(|name| name.to_str());
                 if let Some(name) = name.filter(|name| name.ends_with(".wgsl")) {
-                    let text = read_text(&file, MOST_BYTES).map_err(|e| unreadable(&file, &e))?;
+                    let text =
+                        read_text(&file, MAX_SHADER_BYTES).map_err(|e| unreadable(&file, &e))?;
                     files.insert(format!("{folder}{name}"), Cow::Owned(text));
                 }
             }

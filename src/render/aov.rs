@@ -8,7 +8,7 @@ use crate::{
 };
 
 use super::{
-    Plane, PlaneData, Renderer, cause::Cause, download::Values, targets::Target, types::NONE,
+    Plane, PlaneData, Renderer, cause::Cause, download::TargetValues, targets::Target, types::NONE,
 };
 
 /// A quantity that can be written beside the picture.
@@ -124,13 +124,13 @@ impl Aov {
         camera: &CameraDesc,
     ) -> Result<Plane, GpuError> {
         let values = renderer.download(gpu, self.targets(), false)?.take(gpu)?;
-        Ok(self.of(&values, camera))
+        Ok(self.decode(&values, camera))
     }
 
     /// The plane of a frame whose [`Aov::targets`] are there, seen by `camera`.
-    pub fn of(self, values: &Values, camera: &CameraDesc) -> Plane {
+    pub fn decode(self, values: &TargetValues, camera: &CameraDesc) -> Plane {
         let rgb = |target| {
-            let texels = values.of::<[u16; 4]>(target).into_iter();
+            let texels = values.texels::<[u16; 4]>(target).into_iter();
             let channels = texels.flat_map(|p| [p[0], p[1], p[2]]);
             (
                 RGB,
@@ -139,7 +139,7 @@ impl Aov {
         };
         let (channels, data) = match self {
             Self::Depth => {
-                let depths = values.of::<f32>(Target::ViewDepth).into_iter();
+                let depths = values.texels::<f32>(Target::ViewDepth).into_iter();
                 let far = depths.map(|d| if d < FAR { d } else { f32::INFINITY });
                 (&["Z"][..], PlaneData::F32(far.collect()))
             }
@@ -149,11 +149,11 @@ impl Aov {
             Self::Specular => rgb(Target::Specular),
             Self::Reflection => rgb(Target::Reflection),
             Self::Normal | Self::Material | Self::Reflectance => self.surface(values, camera),
-            Self::Cause => (&["cause"][..], PlaneData::U32(values.of(Target::Cause))),
+            Self::Cause => (&["cause"][..], PlaneData::U32(values.texels(Target::Cause))),
             Self::Source => {
                 let source =
                     |c: u32| Cause::from_number(c).map_or(0, |c| c.source(values.method) as u32);
-                let causes = values.of::<u32>(Target::Cause).into_iter();
+                let causes = values.texels::<u32>(Target::Cause).into_iter();
                 (
                     &["source"][..],
                     PlaneData::U32(causes.map(source).collect()),
@@ -176,7 +176,7 @@ impl Aov {
             }
             Self::Ids => (
                 &["instance", "triangle"][..],
-                PlaneData::U32(values.of(Target::Ids)),
+                PlaneData::U32(values.texels(Target::Ids)),
             ),
         };
         Plane {
@@ -186,9 +186,13 @@ impl Aov {
         }
     }
 
-    fn surface(self, values: &Values, camera: &CameraDesc) -> (&'static [&'static str], PlaneData) {
-        let packed: Vec<[u32; 4]> = values.of(Target::Surface);
-        let depths: Vec<f32> = values.of(Target::ViewDepth);
+    fn surface(
+        self,
+        values: &TargetValues,
+        camera: &CameraDesc,
+    ) -> (&'static [&'static str], PlaneData) {
+        let packed: Vec<[u32; 4]> = values.texels(Target::Surface);
+        let depths: Vec<f32> = values.texels(Target::ViewDepth);
         let seen = packed
             .iter()
             .zip(&depths)
@@ -218,13 +222,13 @@ impl Aov {
 
 /// Schlick's reflectance at each reflective pixel as compose weights it, 0 elsewhere.
 fn reflectance(
-    values: &Values,
+    values: &TargetValues,
     camera: &CameraDesc,
     packed: &[[u32; 4]],
     depths: &[f32],
 ) -> Vec<f32> {
-    let causes: Vec<u32> = values.of(Target::Cause);
-    let base: Vec<[u16; 4]> = values.of(Target::BaseColor);
+    let causes: Vec<u32> = values.texels(Target::Cause);
+    let base: Vec<[u16; 4]> = values.texels(Target::BaseColor);
     let size = values.size;
     let view = super::view::View::new(camera, size);
     let at = |i: usize| {
@@ -247,8 +251,8 @@ fn reflectance(
 }
 
 /// What the mirror rays met; nothing where the frame has no reflections.
-fn hits(values: &Values) -> Vec<[u32; 4]> {
-    let mut hits: Vec<[u32; 4]> = values.of(Target::Hit);
+fn hits(values: &TargetValues) -> Vec<[u32; 4]> {
+    let mut hits: Vec<[u32; 4]> = values.texels(Target::Hit);
     if !values.reflections {
         hits.fill([0, NONE, NONE, 0]);
     }

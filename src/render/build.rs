@@ -10,7 +10,7 @@ use crate::{
 };
 
 use super::{
-    RenderOptions,
+    options::RenderOptions,
     pass::{ComputePass, MAIN, Named, Pass, Shared},
     passes::{
         self, blur, compact, compose, light,
@@ -248,7 +248,7 @@ impl Shaders {
             // `check_world` and `Trees::build` validated every index that tracing follows.
             let is_trace = pass.name == trace::PASS.name;
             let checks = if is_trace {
-                Checks::NoneIfEmbedded
+                Checks::TrustedBuiltin
             } else {
                 Checks::All
             };

@@ -6,7 +6,7 @@ use crate::math::Bounds;
 
 /// Whether a box lies wholly outside one of the planes of a clip volume (left, right, top, bottom,
 /// behind). Depth is reversed and may be infinite, so there is no far plane to miss.
-pub fn outside(clip_from_world: &Mat4, bounds: &Bounds) -> bool {
+pub fn is_outside(clip_from_world: &Mat4, bounds: &Bounds) -> bool {
     if bounds.is_empty() {
         return true;
     }

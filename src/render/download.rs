@@ -19,11 +19,11 @@ pub struct Download {
     pending: Pending,
     /// Which targets, in the order of the copies; the counters come last.
     targets: Vec<Target>,
-    values: Values,
+    values: TargetValues,
 }
 
 /// What the targets of one frame held.
-pub struct Values {
+pub struct TargetValues {
     /// Pixels.
     pub size: [u32; 2],
     /// How reflections were found.
@@ -35,9 +35,9 @@ pub struct Values {
     bytes: HashMap<Target, Vec<u8>>,
 }
 
-impl Values {
+impl TargetValues {
     /// Of one target; zeros where the frame does not write it or nobody asked for it.
-    pub fn of<T: Pod>(&self, target: Target) -> Vec<T> {
+    pub fn texels<T: Pod>(&self, target: Target) -> Vec<T> {
         if let Some(bytes) = self.bytes.get(&target) {
             return readback::values(bytes);
         }
@@ -52,7 +52,7 @@ impl Download {
     ///
     /// # Errors
     /// A lost or silent device.
-    pub fn take(mut self, gpu: &Gpu) -> Result<Values, GpuError> {
+    pub fn take(mut self, gpu: &Gpu) -> Result<TargetValues, GpuError> {
         let mut all = self.pending.take(gpu)?;
         if all.len() > self.targets.len() {
             self.values.counters = all.pop().map(|bytes| readback::values(&bytes));
@@ -89,7 +89,7 @@ impl Renderer {
         Ok(Download {
             pending: downloads.start(gpu)?,
             targets,
-            values: Values {
+            values: TargetValues {
                 size: self.targets.size,
                 method: self.method(),
                 reflections: self.plan.reflections,
@@ -104,6 +104,9 @@ impl Renderer {
     /// # Errors
     /// What reading back says.
     pub fn read<T: Pod>(&self, gpu: &Gpu, target: Target) -> Result<Vec<T>, GpuError> {
-        Ok(self.download(gpu, &[target], false)?.take(gpu)?.of(target))
+        Ok(self
+            .download(gpu, &[target], false)?
+            .take(gpu)?
+            .texels(target))
     }
 }

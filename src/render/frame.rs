@@ -12,9 +12,11 @@ use crate::{
 };
 
 use super::{
-    RenderError, RenderOptions, Renderer,
+    Renderer,
     build::Reflections,
+    error::RenderError,
     lights::{ShadowView, lights},
+    options::RenderOptions,
     pass::Dispatch,
     passes::{blur, compose, ssr, tone},
     probe::{Probe, Probes},
@@ -48,7 +50,7 @@ impl Renderer {
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         let mut stats = self.stats(sum_by_name(passes_ms), frame_ms);
         if let Some(r) = &self.passes.reflections {
-            stats.count(&readback::read_buffer(gpu, &r.list.counters)?);
+            stats.set_counters(&readback::read_buffer(gpu, &r.list.counters)?);
         }
         Ok(stats)
     }
@@ -111,11 +113,11 @@ impl Renderer {
             .visibility
             .record(r, targets, scene, &view.clip_from_world(jitter));
         passes.surface.record(r, &Dispatch::PerPixel);
-        let light = passes.probes.instead_of(&passes.light, probe);
+        let light = passes.probes.replacement_for(&passes.light, probe);
         light.record(r, &Dispatch::PerPixel);
         if let Some(reflections) = &passes.reflections {
-            let instead = (&passes.probes, probe);
-            reflections.record(r, &self.options, self.unit_m, instead);
+            let replacements = (&passes.probes, probe);
+            reflections.record(r, &self.options, self.unit_m, replacements);
         }
         let compose = &passes.compose[sample as usize % 2];
         compose.set_params(
@@ -212,14 +214,16 @@ impl Reflections {
     ) {
         let settings = &options.reflection;
         r.encoder().clear_buffer(&self.list.counters, 0, None);
-        let ssr = probes.instead_of(&self.ssr, probe);
+        let ssr = probes.replacement_for(&self.ssr, probe);
         ssr.set_params(r.gpu, &ssr::Params::new(settings, unit_m));
         ssr.record(r, &Dispatch::PerPixel);
         self.compact.record(r, &Dispatch::PerPixel);
         if let Some(traced) = &self.trace {
             traced.arguments.record(r, &Dispatch::Once);
             let rays = Dispatch::Indirect(&self.list.arguments);
-            probes.instead_of(&traced.trace, probe).record(r, &rays);
+            probes
+                .replacement_for(&traced.trace, probe)
+                .record(r, &rays);
             if let Some(traverse) = probes.traverse(probe) {
                 traverse.record(r, &rays);
             }

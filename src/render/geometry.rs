@@ -12,7 +12,7 @@ use super::types::{GpuVertex, NONE};
 
 /// Where a mesh lies in the shared buffers.
 #[derive(Clone, Copy, Debug)]
-pub struct MeshPlace {
+pub struct MeshRange {
     /// First vertex.
     pub vertex_base: u32,
     /// First index in `mesh_data`.
@@ -57,12 +57,12 @@ pub fn buffer<T: Pod>(
 pub fn geometry(
     gpu: &Gpu,
     meshes: &[Mesh],
-) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshPlace>), GpuError> {
+) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshRange>), GpuError> {
     let mut vertices: Vec<GpuVertex> = Vec::new();
     let mut data: Vec<u32> = Vec::new();
-    let mut places = Vec::with_capacity(meshes.len());
+    let mut ranges = Vec::with_capacity(meshes.len());
     for mesh in meshes {
-        let place = MeshPlace {
+        let range = MeshRange {
             vertex_base: vertices.len() as u32,
             index_base: data.len() as u32,
             index_count: 3 * mesh.triangles.len() as u32,
@@ -80,7 +80,7 @@ pub fn geometry(
                 .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
         );
         vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
-        places.push(place);
+        ranges.push(range);
     }
     let storage = wgpu::BufferUsages::STORAGE;
     Ok((
@@ -91,7 +91,7 @@ pub fn geometry(
             storage | wgpu::BufferUsages::VERTEX,
         )?,
         buffer(gpu, "mesh data", &data, storage | wgpu::BufferUsages::INDEX)?,
-        places,
+        ranges,
     ))
 }
 

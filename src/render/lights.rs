@@ -196,10 +196,10 @@ fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     let right = forward.any_orthonormal_vector();
     let up = right.cross(forward);
     let axes = glam::Mat3::from_cols(right, up, forward).transpose();
-    let around = bounds.transformed(&glam::Affine3A::from_mat3(axes));
+    let extents = bounds.transformed(&glam::Affine3A::from_mat3(axes));
     let (center, extent) = (
-        around.center(),
-        (around.max - around.min).max(Vec3::splat(1e-3)),
+        extents.center(),
+        (extents.max - extents.min).max(Vec3::splat(1e-3)),
     );
     let edge = extent.x.max(extent.y) * (1.0 + 4.0 / px as f32);
     let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);

@@ -109,7 +109,7 @@ impl ComputePass {
             shared.layout_for(shader, 1),
             &layout,
         ];
-        let constants = known(shader, constants);
+        let constants = declared_overrides(shader, constants);
         let pipeline = shader.compute_pipeline(gpu, entry, &groups, &constants)?;
         let tile = shader
             .info
@@ -197,7 +197,10 @@ impl ComputePass {
 }
 
 /// Those of `constants` that the shader overrides.
-pub fn known<'a>(shader: &Shader, constants: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
+pub fn declared_overrides<'a>(
+    shader: &Shader,
+    constants: &[(&'a str, f64)],
+) -> Vec<(&'a str, f64)> {
     let overrides = &shader.info.overrides;
     let is_known = |(name, _): &&(&str, f64)| overrides.iter().any(|o| o.name == *name);
     constants.iter().filter(is_known).copied().collect()

@@ -3,9 +3,10 @@
 use crate::{gpu::Gpu, scene::desc::CameraDesc, world::World};
 
 use super::{
-    RenderError, Renderer,
+    Renderer,
     aov::Aov,
-    download::{Download, Values},
+    download::{Download, TargetValues},
+    error::RenderError,
     stats::FrameStats,
     targets::Target,
 };
@@ -48,7 +49,7 @@ pub struct Picture {
 
 /// What a picture is to hold besides its display color.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
+pub struct PictureRequest<'a> {
     /// Linear radiance.
     pub color: bool,
     /// Further planes.
@@ -59,7 +60,7 @@ pub struct Wanted<'a> {
 /// while the renderer goes on with the next one.
 pub struct PendingPicture {
     download: Download,
-    /// The target that holds the sum of the sub-frames, if it is wanted.
+    /// The target that holds the sum of the sub-frames, if it is requested.
     color: Option<Target>,
     aovs: Vec<Aov>,
     camera: CameraDesc,
@@ -75,16 +76,19 @@ impl PendingPicture {
         let values = self.download.take(gpu)?;
         let mut stats = self.stats;
         if let Some(counters) = &values.counters {
-            stats.count(counters);
+            stats.set_counters(counters);
         }
         let color = self
             .color
             .map(|target| mean(&values, target, stats.samples));
-        let planes = self.aovs.iter().map(|aov| aov.of(&values, &self.camera));
+        let planes = self
+            .aovs
+            .iter()
+            .map(|aov| aov.decode(&values, &self.camera));
         Ok(Picture {
             size: values.size,
             color: color.unwrap_or_default(),
-            display: values.of(Target::Display),
+            display: values.texels(Target::Display),
             planes: planes.collect(),
             stats,
         })
@@ -92,8 +96,8 @@ impl PendingPicture {
 }
 
 /// The mean of the sub-frames whose sum a target holds, opaque.
-fn mean(values: &Values, target: Target, samples: u32) -> Vec<f32> {
-    let mut color: Vec<f32> = values.of(target);
+fn mean(values: &TargetValues, target: Target, samples: u32) -> Vec<f32> {
+    let mut color: Vec<f32> = values.texels(target);
     let scale = 1.0 / samples as f32;
     for pixel in color.chunks_exact_mut(4) {
         for channel in &mut pixel[..3] {
@@ -118,7 +122,7 @@ impl Renderer {
     ) -> Result<Picture, RenderError> {
         let stats = self.render(gpu, world, camera)?;
         let color = true;
-        self.pending(gpu, camera, Wanted { color, aovs }, stats, false)?
+        self.pending(gpu, camera, PictureRequest { color, aovs }, stats, false)?
             .take(gpu)
     }
 
@@ -127,33 +131,33 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::render`].
-    pub fn begin(
+    pub fn begin_picture(
         &mut self,
         gpu: &Gpu,
         world: &World,
         camera: &CameraDesc,
-        wanted: Wanted,
+        request: PictureRequest,
     ) -> Result<PendingPicture, RenderError> {
         let stats = self.submit(gpu, world, camera)?;
-        self.pending(gpu, camera, wanted, stats, true)
+        self.pending(gpu, camera, request, stats, true)
     }
 
     fn pending(
         &self,
         gpu: &Gpu,
         camera: &CameraDesc,
-        wanted: Wanted,
+        request: PictureRequest,
         stats: FrameStats,
         count: bool,
     ) -> Result<PendingPicture, RenderError> {
-        let color = wanted.color.then(|| self.color());
-        let planes = wanted.aovs.iter().flat_map(|aov| aov.targets());
+        let color = request.color.then(|| self.color());
+        let planes = request.aovs.iter().flat_map(|aov| aov.targets());
         let targets = [Target::Display].into_iter().chain(color);
         let targets: Vec<_> = targets.chain(planes.copied()).collect();
         Ok(PendingPicture {
             download: self.download(gpu, &targets, count)?,
             color,
-            aovs: wanted.aovs.to_vec(),
+            aovs: request.aovs.to_vec(),
             camera: camera.clone(),
             stats,
         })

@@ -8,7 +8,7 @@ use crate::{
     world::{Material, World, Wrap, bvh::Trees},
 };
 
-use super::textures::Place;
+use super::textures::PoolSlot;
 
 /// One thing that was left out, and why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -24,7 +24,7 @@ pub struct Dropped {
 pub struct Plan {
     /// Some material can reflect: march, trace and blur passes exist.
     pub reflections: bool,
-    /// Some ray is followed: see [`traces`].
+    /// Some ray is followed: see [`traces_rays`].
     pub traced: bool,
     /// Some geometry stands in the static tree.
     pub static_tree: bool,
@@ -83,7 +83,7 @@ fn casts_shadow_rays(world: &World) -> bool {
 
 /// Whether a frame follows rays, so that it needs trees: for reflections that are traced, or for
 /// shadows that are.
-pub fn traces(world: &World, settings: &ReflectionDesc) -> bool {
+pub fn traces_rays(world: &World, settings: &ReflectionDesc) -> bool {
     let reflections = settings.method != Method::Ssr && reflects(world, settings.roughness_cutoff);
     reflections || casts_shadow_rays(world)
 }
@@ -109,16 +109,16 @@ impl Plan {
     }
 
     /// What this scene needs.
-    pub fn of(world: &World, trees: &Trees, places: &[Place], settings: &ReflectionDesc) -> Self {
+    pub fn of(world: &World, trees: &Trees, slots: &[PoolSlot], settings: &ReflectionDesc) -> Self {
         let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
         used.sort_unstable();
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
-        let (pools, wraps) = samplers(world, &used, places);
+        let (pools, wraps) = samplers(world, &used, slots);
         let cutoff = settings.roughness_cutoff;
         let reflections = reflects(world, cutoff);
-        let lone = reflections && !reflectors_see_each_other(world, cutoff);
-        let traced = traces(world, settings);
+        let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
+        let traced = traces_rays(world, settings);
         let mut plan = Self {
             reflections,
             traced,
@@ -129,16 +129,16 @@ impl Plan {
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
             shadow_rays: casts_shadow_rays(world),
-            bounces: if lone { 1 } else { settings.bounces },
+            bounces: if single_bounce { 1 } else { settings.bounces },
             pools,
             wraps,
             dropped: Vec::new(),
         };
-        plan.explain(settings);
+        plan.list_dropped(settings);
         plan
     }
 
-    fn explain(&mut self, settings: &ReflectionDesc) {
+    fn list_dropped(&mut self, settings: &ReflectionDesc) {
         let mut drop = |unused: bool, what, why: &str| {
             if unused {
                 let why = why.to_owned();
@@ -200,12 +200,12 @@ impl Plan {
 }
 
 /// Which pools and wrap pairs the used materials sample, as the shader's bit masks.
-fn samplers(world: &World, used: &[usize], places: &[Place]) -> (u32, u32) {
+fn samplers(world: &World, used: &[usize], slots: &[PoolSlot]) -> (u32, u32) {
     let (mut pools, mut wraps) = (0, 0);
     for &m in used {
         for slot in world.materials[m].slots().into_iter().flatten() {
             let srgb = u32::from(world.textures[slot.texture].srgb);
-            pools |= 1 << (2 * places[slot.texture].pool + srgb);
+            pools |= 1 << (2 * slots[slot.texture].pool + srgb);
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
             wraps |= match clamps {
                 [false, false] => 1,

@@ -11,9 +11,10 @@ use crate::{
 };
 
 use super::{
-    Plane, RenderError, Renderer,
+    Plane, Renderer,
     aov::Aov,
     build::{Build, Passes, march_constant},
+    error::RenderError,
     pass::{COUNTED, ComputePass, MAIN, Pass},
     passes::{light, ssr, trace},
     recorder::Timing,
@@ -28,7 +29,7 @@ pub enum Probe {
     /// After the trace pass its rays are followed once more, without shading.
     Traverse,
     /// The march takes every crossing, whatever it would refuse.
-    Cross,
+    AcceptAll,
 }
 
 /// What a pass did over all pixels. It depends on the scene and its settings, not on the machine.
@@ -99,7 +100,7 @@ pub const COUNTED_PASSES: [&Pass; 3] = [&light::PASS, &ssr::PASS, &trace::PASS];
 pub(super) struct Probes {
     counted: Vec<Counted>,
     traverse: Option<ComputePass>,
-    cross: Option<ComputePass>,
+    accept_all: Option<ComputePass>,
 }
 
 /// A pass that counts, and where each pixel's counts are.
@@ -171,7 +172,7 @@ impl Counted {
 
 impl Probes {
     /// The pass that this probe puts in the place of `pass`, or `pass` itself.
-    pub(super) fn instead_of<'a>(
+    pub(super) fn replacement_for<'a>(
         &'a self,
         pass: &'a ComputePass,
         probe: Option<Probe>,
@@ -181,7 +182,7 @@ impl Probes {
                 let counted = self.counted.iter().map(|counted| &counted.pass);
                 counted.into_iter().find(|c| c.name() == pass.name())
             }
-            Some(Probe::Cross) => self.cross.as_ref().filter(|c| c.name() == pass.name()),
+            Some(Probe::AcceptAll) => self.accept_all.as_ref().filter(|c| c.name() == pass.name()),
             Some(Probe::Traverse) | None => None,
         };
         other.unwrap_or(pass)
@@ -214,7 +215,7 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
-        self.prepare(gpu, Probe::Count)?;
+        self.build_probe(gpu, Probe::Count)?;
         let view = View::new(camera, self.options.image.size);
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples {
@@ -244,7 +245,7 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<Option<f64>, RenderError> {
-        self.prepare(gpu, Probe::Traverse)?;
+        self.build_probe(gpu, Probe::Traverse)?;
         if self.passes.probes.traverse.is_none() {
             return Ok(None);
         }
@@ -274,10 +275,10 @@ impl Renderer {
         camera: &CameraDesc,
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
-        self.prepare(gpu, Probe::Cross)?;
+        self.build_probe(gpu, Probe::AcceptAll)?;
         let view = View::new(camera, self.options.image.size);
         for sample in 0..self.options.image.samples {
-            let probe = Some(Probe::Cross);
+            let probe = Some(Probe::AcceptAll);
             self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
                 .submit()?;
         }
@@ -286,12 +287,12 @@ impl Renderer {
     }
 
     /// Builds what a probe needs, the first time; it lasts until the passes are built again.
-    fn prepare(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
+    fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
         let probes = &self.passes.probes;
         let is_ready = match probe {
             Probe::Count => !probes.counted.is_empty(),
             Probe::Traverse => probes.traverse.is_some(),
-            Probe::Cross => probes.cross.is_some(),
+            Probe::AcceptAll => probes.accept_all.is_some(),
         };
         if is_ready {
             return Ok(());
@@ -301,7 +302,7 @@ impl Renderer {
         constants.push(match probe {
             Probe::Count => ("COUNT", 1.0),
             Probe::Traverse => ("SHADE", 0.0),
-            Probe::Cross => ("REFUSE", 0.0),
+            Probe::AcceptAll => ("REFUSE", 0.0),
         });
         let build = Build {
             gpu,
@@ -313,12 +314,12 @@ impl Renderer {
         match probe {
             Probe::Count => self.passes.probes.counted = counted(&build, &self.passes)?,
             Probe::Traverse => self.passes.probes.traverse = traverse(&build, &self.passes)?,
-            Probe::Cross if self.passes.reflections.is_some() => {
+            Probe::AcceptAll if self.passes.reflections.is_some() => {
                 let shader = self.shaders.get(&ssr::PASS)?;
-                let cross = build.entry(&ssr::PASS, shader, MAIN, &[], &[])?;
-                self.passes.probes.cross = Some(cross);
+                let accept_all = build.entry(&ssr::PASS, shader, MAIN, &[], &[])?;
+                self.passes.probes.accept_all = Some(accept_all);
             }
-            Probe::Cross => {}
+            Probe::AcceptAll => {}
         }
         Ok(())
     }

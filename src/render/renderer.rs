@@ -1,35 +1,26 @@
-//! A scene made ready for frames: what is uploaded, built and bound, and what of it is redone when
+//! A scene made ready for frames: what is uploaded, built and bound, and what of it is rebuilt when
 //! the scene, its settings or the shaders change.
 
 use std::time::Instant;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{ImageDesc, Method, ReflectionDesc},
+    scene::desc::{Method, ReflectionDesc},
     world::{World, bvh::Trees},
 };
 
 use super::{
-    RenderError,
     build::{Bound, Passes, Shaders, last_sub_frame, needed_passes, needs},
+    error::RenderError,
     lights::ShadowSizes,
+    options::RenderOptions,
     passes::{compose, shadow::ShadowMaps},
-    plan::{Plan, traces},
+    plan::{Plan, traces_rays},
     scene::GpuScene,
     targets::{Target, Targets},
     types::{Frame, LightBlock},
+    validate::check_world,
 };
-
-/// What to render with.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RenderOptions {
-    /// How reflections are found.
-    pub reflection: ReflectionDesc,
-    /// Size, sub-frames, tone.
-    pub image: ImageDesc,
-    /// Leave nothing out, to compare with the specialized frame.
-    pub general: bool,
-}
 
 /// A scene ready to be rendered at one size with one set of options.
 #[derive(Debug)]
@@ -50,7 +41,7 @@ pub struct Renderer {
 
 /// Which parts of a renderer were made again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Redone {
+pub struct RebuildSummary {
     /// Geometry and images were uploaded.
     pub upload: bool,
     /// All trees were built.
@@ -63,9 +54,9 @@ pub struct Redone {
     pub passes: bool,
 }
 
-impl Redone {
+impl RebuildSummary {
     /// What was done by two changes together.
-    pub fn and(self, other: Self) -> Self {
+    pub fn merged(self, other: Self) -> Self {
         Self {
             upload: self.upload || other.upload,
             trees: self.trees || other.trees,
@@ -91,7 +82,7 @@ fn build_trees(
 }
 
 fn needs_trees(world: &World, options: &RenderOptions) -> bool {
-    options.general || traces(world, &options.reflection)
+    options.general || traces_rays(world, &options.reflection)
 }
 
 impl Renderer {
@@ -112,7 +103,7 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Renderer::new`].
-    pub fn anew(
+    pub fn with_world(
         &self,
         gpu: &Gpu,
         library: &ShaderLibrary,
@@ -129,7 +120,7 @@ impl Renderer {
         options: &RenderOptions,
         shaders: &Shaders,
     ) -> Result<Self, RenderError> {
-        super::check_world(world)?;
+        check_world(world)?;
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
@@ -172,28 +163,28 @@ impl Renderer {
         old: &World,
         world: &World,
         options: &RenderOptions,
-    ) -> Result<Redone, RenderError> {
+    ) -> Result<RebuildSummary, RenderError> {
         // Trees that nothing follows any more are kept while they fit: a preview that compares two
         // methods would build them for each picture.
         let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
         let trees = lacks_trees || !same_trees(old, world);
-        let mut redone = Redone {
+        let mut rebuilt = RebuildSummary {
             trees,
             poses: !trees && !same_poses(old, world),
-            ..Redone::default()
+            ..RebuildSummary::default()
         };
-        redone.materials =
-            redone.trees || old.materials != world.materials || !same_materials(old, world);
-        let trees = if redone.trees {
-            super::check_world(world)?;
+        rebuilt.materials =
+            rebuilt.trees || old.materials != world.materials || !same_materials(old, world);
+        let trees = if rebuilt.trees {
+            check_world(world)?;
             Some(build_trees(gpu, world, options)?)
         } else {
             None
         };
         let new_trees = trees.as_ref().map(|(trees, _)| trees);
-        let scene = if redone.materials {
+        let scene = if rebuilt.materials {
             let current = new_trees.unwrap_or(&self.trees);
-            Some((self.scene).restyled(gpu, world, current, redone.trees)?)
+            Some((self.scene).with_materials(gpu, world, current, rebuilt.trees)?)
         } else {
             None
         };
@@ -220,14 +211,14 @@ impl Renderer {
         } else {
             Targets::new(gpu, options.image.size, |t| needs(&plan, options, t))?
         };
-        redone.passes = scene.is_some()
+        rebuilt.passes = scene.is_some()
             || !same_targets
             || sizes != self.maps.sizes
             || plan.constants() != self.plan.constants()
             || !shaders.same(&self.shaders, &needed)
             || last_sub_frame(options) != last_sub_frame(&self.options)
             || options.reflection.method != self.options.reflection.method;
-        if redone.passes {
+        if rebuilt.passes {
             let bound = Bound {
                 scene: scene.as_ref().unwrap_or(&self.scene),
                 maps: &maps,
@@ -249,10 +240,10 @@ impl Renderer {
         self.maps = maps;
         self.targets = targets;
         self.shaders = shaders;
-        if redone.poses {
+        if rebuilt.poses {
             self.update(gpu, world);
         }
-        Ok(redone)
+        Ok(rebuilt)
     }
 
     /// What the scene needs and what was left out.
@@ -287,9 +278,9 @@ impl Renderer {
 
     /// Takes over the settings that need no rebuilding: threshold, steps, ray length, bounces. The
     /// others stay as the renderer was made; so does what its plan left out.
-    pub fn retune(&mut self, settings: &ReflectionDesc) {
-        let lone = self.plan.bounces < self.options.reflection.bounces;
-        if !lone {
+    pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
+        let single_bounce = self.plan.bounces < self.options.reflection.bounces;
+        if !single_bounce {
             self.plan.bounces = settings.bounces;
             self.options.reflection.bounces = settings.bounces;
         }
@@ -314,7 +305,7 @@ fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptio
     if options.general {
         Plan::general(&options.reflection)
     } else {
-        Plan::of(world, trees, &scene.pools.places, &options.reflection)
+        Plan::of(world, trees, &scene.pools.slots, &options.reflection)
     }
 }
 

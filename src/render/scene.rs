@@ -15,9 +15,9 @@ use crate::{
 };
 
 use super::{
-    geometry::{MeshPlace, buffer, geometry},
+    geometry::{MeshRange, buffer, geometry},
     plan::has_specular,
-    textures::{Place, Pools},
+    textures::{PoolSlot, Pools},
     types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE},
 };
 
@@ -70,7 +70,7 @@ pub struct GpuScene {
     pub samplers: [wgpu::Sampler; 4],
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
-    places: Vec<MeshPlace>,
+    mesh_ranges: Vec<MeshRange>,
     records: Vec<GpuInstance>,
 }
 
@@ -80,10 +80,10 @@ impl GpuScene {
     /// # Errors
     /// A buffer past the adapter's limit, by name, or what wgpu says.
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
-        let (vertices, mesh_data, places) = geometry(gpu, &world.meshes)?;
+        let (vertices, mesh_data, mesh_ranges) = geometry(gpu, &world.meshes)?;
         let pools = Pools::new(gpu, world)?;
         let materials = materials(gpu, world, &pools)?;
-        let records = records(world, trees, &places);
+        let records = instance_records(world, trees, &mesh_ranges);
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
             nodes: buffer(gpu, "tree nodes", &trees.nodes, storage)?,
@@ -93,8 +93,8 @@ impl GpuScene {
             mesh_data,
             materials,
             samplers: samplers(gpu),
-            draws: draws(world, &places),
-            places,
+            draws: draws(world, &mesh_ranges),
+            mesh_ranges,
             pools,
             records,
         })
@@ -105,7 +105,7 @@ impl GpuScene {
     ///
     /// # Errors
     /// As [`GpuScene::new`].
-    pub fn restyled(
+    pub fn with_materials(
         &self,
         gpu: &Gpu,
         world: &World,
@@ -113,7 +113,7 @@ impl GpuScene {
         new_trees: bool,
     ) -> Result<Self, GpuError> {
         let storage = wgpu::BufferUsages::STORAGE;
-        let records = records(world, trees, &self.places);
+        let records = instance_records(world, trees, &self.mesh_ranges);
         let (nodes, triangles) = if new_trees {
             (
                 buffer(gpu, "tree nodes", &trees.nodes, storage)?,
@@ -130,8 +130,8 @@ impl GpuScene {
             mesh_data: self.mesh_data.clone(),
             materials: materials(gpu, world, &self.pools)?,
             samplers: self.samplers.clone(),
-            draws: draws(world, &self.places),
-            places: self.places.clone(),
+            draws: draws(world, &self.mesh_ranges),
+            mesh_ranges: self.mesh_ranges.clone(),
             pools: self.pools.clone(),
             records,
         })
@@ -169,7 +169,7 @@ impl GpuScene {
     pub fn update_materials(&self, gpu: &Gpu, world: &World) {
         for moving in &world.moving.materials {
             let material = &world.materials[moving.material];
-            let record = gpu_material(material, world, &self.pools.places);
+            let record = gpu_material(material, world, &self.pools.slots);
             let offset = (moving.material * size_of::<GpuMaterial>()) as u64;
             gpu.queue
                 .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
@@ -225,10 +225,10 @@ fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
 }
 
-fn records(world: &World, trees: &Trees, places: &[MeshPlace]) -> Vec<GpuInstance> {
+fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> Vec<GpuInstance> {
     let record =
         |(instance, traced): (&crate::world::Instance, &crate::world::bvh::TraceInstance)| {
-            let place = places[instance.mesh];
+            let range = mesh_ranges[instance.mesh];
             let class = class_of(
                 &world.materials[instance.material],
                 &instance.world_from_object,
@@ -239,11 +239,11 @@ fn records(world: &World, trees: &Trees, places: &[MeshPlace]) -> Vec<GpuInstanc
                 object_from_world: traced.object_from_world,
                 tree_root: traced.tree_root,
                 trace_flags: traced.trace_flags,
-                vertex_base: place.vertex_base,
-                index_base: place.index_base,
-                uv1_base: place.uv1_base,
+                vertex_base: range.vertex_base,
+                index_base: range.index_base,
+                uv1_base: range.uv1_base,
                 material: instance.material as u32,
-                flags: flag(class.mirrored, FLAG_MIRRORED) | flag(place.has_colors, FLAG_COLORS),
+                flags: flag(class.mirrored, FLAG_MIRRORED) | flag(range.has_colors, FLAG_COLORS),
                 pad: 0,
             }
         };
@@ -267,13 +267,13 @@ fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
     }
 }
 
-fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
+fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
     let draw = |(i, instance): (usize, &crate::world::Instance)| {
-        let place = places[instance.mesh];
-        (place.index_count > 0).then(|| Draw {
+        let range = mesh_ranges[instance.mesh];
+        (range.index_count > 0).then(|| Draw {
             instance: i as u32,
-            indices: place.index_base..place.index_base + place.index_count,
-            vertex_base: place.vertex_base as i32,
+            indices: range.index_base..range.index_base + range.index_count,
+            vertex_base: range.vertex_base as i32,
             bounds: world.bounds_of(instance),
             class: class_of(
                 &world.materials[instance.material],
@@ -293,14 +293,14 @@ fn draws(world: &World, places: &[MeshPlace]) -> Vec<Draw> {
 fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {
     let materials = world.materials.iter();
     let materials: Vec<GpuMaterial> = materials
-        .map(|m| gpu_material(m, world, &pools.places))
+        .map(|m| gpu_material(m, world, &pools.slots))
         .collect();
     buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
 }
 
-fn gpu_material(m: &Material, world: &World, places: &[Place]) -> GpuMaterial {
+fn gpu_material(m: &Material, world: &World, slots: &[PoolSlot]) -> GpuMaterial {
     let slot =
-        |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, places));
+        |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, slots));
     let checker = m.checker;
     let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
     GpuMaterial {
@@ -337,9 +337,9 @@ const NO_TEXTURE: GpuTextureUse = GpuTextureUse {
     pad: [0.0; 2],
 };
 
-fn texture_use(slot: &TextureRef, world: &World, places: &[Place]) -> GpuTextureUse {
+fn texture_use(slot: &TextureRef, world: &World, slots: &[PoolSlot]) -> GpuTextureUse {
     let texture = &world.textures[slot.texture];
-    let place = places[slot.texture];
+    let pool_slot = slots[slot.texture];
     let wrap = |w: Wrap| match w {
         Wrap::Repeat => 0,
         Wrap::Clamp => 1,
@@ -347,9 +347,9 @@ fn texture_use(slot: &TextureRef, world: &World, places: &[Place]) -> GpuTexture
     };
     GpuTextureUse {
         row_u: slot.transform[0].to_array(),
-        layer: place.layer,
+        layer: pool_slot.layer,
         row_v: slot.transform[1].to_array(),
-        bits: place.pool
+        bits: pool_slot.pool
             | u32::from(texture.srgb) << 2
             | (slot.uv_set & 1) << 3
             | wrap(slot.wrap[0]) << 4

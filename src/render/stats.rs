@@ -107,7 +107,7 @@ pub struct FrameStats {
 
 impl FrameStats {
     /// Takes over the counters of the compact pass.
-    pub fn count(&mut self, counters: &[u32]) {
+    pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
         if self.method != Method::Ssr {
             self.rays = counters.get(compact::RAY_COUNTER).copied().unwrap_or(0);

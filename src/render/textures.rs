@@ -21,7 +21,7 @@ struct Sampling {
 
 /// Where a texture of the world lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct PoolSlot {
     /// Index into [`POOL_PX`].
     pub pool: u32,
     /// Layer of its array.
@@ -34,7 +34,7 @@ pub struct Pools {
     /// Per pool: its linear view and its sRGB view.
     pub views: Vec<[wgpu::TextureView; 2]>,
     /// Parallel to [`World::textures`].
-    pub places: Vec<Place>,
+    pub slots: Vec<PoolSlot>,
     /// Bytes of all pools with their mips.
     pub bytes: u64,
 }
@@ -45,16 +45,16 @@ impl Pools {
     /// # Errors
     /// More images of a size than an array has layers, or what wgpu says.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
-        let places = places(&world.textures);
+        let slots = assign_slots(&world.textures);
         let samplings = samplings(world);
         let mut pools = Self {
             views: Vec::new(),
-            places,
+            slots,
             bytes: 0,
         };
         for (pool, &px) in POOL_PX.iter().enumerate() {
             let members: Vec<usize> = (0..world.textures.len())
-                .filter(|&i| pools.places[i].pool == pool as u32)
+                .filter(|&i| pools.slots[i].pool == pool as u32)
                 .collect();
             let array = pools.array(gpu, px, members.len() as u32)?;
             for batch in members.chunks(4) {
@@ -63,7 +63,7 @@ impl Pools {
                     .map(|&i| mip_chain(&world.textures[i], px, samplings[i]))
                     .collect();
                 for (&i, chain) in batch.iter().zip(&chains) {
-                    upload(gpu, &array, pools.places[i].layer, px, chain);
+                    upload(gpu, &array, pools.slots[i].layer, px, chain);
                 }
                 // Staging memory is freed once its copies are done.
                 gpu.queue.submit([]);
@@ -114,7 +114,7 @@ impl Pools {
 }
 
 /// The smallest pool that keeps every pixel, else the largest; layers in order.
-pub fn places(textures: &[Texture]) -> Vec<Place> {
+pub fn assign_slots(textures: &[Texture]) -> Vec<PoolSlot> {
     let mut next = [0; POOL_PX.len()];
     let place = |texture: &Texture| {
         let edge = texture.width.max(texture.height);
@@ -123,7 +123,7 @@ pub fn places(textures: &[Texture]) -> Vec<Place> {
             .position(|&px| edge <= px)
             .unwrap_or(POOL_PX.len() - 1);
         next[pool] += 1;
-        Place {
+        PoolSlot {
             pool: pool as u32,
             layer: next[pool] - 1,
         }
@@ -197,7 +197,7 @@ fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
     let mut chain = vec![base];
     let mut edge = px;
     while edge > 1 {
-        let next = halved(&chain[chain.len() - 1], edge, texture.srgb);
+        let next = box_downsampled(&chain[chain.len() - 1], edge, texture.srgb);
         chain.push(next);
         edge /= 2;
     }
@@ -210,7 +210,7 @@ fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
     let mut size = [texture.width, texture.height];
     let mut source = std::borrow::Cow::Borrowed(&texture.rgba);
     if sampling.nearest {
-        return gathered(px, |x, y| {
+        return image_from(px, |x, y| {
             let at = [x * size[0] / px, y * size[1] / px];
             texel(&source, size, at)
         });
@@ -219,10 +219,16 @@ fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
         let factor = size.map(|edge| if edge > px { 2 } else { 1 });
         let next = size.map(|edge| edge.min(edge.div_ceil(2).max(px)));
         let next = [0, 1].map(|i| if factor[i] == 2 { next[i] } else { size[i] });
-        source = std::borrow::Cow::Owned(magnified(&source, size, next, sampling, texture.srgb));
+        source = std::borrow::Cow::Owned(bilinear_resized(
+            &source,
+            size,
+            next,
+            sampling,
+            texture.srgb,
+        ));
         size = next;
     }
-    magnified(&source, size, [px, px], sampling, texture.srgb)
+    bilinear_resized(&source, size, [px, px], sampling, texture.srgb)
 }
 
 fn texel(rgba: &[u8], size: [u32; 2], at: [u32; 2]) -> [u8; 4] {
@@ -230,7 +236,7 @@ fn texel(rgba: &[u8], size: [u32; 2], at: [u32; 2]) -> [u8; 4] {
     [rgba[i], rgba[i + 1], rgba[i + 2], rgba[i + 3]]
 }
 
-fn gathered(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+fn image_from(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
     (0..px)
         .flat_map(|y| (0..px).map(move |x| (x, y)))
         .flat_map(|(x, y)| pixel(x, y))
@@ -238,7 +244,13 @@ fn gathered(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
 }
 
 /// Bilinear, between texel centers; across the border as the texture wraps; colors as light.
-fn magnified(rgba: &[u8], size: [u32; 2], to: [u32; 2], sampling: Sampling, srgb: bool) -> Vec<u8> {
+fn bilinear_resized(
+    rgba: &[u8],
+    size: [u32; 2],
+    to: [u32; 2],
+    sampling: Sampling,
+    srgb: bool,
+) -> Vec<u8> {
     let taps = |axis: usize| -> Vec<([u32; 2], f32)> {
         let edge = i64::from(size[axis]);
         let place = |i: i64| match sampling.wrap[axis] {
@@ -297,7 +309,7 @@ fn magnified(rgba: &[u8], size: [u32; 2], to: [u32; 2], sampling: Sampling, srgb
 }
 
 /// Each pixel the mean of four; colors are averaged as light, not as sRGB codes.
-fn halved(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
+fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     let edge = edge as usize;
     let half = edge / 2;
     let mut out = Vec::with_capacity(half * half * 4);

@@ -27,9 +27,9 @@ impl View {
     /// The view of a camera. An `up` along the view direction is replaced by another axis.
     pub fn new(camera: &CameraDesc, size: [u32; 2]) -> Self {
         let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
-        let side = forward.cross(camera.up);
-        let side = if side.length_squared() > 1e-12 * camera.up.length_squared().max(1e-30) {
-            side.normalize()
+        let right = forward.cross(camera.up);
+        let right = if right.length_squared() > 1e-12 * camera.up.length_squared().max(1e-30) {
+            right.normalize()
         } else {
             forward.any_orthonormal_vector()
         };
@@ -38,8 +38,8 @@ impl View {
         Self {
             eye: camera.eye,
             forward,
-            right: side * half * aspect,
-            up: side.cross(forward) * half,
+            right: right * half * aspect,
+            up: right.cross(forward) * half,
             near_m: camera.near_m,
             fov: camera.fov_deg.to_radians(),
             size,

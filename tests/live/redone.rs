@@ -8,7 +8,7 @@ use reflet::{
         watch::Change,
     },
     gpu::Gpu,
-    render::Redone,
+    render::RebuildSummary,
     scene::desc::Method,
 };
 
@@ -59,7 +59,7 @@ impl Session {
     }
 
     /// What an edit redid, after checking that it shows and shows what a fresh start would.
-    fn shown(&mut self, from: &str, to: &str) -> Redone {
+    fn shown(&mut self, from: &str, to: &str) -> RebuildSummary {
         let before = self.picture();
         let reload = self.edit(from, to);
         assert!(reload.ok, "{:?}", self.live.problems);
@@ -75,7 +75,7 @@ impl Session {
     }
 }
 
-const NOTHING: Redone = Redone {
+const NOTHING: RebuildSummary = RebuildSummary {
     upload: false,
     trees: false,
     poses: false,
@@ -83,7 +83,7 @@ const NOTHING: Redone = Redone {
     passes: false,
 };
 
-const MATERIALS: Redone = Redone {
+const MATERIALS: RebuildSummary = RebuildSummary {
     materials: true,
     passes: true,
     ..NOTHING
@@ -120,7 +120,7 @@ fn materials_and_still_instances_redo_no_more_than_themselves() {
         session.shown("reflectivity = 0.5", "reflectivity = 0.9"),
         MATERIALS
     );
-    let trees = Redone {
+    let trees = RebuildSummary {
         trees: true,
         ..MATERIALS
     };
@@ -137,7 +137,7 @@ fn a_moved_dynamic_instance_redoes_the_top_level_alone() {
     let Some(mut session) = Session::new(&text) else {
         return;
     };
-    let poses = Redone {
+    let poses = RebuildSummary {
         poses: true,
         ..NOTHING
     };
@@ -195,9 +195,9 @@ fn methods_share_what_they_have_in_common() {
             method: Some(method),
             ..Wishes::default()
         };
-        let made = session.gpu.made.pipelines();
+        let made = session.gpu.compile_stats.pipelines();
         session.live.wish(wishes).expect("builds");
-        session.gpu.made.pipelines() - made
+        session.gpu.compile_stats.pipelines() - made
     };
     assert!(
         wish(&mut session, Method::Rt) <= 1,

@@ -12,7 +12,7 @@ use reflet::{
         watch::Change,
     },
     gpu::Gpu,
-    render::Redone,
+    render::RebuildSummary,
     scene::{desc::ParamValue, motion::number::MATERIAL},
 };
 
@@ -100,7 +100,7 @@ impl Session {
 }
 
 /// Posed anew, and nothing else.
-const POSES: Redone = Redone {
+const POSES: RebuildSummary = RebuildSummary {
     upload: false,
     trees: false,
     poses: true,
@@ -170,7 +170,7 @@ fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
     let text = text.replace("[2, 4, 3]", "[-2, 4, 3]");
     fs::write(&session.scene, text).expect("written");
     let reload = session.live.reload(&[Change::Scene].into());
-    assert!(reload.ok && reload.redone == Redone::default());
+    assert!(reload.ok && reload.redone == RebuildSummary::default());
     assert!(session.picture() == session.afresh(20, &[]));
 }
 
@@ -180,11 +180,17 @@ fn frames_are_what_a_fresh_start_shows_in_any_order() {
         return;
     };
     for frame in [30, 3, 40, 0, 99, 30] {
-        let made = (session.gpu.made.shaders(), session.gpu.made.pipelines());
+        let made = (
+            session.gpu.compile_stats.shaders(),
+            session.gpu.compile_stats.pipelines(),
+        );
         assert!(session.live.pose_now(frame));
         assert_eq!(session.live.posed_frame(), frame.min(40));
         let now = session.picture();
-        let made_now = (session.gpu.made.shaders(), session.gpu.made.pipelines());
+        let made_now = (
+            session.gpu.compile_stats.shaders(),
+            session.gpu.compile_stats.pipelines(),
+        );
         assert_eq!(made_now, made, "posing makes nothing");
         assert!(now == session.afresh(frame, &[]), "frame {frame}");
     }

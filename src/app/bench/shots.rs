@@ -98,7 +98,7 @@ impl<'a> Studio<'a> {
 
     fn render(&mut self, settings: &ReflectionDesc, planes: &[Aov]) -> Result<Picture, AppError> {
         let (world, camera) = (&self.subject.world, &self.subject.camera);
-        self.renderer.retune(settings);
+        self.renderer.set_reflection_parameters(settings);
         let picture = self.renderer.picture(self.gpu, world, camera, planes);
         picture.map_err(|e| explain(e, false))
     }

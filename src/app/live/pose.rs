@@ -2,7 +2,7 @@
 
 use super::Live;
 use crate::{
-    render::{Redone, RenderError},
+    render::{RebuildSummary, RenderError},
     scene::{
         desc::MaterialDesc,
         diagnostic::Diagnostic,
@@ -77,9 +77,9 @@ impl Live {
     ///
     /// # Errors
     /// As [`crate::render::Renderer::change`]; then nothing has changed.
-    pub fn edit(&mut self, edit: Edit) -> Result<Redone, RenderError> {
+    pub fn edit(&mut self, edit: Edit) -> Result<RebuildSummary, RenderError> {
         if edit.material >= self.world.materials.len() {
-            return Ok(Redone::default()); // of a scene that is gone
+            return Ok(RebuildSummary::default()); // of a scene that is gone
         }
         let old = World {
             materials: self.world.materials.clone(),

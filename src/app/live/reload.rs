@@ -16,7 +16,7 @@ use crate::{
         watch::{Change, Changes},
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
-    render::{Redone, RenderError, RenderOptions},
+    render::{RebuildSummary, RenderError, RenderOptions},
     scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState},
     world::{World, load},
 };
@@ -74,16 +74,19 @@ impl Live {
     /// What `work` did and how long it took.
     pub(super) fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
         let started = Instant::now();
-        let made = (self.gpu.made.shaders(), self.gpu.made.pipelines());
-        let driver = self.gpu.made.driver_time();
+        let made = (
+            self.gpu.compile_stats.shaders(),
+            self.gpu.compile_stats.pipelines(),
+        );
+        let driver = self.gpu.compile_stats.driver_time();
         let mut reload = Reload {
             ok: true,
             ..Reload::default()
         };
         work(self, &mut reload);
-        reload.shaders = self.gpu.made.shaders() - made.0;
-        reload.pipelines = self.gpu.made.pipelines() - made.1;
-        reload.driver = self.gpu.made.driver_time() - driver;
+        reload.shaders = self.gpu.compile_stats.shaders() - made.0;
+        reload.pipelines = self.gpu.compile_stats.pipelines() - made.1;
+        reload.driver = self.gpu.compile_stats.driver_time() - driver;
         reload.took = started.elapsed();
         reload
     }
@@ -228,7 +231,7 @@ impl Live {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
             let done = self.take_over(world, &wanted);
-            reload.redone = (reload.redone).and(done.map_err(|error| self.keep_problem(error))?);
+            reload.redone = (reload.redone).merged(done.map_err(|error| self.keep_problem(error))?);
         } else {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
@@ -237,10 +240,10 @@ impl Live {
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
-            let built = (self.renderer).anew(&self.gpu, &self.library, &world, &wanted);
+            let built = (self.renderer).with_world(&self.gpu, &self.library, &world, &wanted);
             self.renderer = built.map_err(|error| self.keep_problem(error))?;
             (self.world, self.kept) = (world, kept);
-            reload.redone = Redone {
+            reload.redone = RebuildSummary {
                 upload: true,
                 trees: true,
                 poses: false,
@@ -268,7 +271,7 @@ impl Live {
         &mut self,
         mut world: World,
         options: &RenderOptions,
-    ) -> Result<Redone, RenderError> {
+    ) -> Result<RebuildSummary, RenderError> {
         world.meshes = std::mem::take(&mut self.world.meshes);
         world.textures = std::mem::take(&mut self.world.textures);
         let done = (self.renderer).change(&self.gpu, &self.library, &self.world, &world, options);

@@ -11,7 +11,7 @@ use crate::{
     bench::metric::flip,
     gpu::GpuError,
     render::{
-        Plane, PlaneData, RenderError, aov::Aov, looks::CUBE_FACES, stats::FrameStats,
+        Plane, PlaneData, RenderError, aov::Aov, debug_readback::CUBE_FACES, stats::FrameStats,
         targets::Target,
     },
     scene::desc::LightKind,

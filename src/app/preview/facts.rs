@@ -11,7 +11,7 @@ use crate::{
     },
     bench::metric::Scores,
     math::Bounds,
-    render::{looks::shadow_faces, stats::FrameStats},
+    render::{debug_readback::shadow_faces, stats::FrameStats},
     scene::{
         desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
         diagnostic::Diagnostic,

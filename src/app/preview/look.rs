@@ -6,7 +6,7 @@ use super::{
     facts::{Caster, Side},
     panels::METHODS,
 };
-use crate::render::{aov::Aov, looks::CUBE_FACES};
+use crate::render::{aov::Aov, debug_readback::CUBE_FACES};
 
 /// What of a frame is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

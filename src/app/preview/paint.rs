@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     bench::metric::Scores,
-    render::looks::CUBE_FACES,
+    render::debug_readback::CUBE_FACES,
     scene::{desc::Method, diagnostic::Diagnostic},
 };
 

@@ -130,7 +130,7 @@ impl Block<'_> {
                 }
                 watch.begin(&self.label(&variant.label()));
                 let renderer = &mut of_method(&mut renderers, variant.method).renderer;
-                renderer.retune(&variant.reflection);
+                renderer.set_reflection_parameters(&variant.reflection);
                 let world = &self.subject.world;
                 let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
                 let mut sample = timed(prototype.clone(), &stats, repetition);

@@ -3,9 +3,9 @@
 use crate::{
     gpu::{Gpu, GpuError, GroupLayout, Shader},
     render::{
-        cull::outside,
+        cull::is_outside,
         lights::{ShadowSizes, ShadowView},
-        pass::{Pass, Shared, known},
+        pass::{Pass, Shared, declared_overrides},
         passes::visibility::{cleared_depth, reversed_depth},
         recorder::Recorder,
         scene::GpuScene,
@@ -250,7 +250,7 @@ impl Shadow {
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
         let visible = || {
             let draws = scene.draws.iter();
-            draws.filter(|d| !outside(&view.clip_from_world, &d.bounds))
+            draws.filter(|d| !is_outside(&view.clip_from_world, &d.bounds))
         };
         pass.set_pipeline(&self.opaque);
         pass.set_vertex_buffer(0, scene.vertices.slice(..));
@@ -282,7 +282,7 @@ fn pipeline(
     constants: &[(&'static str, f64)],
 ) -> Result<wgpu::RenderPipeline, GpuError> {
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
-    let constants = known(shader, constants);
+    let constants = declared_overrides(shader, constants);
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,
         ..Default::default()

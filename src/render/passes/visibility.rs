@@ -3,8 +3,8 @@
 use crate::{
     gpu::{Gpu, GpuError, Shader},
     render::{
-        cull::outside,
-        pass::{Pass, Shared, known},
+        cull::is_outside,
+        pass::{Pass, Shared, declared_overrides},
         recorder::Recorder,
         scene::{Draw, DrawClass, GpuScene},
         targets::{Target, Targets},
@@ -81,7 +81,7 @@ impl Visibility {
             for (class, pipeline) in &self.pipelines {
                 pass.set_pipeline(pipeline);
                 for draw in scene.draws.iter().filter(|d| d.class == *class) {
-                    if !outside(clip_from_world, &draw.bounds) {
+                    if !is_outside(clip_from_world, &draw.bounds) {
                         pass.draw(
                             0..draw.indices.len() as u32,
                             draw.instance..draw.instance + 1,
@@ -145,7 +145,7 @@ fn pipeline(
     constants: &[(&'static str, f64)],
 ) -> Result<wgpu::RenderPipeline, GpuError> {
     let groups = [&shared.layouts[0], &shared.layouts[1]];
-    let mut constants = known(shader, constants);
+    let mut constants = declared_overrides(shader, constants);
     constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,

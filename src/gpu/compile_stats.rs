@@ -7,13 +7,13 @@ use std::{
 
 /// How many costly things were made so far; a reload is measured by what it adds.
 #[derive(Debug, Default)]
-pub struct Made {
+pub struct CompileStats {
     pub(super) shaders: AtomicU32,
     pipelines: AtomicU32,
     driver_ns: AtomicU64,
 }
 
-impl Made {
+impl CompileStats {
     /// Shader modules, checked and created.
     pub fn shaders(&self) -> u32 {
         self.shaders.load(Ordering::Relaxed)
@@ -32,10 +32,10 @@ impl Made {
     /// Counts the pipeline that `make` gives, and the time it takes.
     pub(super) fn pipeline<P>(&self, make: impl FnOnce() -> P) -> P {
         let started = Instant::now();
-        let made = make();
+        let created = make();
         let ns = u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.driver_ns.fetch_add(ns, Ordering::Relaxed);
         self.pipelines.fetch_add(1, Ordering::Relaxed);
-        made
+        created
     }
 }

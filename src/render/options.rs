@@ -1,0 +1,14 @@
+//! What to render with.
+
+use crate::scene::desc::{ImageDesc, ReflectionDesc};
+
+/// What to render with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderOptions {
+    /// How reflections are found.
+    pub reflection: ReflectionDesc,
+    /// Size, sub-frames, tone.
+    pub image: ImageDesc,
+    /// Leave nothing out, to compare with the specialized frame.
+    pub general: bool,
+}
