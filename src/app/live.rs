@@ -27,7 +27,7 @@ use crate::{
     },
     world::{
         World,
-        load::{self, Kept},
+        load::{self, AssetCache},
     },
 };
 
@@ -137,7 +137,7 @@ pub struct Live {
     library: ShaderLibrary,
     desc: Arc<SceneDesc>,
     world: World,
-    kept: Kept,
+    asset_cache: AssetCache,
     renderer: Renderer,
     overrides: ViewOverrides,
     /// Models, images and other files that were looked for.
@@ -212,8 +212,8 @@ impl Live {
     ) -> Result<Self, AppError> {
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
         let state = pose_of(&read.desc, read.frame).map_err(AppError::Scene)?;
-        let loaded = load::load_kept(&read.desc, &read.options);
-        let (mut world, kept) = loaded.map_err(AppError::Scene)?;
+        let loaded = load::load_with_cache(&read.desc, &read.options);
+        let (mut world, asset_cache) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
             world.apply(state).map_err(AppError::Scene)?;
         }
@@ -232,7 +232,7 @@ impl Live {
             log: state.map_or_else(Vec::new, |state| state.log),
             desc: read.desc,
             world,
-            kept,
+            asset_cache,
             renderer,
             overrides,
             trail: read.options.trail,

@@ -27,17 +27,17 @@ use rayon::prelude::*;
 use super::{Instance, Mesh, World};
 use crate::scene::diagnostic::Diagnostic;
 
+mod gpu_layout;
 mod oracle;
 mod placement;
-mod record;
 #[cfg(test)]
 mod tests;
 mod tree;
 
+pub use gpu_layout::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, TraceInstance, TraceTriangle};
+use gpu_layout::{material_flags, trace_triangle};
 pub use oracle::{Oracle, Ray, RayHit};
 use placement::{Placement, error, too_large};
-pub use record::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, TraceInstance, TraceTriangle};
-use record::{material_flags, trace_triangle};
 use tree::Tree;
 
 /// Node index of the static tree's root.

@@ -4,7 +4,7 @@ use crate::{
     app::{aov, error::AppError, output::encode_png, render::explain},
     bench::{
         compare::difference_picture,
-        knob::method_name,
+        parameter::method_name,
         picture::Pair,
         report::page::{Figure, Gallery},
         run::{REFERENCE_BOUNCES, Subject},

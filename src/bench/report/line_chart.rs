@@ -1,5 +1,5 @@
 //! Quantities over a number as SVG: time and SSIM over the frames of an animation, a line per
-//! setting; errors over a knob, a line per method.
+//! setting; errors over a parameter, a line per method.
 
 use std::fmt::Write as _;
 
@@ -10,16 +10,16 @@ use crate::bench::summary::{Group, Metric, Point, digits};
 
 /// What is drawn over what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Course {
+pub enum LineChart {
     /// Wall time over the frames of an animation.
     Milliseconds,
     /// SSIM of the frame over the frames of an animation.
     Ssim,
-    /// FLIP over the one knob that all points share.
-    ErrorByKnob,
+    /// FLIP over the one parameter that all points share.
+    ErrorByParameter,
 }
 
-impl Course {
+impl LineChart {
     /// How it is read.
     pub const fn caption(self) -> &'static str {
         match self {
@@ -27,8 +27,8 @@ impl Course {
             Self::Ssim => {
                 "SSIM of each frame that was measured against rt, a line per setting: 1 is equal."
             }
-            Self::ErrorByKnob => {
-                "What the knob does to the error. A method that it does nothing for is a level line."
+            Self::ErrorByParameter => {
+                "What the parameter does to the error. A method that it does nothing for is a level line."
             }
         }
     }
@@ -58,21 +58,21 @@ const WIDTH: i32 = 860;
 
 const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
 
-/// Draws a course; none where a group has nothing of the kind.
+/// Draws a line chart; none where a group has nothing of the kind.
 ///
 /// # Errors
 /// What the drawing library says.
-pub fn draw(group: &Group, course: Course) -> Result<Option<String>, String> {
-    let plot = match course {
-        Course::ErrorByKnob => over_knob(group),
-        _ => over_frames(group, course),
+pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
+    let plot = match chart {
+        LineChart::ErrorByParameter => over_parameter(group),
+        _ => over_frames(group, chart),
     };
     plot.map(|plot| svg(&plot)).transpose()
 }
 
-fn over_frames(group: &Group, course: Course) -> Option<Plot> {
-    let value = |point: &Point| match course {
-        Course::Milliseconds => Some(point.frame_ms.median),
+fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
+    let value = |point: &Point| match chart {
+        LineChart::Milliseconds => Some(point.frame_ms.median),
         _ => point.sample.ssim,
     };
     let mut lines: Vec<Line> = Vec::new();
@@ -107,8 +107,8 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
         line.dots.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
     let [low, high] = range(&lines)?;
-    let (bottom, top, y_title) = match course {
-        Course::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
+    let (bottom, top, y_title) = match chart {
+        LineChart::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
         _ => (low - 0.1 * (1.0 - low).max(1e-4), 1.0, "SSIM, whole frame"),
     };
     Some(Plot {
@@ -121,14 +121,14 @@ fn over_frames(group: &Group, course: Course) -> Option<Plot> {
     })
 }
 
-/// A method that the knob does nothing for is a level line.
-fn over_knob(group: &Group) -> Option<Plot> {
-    let knob = group.points.first()?.sample.knob.clone()?;
+/// A method that the parameter does nothing for is a level line.
+fn over_parameter(group: &Group) -> Option<Plot> {
+    let parameter = group.points.first()?.sample.parameter.clone()?;
     let values = group.points.iter().filter_map(|p| p.sample.value);
     let [first, last] = values.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], v| {
         [low.min(v), high.max(v)]
     });
-    let is_shared = |p: &Point| p.sample.knob.as_deref() == Some(knob.as_str());
+    let is_shared = |p: &Point| p.sample.parameter.as_deref() == Some(parameter.as_str());
     if !group.points.iter().all(is_shared) || first >= last {
         return None;
     }
@@ -151,7 +151,7 @@ fn over_knob(group: &Group) -> Option<Plot> {
     let [_, high] = range(&lines)?;
     Some(Plot {
         lines,
-        x_title: knob,
+        x_title: parameter,
         y_title: if group.masked {
             "FLIP, in reflections"
         } else {

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::{
     Loader, error_at,
-    stand::{Place, Stand},
+    model_instance::{ModelInstance, Place},
 };
 use crate::{
     scene::desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
@@ -51,7 +51,7 @@ impl Extras {
         file: &Model,
         name: &str,
         world: &World,
-        stand: &Stand<'_>,
+        stand: &ModelInstance<'_>,
         with_cameras: bool,
     ) {
         if model.value.lights {

@@ -10,14 +10,14 @@ use super::Subject;
 pub type Mover = Box<dyn Fn(&mut Subject, u32) -> Result<(), Vec<Diagnostic>>>;
 
 /// A scene and those of its frames that are measured, one after another.
-pub struct Reel {
+pub struct FrameSeries {
     subject: Subject,
     /// Number and camera of each frame.
     shots: Vec<(u32, CameraDesc)>,
     mover: Option<Mover>,
 }
 
-impl Reel {
+impl FrameSeries {
     /// One frame of a scene that stands still.
     pub fn still(subject: Subject) -> Self {
         Self {
@@ -71,7 +71,7 @@ impl Reel {
     /// The subject posed at one of the measured frames.
     ///
     /// # Errors
-    /// As [`Reel::moving`].
+    /// As [`FrameSeries::moving`].
     pub(super) fn posed(&mut self, index: usize) -> Result<&Subject, Vec<Diagnostic>> {
         self.at(self.shots[index].0)
     }
@@ -89,7 +89,7 @@ impl Reel {
     }
 }
 
-impl fmt::Debug for Reel {
+impl fmt::Debug for FrameSeries {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Reel")
             .field("subject", &self.subject)

@@ -10,7 +10,7 @@ pub const MAX_STEPS: u32 = STEPS.max as u32;
 
 /// A setting that trades time for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Knob {
+pub enum Parameter {
     /// `reflection.threshold_u`.
     ThresholdU,
     /// `reflection.steps`.
@@ -29,12 +29,12 @@ pub struct Variant {
     /// How reflections are found; the same as in `reflection`.
     pub method: Method,
     /// What is turned; none where the scene's settings are measured as they are.
-    pub knob: Option<Knob>,
-    /// What it is turned to; none where the knob does nothing for the method.
+    pub parameter: Option<Parameter>,
+    /// What it is turned to; none where the parameter does nothing for the method.
     pub value: Option<f64>,
-    /// All settings, the knob's value among them.
+    /// All settings, the parameter's value among them.
     pub reflection: ReflectionDesc,
-    /// See [`Knob::Scale`].
+    /// See [`Parameter::Scale`].
     pub scale: f64,
 }
 
@@ -47,8 +47,8 @@ pub const fn method_name(method: Method) -> &'static str {
     }
 }
 
-impl Knob {
-    /// All knobs.
+impl Parameter {
+    /// All parameters.
     pub const ALL: [Self; 5] = [
         Self::ThresholdU,
         Self::Steps,
@@ -68,12 +68,14 @@ impl Knob {
         }
     }
 
-    /// The knob of this name.
+    /// The parameter of this name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|knob| knob.name() == name)
+        Self::ALL
+            .into_iter()
+            .find(|parameter| parameter.name() == name)
     }
 
-    /// The knob that a method is turned by when none is chosen: the one that moves it most.
+    /// The parameter that a method is turned by when none is chosen: the one that moves it most.
     pub const fn own(method: Method) -> Self {
         match method {
             Method::Ssr => Self::Steps,
@@ -151,7 +153,7 @@ impl Variant {
     pub fn fixed(method: Method, settings: &ReflectionDesc) -> Self {
         Self {
             method,
-            knob: None,
+            parameter: None,
             value: None,
             reflection: ReflectionDesc {
                 method,
@@ -161,25 +163,25 @@ impl Variant {
         }
     }
 
-    /// One variant per value; a single one where the knob does nothing for the method.
+    /// One variant per value; a single one where the parameter does nothing for the method.
     pub fn turned(
         method: Method,
         settings: &ReflectionDesc,
-        knob: Knob,
+        parameter: Parameter,
         values: &[f64],
     ) -> Vec<Self> {
         let fixed = Self {
-            knob: Some(knob),
+            parameter: Some(parameter),
             ..Self::fixed(method, settings)
         };
-        if !knob.acts_on(method) {
+        if !parameter.acts_on(method) {
             return vec![fixed];
         }
         let turned = |&value: &f64| {
             let mut variant = fixed;
             variant.value = Some(value);
-            knob.turn(value, &mut variant.reflection);
-            if knob == Knob::Scale {
+            parameter.turn(value, &mut variant.reflection);
+            if parameter == Parameter::Scale {
                 variant.scale = value;
             }
             variant
@@ -195,8 +197,8 @@ impl Variant {
     /// What people call it, such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
         let method = method_name(self.method);
-        match (self.knob, self.value) {
-            (Some(knob), Some(value)) => format!("{method}, {} = {value}", knob.name()),
+        match (self.parameter, self.value) {
+            (Some(parameter), Some(value)) => format!("{method}, {} = {value}", parameter.name()),
             _ => method.to_owned(),
         }
     }
@@ -207,66 +209,74 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_knob_changes_its_setting_and_nothing_else() {
+    fn a_parameter_changes_its_setting_and_nothing_else() {
         let settings = ReflectionDesc::default();
-        let turned = |knob| Variant::turned(Method::Hybrid, &settings, knob, &[8.0]);
+        let turned = |parameter| Variant::turned(Method::Hybrid, &settings, parameter, &[8.0]);
         let expect = |change: fn(&mut ReflectionDesc)| {
             let mut changed = settings;
             change(&mut changed);
             changed
         };
         assert_eq!(
-            turned(Knob::ThresholdU)[0].reflection,
+            turned(Parameter::ThresholdU)[0].reflection,
             expect(|r| r.threshold_u = 8.0)
         );
-        assert_eq!(turned(Knob::Steps)[0].reflection, expect(|r| r.steps = 8));
         assert_eq!(
-            turned(Knob::RayLengthU)[0].reflection,
+            turned(Parameter::Steps)[0].reflection,
+            expect(|r| r.steps = 8)
+        );
+        assert_eq!(
+            turned(Parameter::RayLengthU)[0].reflection,
             expect(|r| r.ray_length_u = 8.0)
         );
         assert_eq!(
-            turned(Knob::Bounces)[0].reflection,
+            turned(Parameter::Bounces)[0].reflection,
             expect(|r| r.bounces = 8)
         );
-        let scaled = Variant::turned(Method::Rt, &settings, Knob::Scale, &[0.5])[0];
+        let scaled = Variant::turned(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
         assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);
         assert_eq!(scaled.label(), "rt, scale = 0.5");
     }
 
     #[test]
-    fn a_knob_without_effect_makes_one_variant() {
+    fn a_parameter_without_effect_makes_one_variant() {
         let settings = ReflectionDesc::default();
-        for knob in [Knob::ThresholdU, Knob::Steps] {
-            let variants = Variant::turned(Method::Rt, &settings, knob, &[8.0, 16.0]);
+        for parameter in [Parameter::ThresholdU, Parameter::Steps] {
+            let variants = Variant::turned(Method::Rt, &settings, parameter, &[8.0, 16.0]);
             assert_eq!(variants.len(), 1);
             assert_eq!(variants[0].value, None);
         }
         assert_eq!(
-            Variant::turned(Method::Ssr, &settings, Knob::Bounces, &[1.0, 2.0]).len(),
+            Variant::turned(Method::Ssr, &settings, Parameter::Bounces, &[1.0, 2.0]).len(),
             1
         );
     }
 
     #[test]
     fn defaults_are_in_range_and_other_values_are_refused() {
-        for knob in Knob::ALL {
-            assert_eq!(Knob::from_name(knob.name()), Some(knob));
-            knob.default_values()
+        for parameter in Parameter::ALL {
+            assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
+            parameter
+                .default_values()
                 .iter()
-                .for_each(|&v| knob.check(v).expect("in range"));
-            assert!(knob.check(f64::NAN).is_err() && knob.check(-1.0).is_err());
+                .for_each(|&v| parameter.check(v).expect("in range"));
+            assert!(parameter.check(f64::NAN).is_err() && parameter.check(-1.0).is_err());
         }
-        let says = Knob::Steps.check(16.5).expect_err("no whole number");
+        let says = Parameter::Steps.check(16.5).expect_err("no whole number");
         assert_eq!(says, "steps = 16.5: must be a whole number from 8 to 4096");
-        for (knob, value, says) in [
-            (Knob::RayLengthU, f64::INFINITY, "between -1e12 and 1e12"),
-            (Knob::RayLengthU, 1e-300, "above 0"), // 0 in single precision
-            (Knob::ThresholdU, 1e300, "between -1e12 and 1e12"),
+        for (parameter, value, says) in [
+            (
+                Parameter::RayLengthU,
+                f64::INFINITY,
+                "between -1e12 and 1e12",
+            ),
+            (Parameter::RayLengthU, 1e-300, "above 0"), // 0 in single precision
+            (Parameter::ThresholdU, 1e300, "between -1e12 and 1e12"),
         ] {
-            let error = knob.check(value).expect_err("out of range");
+            let error = parameter.check(value).expect_err("out of range");
             assert_eq!(
                 error,
-                format!("{} = {value:?}: must be {says}", knob.name())
+                format!("{} = {value:?}: must be {says}", parameter.name())
             );
         }
     }

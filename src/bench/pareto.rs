@@ -19,7 +19,7 @@ impl Spot {
 }
 
 /// For each spot whether it is on the Pareto front: no other dominates it.
-pub fn front(spots: &[Spot]) -> Vec<bool> {
+pub fn pareto_front(spots: &[Spot]) -> Vec<bool> {
     let is_free = |spot: &Spot| !spots.iter().any(|other| spot.is_dominated_by(other));
     spots.iter().map(is_free).collect()
 }
@@ -114,10 +114,13 @@ mod tests {
 
     #[test]
     fn the_front_is_what_nothing_dominates() {
-        assert_eq!(front(&SPOTS), [true, true, false, false, true, false]);
+        assert_eq!(
+            pareto_front(&SPOTS),
+            [true, true, false, false, true, false]
+        );
         // Equals do not dominate each other.
-        assert_eq!(front(&[SPOTS[0], SPOTS[0]]), [true, true]);
-        assert!(front(&[]).is_empty());
+        assert_eq!(pareto_front(&[SPOTS[0], SPOTS[0]]), [true, true]);
+        assert!(pareto_front(&[]).is_empty());
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use crate::{
     bench::{
         hash::Hash,
-        knob::{Variant, method_name},
         log::Log,
         metric::hits::CauseTally,
+        parameter::{Variant, method_name},
         sample::{Sample, detail_columns},
         score::{Errors, Reference},
     },
@@ -253,7 +253,9 @@ impl Block<'_> {
             height: self.size[1],
             method: method_name(variant.method).to_owned(),
             turn: bench.protocol.turn.name().to_owned(),
-            knob: variant.knob.map(|knob| knob.name().to_owned()),
+            parameter: variant
+                .parameter
+                .map(|parameter| parameter.name().to_owned()),
             value: variant.value,
             threshold_u: settings.threshold_u,
             steps: settings.steps,

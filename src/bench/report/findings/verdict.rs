@@ -2,7 +2,7 @@
 
 use super::{fewest_frames, of_method, pick};
 use crate::bench::{
-    front::{Spot, best_within, cheapest_within, front},
+    pareto::{Spot, best_within, cheapest_within, pareto_front},
     summary::{
         Point, digits,
         paired::{MIN_PAIRS, Order, Pairs},
@@ -14,7 +14,7 @@ const MOST_NAMED: usize = 4;
 
 /// Which methods are on the front, whether `rt` wins outright, and what cannot be told.
 pub fn verdict(spots: &[Spot], points: &[&Point]) -> Vec<String> {
-    let on_front = front(spots);
+    let on_front = pareto_front(spots);
     let is_on = |method: &str| of_method(points, method).iter().any(|&i| on_front[i]);
     let methods = ["ssr", "hybrid", "rt"].into_iter().filter(|m| is_on(m));
     let methods: Vec<&str> = methods.collect();

@@ -2,11 +2,11 @@
 
 use glam::Affine3A;
 
-use super::copies::Copy;
+use super::repeat::Copy;
 use crate::world::{World, gltf::Attached, pose::Anchor};
 
 /// A copy of a model that is being placed.
-pub struct Stand<'a> {
+pub struct ModelInstance<'a> {
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     pub desc: Option<usize>,
     /// Whether that may move.
@@ -31,7 +31,7 @@ impl Place {
     }
 }
 
-impl Stand<'_> {
+impl ModelInstance<'_> {
     /// The place of something that hangs on a node of its file.
     pub fn of<T>(&self, world: &World, part: &Attached<T>) -> Place {
         let transforms = [part.node_from_object, part.model_from_object];

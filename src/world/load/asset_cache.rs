@@ -5,9 +5,9 @@ use std::{collections::HashMap, mem, path::PathBuf};
 
 use super::{
     LoadOptions, Loader, Source, camera,
-    finish::{self, Needs},
     material::{ImageKey, slots},
     place::MeshKey,
+    vertex_streams::{self, Needs},
 };
 use crate::{
     scene::{
@@ -22,7 +22,7 @@ type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 
 /// What is kept of a loaded scene beside its [`World`].
 #[derive(Debug)]
-pub struct Kept {
+pub struct AssetCache {
     pub(super) sources: Vec<NamedSource>,
     pub(super) models: Vec<Source>,
     /// Without their meshes, which are in the world.
@@ -49,14 +49,14 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     named.collect()
 }
 
-impl Kept {
+impl AssetCache {
     /// The world of another text over the same files: all but its meshes and textures, which are
     /// those of `world`. `None` when it needs another file, shape, image or mesh attribute; then
     /// everything must be loaded.
     ///
     /// # Errors
     /// Everything found wrong with the scene's names, as [`super::load`].
-    pub fn relay(
+    pub fn reuse_assets(
         &mut self,
         world: &World,
         desc: &SceneDesc,
@@ -98,7 +98,7 @@ impl Kept {
         loader.fail_on_errors()?;
         let world = &mut loader.world;
         let same_meshes = world.meshes.len() == self.needs.len();
-        let needs = finish::needs(world);
+        let needs = vertex_streams::needs(world);
         if !same_meshes
             || !self
                 .needs

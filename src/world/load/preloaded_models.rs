@@ -10,9 +10,9 @@ use crate::world::gltf::{Model, Playable, Sandbox};
 
 /// Models by their canonical path; clones share them.
 #[derive(Clone, Debug, Default)]
-pub struct Ahead(Arc<Mutex<Vec<(PathBuf, Model)>>>);
+pub struct PreloadedModels(Arc<Mutex<Vec<(PathBuf, Model)>>>);
 
-impl Ahead {
+impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and keeps it for the next
     /// load; gives what it can play. Of a file that is wrong nothing is kept: loading it says why.
     pub fn read(&self, path: &Path, sandbox: &Sandbox) -> Playable {

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use crate::bench::{
-    front::{Costs, Spot, break_even_share},
     metric::mask::MIN_AREA_PX,
+    pareto::{Costs, Spot, break_even_share},
     summary::{
         Group, MIN_SPREAD_N, Metric, Point, Spread, digits,
         paired::{MIN_PAIRS, Timed, pairs},
