@@ -11,7 +11,7 @@ use super::{
     model_viewer_scene::{is_model, model_viewer_scene},
 };
 use crate::{
-    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse, trail::Trail},
+    scene::{dependencies::Dependencies, desc::SceneDesc, diagnostic::Diagnostic, parse},
     world::{
         World,
         load::{self, LoadOptions},
@@ -51,7 +51,7 @@ pub fn load_scene(
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
     let overrides = [from.set.as_slice(), overrides].concat();
-    let options = load_options(from, &Trail::default());
+    let options = load_options(from, &Dependencies::default());
     let (text, file) = source(path, &options, &overrides).map_err(AppError::Scene)?;
     let read = parse::parse(&text, &file, &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
@@ -68,7 +68,7 @@ pub fn load_scene(
 pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
     let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
     let name = file.display().to_string();
-    let options = load_options(from, &Trail::default());
+    let options = load_options(from, &Dependencies::default());
     load_desc(name, text.to_owned(), from.set.clone(), read, &options)
 }
 
@@ -117,10 +117,10 @@ pub fn source(
 }
 
 /// How files are loaded; what is looked for is noted in `trail`.
-pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
+pub fn load_options(from: &SceneArgs, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
-        trail: trail.clone(),
+        dependencies: dependencies.clone(),
         ..LoadOptions::default()
     }
 }

@@ -13,9 +13,9 @@ use super::{
     usd,
 };
 use crate::scene::{
+    dependencies::Dependencies,
     desc::{At, ModelDesc, ModelSource, SceneDesc, is_stage},
     diagnostic::{Diagnostic, Severity, Span},
-    trail::Trail,
 };
 
 mod asset_cache;
@@ -47,7 +47,7 @@ pub struct LoadOptions {
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
     /// Where it is noted what was looked for.
-    pub trail: Trail,
+    pub dependencies: Dependencies,
     /// What was read already.
     pub ahead: PreloadedModels,
 }
@@ -59,7 +59,7 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
-            trail: Trail::default(),
+            dependencies: Dependencies::default(),
             ahead: PreloadedModels::default(),
         }
     }
@@ -150,7 +150,7 @@ impl<'a> Loader<'a> {
             desc,
             options,
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
-                .with_trail(&options.trail),
+                .with_trail(&options.dependencies),
             folders,
             world: World {
                 environment: desc.environment,

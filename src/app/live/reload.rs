@@ -220,7 +220,7 @@ impl Live {
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
         let relaid = if keeps_files {
-            let options = load_options(&self.origin.from, &self.trail);
+            let options = load_options(&self.origin.from, &self.dependencies);
             self.asset_cache
                 .reuse_assets(&self.world, &read.desc, &options)?
         } else {
@@ -236,7 +236,7 @@ impl Live {
         } else {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
-            self.trail = read.options.trail.clone();
+            self.dependencies = read.options.dependencies.clone();
             let (mut world, asset_cache) = load::load_with_cache(&read.desc, &read.options)?;
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));

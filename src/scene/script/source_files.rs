@@ -7,12 +7,12 @@ use std::{
 
 use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
-use super::nested::{NESTED, is_deeper};
+use super::nested_values::{NESTED, is_deeper};
 use crate::scene::{
-    below::{self, Found, Kind, Problem},
+    confined_read::{self, Found, Kind, Problem},
+    dependencies::Dependencies,
     diagnostic::{Diagnostic, Source, Span},
     parse::suggest,
-    trail::Trail,
 };
 
 /// Largest script, bytes.
@@ -27,7 +27,7 @@ pub struct Sources {
     /// Where imports start; `None` forbids them.
     folder: Option<PathBuf>,
     /// Where it is noted what was looked for.
-    trail: Trail,
+    dependencies: Dependencies,
     state: Mutex<State>,
 }
 
@@ -85,10 +85,10 @@ impl Problem {
 
 impl Sources {
     /// Of a script beside a scene; what is looked for is added to `trail`.
-    pub fn new(folder: &Path, trail: &Trail) -> Self {
+    pub fn new(folder: &Path, dependencies: &Dependencies) -> Self {
         Self {
             folder: Some(folder.to_owned()),
-            trail: trail.clone(),
+            dependencies: dependencies.clone(),
             ..Self::default()
         }
     }
@@ -125,7 +125,7 @@ impl Sources {
             let message = format!("{} cannot be read here", suggest::text(file));
             return Err(Problem::new(message, ""));
         };
-        below::read(folder, file, &SCRIPTS, &self.trail)
+        confined_read::read(folder, file, &SCRIPTS, &self.dependencies)
     }
 
     /// Keeps a file; gives what messages call it, and its text.

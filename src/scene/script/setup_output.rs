@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
-use super::{nested::NESTED, shown::named};
+use super::{format_value::named, nested_values::NESTED};
 use crate::scene::parse::{suggest, toml_text};
 
 /// Keys of what `setup` returns, and whether they are lists.

@@ -6,7 +6,7 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use super::{diagnostic::Span, parse::suggest, trail::Trail};
+use super::{dependencies::Dependencies, diagnostic::Span, parse::suggest};
 use crate::files::{open_regular, read_at_most};
 
 /// What messages say about files of a kind.
@@ -59,7 +59,12 @@ impl Problem {
 ///
 /// # Errors
 /// A name or a link that leads out of the folder, a file that is missing, too large or not UTF-8.
-pub fn read(folder: &Path, file: &str, kind: &Kind, trail: &Trail) -> Result<Found, Problem> {
+pub fn read(
+    folder: &Path,
+    file: &str,
+    kind: &Kind,
+    dependencies: &Dependencies,
+) -> Result<Found, Problem> {
     let shown = suggest::text(file);
     let relative = Path::new(file);
     let plain = relative
@@ -70,7 +75,7 @@ pub fn read(folder: &Path, file: &str, kind: &Kind, trail: &Trail) -> Result<Fou
         return Err(Problem::new(message, kind.inside));
     }
     let path = folder.join(relative);
-    trail.add(path.clone());
+    dependencies.add(path.clone());
     let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), kind.names);
     let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
         ErrorKind::NotFound => missing("does not exist"),

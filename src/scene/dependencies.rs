@@ -8,9 +8,9 @@ use std::{
 /// Every file that was read or looked for, as it was named: links are not followed, and it need not
 /// exist. Clones share one list.
 #[derive(Clone, Debug, Default)]
-pub struct Trail(Arc<Mutex<Vec<PathBuf>>>);
+pub struct Dependencies(Arc<Mutex<Vec<PathBuf>>>);
 
-impl Trail {
+impl Dependencies {
     /// Adds a file, once.
     pub fn add(&self, path: PathBuf) {
         let mut paths = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -14,7 +14,7 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::additions::plural;
+use super::setup_output::plural;
 use crate::scene::{
     diagnostic::{Source, Span},
     parse::suggest,

@@ -7,7 +7,7 @@ use rhai::{
     Array, Dynamic, Engine, EvalAltResult, FnPtr, ImmutableString, Map, NativeCallContext, Position,
 };
 
-use super::{api::value::fail, engine::TEXT, limited::progress};
+use super::{api::value::fail, call_limits::progress, engine::TEXT};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

@@ -19,7 +19,7 @@ pub enum Form {
 
 /// One key of a table.
 #[derive(Clone, Debug)]
-pub struct KeyNote {
+pub struct KeyRecord {
     /// The key.
     pub name: &'static str,
     /// What may stand under it, any of these.
@@ -34,7 +34,7 @@ pub struct KeyNote {
     pub default: Option<Json>,
 }
 
-impl KeyNote {
+impl KeyRecord {
     /// A key for one form.
     pub fn new(name: &'static str, form: Form) -> Self {
         let forms = vec![form];
@@ -88,20 +88,20 @@ pub struct Rule {
 
 /// One value of `kind`, and what only it takes.
 #[derive(Clone, Debug, Default)]
-pub struct VariantNote {
+pub struct VariantRecord {
     /// The key that chooses, `kind`.
     pub key: &'static str,
     /// Its value.
     pub word: &'static str,
     /// Further keys.
-    pub keys: Vec<KeyNote>,
+    pub keys: Vec<KeyRecord>,
     /// Rules among them.
     pub rules: Vec<Rule>,
 }
 
 /// One table.
 #[derive(Clone, Debug, Default)]
-pub struct SectionNote {
+pub struct SectionRecord {
     /// Its type in `desc.rs`.
     pub type_name: &'static str,
     /// Further types whose fields are its keys.
@@ -109,23 +109,23 @@ pub struct SectionNote {
     /// How it is written.
     pub heading: &'static str,
     /// Its keys.
-    pub keys: Vec<KeyNote>,
+    pub keys: Vec<KeyRecord>,
     /// Its variants, if it has a `kind`.
-    pub variants: Vec<VariantNote>,
+    pub variants: Vec<VariantRecord>,
     /// Rules among its keys.
     pub rules: Vec<Rule>,
 }
 
 /// All tables, in the order in which they are first met.
 #[derive(Default)]
-pub struct Notes {
+pub struct RecordedKeys {
     /// The tables.
-    pub sections: Vec<SectionNote>,
+    pub sections: Vec<SectionRecord>,
     /// The tables being described, outermost first, and whether one of its variants is.
     open: Vec<(usize, bool)>,
 }
 
-impl Notes {
+impl RecordedKeys {
     /// Starts a table; false if it is known already.
     pub fn open(
         &mut self,
@@ -137,7 +137,7 @@ impl Notes {
             return false;
         }
         self.open.push((self.sections.len(), false));
-        self.sections.push(SectionNote {
+        self.sections.push(SectionRecord {
             type_name,
             also,
             heading,
@@ -152,7 +152,7 @@ impl Notes {
     }
 
     /// The open table, and whether one of its variants is open.
-    fn section(&mut self) -> Option<(&mut SectionNote, bool)> {
+    fn section(&mut self) -> Option<(&mut SectionRecord, bool)> {
         let (index, in_variant) = *self.open.last()?;
         Some((self.sections.get_mut(index)?, in_variant))
     }
@@ -164,7 +164,7 @@ impl Notes {
     }
 
     /// Adds a key to the open table or variant.
-    pub fn add(&mut self, key: KeyNote) {
+    pub fn add(&mut self, key: KeyRecord) {
         let Some((section, in_variant)) = self.section() else {
             return;
         };
@@ -189,7 +189,7 @@ impl Notes {
     pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
         self.set_in_variant(true);
         if let Some((section, _)) = self.section() {
-            section.variants.push(VariantNote {
+            section.variants.push(VariantRecord {
                 key,
                 word,
                 ..Default::default()

@@ -3,7 +3,7 @@
 
 use rhai::{Engine, LexError, OptimizationLevel, Token};
 
-use super::{caught::Caught, limited::progress};
+use super::{call_limits::progress, catch_values::Caught};
 
 /// Puts the limits into an engine, which tells `caught` each token.
 pub fn register(engine: &mut Engine, caught: &Caught) {

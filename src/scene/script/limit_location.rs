@@ -8,7 +8,7 @@ use rhai::{
     debugger::{DebuggerCommand, DebuggerEvent},
 };
 
-use super::{engine, sources::Sources};
+use super::{engine, source_files::Sources};
 
 /// A place in one of a script's files.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -63,7 +63,7 @@ pub fn is_limit(wrong: &EvalAltResult) -> bool {
 }
 
 /// Does what has met a limit again, on an engine that notes where it is; `None` where it ends
-/// otherwise this time. For [`super::limited::run_limited`], as its notes are the thread's.
+/// otherwise this time. For [`super::call_limits::run_limited`], as its notes are the thread's.
 pub fn again<T>(
     sources: &Arc<Sources>,
     first: &EvalAltResult,
