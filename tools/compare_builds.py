@@ -125,12 +125,12 @@ def aov_names(program: Path) -> str:
 def render(program: Path, work: Work, out: Path, assets: list[str | Path]) -> None:
     """Render one piece of work into `out`."""
     frames = sorted(set(work.frames))
-    some = ["--frames", ",".join(map(str, frames))] if frames else []
+    some: list[str | Path] = ["--frames", ",".join(map(str, frames))] if frames else []
     number = ".####" if frames else ""
-    aovs = ["--aov", aov_names(program)]
+    aovs: list[str | Path] = ["--aov", aov_names(program)]
     for ending in ("png", "exr"):
         name = out / f"{work.scene.stem}{number}.{ending}"
-        output = ["-o", name, "--size", SIZE]
+        output: list[str | Path] = ["-o", name, "--size", SIZE]
         planes = aovs if ending == "exr" else []
         run([program, "render", work.scene, *output, *planes, *some, *assets])
 
