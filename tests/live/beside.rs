@@ -16,10 +16,10 @@ use reflet::{
         preview::{
             self,
             protocol::{
-                Inspect, Inspection, Report, SceneSummary, Screenshot, Shown, Side, Task, View,
-                ViewCamera,
+                Inspect, Inspection, Report, Screenshot, Shown, Side, Task, View, ViewCamera,
             },
             render_thread::RenderThread,
+            scene_summary::SceneSummary,
             view_channel::ViewChannel,
         },
     },

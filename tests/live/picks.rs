@@ -4,8 +4,7 @@ use std::{fs, sync::Arc};
 
 use glam::Vec3;
 use reflet::app::preview::{
-    picking::Picked,
-    protocol::{Inspect, Inspection, Report, Task, Visualization},
+    protocol::{Inspect, Inspection, Picked, Report, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };
 

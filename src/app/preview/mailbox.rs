@@ -2,8 +2,6 @@
 
 use std::{
     collections::VecDeque,
-    fs,
-    path::{Path, PathBuf},
     sync::{Arc, Condvar, Mutex, PoisonError},
     time::Instant,
 };
@@ -88,14 +86,6 @@ impl Mailbox {
     }
 }
 
-/// The first name that no file has yet: `scene-001.png`.
-pub fn free_name(folder: &Path, stem: &str) -> PathBuf {
-    let name = |number: u32| folder.join(format!("{stem}-{number:03}.png"));
-    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
-    let found = (1..u32::MAX).map(name).find(is_free);
-    found.unwrap_or_else(|| name(u32::MAX))
-}
-
 #[cfg(test)]
 mod tests {
     use std::time::Instant;
@@ -107,20 +97,6 @@ mod tests {
         app::{live::Edit, params::ParameterOverrides, watch::Change},
         scene::desc::ParamValue,
     };
-
-    #[test]
-    fn no_picture_takes_the_place_of_another() {
-        let name = format!("reflet-names-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("a folder");
-        assert_eq!(free_name(&folder, "a"), folder.join("a-001.png"));
-        for number in 1..=10_000 {
-            fs::write(folder.join(format!("a-{number:03}.png")), "").expect("written");
-        }
-        let next = free_name(&folder, "a");
-        fs::remove_dir_all(&folder).expect("clean up");
-        assert_eq!(next, folder.join("a-10001.png"));
-    }
 
     #[test]
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {

@@ -23,36 +23,18 @@ use crate::{
     scene::{desc::Method, script::Halt},
 };
 
-pub mod camera_controls;
-mod charts;
-mod diagnostics_panel;
 mod display_errors;
-mod dynamic_resolution;
 pub mod frame_texture;
-mod handle_reports;
 pub mod mailbox;
-mod material_panel;
-mod on_demand;
-mod panels;
-mod parameter_panel;
-pub mod picking;
 pub mod protocol;
-mod reload_jobs;
 pub mod render_thread;
-mod screenshot;
-mod sidebar;
-mod status_bar;
-mod status_message;
-mod timeline;
+pub mod scene_summary;
+pub mod ui;
 pub mod view_channel;
-mod viewport;
-mod viewport_paint;
-mod visualize;
-mod window;
 
-use protocol::SceneSummary;
 use render_thread::RenderThread;
-use window::Window;
+use scene_summary::SceneSummary;
+use ui::window::Window;
 
 /// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
 const PATIENCE: Duration = Duration::from_secs(1);

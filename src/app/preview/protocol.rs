@@ -2,23 +2,18 @@
 
 use std::{path::PathBuf, time::Instant};
 
+use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_channel::ViewChannel};
 use crate::{
     app::{
-        live::{Edit, Live, Problems, Refusal, Reload},
-        params::{DeclaredParameters, ParameterOverrides},
-        unique_names::unique_names,
+        live::{Edit, Refusal, Reload},
+        params::ParameterOverrides,
         watch::Changes,
     },
     bench::metric::Scores,
     math::Bounds,
-    render::{debug_readback::shadow_faces, stats::FrameStats},
-    scene::{
-        desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
-        diagnostic::Diagnostic,
-    },
+    render::stats::FrameStats,
+    scene::desc::{CameraDesc, Method},
 };
-
-use super::{frame_texture::FrameTexture, picking::Picked, view_channel::ViewChannel};
 
 /// One side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,17 +100,6 @@ pub struct Screenshot {
     pub heat: bool,
 }
 
-/// A light whose shadow maps can be looked at.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ShadowCaster {
-    /// Index into the world's lights.
-    pub light: usize,
-    /// Its name.
-    pub name: String,
-    /// Maps: six for a point light.
-    pub faces: usize,
-}
-
 /// What is done on demand with the left side of a view, in its frame.
 #[derive(Clone, Debug)]
 pub struct Inspection {
@@ -136,104 +120,6 @@ pub enum Inspect {
     Pick([f32; 2]),
 }
 
-/// A material as the panel lists it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Name in the scene or file, with a number where others have it too.
-    pub name: String,
-    /// Its numbers in the frame that is shown.
-    pub numbers: MaterialDesc,
-    /// What of them is changed by hand.
-    pub edit: Edit,
-    /// How many instances have it.
-    pub uses: usize,
-    /// ReportContext those instances.
-    pub bounds: Bounds,
-}
-
-/// What is known of the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSummary {
-    /// The frames, where the scene has some.
-    pub timeline: Option<TimelineDesc>,
-    /// The script's parameters.
-    pub declared: DeclaredParameters,
-    /// What the script printed.
-    pub log: Vec<String>,
-    /// Name and value of each camera, in the frame that is shown.
-    pub cameras: Vec<(String, CameraDesc)>,
-    /// Parallel to the world's.
-    pub materials: Vec<Row>,
-    /// Lights with shadow maps.
-    pub casters: Vec<ShadowCaster>,
-    /// ReportContext everything.
-    pub bounds: Bounds,
-    /// The scene's own method.
-    pub method: Method,
-    /// The length U, meters.
-    pub unit_m: f32,
-    /// What the frame leaves out.
-    pub dropped: Vec<String>,
-    /// What keeps the newest content from being shown.
-    pub problems: Problems,
-    /// About what is shown.
-    pub warnings: Vec<Diagnostic>,
-}
-
-impl SceneSummary {
-    /// Whether nothing stands in the scene.
-    pub fn is_nothing(&self) -> bool {
-        self.materials.iter().all(|row| row.uses == 0)
-    }
-
-    /// Those of a live scene.
-    pub fn of(live: &Live) -> Self {
-        let world = live.world();
-        let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
-        let row = |(material, m): (usize, &crate::world::Material)| Row {
-            name: names[material].clone(),
-            numbers: *m.numbers(),
-            edit: live.edit_of(material),
-            uses: 0,
-            bounds: Bounds::EMPTY,
-        };
-        let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
-        let mut bounds = Bounds::EMPTY;
-        for instance in &world.instances {
-            let around = world.bounds_of(instance);
-            let row = &mut materials[instance.material];
-            row.uses += 1;
-            row.bounds = row.bounds.union(around);
-            bounds = bounds.union(around);
-        }
-        let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));
-        let dropped = live.renderer().plan().dropped.iter();
-        Self {
-            timeline: live.timeline().cloned(),
-            declared: live.declared().clone(),
-            log: live.log().cloned().collect(),
-            cameras: (world.cameras.iter())
-                .map(|entry| (entry.name.clone(), entry.value.clone()))
-                .collect(),
-            materials,
-            casters: (world.lights.iter().enumerate())
-                .map(|(light, lamp)| ShadowCaster {
-                    light,
-                    name: lights[light].clone(),
-                    faces: shadow_faces(lamp),
-                })
-                .filter(|caster| caster.faces > 0)
-                .collect(),
-            bounds,
-            method: live.desc().reflection.method,
-            unit_m: live.renderer().unit_m(),
-            dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
-            problems: live.problems.clone(),
-            warnings: live.warnings.clone(),
-        }
-    }
-}
-
 /// A finished frame.
 #[derive(Clone, Debug)]
 pub struct Shown {
@@ -249,6 +135,21 @@ pub struct Shown {
     pub sides: Vec<Visualization>,
     /// The selected instance, if it is still there.
     pub picked: Option<Picked>,
+}
+
+/// The selected instance in the frame that is shown.
+#[derive(Clone, Debug)]
+pub struct Picked {
+    /// Its name; of several with the same one, also which.
+    pub label: String,
+    /// Index into the world's materials.
+    pub material: usize,
+    /// ReportContext it in world space; empty while it is hidden.
+    pub bounds: Bounds,
+    /// Of its mesh.
+    pub triangles: usize,
+    /// The line around what is seen of it, as large as the picture; `None` where nothing is.
+    pub outline: Option<FrameTexture>,
 }
 
 /// One side, drawn.

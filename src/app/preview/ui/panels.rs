@@ -6,23 +6,19 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
+    channel_menu::{MENU, side_menu},
     charts,
-    protocol::{SceneSummary, Side},
-    view_channel::{MENU, ViewChannel, side_menu},
 };
 use crate::{
-    app::{live::Edit, params::ParameterOverrides},
-    bench::metric::Scores,
+    app::{
+        live::Edit,
+        params::ParameterOverrides,
+        preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
+    },
+    bench::{metric::Scores, parameter::method_name},
     render::stats::{FrameStats, Share},
     scene::desc::Method,
 };
-
-/// Methods with their names.
-pub const METHODS: [(Method, &str); 3] = [
-    (Method::Hybrid, "hybrid"),
-    (Method::Ssr, "ssr"),
-    (Method::Rt, "rt"),
-];
 
 /// What was asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,14 +98,6 @@ pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> 
         control.labelled_by(label.id)
     })
     .inner
-}
-
-/// In menus.
-pub fn method_name(method: Method) -> &'static str {
-    METHODS
-        .iter()
-        .find(|(m, _)| *m == method)
-        .map_or("?", |(_, name)| name)
 }
 
 /// After each group of the bar, points.

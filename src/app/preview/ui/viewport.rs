@@ -6,11 +6,10 @@ use glam::{Vec2, Vec3};
 
 use super::{
     diagnostics_panel,
-    picking::Picked,
-    protocol::{Inspect, Task},
     viewport_paint::{self, fit},
     window::Window,
 };
+use crate::app::preview::protocol::{Inspect, Picked, Task};
 
 impl Window {
     /// Shows the picture; whether the camera was moved.

@@ -8,11 +8,10 @@ use super::{
     camera_controls::as_text,
     material_panel,
     panels::{self, ViewRequest},
-    parameter_panel,
-    protocol::{Judged, Task},
-    status_bar,
+    parameter_panel, status_bar,
     window::Window,
 };
+use crate::app::preview::protocol::{Judged, Task};
 
 impl Window {
     /// The camera as scene text, under a name that the scene does not have.

@@ -1,67 +1,19 @@
-//! F12: what is shown as a file: both sides of a wipe with its line, the error map. Labels and the
-//! outline of the selection belong to the window and are left out.
+//! A picture in memory, and two of them side by side.
 
-use super::{
-    mailbox::free_name,
-    protocol::{Report, Screenshot, Side, View},
-    render_thread::State,
-    visualize::{NOTHING, Pixels},
-};
-use crate::{app::output, files::write_whole};
+use crate::app::preview::view_channel::NOTHING;
 
 /// Width of the line between the sides, pixels.
 const LINE_PX: u32 = 2;
 
-impl State {
-    /// Writes what is shown and says where.
-    pub(super) fn shoot(&mut self, view: &View, shot: &Screenshot) {
-        let path = free_name(&shot.folder, &shot.stem);
-        let said = match self.shot(view, shot) {
-            Ok(png) => match write_whole(&path, &png) {
-                Ok(()) => format!("wrote {}", path.display()),
-                Err(error) => format!("cannot write {}: {error}", path.display()),
-            },
-            Err(error) => format!("no screenshot: {error}"),
-        };
-        self.tell(Report::Note(said));
-    }
-
-    /// Everything at full size, also while something moves.
-    fn shot(&mut self, view: &View, shot: &Screenshot) -> Result<Vec<u8>, String> {
-        let view = View {
-            draft_ms: None,
-            ..view.clone()
-        };
-        let heat = self.heat.as_ref().filter(|_| shot.heat);
-        let left = match heat.map(|(_, pixels)| pixels.clone()) {
-            Some(pixels) => pixels,
-            None => self.side(view.a, &view)?,
-        };
-        let whole = match view.b {
-            None => left,
-            Some(b) => {
-                let right = self.side(b, &view)?;
-                let size = if left.size == right.size {
-                    left.size
-                } else {
-                    self.live.renderer().targets().size
-                };
-                wiped(&left, &right, shot.wipe_at, size)
-            }
-        };
-        output::encode_png(whole.size, &whole.rgba, None)
-    }
-
-    fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {
-        let rendered = self.render(view, side.method);
-        rendered.map_err(|error| error.to_string())?;
-        let (pixels, _) = (self.pixels(side.look, view)).map_err(|error| error.to_string())?;
-        Ok(pixels)
-    }
+/// A picture in memory: RGBA, 8 bits a channel, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    pub size: [u32; 2],
+    pub rgba: Vec<u8>,
 }
 
 /// The left side up to the line, the right one from there; each as large as fits with its own shape.
-fn wiped(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
+pub(super) fn wiped(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
     let line = (at.clamp(0.0, 1.0) * size[0] as f32).round() as u32;
     let line_x = line.saturating_sub(LINE_PX / 2)..line + LINE_PX / 2;
     let texel = |x: u32, y: u32| {

@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::{diagnostics_panel::place_of, protocol::SceneSummary, status_message::Note};
-use crate::scene::script::DEADLINE;
+use super::{diagnostics_panel::place_of, status_message::Note};
+use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
 pub const KEYS: [(&str, &str); 20] = [

@@ -2,11 +2,10 @@
 
 use std::sync::mpsc::TryRecvError;
 
-use super::{
-    charts::HISTORY,
-    protocol::{Report, SceneSummary, Shown},
-    timeline,
-    window::Window,
+use super::{charts::HISTORY, timeline, window::Window};
+use crate::app::preview::{
+    protocol::{Report, Shown},
+    scene_summary::SceneSummary,
 };
 
 impl Window {

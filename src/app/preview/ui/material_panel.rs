@@ -5,13 +5,15 @@ use std::fmt::Write as _;
 use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
-use super::{
-    panels::{Choice, ViewRequest, named},
-    picking::Picked,
-    protocol::{Row, SceneSummary},
-};
+use super::panels::{Choice, ViewRequest, named};
 use crate::{
-    app::live::Edit,
+    app::{
+        live::Edit,
+        preview::{
+            protocol::Picked,
+            scene_summary::{Row, SceneSummary},
+        },
+    },
     scene::{
         desc::MaterialDesc,
         motion::number::{Field, Form, MATERIAL, PLAIN},

@@ -1,13 +1,15 @@
 //! How each texture that can be looked at becomes a picture, and what its colors mean.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Side, View, Visualization},
-    render_thread::State,
-    view_channel::{ShadowMapChoice, ViewChannel},
-};
+use super::{pixels::Pixels, worker::State};
 use crate::{
-    app::aov,
+    app::{
+        aov,
+        preview::{
+            frame_texture::FrameTexture,
+            protocol::{Side, View, Visualization},
+            view_channel::{CROSS, NOTHING, ShadowMapChoice, ViewChannel},
+        },
+    },
     bench::metric::flip,
     gpu::GpuError,
     render::{
@@ -19,23 +21,12 @@ use crate::{
 
 /// Longest edge of a cube's face where all six are shown, pixels.
 const FACE_PX: u32 = 512;
-/// Where the faces of an unfolded cube stand, in faces from the top left: neighbors share an edge.
-pub const CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 /// How much of the picture is left where no ray starts.
 const DIMMED: f32 = 0.3;
 /// The darkest color of the first ray, as a value of the map of colors.
 const FIRST: f32 = 0.35;
-/// Beside a picture of another shape.
-pub const NOTHING: u8 = 16;
 /// Where a shadow map holds nothing.
 const NO_CASTER: [u8; 4] = [24, 36, 84, 255];
-
-/// A picture in memory: RGBA, 8 bits a channel, rows from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pixels {
-    pub size: [u32; 2],
-    pub rgba: Vec<u8>,
-}
 
 impl State {
     /// Draws a side of the frame that was rendered last, with a canvas to draw it into if it fits.

@@ -13,10 +13,12 @@ use crate::{
     app::{
         live::Problems,
         preview::{
-            protocol::Row,
-            status_bar::{Doing, help, log, status, unwatched},
-            status_message::Note,
-            timeline::{self, Timeline},
+            scene_summary::Row,
+            ui::{
+                status_bar::{Doing, help, log, status, unwatched},
+                status_message::Note,
+                timeline::{self, Timeline},
+            },
         },
     },
     math::Bounds,

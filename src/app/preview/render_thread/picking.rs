@@ -1,15 +1,13 @@
 //! The selected instance: which one a click means, what it is called, and the line around what is
 //! seen of it.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Report, View},
-    render_thread::State,
-};
+use super::{instance_mark::Mark, worker::State};
 use crate::{
-    math::Bounds,
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Picked, Report, View},
+    },
     render::{RenderError, targets::Target},
-    world::World,
 };
 
 /// Half the width of the line, pixels of a picture that is drawn at full size.
@@ -17,58 +15,6 @@ const RADIUS_PX: f32 = 2.0;
 /// Its color, and how dark its rim is, which makes it seen on bright things too.
 const ORANGE: [f32; 3] = [255.0, 150.0, 30.0];
 const RIM: f32 = 0.5;
-
-/// What finds an instance again in a scene that was read anew.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mark {
-    name: String,
-    /// How many of the same name come before it.
-    number: usize,
-}
-
-/// The selected instance in the frame that is shown.
-#[derive(Clone, Debug)]
-pub struct Picked {
-    /// Its name; of several with the same one, also which.
-    pub label: String,
-    /// Index into the world's materials.
-    pub material: usize,
-    /// ReportContext it in world space; empty while it is hidden.
-    pub bounds: Bounds,
-    /// Of its mesh.
-    pub triangles: usize,
-    /// The line around what is seen of it, as large as the picture; `None` where nothing is.
-    pub outline: Option<FrameTexture>,
-}
-
-impl Mark {
-    /// Of the world's instance of this index.
-    fn of(world: &World, index: usize) -> Option<Self> {
-        let name = &world.instances.get(index)?.name;
-        let before = world.instances[..index].iter();
-        Some(Self {
-            name: name.clone(),
-            number: before.filter(|other| other.name == *name).count(),
-        })
-    }
-
-    /// The instance, as an index into the world's, and how many have its name.
-    fn find(&self, world: &World) -> Option<(usize, usize)> {
-        let named = || {
-            let all = world.instances.iter().enumerate();
-            all.filter(|(_, other)| other.name == self.name)
-        };
-        let (index, _) = named().nth(self.number)?;
-        Some((index, named().count()))
-    }
-
-    fn label(&self, count: usize) -> String {
-        match count {
-            1 => self.name.clone(),
-            _ => format!("{} ({} of {count})", self.name, self.number + 1),
-        }
-    }
-}
 
 impl State {
     /// Selects what is at this part of a view's picture, which is drawn again if another is there.
@@ -178,38 +124,7 @@ fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Ve
 
 #[cfg(test)]
 mod tests {
-    use glam::Affine3A;
-
     use super::*;
-    use crate::world::Instance;
-
-    fn world(names: &[&str]) -> World {
-        let instance = |name: &&str| Instance {
-            name: (*name).to_owned(),
-            mesh: 0,
-            material: 0,
-            world_from_object: Affine3A::IDENTITY,
-            dynamic: false,
-        };
-        World {
-            instances: names.iter().map(instance).collect(),
-            ..World::default()
-        }
-    }
-
-    #[test]
-    fn a_mark_finds_its_instance_in_another_scene() {
-        let old = world(&["ball", "floor", "ball", "ball"]);
-        let mark = Mark::of(&old, 2).expect("is there");
-        assert_eq!(mark.find(&old), Some((2, 3)));
-        assert_eq!(mark.label(3), "ball (2 of 3)");
-        assert_eq!(mark.find(&world(&["ball", "lamp", "ball"])), Some((2, 2)));
-        assert_eq!(mark.find(&world(&["floor", "ball"])), None);
-        let floor = Mark::of(&old, 1).expect("is there");
-        assert_eq!(floor.find(&world(&["a", "b", "floor"])), Some((2, 1)));
-        assert_eq!(floor.label(1), "floor");
-        assert_eq!(Mark::of(&old, u32::MAX as usize), None, "the sky");
-    }
 
     /// ReportContext a square: the square stays free, the line follows it at its distance, and far away
     /// there is nothing.

@@ -5,17 +5,14 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Ui, UiBuilder, pos2, vec2,
 };
 
-use super::{
-    charts,
-    diagnostics_panel::place_of,
-    frame_texture::FrameTexture,
-    panels::method_name,
-    protocol::{Judged, Side},
-    visualize::{CROSS, NOTHING},
-    window::Window,
-};
+use super::{charts, diagnostics_panel::place_of, window::Window};
 use crate::{
-    bench::metric::Scores,
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Judged, Side},
+        view_channel::{CROSS, NOTHING},
+    },
+    bench::{metric::Scores, parameter::method_name},
     render::debug_readback::CUBE_FACES,
     scene::{desc::Method, diagnostic::Diagnostic},
 };

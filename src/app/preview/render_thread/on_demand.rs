@@ -1,13 +1,12 @@
 //! What the rendering thread does on demand with the frame that is looked at, and how it compares
 //! the left side's method with `rt`.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Inspect, Inspection, Judged, Report, View},
-    render_thread::State,
-    visualize::Pixels,
-};
+use super::{pixels::Pixels, worker::State};
 use crate::{
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Inspect, Inspection, Judged, Report, View},
+    },
     bench::{
         metric::{Maps, flip},
         picture::{Pair, Picture},

@@ -9,7 +9,7 @@ use egui_kittest::{
 
 use super::*;
 use crate::{
-    app::preview::panels::tests::facts,
+    app::preview::ui::panels::tests::facts,
     math::Bounds,
     scene::desc::{CheckerDesc, Method},
 };

@@ -1,0 +1,95 @@
+//! The thread that owns the scene and renders it.
+
+mod dynamic_resolution;
+mod event_loop;
+mod instance_mark;
+mod on_demand;
+mod picking;
+mod pixels;
+mod reload;
+mod reload_jobs;
+mod screenshot;
+mod visualize;
+mod worker;
+
+use std::{
+    sync::{
+        Arc,
+        mpsc::{self, Receiver},
+    },
+    thread,
+    time::Instant,
+};
+
+use crate::{
+    app::{
+        live::Live,
+        preview::{
+            mailbox::Mailbox,
+            protocol::{Report, Task},
+        },
+        watch::{Change, News, Watcher},
+    },
+    gpu::Gpu,
+};
+use worker::State;
+
+/// The thread; ends when it is dropped.
+pub struct RenderThread {
+    /// Where it gets its tasks.
+    pub mailbox: Mailbox,
+    /// What it has to say.
+    pub reports: Receiver<Report>,
+    thread: Option<thread::JoinHandle<()>>,
+}
+
+impl RenderThread {
+    /// Starts rendering; `woken` is called after each report. One that is waiting for its scene has
+    /// that read at once.
+    pub fn start(
+        gpu: Arc<Gpu>,
+        live: Live,
+        is_waiting: bool,
+        woken: impl Fn() + Send + 'static,
+    ) -> Self {
+        let mailbox = Mailbox::default();
+        let (sender, reports) = mpsc::channel();
+        let inbox = mailbox.clone();
+        let body = move || {
+            let mailbox = inbox.clone();
+            let watcher = Watcher::new(move |news| {
+                mailbox.ask(match news {
+                    News::Changed(changes, since) => Task::Reload(changes, since),
+                    News::Trouble(why) => Task::Unwatched(why),
+                });
+            });
+            let mut state = State::new(gpu, live, sender, Box::new(woken));
+            state.watch(watcher.as_ref().ok());
+            if let Err(why) = &watcher {
+                state.tell(Report::Unwatched(Some(why.clone())));
+            }
+            if is_waiting {
+                // What the scene imports is not watched yet either.
+                inbox.ask(Task::Reload(
+                    [Change::Scene, Change::Asset].into(),
+                    Instant::now(),
+                ));
+            }
+            state.run(&inbox, watcher.as_ref().ok());
+        };
+        Self {
+            mailbox,
+            reports,
+            thread: Some(thread::spawn(body)),
+        }
+    }
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        self.mailbox.end();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! What the rendering thread works with, and one rendering of a view.
+
+use std::{
+    collections::VecDeque,
+    sync::{Arc, mpsc::Sender},
+    time::Instant,
+};
+
+use super::{
+    dynamic_resolution::FrameCost, instance_mark::Mark, pixels::Pixels, reload_jobs::ReloadJobs,
+};
+use crate::{
+    app::{
+        live::{Live, Reload, ViewOverrides},
+        preview::{
+            frame_texture::FrameTexture,
+            protocol::{Inspection, Report, View, ViewCamera},
+            scene_summary::SceneSummary,
+        },
+        watch::{WatchList, Watcher},
+    },
+    gpu::Gpu,
+    render::{RenderError, stats::FrameStats},
+    scene::desc::{CameraDesc, Method},
+};
+
+/// A still picture may take this long before sub-frames are left out, milliseconds.
+const STILL_MS: f64 = 1000.0;
+/// What the thread works with.
+pub(super) struct State {
+    pub(super) gpu: Arc<Gpu>,
+    pub(super) live: Live,
+    pub(super) view: Option<View>,
+    pub(super) canvases: Vec<FrameTexture>,
+    pub(super) heat: Option<(FrameTexture, Pixels)>,
+    /// The selected instance.
+    pub(super) mark: Option<Mark>,
+    pub(super) outline: Option<FrameTexture>,
+    /// Scripts that run.
+    pub(super) reload_jobs: ReloadJobs,
+    /// What is in the targets, if it is a view of its posed frame.
+    pub(super) drawn: Option<View>,
+    /// What waits for its frame.
+    pub(super) inspections: VecDeque<Inspection>,
+    /// What was reloaded since the last picture, and when that was saved.
+    pub(super) reloads: Vec<(Reload, Instant)>,
+    /// What was last said to be watched.
+    pub(super) watched: WatchList,
+    /// The frame of the facts that were told last.
+    pub(super) told_frame: u32,
+    pub(super) told_at: Instant,
+    pub(super) number: u64,
+    cost: FrameCost,
+    sender: Sender<Report>,
+    woken: Box<dyn Fn() + Send>,
+}
+
+impl State {
+    pub(super) fn new(
+        gpu: Arc<Gpu>,
+        live: Live,
+        sender: Sender<Report>,
+        woken: Box<dyn Fn() + Send>,
+    ) -> Self {
+        Self {
+            gpu,
+            live,
+            view: None,
+            canvases: Vec::new(),
+            heat: None,
+            mark: None,
+            outline: None,
+            reload_jobs: ReloadJobs::default(),
+            drawn: None,
+            inspections: VecDeque::new(),
+            reloads: Vec::new(),
+            watched: WatchList::default(),
+            told_frame: 0,
+            told_at: Instant::now(),
+            number: 0,
+            cost: FrameCost::default(),
+            sender,
+            woken,
+        }
+    }
+
+    pub(super) fn tell(&self, report: Report) {
+        // The window may be closed already.
+        let _ = self.sender.send(report);
+        (self.woken)();
+    }
+
+    pub(super) fn tell_facts(&mut self) {
+        (self.told_frame, self.told_at) = (self.live.posed_frame(), Instant::now());
+        self.tell(Report::SceneSummary(Box::new(SceneSummary::of(&self.live))));
+    }
+
+    pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {
+        let (list, since) = self.live.watch_list();
+        self.watched.clone_from(&list);
+        if let Some(watcher) = watcher {
+            watcher.watch(list, since);
+        }
+    }
+
+    /// Shows an error; the last picture stays.
+    pub(super) fn refuse(&mut self, error: &RenderError) {
+        self.live.problems.refused = Some(error.to_string());
+        self.tell_facts();
+    }
+
+    /// Where a view is taken from in the posed scene.
+    pub(super) fn camera(&self, eye: &ViewCamera) -> CameraDesc {
+        let cameras = &self.live.world().cameras;
+        match eye {
+            ViewCamera::Free(camera) => camera.clone(),
+            ViewCamera::Through(name) => {
+                let found = cameras.iter().find(|camera| camera.name == *name);
+                let found = found.or(cameras.first());
+                found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
+            }
+        }
+    }
+
+    /// Renders into the targets with as many pixels and sub-frames as there is time for.
+    pub(super) fn render(
+        &mut self,
+        view: &View,
+        method: Method,
+    ) -> Result<FrameStats, RenderError> {
+        self.drawn = None;
+        let most = self.gpu.limits.max_texture_dimension_2d;
+        let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
+        let mut size = view.size.map(|side| side.clamp(1, most));
+        let mut samples = self.live.desc().image.samples;
+        if let Some(draft_ms) = view.draft_ms {
+            samples = 1;
+            for _ in 0..3 {
+                if self.cost.is_too_large(pixels(size), draft_ms) {
+                    size = size.map(|side| side.div_ceil(2));
+                }
+            }
+        }
+        while samples > 1 && self.cost.ms(pixels(size) * f64::from(samples)) > STILL_MS {
+            samples /= 2;
+        }
+        self.live.set_overrides(ViewOverrides {
+            size: Some(size),
+            method: Some(method),
+            samples: Some(samples),
+        })?;
+        let stats = self.live.render(&self.camera(&view.eye))?;
+        self.cost
+            .learn(pixels(size) * f64::from(samples), stats.frame_ms);
+        Ok(stats)
+    }
+}

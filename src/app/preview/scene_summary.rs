@@ -1,0 +1,114 @@
+//! What the window knows of the scene: values in place of the world that the rendering thread owns.
+
+use super::view_channel::ShadowCaster;
+use crate::{
+    app::{
+        live::{Edit, Live, Problems},
+        params::DeclaredParameters,
+        unique_names::unique_names,
+    },
+    math::Bounds,
+    render::debug_readback::shadow_faces,
+    scene::{
+        desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
+        diagnostic::Diagnostic,
+    },
+};
+
+/// A material as the panel lists it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name in the scene or file, with a number where others have it too.
+    pub name: String,
+    /// Its numbers in the frame that is shown.
+    pub numbers: MaterialDesc,
+    /// What of them is changed by hand.
+    pub edit: Edit,
+    /// How many instances have it.
+    pub uses: usize,
+    /// ReportContext those instances.
+    pub bounds: Bounds,
+}
+
+/// What is known of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSummary {
+    /// The frames, where the scene has some.
+    pub timeline: Option<TimelineDesc>,
+    /// The script's parameters.
+    pub declared: DeclaredParameters,
+    /// What the script printed.
+    pub log: Vec<String>,
+    /// Name and value of each camera, in the frame that is shown.
+    pub cameras: Vec<(String, CameraDesc)>,
+    /// Parallel to the world's.
+    pub materials: Vec<Row>,
+    /// Lights with shadow maps.
+    pub casters: Vec<ShadowCaster>,
+    /// ReportContext everything.
+    pub bounds: Bounds,
+    /// The scene's own method.
+    pub method: Method,
+    /// The length U, meters.
+    pub unit_m: f32,
+    /// What the frame leaves out.
+    pub dropped: Vec<String>,
+    /// What keeps the newest content from being shown.
+    pub problems: Problems,
+    /// About what is shown.
+    pub warnings: Vec<Diagnostic>,
+}
+
+impl SceneSummary {
+    /// Whether nothing stands in the scene.
+    pub fn is_nothing(&self) -> bool {
+        self.materials.iter().all(|row| row.uses == 0)
+    }
+
+    /// Those of a live scene.
+    pub fn of(live: &Live) -> Self {
+        let world = live.world();
+        let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
+        let row = |(material, m): (usize, &crate::world::Material)| Row {
+            name: names[material].clone(),
+            numbers: *m.numbers(),
+            edit: live.edit_of(material),
+            uses: 0,
+            bounds: Bounds::EMPTY,
+        };
+        let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
+        let mut bounds = Bounds::EMPTY;
+        for instance in &world.instances {
+            let around = world.bounds_of(instance);
+            let row = &mut materials[instance.material];
+            row.uses += 1;
+            row.bounds = row.bounds.union(around);
+            bounds = bounds.union(around);
+        }
+        let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));
+        let dropped = live.renderer().plan().dropped.iter();
+        Self {
+            timeline: live.timeline().cloned(),
+            declared: live.declared().clone(),
+            log: live.log().cloned().collect(),
+            cameras: (world.cameras.iter())
+                .map(|entry| (entry.name.clone(), entry.value.clone()))
+                .collect(),
+            materials,
+            casters: (world.lights.iter().enumerate())
+                .map(|(light, lamp)| ShadowCaster {
+                    light,
+                    name: lights[light].clone(),
+                    faces: shadow_faces(lamp),
+                })
+                .filter(|caster| caster.faces > 0)
+                .collect(),
+            bounds,
+            method: live.desc().reflection.method,
+            unit_m: live.renderer().unit_m(),
+            dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
+            problems: live.problems.clone(),
+            warnings: live.warnings.clone(),
+        }
+    }
+}
