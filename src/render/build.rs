@@ -10,6 +10,7 @@ use crate::{
 };
 
 use super::{
+    constants::with_constants,
     options::RenderOptions,
     pass::{ComputePass, MAIN, Named, Pass, Shared},
     passes::{
@@ -20,6 +21,7 @@ use super::{
     },
     plan::Plan,
     probe::Probes,
+    ray_list::RayList,
     renderer::FrameBuffers,
     scene::GpuScene,
     targets::{Target, Targets},
@@ -47,7 +49,7 @@ pub(super) struct Reflections {
     pub(super) compact: ComputePass,
     pub(super) trace: Option<Trace>,
     pub(super) blur: Option<[ComputePass; 2]>,
-    pub(super) list: compact::RayList,
+    pub(super) list: RayList,
 }
 
 /// Passes that only exist where something is traced.
@@ -190,7 +192,7 @@ impl Reflections {
     fn new(build: &Build<'_>, options: &RenderOptions) -> Result<Self, GpuError> {
         let settings = &options.reflection;
         let traced = settings.method != Method::Ssr;
-        let list = compact::RayList::new(build.gpu, options.image.size, traced)?;
+        let list = RayList::new(build.gpu, options.image.size, traced)?;
         let mut constants = build.constants.to_vec();
         constants.push(march_constant(settings.method));
         constants.push(("TRACE", f64::from(u8::from(traced))));
@@ -236,6 +238,7 @@ impl Shaders {
         library: &ShaderLibrary,
         needed: &[&'static Pass],
     ) -> Result<Self, GpuError> {
+        let library = with_constants(library)?;
         let mut shaders = self.clone();
         for pass in needed {
             let source = library.source(pass.name)?;

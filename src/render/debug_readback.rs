@@ -11,7 +11,7 @@ use crate::{
     world::{Light, World},
 };
 
-use super::{Renderer, lights::SHADOW_NEAR_M, passes::compact::RAY_COUNTER};
+use super::{Renderer, lights::SHADOW_NEAR_M, ray_list::RAY_COUNTER};
 
 /// Faces of a cube map in their order: the axes that they look along.
 pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];

@@ -3,6 +3,7 @@
 pub mod aov;
 mod build;
 pub mod cause;
+pub mod constants;
 pub mod cull;
 pub mod debug_readback;
 pub mod download;
@@ -16,6 +17,7 @@ pub mod passes;
 pub mod picture;
 pub mod plan;
 pub mod probe;
+pub mod ray_list;
 pub mod recorder;
 pub mod renderer;
 pub mod scene;

@@ -17,6 +17,7 @@ use super::{
     error::RenderError,
     pass::{COUNTED, ComputePass, MAIN, Pass},
     passes::{light, ssr, trace},
+    ray_list::RayList,
     recorder::Timing,
     view::View,
 };
@@ -348,7 +349,7 @@ fn counted(build: &Build<'_>, passes: &Passes) -> Result<Vec<Counted>, GpuError>
 /// The trace pass without shading, where there is one.
 fn traverse(build: &Build<'_>, passes: &Passes) -> Result<Option<ComputePass>, GpuError> {
     let traced = passes.reflections.as_ref().filter(|r| r.trace.is_some());
-    let make = |list: &super::passes::compact::RayList| {
+    let make = |list: &RayList| {
         let shader = build.shaders.get(&trace::PASS)?;
         build.entry(&trace::TRAVERSE, shader, MAIN, &[], &list.named())
     };

@@ -11,7 +11,7 @@ pub enum Target {
     RasterDepth,
     /// Instance and triangle.
     Ids,
-    /// Meters along the view direction; 1e30 is sky.
+    /// Meters along the view direction; [`FAR_M`] is sky.
     ViewDepth,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,
@@ -38,6 +38,9 @@ pub enum Target {
     /// Tone-mapped.
     Display,
 }
+
+/// View depth of pixels that show no surface, meters.
+pub const FAR_M: f32 = 1e30;
 
 use wgpu::TextureFormat as F;
 
