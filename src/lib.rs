@@ -54,7 +54,7 @@
 //! [`world::load::Kept`] places and shades it over files that are in memory already;
 //! [`render::Renderer::change`] compares worlds and options and makes again what differs; shaders are
 //! kept by their text and pipelines by their shader. Every step builds beside what is shown and swaps
-//! at its end, so that an error changes nothing. Scripts run as a [`app::live::Errand`], in the
+//! at its end, so that an error changes nothing. Scripts run as a [`app::live::ReloadJob`], in the
 //! preview on a thread of their own while the last good scene is looked at and played; what is wanted
 //! next ends them ([`scene::script::Halt`]). Other parameters of the script are a reload too,
 //! and those that fail where the scene without them does not are refused ([`app::live::Refusal`]);

@@ -9,6 +9,7 @@ use std::{
     io::{BufRead as _, BufReader},
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
+    sync::{Mutex, PoisonError},
     thread,
     time::{Duration, Instant},
 };
@@ -26,35 +27,44 @@ impl Drop for Running {
     }
 }
 
-/// A virtual display and its name, if one can be had.
+/// Starting servers look for a free number, and one may take another's before it is bound.
+static STARTING: Mutex<()> = Mutex::new(());
+
+/// A virtual display that answers, and its name, if one can be had.
 fn display() -> Option<(Running, String)> {
-    let works = |tool: &str| {
-        let found = Command::new(tool).arg("--version").output();
-        found.is_ok() || {
+    for tool in ["xdotool", "Xvfb"] {
+        let found = Command::new("which").arg(tool).output();
+        if !found.is_ok_and(|which| which.status.success()) {
             eprintln!("SKIPPED: {tool} is not installed");
-            false
+            return None;
         }
-    };
-    if !works("xdotool") {
-        return None;
     }
-    let started = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", "800x600x24"])
+    let _alone = STARTING.lock().unwrap_or_else(PoisonError::into_inner);
+    Some(until("a virtual display", start_server))
+}
+
+/// Starts an X server; `None` where it ends, or another one has taken its number, before it answers.
+fn start_server() -> Option<(Running, String)> {
+    // A server that resets after its last client would refuse the next one meanwhile.
+    let mut child = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp"])
+        .args(["-screen", "0", "800x600x24"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
-        .spawn();
-    let Ok(mut child) = started else {
-        eprintln!("SKIPPED: Xvfb is not installed");
-        return None;
-    };
+        .spawn()
+        .expect("Xvfb starts");
     let mut number = String::new();
     let out = child.stdout.take().expect("piped");
-    let running = Running(child);
-    BufReader::new(out)
-        .read_line(&mut number)
-        .expect("Xvfb says its display");
-    assert!(!number.trim().is_empty(), "Xvfb did not start");
-    Some((running, format!(":{}", number.trim())))
+    let mut server = Running(child);
+    BufReader::new(out).read_line(&mut number).ok()?;
+    let display = format!(":{}", number.trim());
+    let answers = Command::new("xdotool")
+        .arg("getdisplaygeometry")
+        .env("DISPLAY", &display)
+        .output()
+        .is_ok_and(|ran| ran.status.success());
+    let lives = matches!(server.0.try_wait(), Ok(None));
+    (answers && lives).then_some((server, display))
 }
 
 /// The preview in its window; ends with the test.

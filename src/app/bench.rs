@@ -33,10 +33,10 @@ pub mod args;
 pub mod paper;
 pub mod progress;
 pub mod reload;
+pub mod report_pictures;
+pub mod scenario2;
 mod settings;
-pub mod shots;
 mod timeline;
-pub mod walk;
 
 use args::{BenchArgs, Experiment, RunArgs};
 use progress::Progress;

@@ -62,7 +62,7 @@ impl AppError {
             Self::Scene(_) => 3,
             Self::Frames(_) | Self::NoFilm { .. } | Self::Unwritten { .. } => 5,
             Self::Threshold => 6,
-            Self::Interrupted(_) => super::stop::exit_code(),
+            Self::Interrupted(_) => super::shutdown::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
             // The scene, or the picture that it asks for, is too large.
             Self::Gpu(GpuError::Limit { .. }) => 3,

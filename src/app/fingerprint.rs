@@ -6,7 +6,7 @@ use std::{fs, io, path::Path, time::SystemTime};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{cli::RenderArgs, error::AppError, render::Studio};
+use super::{cli::RenderArgs, error::AppError, render::RenderSession};
 
 /// Name under which pictures carry it.
 pub const KEYWORD: &str = "reflet-fingerprint";
@@ -19,7 +19,7 @@ const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 ///
 /// # Errors
 /// A file that can no longer be read, or that was saved since the scene was opened.
-pub fn of_run(args: &RenderArgs, studio: &Studio) -> Result<u128, AppError> {
+pub fn of_run(args: &RenderArgs, studio: &RenderSession) -> Result<u128, AppError> {
     let loaded = &studio.loaded;
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {

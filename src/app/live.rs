@@ -9,10 +9,10 @@ use std::{
 };
 
 use super::{
-    around::is_model,
     cli::SceneArgs,
     error::AppError,
-    params::{Declared, Tuned},
+    model_viewer_scene::is_model,
+    params::{DeclaredParameters, ParameterOverrides},
     scene::load_options,
     watch::{Change, WatchList},
 };
@@ -31,18 +31,18 @@ use crate::{
     },
 };
 
-mod errand;
-mod guard;
+mod catch_panic;
+mod parameter_trial;
 mod pose;
 mod reload;
-mod trial;
+mod reload_job;
 
-pub use errand::{Done, Errand, Keeps};
-use errand::{Read, pose_of};
+pub use parameter_trial::Refusal;
+use parameter_trial::Trials;
 pub use pose::Edit;
 use reload::{Waiting, options_of, read_library};
-pub use trial::Refusal;
-use trial::Trials;
+pub use reload_job::{Done, ReloadJob, Reuse};
+use reload_job::{Read, pose_of};
 
 /// What is shown where there is no scene.
 const NOTHING: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
@@ -60,7 +60,7 @@ pub struct Origin {
 
 /// What the viewer wants in place of what the scene says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wishes {
+pub struct ViewOverrides {
     /// Pixels.
     pub size: Option<[u32; 2]>,
     /// How reflections are found.
@@ -139,7 +139,7 @@ pub struct Live {
     world: World,
     kept: Kept,
     renderer: Renderer,
-    wishes: Wishes,
+    overrides: ViewOverrides,
     /// Models, images and other files that were looked for.
     trail: Trail,
     /// Scripts and included files that were looked for.
@@ -147,8 +147,8 @@ pub struct Live {
     /// The same for a scene that is being read.
     ahead: Trail,
     read_since: SystemTime,
-    declared: Declared,
-    tuned: Tuned,
+    declared: DeclaredParameters,
+    parameters: ParameterOverrides,
     /// Values that may take its place.
     trials: Trials,
     edits: Vec<Edit>,
@@ -169,14 +169,14 @@ impl Live {
     ///
     /// # Errors
     /// As the command `render`: there is nothing good to keep yet.
-    pub fn open(gpu: Arc<Gpu>, origin: Origin, wishes: Wishes) -> Result<Self, AppError> {
+    pub fn open(gpu: Arc<Gpu>, origin: Origin, overrides: ViewOverrides) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let texts = Trail::default();
-        let read = errand::read(&origin, &Tuned::default(), &texts, 0);
+        let read = reload_job::read(&origin, &ParameterOverrides::default(), &texts, 0);
         Self::build(
             gpu,
             origin,
-            wishes,
+            overrides,
             texts,
             read.map_err(AppError::Scene)?,
             read_since,
@@ -190,12 +190,12 @@ impl Live {
     pub fn open_waiting(
         gpu: Arc<Gpu>,
         origin: Origin,
-        wishes: Wishes,
+        overrides: ViewOverrides,
         mistakes: Vec<Diagnostic>,
     ) -> Result<Self, AppError> {
         let empty = nothing(&origin).map_err(AppError::Scene)?;
         let (texts, now) = (Trail::default(), SystemTime::now());
-        let mut live = Self::build(gpu, origin, wishes, texts, empty, now)?;
+        let mut live = Self::build(gpu, origin, overrides, texts, empty, now)?;
         live.warnings.clear(); // that there is nothing to see
         live.problems.scene = mistakes;
         Ok(live)
@@ -205,7 +205,7 @@ impl Live {
     fn build(
         gpu: Arc<Gpu>,
         origin: Origin,
-        wishes: Wishes,
+        overrides: ViewOverrides,
         texts: Trail,
         read: Read,
         read_since: SystemTime,
@@ -219,7 +219,7 @@ impl Live {
         }
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
-        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, wishes));
+        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, overrides));
         let renderer = renderer.map_err(|error| match error {
             RenderError::Gpu(GpuError::Shader(e)) => AppError::from_user_shader(&e),
             RenderError::Gpu(error) => AppError::Gpu(error),
@@ -234,13 +234,13 @@ impl Live {
             world,
             kept,
             renderer,
-            wishes,
+            overrides,
             trail: read.options.trail,
             texts,
             ahead: Trail::default(),
             read_since,
             declared: read.declared,
-            tuned: read.tuned,
+            parameters: read.parameters,
             trials: Trials::default(),
             edits: Vec::new(),
             frame: read.frame,
@@ -293,14 +293,14 @@ impl Live {
     /// # Errors
     /// A picture past the adapter's limits, or what a shader or wgpu refuses; then the old wishes
     /// stay.
-    pub fn wish(&mut self, wishes: Wishes) -> Result<(), RenderError> {
-        if wishes == self.wishes {
+    pub fn set_overrides(&mut self, overrides: ViewOverrides) -> Result<(), RenderError> {
+        if overrides == self.overrides {
             return Ok(());
         }
-        let options = options_of(&self.desc, wishes);
+        let options = options_of(&self.desc, overrides);
         let world = &self.world;
         (self.renderer).change(&self.gpu, &self.library, world, world, &options)?;
-        self.wishes = wishes;
+        self.overrides = overrides;
         Ok(())
     }
 
@@ -340,13 +340,13 @@ impl Live {
     }
 
     /// The script's parameters as the scene declares them, with its `--set`.
-    pub fn declared(&self) -> &Declared {
+    pub fn declared(&self) -> &DeclaredParameters {
         &self.declared
     }
 
     /// What is laid over them.
-    pub fn tuned(&self) -> &Tuned {
-        &self.tuned
+    pub fn parameters(&self) -> &ParameterOverrides {
+        &self.parameters
     }
 
     /// The frame that is shown.
@@ -367,8 +367,8 @@ fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
     Ok(Read {
         desc: Arc::new(desc),
         warnings,
-        declared: Declared::default(),
-        tuned: Tuned::default(),
+        declared: DeclaredParameters::default(),
+        parameters: ParameterOverrides::default(),
         frame: 0,
         options: load_options(&origin.from, &Trail::default()),
     })

@@ -13,7 +13,6 @@ use crate::{
 };
 
 pub mod aov;
-pub mod around;
 pub mod bench;
 pub mod check;
 pub mod cli;
@@ -24,7 +23,7 @@ pub mod fingerprint;
 pub mod frames;
 pub mod info;
 pub mod live;
-pub mod numbered;
+pub mod model_viewer_scene;
 pub mod output;
 pub mod params;
 pub mod preview;
@@ -32,8 +31,9 @@ pub mod progress;
 pub mod render;
 pub mod scene;
 pub mod sequence;
+pub mod shutdown;
 pub mod stats;
-pub mod stop;
+pub mod unique_names;
 pub mod watch;
 
 use cli::{Cli, Command};

@@ -7,13 +7,13 @@ use crate::scene::{
 };
 
 /// Names and values that a scene declares, in its order.
-pub type Declared = Vec<(String, ParamValue)>;
+pub type DeclaredParameters = Vec<(String, ParamValue)>;
 
 /// Values laid over those that a scene declares.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tuned(Vec<(String, ParamValue)>);
+pub struct ParameterOverrides(Vec<(String, ParamValue)>);
 
-impl Tuned {
+impl ParameterOverrides {
     /// Whether everything is as declared.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -34,7 +34,7 @@ impl Tuned {
     }
 
     /// Forgets values whose parameter is gone, is of another kind or now has that value itself.
-    pub fn keep_what_fits(&mut self, declared: &Declared) {
+    pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
         let fits = |(name, value): &(String, ParamValue)| {
             let own = declared.iter().find(|(known, _)| known == name);
             own.is_some_and(|(_, own)| same_kind(own, value) && own != value)
@@ -66,7 +66,7 @@ impl Tuned {
     }
 
     /// All parameters with their values now, as scene text.
-    pub fn as_text(&self, declared: &Declared) -> String {
+    pub fn as_text(&self, declared: &DeclaredParameters) -> String {
         let line = |(name, own): &(String, ParamValue)| {
             let value = self.get(name).unwrap_or(own);
             setting(name, value) + "\n"
@@ -132,7 +132,7 @@ mod tests {
     const TEXT: &str = "version = 1\n[params]\ncount = 3\nspeed = 1.5\non = true\nword = 'a'\n\
                         at = [1.0, 2.0]\n\"a b\" = 1\n";
 
-    fn declared(text: &str, set: &[String]) -> Declared {
+    fn declared(text: &str, set: &[String]) -> DeclaredParameters {
         let params = parse::params(text, "scene.toml".as_ref(), set).expect("is right");
         params.into_iter().map(|p| (p.name, p.value)).collect()
     }
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn settings_and_scene_text_read_back_as_they_were() {
         let own = declared(TEXT, &[]);
-        let mut tuned = Tuned::default();
+        let mut tuned = ParameterOverrides::default();
         for (name, value) in [
             ("count", ParamValue::Integer(-7)),
             ("speed", ParamValue::Number(1e-9)),
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn a_mistake_of_a_slider_is_not_said_to_be_in_a_setting() {
         let own = declared(TEXT, &[]);
-        let mut tuned = Tuned::default();
+        let mut tuned = ParameterOverrides::default();
         tuned.set("count", ParamValue::Integer(4), &own[0].1);
         let written = "params.speed='fast'".to_owned();
         let all = [tuned.settings(), vec![written]].concat();
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn what_no_longer_fits_is_forgotten() {
         let own = declared(TEXT, &[]);
-        let mut tuned = Tuned::default();
+        let mut tuned = ParameterOverrides::default();
         tuned.set("count", ParamValue::Integer(4), &own[0].1);
         tuned.set("speed", ParamValue::Number(2.0), &own[1].1);
         tuned.keep_what_fits(&own);

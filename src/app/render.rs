@@ -13,7 +13,7 @@ use super::{
     print_json, print_out,
     scene::{LoadedScene, load_scene},
     sequence,
-    stats::{Around, Report},
+    stats::{Report, ReportContext},
 };
 use crate::{
     files::sweep,
@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// Everything that pictures of one scene are made with.
-pub struct Studio {
+pub struct RenderSession {
     /// The device, which the encoders of a film share.
     pub gpu: Arc<Gpu>,
     /// The scene, posed for the next picture.
@@ -41,7 +41,7 @@ pub struct Studio {
     camera: usize,
 }
 
-impl Studio {
+impl RenderSession {
     fn new(
         args: &RenderArgs,
         loaded: LoadedScene,
@@ -130,11 +130,11 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let Some(output) = output else {
         let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
         sequence::check_output(args, &frames)?;
-        let studio = Studio::new(args, loaded, camera, aovs, &library, opened)?;
+        let studio = RenderSession::new(args, loaded, camera, aovs, &library, opened)?;
         return sequence::render(args, studio, &frames);
     };
     output.check_beside(&aovs)?;
-    let mut studio = Studio::new(args, loaded, camera, aovs, &library, opened)?;
+    let mut studio = RenderSession::new(args, loaded, camera, aovs, &library, opened)?;
     sweep(&output.files(&studio.aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>()));
     let motion = Motion::new(&studio.loaded.desc);
     if !motion.is_still() {
@@ -147,7 +147,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let picture = studio
         .picture()
         .map_err(|error| explain(error, studio.own_shaders))?;
-    let around = Around {
+    let around = ReportContext {
         load_ms,
         first_picture_ms: started.elapsed().as_secs_f64() * 1e3,
     };

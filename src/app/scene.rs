@@ -6,9 +6,9 @@ use std::{
 };
 
 use super::{
-    around::{is_model, scene_around},
     cli::SceneArgs,
     error::{AppError, print_diagnostics},
+    model_viewer_scene::{is_model, model_viewer_scene},
 };
 use crate::{
     scene::{desc::SceneDesc, diagnostic::Diagnostic, parse, trail::Trail},
@@ -108,7 +108,7 @@ pub fn source(
 ) -> Result<(String, PathBuf), Vec<Diagnostic>> {
     match path {
         Some(path) if is_model(path) => {
-            let text = scene_around(path, options, overrides);
+            let text = model_viewer_scene(path, options, overrides);
             Ok((text.map_err(|error| vec![*error])?, path.to_owned()))
         }
         Some(path) => Ok((parse::read(path)?, path.to_owned())),

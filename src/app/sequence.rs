@@ -17,8 +17,8 @@ use super::{
     frames::{FrameList, Template},
     output::{Output, check_ending, check_writable},
     progress::Progress,
-    render::{Studio, explain},
-    stop,
+    render::{RenderSession, explain},
+    shutdown,
 };
 use crate::{
     files::{folder_of, sweep},
@@ -133,7 +133,11 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 /// [`AppError::Frames`] with those that failed; the others are there. [`AppError::Unwritten`] as soon
 /// as the disk takes no more; if all were to be one film, [`AppError::NoFilm`] and
 /// [`AppError::Disk`].
-pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Result<(), AppError> {
+pub fn render(
+    args: &RenderArgs,
+    mut studio: RenderSession,
+    frames: &FrameList,
+) -> Result<(), AppError> {
     let run = fingerprint::of_run(args, &studio)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
     let target = target(args, &studio, frames)?;
@@ -157,7 +161,7 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
             _ => wanted.push((index, *frame, mark)),
         }
     }
-    stop::listen();
+    shutdown::listen();
     let gpu = studio.gpu.clone();
     let encoders = Encoders::new(&gpu, &target, progress);
     let desc = studio.loaded.desc.clone();
@@ -168,7 +172,7 @@ pub fn render(args: &RenderArgs, mut studio: Studio, frames: &FrameList) -> Resu
         let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
         for (index, frame, mark) in wanted {
-            if stop::is_wanted() || encoders.is_full() {
+            if shutdown::is_wanted() || encoders.is_full() {
                 break;
             }
             let started = Instant::now();
@@ -229,7 +233,7 @@ fn judge(
         missing.sort_unstable();
         return Err(AppError::Unwritten { why, missing });
     }
-    if stop::is_wanted() && outcome.done < total {
+    if shutdown::is_wanted() && outcome.done < total {
         return Err(stopped(target, outcome.done, total, failures));
     }
     match target {
@@ -266,7 +270,11 @@ fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> Ap
 }
 
 /// Where the frames go, and that they can go there.
-fn target(args: &RenderArgs, studio: &Studio, frames: &FrameList) -> Result<Target, AppError> {
+fn target(
+    args: &RenderArgs,
+    studio: &RenderSession,
+    frames: &FrameList,
+) -> Result<Target, AppError> {
     let desc = &studio.loaded.desc;
     if is_film(&args.output) {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
@@ -288,7 +296,7 @@ fn target(args: &RenderArgs, studio: &Studio, frames: &FrameList) -> Result<Targ
 
 /// Starts one frame's picture; else why not, and whether no other will do better.
 fn begin(
-    studio: &mut Studio,
+    studio: &mut RenderSession,
     motion: &Motion,
     frame: u32,
     has_color: bool,

@@ -42,7 +42,7 @@ pub struct Report {
 
 /// Times around the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Around {
+pub struct ReportContext {
     /// See [`Report::load_ms`].
     pub load_ms: f64,
     /// See [`Report::first_picture_ms`].
@@ -51,7 +51,7 @@ pub struct Around {
 
 impl Report {
     /// The frame's numbers with the adapter they came from.
-    pub fn new(gpu: &Gpu, frame: FrameStats, around: Around) -> Self {
+    pub fn new(gpu: &Gpu, frame: FrameStats, around: ReportContext) -> Self {
         let info = &gpu.adapter_info;
         let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
         Self {

@@ -8,7 +8,7 @@
 //! Where the system refuses a watch, which is told, the files are looked at now and then instead.
 
 mod folders;
-mod places;
+mod resolved_paths;
 
 use std::{
     collections::{BTreeSet, HashMap},
@@ -23,7 +23,7 @@ use notify::EventKind;
 
 use self::{
     folders::{Folders, Start, System},
-    places::{canonical, places},
+    resolved_paths::{canonical, resolved_paths},
 };
 use crate::files::{Stamp, content_hash, written_since};
 
@@ -150,7 +150,7 @@ struct Watched {
     /// Of when it was last looked at.
     stamp: Option<Stamp>,
     /// Every place whose change may change what the name means: itself and the links on its way.
-    places: Vec<PathBuf>,
+    resolved_paths: Vec<PathBuf>,
 }
 
 /// The state of the watching thread.
@@ -219,10 +219,11 @@ impl Watching {
                 .parent()
                 .is_some_and(|folder| folders.is_silent(folder))
         };
-        let silent = (self.files.iter()).filter(|(_, file)| file.places.iter().any(is_silent));
+        let silent =
+            (self.files.iter()).filter(|(_, file)| file.resolved_paths.iter().any(is_silent));
         let touched = silent
             .filter(|(name, file)| Stamp::may_differ(file.stamp.as_ref(), name))
-            .flat_map(|(_, file)| file.places.iter().cloned());
+            .flat_map(|(_, file)| file.resolved_paths.iter().cloned());
         let touched = touched.collect();
         self.look_at(Some(&touched))
     }
@@ -246,9 +247,9 @@ impl Watching {
         }
         for (name, file) in &mut self.files {
             let is_meant =
-                |paths: &BTreeSet<PathBuf>| file.places.iter().any(|p| paths.contains(p));
+                |paths: &BTreeSet<PathBuf>| file.resolved_paths.iter().any(|p| paths.contains(p));
             if paths.is_none_or(is_meant) {
-                file.places = places(name);
+                file.resolved_paths = resolved_paths(name);
                 // Before the content: a save in between is looked at again.
                 file.stamp = Stamp::of(name);
                 let hash = content_hash(name).map_err(|error| error.kind());
@@ -298,7 +299,7 @@ impl Watching {
             change,
             hash: Err(io::ErrorKind::NotFound),
             stamp: None,
-            places: places(name),
+            resolved_paths: resolved_paths(name),
         };
         self.files.insert(name.to_owned(), file);
     }
@@ -324,7 +325,7 @@ impl Watching {
 
     /// Asks the system to watch what it should and does not; whether anything was added.
     fn watch_folders(&mut self) -> bool {
-        let parents = self.files.values().flat_map(|file| &file.places);
+        let parents = self.files.values().flat_map(|file| &file.resolved_paths);
         let mut wanted: BTreeSet<PathBuf> = parents
             .filter_map(|place| place.parent().map(Path::to_owned))
             .collect();

@@ -11,13 +11,16 @@ use std::{
 use glam::Vec3;
 use reflet::{
     app::{
-        live::{Live, Wishes},
+        live::{Live, ViewOverrides},
         output,
         preview::{
             self,
-            facts::{Eye, Facts, Inspect, Inspection, Report, Shot, Shown, Side, Task, View},
-            look::Look,
-            worker::Worker,
+            protocol::{
+                Inspect, Inspection, Report, SceneSummary, Screenshot, Shown, Side, Task, View,
+                ViewCamera,
+            },
+            render_thread::RenderThread,
+            view_channel::ViewChannel,
         },
     },
     gpu::Gpu,
@@ -41,7 +44,7 @@ const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
 static TURN: Mutex<()> = Mutex::new(());
 
 pub struct Watched {
-    pub worker: Worker,
+    pub worker: RenderThread,
     _turn: MutexGuard<'static, ()>,
     pub folder: Folder,
     pub view: View,
@@ -63,14 +66,14 @@ impl Watched {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
-            look: Look::Picture,
+            look: ViewChannel::Picture,
         };
         let mut this = Self {
             _turn: turn,
-            worker: Worker::start(gpu, live, is_waiting, || ()),
+            worker: RenderThread::start(gpu, live, is_waiting, || ()),
             folder,
             view: View {
-                eye: Eye::Through("main".to_owned()),
+                eye: ViewCamera::Through("main".to_owned()),
                 frame: 0,
                 plays: false,
                 size: [24, 16],
@@ -87,7 +90,7 @@ impl Watched {
 
     pub fn show(&mut self, change: impl FnOnce(&mut View)) {
         change(&mut self.view);
-        self.worker.desk.show(self.view.clone());
+        self.worker.mailbox.show(self.view.clone());
     }
 
     /// Saves it with a line that it prints in `setup`.
@@ -113,7 +116,9 @@ impl Watched {
             };
             match &report {
                 Report::Script(since) => self.runs = since.is_some(),
-                Report::Facts(facts) => assert!(facts.problems.is_empty(), "{:?}", facts.problems),
+                Report::SceneSummary(facts) => {
+                    assert!(facts.problems.is_empty(), "{:?}", facts.problems)
+                }
                 _ => {}
             }
             if let Some(found) = found(&report) {
@@ -129,9 +134,9 @@ impl Watched {
         });
     }
 
-    fn facts(&mut self, is_right: impl Fn(&Facts) -> bool) {
+    fn facts(&mut self, is_right: impl Fn(&SceneSummary) -> bool) {
         self.until("facts", |report| match report {
-            Report::Facts(facts) => is_right(facts).then_some(()),
+            Report::SceneSummary(facts) => is_right(facts).then_some(()),
             _ => None,
         });
     }
@@ -161,7 +166,7 @@ impl Watched {
             eye: Vec3::new(x, 2.0, 5.0),
             ..CameraDesc::default()
         };
-        self.show(|view| view.eye = Eye::Free(camera.clone()));
+        self.show(|view| view.eye = ViewCamera::Free(camera.clone()));
         self.shown(|shown| shown.camera == camera);
         assert!(self.runs, "the script has ended first");
     }
@@ -262,9 +267,9 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
             ..preview.view.clone()
         };
         let inspection = Inspection { view, with };
-        preview.worker.desk.ask(Task::Inspect(inspection));
+        preview.worker.mailbox.ask(Task::Inspect(inspection));
     };
-    let shot = Inspect::Shot(Shot {
+    let shot = Inspect::Screenshot(Screenshot {
         folder: shots.0.clone(),
         stem: "nine".to_owned(),
         wipe_at: 0.5,
@@ -319,15 +324,15 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     preview.save_script(&SCRIPT.replace("let all = [];", &slow), "slow");
     preview.taken("slow");
     let tune = |preview: &Watched, to| {
-        let mut tuned = reflet::app::params::Tuned::default();
+        let mut tuned = reflet::app::params::ParameterOverrides::default();
         tuned.set("count", ParamValue::Integer(to), &count);
-        preview.worker.desk.ask(Task::Tune(tuned));
+        preview.worker.mailbox.ask(Task::Tune(tuned));
     };
     tune(&preview, 3);
     preview.begins();
     preview.look_from(1.0);
     tune(&preview, 4);
-    let seen = |facts: &Facts| facts.bounds.max.x > 2.9; // four boxes
+    let seen = |facts: &SceneSummary| facts.bounds.max.x > 2.9; // four boxes
     preview.facts(seen);
     preview.rest();
 }
@@ -342,8 +347,9 @@ fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_men
     };
     let endless = SCRIPT.replace("fn setup(ctx) {", &format!("fn setup(ctx) {{ {SLOW}"));
     folder.write("sub/move.rhai", endless);
-    let (live, is_waiting) = preview::open(&gpu, live.origin().clone(), Wishes::default(), true)
-        .expect("it opens empty");
+    let (live, is_waiting) =
+        preview::open(&gpu, live.origin().clone(), ViewOverrides::default(), true)
+            .expect("it opens empty");
     assert!(is_waiting && live.problems.is_empty(), "it only waits");
     assert!(live.world().instances.is_empty());
     let mut preview = Watched::start(gpu, folder, live, is_waiting);

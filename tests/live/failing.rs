@@ -5,7 +5,7 @@ use std::{fs, sync::Arc};
 use reflet::app::{
     cli::SceneArgs,
     error::AppError,
-    live::{Live, Origin, Wishes},
+    live::{Live, Origin, ViewOverrides},
     watch::Change,
 };
 
@@ -123,11 +123,11 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         },
         shaders: None,
     };
-    let mistakes = match Live::open(gpu.clone(), origin.clone(), Wishes::default()) {
+    let mistakes = match Live::open(gpu.clone(), origin.clone(), ViewOverrides::default()) {
         Err(AppError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),
     };
-    let mut live = Live::open_waiting(gpu.clone(), origin, Wishes::default(), mistakes)
+    let mut live = Live::open_waiting(gpu.clone(), origin, ViewOverrides::default(), mistakes)
         .unwrap_or_else(|e| panic!("{e:?}"));
     for changes in [[].into(), [Change::Scene].into()] {
         live.reload(&changes);

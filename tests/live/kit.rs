@@ -14,8 +14,8 @@ use std::{
 use reflet::{
     app::{
         cli::SceneArgs,
-        live::{Keeps, Live, Origin, Reload, Wishes},
-        params::Tuned,
+        live::{Live, Origin, Reload, Reuse, ViewOverrides},
+        params::ParameterOverrides,
         watch::{Changes, News, WatchList, Watcher},
     },
     gpu::Gpu,
@@ -116,7 +116,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
         },
         shaders: shaders.map(Path::to_owned),
     };
-    match Live::open(gpu.clone(), origin, Wishes::default()) {
+    match Live::open(gpu.clone(), origin, ViewOverrides::default()) {
         Ok(live) => live,
         Err(error) => {
             error.print();
@@ -129,26 +129,26 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
 pub trait AtOnce {
     /// Whether the frame is shown.
     fn pose_now(&mut self, frame: u32) -> bool;
-    fn tune_now(&mut self, tuned: Tuned) -> Reload;
+    fn tune_now(&mut self, tuned: ParameterOverrides) -> Reload;
 }
 
 impl AtOnce for Live {
     fn pose_now(&mut self, frame: u32) -> bool {
-        if let Some(errand) = self.posing(frame) {
-            self.take(errand.run());
+        if let Some(reload_job) = self.posing(frame) {
+            self.take(reload_job.run());
         }
         self.problems.pose.is_empty()
     }
 
-    fn tune_now(&mut self, tuned: Tuned) -> Reload {
+    fn tune_now(&mut self, tuned: ParameterOverrides) -> Reload {
         self.tune(tuned);
-        let keeps = Keeps {
+        let keeps = Reuse {
             files: true,
             edits: true,
         };
         loop {
-            let errand = self.reading(keeps, self.posed_frame());
-            let reload = self.take(errand.run());
+            let reload_job = self.reading(keeps, self.posed_frame());
+            let reload = self.take(reload_job.run());
             if !self.reads_again() {
                 return reload;
             }

@@ -4,7 +4,7 @@
 use std::fs;
 
 use reflet::{
-    app::{params::Tuned, watch::Change},
+    app::{params::ParameterOverrides, watch::Change},
     render::RebuildSummary,
     scene::desc::ParamValue,
 };
@@ -23,7 +23,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     let first = session.picture();
     let own = session.live.declared().clone();
     assert_eq!(own[0], ("count".to_owned(), ParamValue::Integer(2)));
-    let mut tuned = Tuned::default();
+    let mut tuned = ParameterOverrides::default();
     tuned.set("count", ParamValue::Integer(3), &own[0].1);
     assert!(session.live.tune_now(tuned.clone()).ok);
     let three = session.picture();
@@ -41,7 +41,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     );
     let reload = session.live.reload(&[Change::Scene, Change::Script].into());
     assert!(reload.ok, "{:?}", session.live.problems);
-    assert!(session.live.tuned().is_empty() && session.picture() == first);
+    assert!(session.live.parameters().is_empty() && session.picture() == first);
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     session.live.pose_now(10);
     let own = session.live.declared()[0].1.clone();
     let tuned = |count| {
-        let mut tuned = Tuned::default();
+        let mut tuned = ParameterOverrides::default();
         tuned.set("count", ParamValue::Integer(count), &own);
         tuned
     };
@@ -60,7 +60,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     let three = session.picture();
     let refused = |session: &mut Session| {
         let refusal = session.live.refusal().expect("is refused");
-        assert!(session.live.problems.is_empty() && *session.live.tuned() == tuned(3));
+        assert!(session.live.problems.is_empty() && *session.live.parameters() == tuned(3));
         assert!(session.picture() == three && refusal.stays == tuned(3));
         refusal
     };
@@ -92,7 +92,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     assert!(!session.live.problems.scene.is_empty() && session.picture() == three);
     fs::write(&session.scene, text).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
-    assert!(*session.live.tuned() == tuned(4) && session.live.refusal().is_none());
+    assert!(*session.live.parameters() == tuned(4) && session.live.refusal().is_none());
     assert!(session.picture() == session.afresh(10, &["params.count=4"]));
 }
 
@@ -102,7 +102,7 @@ fn parameters_outlive_a_save_that_fails() {
         return;
     };
     let count = session.live.declared()[0].1.clone();
-    let mut tuned = Tuned::default();
+    let mut tuned = ParameterOverrides::default();
     tuned.set("count", ParamValue::Integer(3), &count);
     assert!(session.live.tune_now(tuned.clone()).ok);
     let three = session.picture();
@@ -111,10 +111,10 @@ fn parameters_outlive_a_save_that_fails() {
     for part in ["", &text[..cut]] {
         fs::write(&session.scene, part).expect("written");
         assert!(!session.live.reload(&[Change::Scene].into()).ok, "{part}");
-        assert!(*session.live.tuned() == tuned, "{part}");
+        assert!(*session.live.parameters() == tuned, "{part}");
         assert!(session.picture() == three);
     }
     fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
-    assert!(*session.live.tuned() == tuned && session.picture() == three);
+    assert!(*session.live.parameters() == tuned && session.picture() == three);
 }

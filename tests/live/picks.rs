@@ -4,9 +4,9 @@ use std::{fs, sync::Arc};
 
 use glam::Vec3;
 use reflet::app::preview::{
-    facts::{Drawn, Inspect, Inspection, Report, Task},
-    look::{Cast, Look},
-    pick::Picked,
+    picking::Picked,
+    protocol::{Inspect, Inspection, Report, Task, Visualization},
+    view_channel::{ShadowMapChoice, ViewChannel},
 };
 
 use crate::{
@@ -32,7 +32,7 @@ fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
         view: preview.view.clone(),
         with: Inspect::Pick(at),
     };
-    preview.worker.desk.ask(Task::Inspect(inspection));
+    preview.worker.mailbox.ask(Task::Inspect(inspection));
     preview.until("what was clicked", |report| match report {
         Report::Picked(picked) => Some(picked.clone()),
         _ => None,
@@ -54,7 +54,7 @@ fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -
 }
 
 /// The left side by what is looked at.
-fn drawn(preview: &mut Watched, look: Look) -> Drawn {
+fn drawn(preview: &mut Watched, look: ViewChannel) -> Visualization {
     preview.show(|view| view.a.look = look);
     preview.until("a picture", |report| match report {
         Report::Shown(shown) => (shown.sides[0].look == look).then(|| shown.sides[0].clone()),
@@ -106,7 +106,7 @@ fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
     assert!(pick(&mut preview, MIDDLE).is_some());
     assert!(pick(&mut preview, SKY).is_none());
     assert!(pick(&mut preview, MIDDLE).is_some());
-    preview.worker.desk.ask(Task::Unpick);
+    preview.worker.mailbox.ask(Task::Unpick);
     preview.until("the end of it", |report| {
         matches!(report, Report::Unpicked).then_some(())
     });
@@ -117,7 +117,7 @@ fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
 #[test]
 fn shadow_maps_are_told_in_meters() {
     let Some(mut preview) = preview() else { return };
-    let shadow = |face| Look::Shadow(Cast { light: 0, face });
+    let shadow = |face| ViewChannel::Shadow(ShadowMapChoice { light: 0, face });
     // The lamp hangs 4 m over the floor and 3 m over the top of the box.
     let down = drawn(&mut preview, shadow(Some(3)));
     assert_eq!(down.canvas.size, [64, 64]);
@@ -131,7 +131,7 @@ fn shadow_maps_are_told_in_meters() {
     assert_eq!(all.canvas.size, [256, 192]);
     let none = drawn(
         &mut preview,
-        Look::Shadow(Cast {
+        ViewChannel::Shadow(ShadowMapChoice {
             light: 9,
             face: None,
         }),
@@ -143,13 +143,13 @@ fn shadow_maps_are_told_in_meters() {
 fn the_list_of_rays_is_told_with_its_count() {
     use reflet::scene::desc::Method;
     let Some(mut preview) = preview() else { return };
-    let rays = drawn(&mut preview, Look::Rays);
+    let rays = drawn(&mut preview, ViewChannel::Rays);
     assert!(rays.stats.rays > 0);
     let count = format!("{} rays start from ", rays.stats.rays);
     assert!(rays.legend.starts_with(&count), "{}", rays.legend);
-    drawn(&mut preview, Look::Picture);
+    drawn(&mut preview, ViewChannel::Picture);
     preview.show(|view| view.a.method = Method::Ssr);
-    let none = drawn(&mut preview, Look::Rays);
+    let none = drawn(&mut preview, ViewChannel::Rays);
     assert!(
         none.legend.starts_with("no list is made"),
         "{}",

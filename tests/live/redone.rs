@@ -4,7 +4,7 @@ use std::{fs, path::PathBuf, sync::Arc};
 
 use reflet::{
     app::{
-        live::{Live, Reload, Wishes},
+        live::{Live, Reload, ViewOverrides},
         watch::Change,
     },
     gpu::Gpu,
@@ -190,25 +190,25 @@ fn methods_share_what_they_have_in_common() {
         return;
     };
     let first = session.picture();
-    let wish = |session: &mut Session, method| {
-        let wishes = Wishes {
+    let set_overrides = |session: &mut Session, method| {
+        let overrides = ViewOverrides {
             method: Some(method),
-            ..Wishes::default()
+            ..ViewOverrides::default()
         };
         let made = session.gpu.compile_stats.pipelines();
-        session.live.wish(wishes).expect("builds");
+        session.live.set_overrides(overrides).expect("builds");
         session.gpu.compile_stats.pipelines() - made
     };
     assert!(
-        wish(&mut session, Method::Rt) <= 1,
+        set_overrides(&mut session, Method::Rt) <= 1,
         "only the march is another"
     );
     assert!(session.picture() != first || session.live.renderer().plan().bounces > 0);
     assert!(
-        wish(&mut session, Method::Ssr) <= 1,
+        set_overrides(&mut session, Method::Ssr) <= 1,
         "it marches like hybrid, and lists no rays"
     );
-    assert_eq!(wish(&mut session, Method::Hybrid), 0);
+    assert_eq!(set_overrides(&mut session, Method::Hybrid), 0);
     assert!(session.picture() == first, "the same as before");
 }
 

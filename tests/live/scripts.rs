@@ -7,8 +7,8 @@ use glam::Vec3;
 use reflet::{
     app::{
         live::{Edit, Live, Reload},
-        params::Tuned,
-        preview::facts::Facts,
+        params::ParameterOverrides,
+        preview::protocol::SceneSummary,
         watch::Change,
     },
     gpu::Gpu,
@@ -300,7 +300,7 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
     session.live.pose_now(30);
     assert!(shiny(&session), "also in another frame");
     let count = session.live.declared()[0].1.clone();
-    let mut tuned = Tuned::default();
+    let mut tuned = ParameterOverrides::default();
     tuned.set("count", ParamValue::Integer(4), &count);
     assert!(
         session.live.tune_now(tuned).ok && shiny(&session),
@@ -350,7 +350,7 @@ fn edits_of_materials_of_one_name_stay_with_their_own() {
         instance.expect(name).material
     };
     let (first, second) = (material(&session, "box0"), material(&session, "box1"));
-    let names = Facts::of(&session.live).materials;
+    let names = SceneSummary::of(&session.live).materials;
     assert_eq!(names[second].name, format!("{}#2", names[first].name));
     let mut edit = Edit::new(second);
     for (field, value) in MATERIAL.iter().zip(&mut edit.values) {

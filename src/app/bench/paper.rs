@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::{
     args::{PaperArgs, PaperExperiment},
-    open_gpu, report, run,
-    shots::{Shot, gallery},
-    subject, walk,
+    open_gpu, report,
+    report_pictures::{Shot, gallery},
+    run, scenario2, subject,
 };
 use crate::{
     app::{
@@ -135,7 +135,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     };
     let is_walk = args.figure == PaperExperiment::Scenario2;
     let reel = |subject| match is_walk {
-        true => walk::reel(subject, stage.place == SPONZA, args.every.unwrap_or(EVERY)),
+        true => scenario2::reel(subject, stage.place == SPONZA, args.every.unwrap_or(EVERY)),
         false => Ok(Reel::still(subject)),
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
@@ -145,7 +145,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let samples = run(&gpu, &args.run, &protocol, &mut reels)?;
     let mut galleries = Vec::new();
     for reel in &mut reels {
-        let subject = reel.at(walk::FRAMES / 4).map_err(AppError::Scene)?;
+        let subject = reel.at(scenario2::FRAMES / 4).map_err(AppError::Scene)?;
         let shots = shots(args.figure, &subject.reflection);
         galleries.push(gallery(&gpu, subject, protocol.sizes[0], &shots)?);
     }

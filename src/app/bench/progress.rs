@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    app::stop,
+    app::shutdown,
     bench::run::{Steps, Task, Watch, Work},
 };
 
@@ -27,7 +27,7 @@ pub struct Progress {
 impl Progress {
     /// Starts to count, and takes over Ctrl-C.
     pub fn new() -> Self {
-        stop::listen();
+        shutdown::listen();
         Self {
             is_terminal: stderr().is_terminal(),
             estimate: Estimate::default(),
@@ -95,7 +95,7 @@ impl Watch for Progress {
     }
 
     fn is_stopped(&self) -> bool {
-        stop::is_wanted()
+        shutdown::is_wanted()
     }
 }
 

@@ -8,7 +8,7 @@ use super::{args::ReloadArgs, create_folder, progress::Progress, write};
 use crate::{
     app::{
         error::AppError,
-        live::{Live, Wishes},
+        live::{Live, ViewOverrides},
         print_out,
     },
     bench::{
@@ -105,9 +105,9 @@ pub fn measure_all(
     args: &ReloadArgs,
     progress: &mut Progress,
 ) -> Result<Vec<Series>, AppError> {
-    let wishes = Wishes {
+    let overrides = ViewOverrides {
         size: Some(args.size),
-        ..Wishes::default()
+        ..ViewOverrides::default()
     };
     let copy = SceneCopy::new(args.scene.as_deref(), &args.from, args.shaders.as_deref())?;
     let mut all = Vec::new();
@@ -123,7 +123,7 @@ pub fn measure_all(
         let Some(edited) = copy.edited(edit)? else {
             continue;
         };
-        let mut live = Live::open(gpu.clone(), copy.origin(), wishes)?;
+        let mut live = Live::open(gpu.clone(), copy.origin(), overrides)?;
         progress.note(&format!(
             "{} {} edits of {}",
             args.saves,

@@ -6,13 +6,13 @@ use std::{
 };
 
 use super::{
-    Edit, Live, Origin, Reload, Wishes,
-    errand::{Keeps, Pose, Read},
+    Edit, Live, Origin, Reload, ViewOverrides,
+    reload_job::{Pose, Read, Reuse},
 };
 use crate::{
     app::{
-        numbered::numbered,
         scene::load_options,
+        unique_names::unique_names,
         watch::{Change, Changes},
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
@@ -26,7 +26,7 @@ use crate::{
 #[derive(Debug)]
 pub(super) struct Waiting {
     read: Read,
-    keeps: Keeps,
+    keeps: Reuse,
 }
 
 impl Waiting {
@@ -128,7 +128,7 @@ impl Live {
     pub(super) fn take_scene(
         &mut self,
         read: Result<(Read, Pose), Vec<Diagnostic>>,
-        keeps: Keeps,
+        keeps: Reuse,
         reload: &mut Reload,
     ) {
         self.texts = std::mem::take(&mut self.ahead);
@@ -191,7 +191,7 @@ impl Live {
     }
 
     fn material_names(&self) -> Vec<String> {
-        numbered(self.world.materials.iter().map(|m| m.name.as_str()))
+        unique_names(self.world.materials.iter().map(|m| m.name.as_str()))
     }
 
     /// Another number of things may give the materials other places.
@@ -225,7 +225,7 @@ impl Live {
         } else {
             None
         };
-        let wanted = options_of(&read.desc, self.wishes);
+        let wanted = options_of(&read.desc, self.overrides);
         if let Some(mut world) = relaid {
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
@@ -258,7 +258,7 @@ impl Live {
     /// The last step of taking over a scene.
     fn settle(&mut self, read: Read, state: Option<FrameState>) {
         self.desc = read.desc;
-        (self.declared, self.tuned) = (read.declared, read.tuned);
+        (self.declared, self.parameters) = (read.declared, read.parameters);
         (self.frame, self.posed) = (read.frame, read.frame);
         self.log = state.map_or_else(Vec::new, |state| state.log);
         self.problems.refused = None;
@@ -318,14 +318,14 @@ pub(super) fn read_library(origin: &Origin) -> Result<ShaderLibrary, ShaderError
     }
 }
 
-pub(super) fn options_of(desc: &SceneDesc, wishes: Wishes) -> RenderOptions {
+pub(super) fn options_of(desc: &SceneDesc, overrides: ViewOverrides) -> RenderOptions {
     let mut options = RenderOptions {
         reflection: desc.reflection,
         image: desc.image,
         general: false,
     };
-    options.reflection.method = wishes.method.unwrap_or(options.reflection.method);
-    options.image.size = wishes.size.unwrap_or(options.image.size);
-    options.image.samples = wishes.samples.unwrap_or(options.image.samples);
+    options.reflection.method = overrides.method.unwrap_or(options.reflection.method);
+    options.image.size = overrides.size.unwrap_or(options.image.size);
+    options.image.samples = overrides.samples.unwrap_or(options.image.samples);
     options
 }

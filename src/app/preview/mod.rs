@@ -16,43 +16,43 @@ use eframe::{
 use super::{
     cli::PreviewArgs,
     error::{AppError, print_diagnostics},
-    live::{Live, Origin, Wishes},
+    live::{Live, Origin, ViewOverrides},
 };
 use crate::{
     gpu::{Gpu, GpuOptions},
     scene::{desc::Method, script::Halt},
 };
 
-pub mod canvas;
-mod cost;
-pub mod desk;
-mod display;
-mod drawn;
-mod errands;
-pub mod facts;
-mod inspect;
-pub mod look;
-mod materials;
-mod messages;
-mod mistakes;
-pub mod navigate;
-mod note;
-mod paint;
+pub mod camera_controls;
+mod charts;
+mod diagnostics_panel;
+mod display_errors;
+mod dynamic_resolution;
+pub mod frame_texture;
+mod handle_reports;
+pub mod mailbox;
+mod material_panel;
+mod on_demand;
 mod panels;
-pub mod pick;
-mod picture;
-mod plot;
-mod receive;
-mod shot;
-mod side;
+mod parameter_panel;
+pub mod picking;
+pub mod protocol;
+mod reload_jobs;
+pub mod render_thread;
+mod screenshot;
+mod sidebar;
+mod status_bar;
+mod status_message;
 mod timeline;
-mod tuning;
+pub mod view_channel;
+mod viewport;
+mod viewport_paint;
+mod visualize;
 mod window;
-pub mod worker;
 
-use facts::Facts;
+use protocol::SceneSummary;
+use render_thread::RenderThread;
 use window::Window;
-use worker::Worker;
 
 /// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -84,7 +84,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         }
         None => env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
     };
-    display::check()?;
+    display_errors::check()?;
     let gpu = Arc::new(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?);
@@ -93,14 +93,14 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         from: args.from.clone(),
         shaders: args.shaders.clone(),
     };
-    let wishes = Wishes {
+    let overrides = ViewOverrides {
         size: Some([64, 64]),
         method: args.method.map(Method::from),
         samples: Some(1),
     };
-    let (live, is_waiting) = open(&gpu, origin, wishes, args.camera.is_none())?;
+    let (live, is_waiting) = open(&gpu, origin, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
-    let facts = Facts::of(&live);
+    let facts = SceneSummary::of(&live);
     let method = args.method.map_or(facts.method, Method::from);
     let camera = choose_camera(&facts, args.camera.as_deref())?;
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
@@ -128,7 +128,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     // Renderer commands are checked where they are made; what arrives here is about the window,
     // which repairs its surface by itself, and must not end the rendering.
     (gpu.device).on_uncaptured_error(Arc::new(|error| {
-        if !display::is_busy(&error) {
+        if !display_errors::is_busy(&error) {
             eprintln!("warning: the window: {error}");
         }
     }));
@@ -140,11 +140,12 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
             style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
         });
         let repaint = context.egui_ctx.clone();
-        let worker = Worker::start(gpu, live, is_waiting, move || repaint.request_repaint());
+        let worker = RenderThread::start(gpu, live, is_waiting, move || repaint.request_repaint());
         let window = Window::new(worker, facts, method, camera, (shots, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native(&title, options, Box::new(create)).map_err(|error| display::refused(&error))
+    eframe::run_native(&title, options, Box::new(create))
+        .map_err(|error| display_errors::refused(&error))
 }
 
 /// The scene, and whether it must be read anew: where its text is there but has mistakes, they are
@@ -155,7 +156,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
 pub fn open(
     gpu: &Arc<Gpu>,
     origin: Origin,
-    wishes: Wishes,
+    overrides: ViewOverrides,
     waits: bool,
 ) -> Result<(Live, bool), AppError> {
     let waits = waits && origin.path.as_deref().is_some_and(Path::is_file);
@@ -167,12 +168,12 @@ pub fn open(
             halt.halt();
         });
     }
-    match halt.over(|| Live::open(gpu.clone(), origin.clone(), wishes)) {
+    match halt.over(|| Live::open(gpu.clone(), origin.clone(), overrides)) {
         Err(AppError::Scene(errors)) if waits => {
             let mistakes = if halt.is_halted() { Vec::new() } else { errors };
             print_diagnostics(&mistakes);
             Ok((
-                Live::open_waiting(gpu.clone(), origin, wishes, mistakes)?,
+                Live::open_waiting(gpu.clone(), origin, overrides, mistakes)?,
                 true,
             ))
         }
@@ -181,7 +182,7 @@ pub fn open(
 }
 
 /// Index of the named camera; without a name `main`, else the first.
-fn choose_camera(facts: &Facts, name: Option<&str>) -> Result<usize, AppError> {
+fn choose_camera(facts: &SceneSummary, name: Option<&str>) -> Result<usize, AppError> {
     let place = |name: &str| facts.cameras.iter().position(|(known, _)| known == name);
     match name {
         None => Ok(place("main").unwrap_or(0)),

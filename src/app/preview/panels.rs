@@ -6,12 +6,12 @@ use std::collections::VecDeque;
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
-    facts::{Facts, Side},
-    look::{Look, MENU, side_menu},
-    plot,
+    charts,
+    protocol::{SceneSummary, Side},
+    view_channel::{MENU, ViewChannel, side_menu},
 };
 use crate::{
-    app::{live::Edit, params::Tuned},
+    app::{live::Edit, params::ParameterOverrides},
     bench::metric::Scores,
     render::stats::{FrameStats, Share},
     scene::desc::Method,
@@ -26,8 +26,8 @@ pub const METHODS: [(Method, &str); 3] = [
 
 /// What was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
-    /// Look through the scene's camera of this index.
+pub enum ViewRequest {
+    /// ViewChannel through the scene's camera of this index.
     Through(usize),
     /// Frame the selection or the scene.
     Frame,
@@ -36,11 +36,11 @@ pub enum Wish {
     /// Compare with `rt`.
     Judge,
     /// Write a picture.
-    Shot,
+    Screenshot,
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(Tuned),
+    Tune(ParameterOverrides),
 }
 
 /// What a person has chosen.
@@ -73,7 +73,7 @@ impl Choice {
     pub fn new(method: Method) -> Self {
         let side = |method| Side {
             method,
-            look: Look::Picture,
+            look: ViewChannel::Picture,
         };
         Self {
             a: side(method),
@@ -132,7 +132,12 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 }
 
 /// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
-pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+pub fn bar(
+    ui: &mut Ui,
+    choice: &mut Choice,
+    facts: &SceneSummary,
+    overrides: &mut Vec<ViewRequest>,
+) {
     ui.horizontal_wrapped(|ui| {
         group(ui, "a", |ui| {
             side_menu(ui, "texture", &mut choice.a, &facts.casters);
@@ -149,31 +154,41 @@ pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wis
                 );
             });
         });
-        group(ui, "camera", |ui| cameras(ui, choice, facts, wishes));
-        let button = |ui: &mut Ui, wishes: &mut Vec<Wish>, text: &str, hover: &str, wish: Wish| {
+        group(ui, "camera", |ui| cameras(ui, choice, facts, overrides));
+        let button = |ui: &mut Ui,
+                      overrides: &mut Vec<ViewRequest>,
+                      text: &str,
+                      hover: &str,
+                      set_overrides: ViewRequest| {
             if ui.button(text).on_hover_text(hover).clicked() {
-                wishes.push(wish);
+                overrides.push(set_overrides);
             }
         };
         group(ui, "of the camera", |ui| {
             let hover = "F: show the selection, or the scene";
-            button(ui, wishes, "frame", hover, Wish::Frame);
-            button(ui, wishes, "copy camera", "C: as scene text", Wish::Copy);
+            button(ui, overrides, "frame", hover, ViewRequest::Frame);
+            button(
+                ui,
+                overrides,
+                "copy camera",
+                "C: as scene text",
+                ViewRequest::Copy,
+            );
         });
         group(ui, "of the picture", |ui| {
             button(
                 ui,
-                wishes,
+                overrides,
                 "error",
                 "X: this method against rt",
-                Wish::Judge,
+                ViewRequest::Judge,
             );
             button(
                 ui,
-                wishes,
+                overrides,
                 "screenshot",
                 "F12: write a PNG file",
-                Wish::Shot,
+                ViewRequest::Screenshot,
             );
             if ui.button("keys").on_hover_text("H").clicked() {
                 choice.help = !choice.help;
@@ -183,7 +198,7 @@ pub fn bar(ui: &mut Ui, choice: &mut Choice, facts: &Facts, wishes: &mut Vec<Wis
 }
 
 /// The menu of the scene's cameras.
-fn cameras(ui: &mut Ui, choice: &Choice, facts: &Facts, wishes: &mut Vec<Wish>) {
+fn cameras(ui: &mut Ui, choice: &Choice, facts: &SceneSummary, overrides: &mut Vec<ViewRequest>) {
     let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
     let label = ui.weak("camera");
     let menu = egui::ComboBox::from_id_salt("camera")
@@ -194,7 +209,7 @@ fn cameras(ui: &mut Ui, choice: &Choice, facts: &Facts, wishes: &mut Vec<Wish>) 
             for (index, (name, _)) in facts.cameras.iter().enumerate() {
                 let is_shown = choice.through == Some(index);
                 if ui.selectable_label(is_shown, name).clicked() {
-                    wishes.push(Wish::Through(index));
+                    overrides.push(ViewRequest::Through(index));
                 }
             }
         });
@@ -218,7 +233,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
                     for (name, ms) in &stats.passes_ms {
                         ui.label(name);
                         ui.monospace(format!("{ms:9.3} ms"));
-                        plot::bar(ui, (*ms / most) as f32, plot::pass_color(name));
+                        charts::bar(ui, (*ms / most) as f32, charts::pass_color(name));
                         ui.end_row();
                     }
                     ui.strong("frame");
@@ -232,7 +247,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
                 let passes = stats.passes_ms.iter();
                 let rest_ms = (stats.frame_ms - stats.passes_total_ms()).max(0.0);
                 let mut column: Vec<_> = passes
-                    .map(|(name, ms)| (plot::pass_color(name), *ms as f32))
+                    .map(|(name, ms)| (charts::pass_color(name), *ms as f32))
                     .collect();
                 column.push((Color32::from_gray(70), rest_ms as f32));
                 column
@@ -241,7 +256,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
             let height = |c: &Vec<(Color32, f32)>| c.iter().map(|(_, ms)| ms).sum();
             // Room above the stacks for the label.
             let top = 1.3 * columns.iter().map(height).fold(1e-3, f32::max);
-            plot::stack(ui, &columns, top, &format!("lately, up to {top:.1} ms"));
+            charts::stack(ui, &columns, top, &format!("lately, up to {top:.1} ms"));
             let pixels = format!("{} × {}", stats.size[0], stats.size[1]);
             ui.weak(format!(
                 "{pixels}, samples {}, {} rays",
@@ -264,8 +279,8 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
             ui.weak(format!(
                 "{part:.1} % of the picture reflects; of that, in %:"
             ));
-            plot::shares(ui, &shares.sources);
-            over_time(ui, history, "sources lately", plot::source_color, |s| {
+            charts::shares(ui, &shares.sources);
+            over_time(ui, history, "sources lately", charts::source_color, |s| {
                 &s.shares.sources
             });
             egui::Grid::new("causes")
@@ -275,15 +290,15 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
                     for cause in shares.causes.iter().filter(|cause| cause.pixels > 0) {
                         ui.label(cause.name);
                         ui.monospace(format!("{:5.1} %", cause.percent));
-                        plot::bar(
+                        charts::bar(
                             ui,
                             (cause.percent / 100.0) as f32,
-                            plot::cause_color(cause.name),
+                            charts::cause_color(cause.name),
                         );
                         ui.end_row();
                     }
                 });
-            over_time(ui, history, "causes lately", plot::cause_color, |s| {
+            over_time(ui, history, "causes lately", charts::cause_color, |s| {
                 &s.shares.causes
             });
         });
@@ -302,7 +317,7 @@ fn over_time(
         .iter()
         .map(|stats| of(stats).iter().map(part).collect())
         .collect();
-    plot::stack(ui, &columns, 100.0, label);
+    charts::stack(ui, &columns, 100.0, label);
 }
 
 /// The last comparison of a method with `rt`. It has the same height with and without one: what is below stays
@@ -349,7 +364,7 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
             if ui.add_enabled(judged.is_some(), switch).changed() {
                 choice.heat = shows;
             }
-            plot::heat_scale(ui);
+            charts::heat_scale(ui);
         });
 }
 

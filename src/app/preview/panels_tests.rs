@@ -13,9 +13,9 @@ use crate::{
     app::{
         live::Problems,
         preview::{
-            facts::Row,
-            messages::{Doing, help, log, status, unwatched},
-            note::Note,
+            protocol::Row,
+            status_bar::{Doing, help, log, status, unwatched},
+            status_message::Note,
             timeline::{self, Timeline},
         },
     },
@@ -27,7 +27,7 @@ use crate::{
     },
 };
 
-pub fn facts() -> Facts {
+pub fn facts() -> SceneSummary {
     let row = |material, name: &str| Row {
         name: name.to_owned(),
         numbers: MaterialDesc::default(),
@@ -35,7 +35,7 @@ pub fn facts() -> Facts {
         uses: 2,
         bounds: Bounds::EMPTY,
     };
-    Facts {
+    SceneSummary {
         timeline: None,
         declared: Vec::new(),
         log: Vec::new(),
@@ -56,8 +56,8 @@ pub fn facts() -> Facts {
 
 struct State {
     choice: Choice,
-    facts: Facts,
-    wishes: Vec<Wish>,
+    facts: SceneSummary,
+    overrides: Vec<ViewRequest>,
     timeline: Timeline,
     now_s: f64,
     shown: Option<u32>,
@@ -67,7 +67,7 @@ fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, Sta
     let state = State {
         choice: Choice::new(Method::Hybrid),
         facts: facts(),
-        wishes: Vec::new(),
+        overrides: Vec::new(),
         timeline: Timeline::new(&TimelineDesc {
             fps: 24.0,
             start: 2,
@@ -89,7 +89,7 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
 #[test]
 fn the_bar_switches_methods_and_opens_the_wipe() {
     let mut harness = harness(|ui, state| {
-        bar(ui, &mut state.choice, &state.facts, &mut state.wishes);
+        bar(ui, &mut state.choice, &state.facts, &mut state.overrides);
     });
     let ssr = harness.get_all_by_label("ssr").next();
     ssr.expect("of the left side").click();
@@ -104,14 +104,18 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
     click(&mut harness, "wipe");
     assert!(harness.state().choice.wipe);
     assert_eq!(sides(&harness), 2, "a side each");
-    for (label, wish) in [
-        ("frame", Wish::Frame),
-        ("copy camera", Wish::Copy),
-        ("error", Wish::Judge),
-        ("screenshot", Wish::Shot),
+    for (label, set_overrides) in [
+        ("frame", ViewRequest::Frame),
+        ("copy camera", ViewRequest::Copy),
+        ("error", ViewRequest::Judge),
+        ("screenshot", ViewRequest::Screenshot),
     ] {
         click(&mut harness, label);
-        assert_eq!(harness.state_mut().wishes.pop(), Some(wish), "{label}");
+        assert_eq!(
+            harness.state_mut().overrides.pop(),
+            Some(set_overrides),
+            "{label}"
+        );
     }
 }
 
@@ -121,7 +125,7 @@ fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
         let mut harness = harness(move |ui, state| {
             ui.set_max_width(width);
             let before = ui.cursor().top();
-            bar(ui, &mut state.choice, &state.facts, &mut state.wishes);
+            bar(ui, &mut state.choice, &state.facts, &mut state.overrides);
             state.now_s = f64::from(ui.cursor().top() - before);
         });
         harness.set_size(egui::vec2(width, 400.0));
@@ -377,7 +381,7 @@ fn every_key_can_be_read_in_a_small_window() {
 
 #[test]
 fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
-    let harness = Harness::new_ui(super::plot::heat_scale);
+    let harness = Harness::new_ui(super::charts::heat_scale);
     for text in ["0: the same", "FLIP 0.5", "1: most"] {
         harness.get_by_label(text);
     }

@@ -287,7 +287,7 @@ mod tests {
         assert!(time.frame() == 10 && (wait - 1.0 / 24.0).abs() < 1e-9);
         time.tick(100.0 + 4.5 / 24.0);
         assert_eq!(time.frame(), 14);
-        // Around the end, and many rounds later.
+        // ReportContext the end, and many rounds later.
         time.tick(100.0 + 10.5 / 24.0);
         assert_eq!(time.frame(), 10);
         time.tick(100.0 + 1e6 / 24.0 + 1e-6);

@@ -13,16 +13,18 @@ use eframe::egui::{self, Key, Ui};
 use crate::{render::stats::FrameStats, scene::desc::Method};
 
 use super::{
-    facts::{Eye, Facts, Inspect, Inspection, Judged, Shot, Shown, Task, View},
-    messages::{self, Doing},
-    mistakes::Fold,
-    navigate::Navigator,
-    note::Note,
-    panels::{self, Choice, METHODS, Wish},
-    pick::Picked,
+    camera_controls::CameraControls,
+    diagnostics_panel::Fold,
+    panels::{self, Choice, METHODS, ViewRequest},
+    parameter_panel::Knobs,
+    picking::Picked,
+    protocol::{
+        Inspect, Inspection, Judged, SceneSummary, Screenshot, Shown, Task, View, ViewCamera,
+    },
+    render_thread::RenderThread,
+    status_bar::{self, Doing},
+    status_message::Note,
     timeline::{self, Timeline},
-    tuning::Knobs,
-    worker::Worker,
 };
 
 /// How long the camera must rest before the full picture is drawn, seconds.
@@ -42,10 +44,10 @@ const PLAYING_SHARE: f64 = 0.8;
 
 /// The application.
 pub struct Window {
-    pub(super) worker: Worker,
-    pub(super) facts: Facts,
+    pub(super) worker: RenderThread,
+    pub(super) facts: SceneSummary,
     pub(super) choice: Choice,
-    pub(super) navigator: Navigator,
+    pub(super) navigator: CameraControls,
     /// Where time is, if the scene has frames.
     pub(super) timeline: Option<Timeline>,
     /// Where time was when the scene last had some.
@@ -82,8 +84,8 @@ impl Window {
     /// A window over a scene that shows `method` through the scene's camera of this index at first,
     /// and writes pictures of this stem into this folder.
     pub fn new(
-        worker: Worker,
-        facts: Facts,
+        worker: RenderThread,
+        facts: SceneSummary,
         method: Method,
         camera: usize,
         (shots, stem): (PathBuf, String),
@@ -93,7 +95,7 @@ impl Window {
         let start = facts.cameras.get(camera);
         let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
         Self {
-            navigator: Navigator::new(start, &facts.bounds),
+            navigator: CameraControls::new(start, &facts.bounds),
             timeline: facts.timeline.as_ref().map(Timeline::new),
             put_away: None,
             knobs: Knobs::default(),
@@ -121,14 +123,14 @@ impl Window {
 
     pub(super) fn ask(&mut self, task: Task) {
         self.is_busy = true;
-        self.worker.desk.ask(task);
+        self.worker.mailbox.ask(task);
     }
 
-    fn keys(&mut self, ui: &Ui, wishes: &mut Vec<Wish>) {
+    fn keys(&mut self, ui: &Ui, overrides: &mut Vec<ViewRequest>) {
         if ui.ctx().egui_wants_keyboard_input() {
             // It writes no text.
             if ui.input(|i| i.key_pressed(Key::F12)) {
-                wishes.push(Wish::Shot);
+                overrides.push(ViewRequest::Screenshot);
             }
             return;
         }
@@ -154,15 +156,15 @@ impl Window {
                 self.choice.a.method = method;
             }
         }
-        for (key, wish) in [
-            (Key::F, Wish::Frame),
-            (Key::C, Wish::Copy),
-            (Key::X, Wish::Judge),
-            (Key::F12, Wish::Shot),
-            (Key::R, Wish::Through(self.choice.home)),
+        for (key, set_overrides) in [
+            (Key::F, ViewRequest::Frame),
+            (Key::C, ViewRequest::Copy),
+            (Key::X, ViewRequest::Judge),
+            (Key::F12, ViewRequest::Screenshot),
+            (Key::R, ViewRequest::Through(self.choice.home)),
         ] {
             if pressed(key) {
-                wishes.push(wish);
+                overrides.push(set_overrides);
             }
         }
         if pressed(Key::B) {
@@ -180,30 +182,30 @@ impl Window {
         }
     }
 
-    fn grant(&mut self, ui: &Ui, wishes: Vec<Wish>) {
-        for wish in wishes {
-            match wish {
-                Wish::Through(index) => {
+    fn grant(&mut self, ui: &Ui, overrides: Vec<ViewRequest>) {
+        for set_overrides in overrides {
+            match set_overrides {
+                ViewRequest::Through(index) => {
                     if let Some((_, camera)) = self.facts.cameras.get(index) {
                         self.navigator.camera = camera.clone();
                         (self.choice.through, self.choice.home) = (Some(index), index);
                     }
                 }
-                Wish::Frame => self.frame_selection(),
-                Wish::Copy => {
+                ViewRequest::Frame => self.frame_selection(),
+                ViewRequest::Copy => {
                     ui.ctx().copy_text(self.camera_text());
                     (self.note).say("the camera is in the clipboard, as scene text");
                 }
-                Wish::Judge => self.inspect(Inspect::Judge(self.edits)),
-                Wish::Shot => {
-                    self.inspect(Inspect::Shot(Shot {
+                ViewRequest::Judge => self.inspect(Inspect::Judge(self.edits)),
+                ViewRequest::Screenshot => {
+                    self.inspect(Inspect::Screenshot(Screenshot {
                         folder: self.shots.clone(),
                         stem: self.stem.clone(),
                         wipe_at: self.choice.wipe_at,
                         heat: self.heat().is_some(),
                     }));
                 }
-                Wish::Edit(edit) => {
+                ViewRequest::Edit(edit) => {
                     if let Some(row) = self.facts.materials.get_mut(edit.material) {
                         row.edit = edit;
                     }
@@ -211,7 +213,7 @@ impl Window {
                     self.edits += 1;
                     self.ask(Task::Edit(edit));
                 }
-                Wish::Tune(tuned) => self.ask(Task::Tune(tuned)),
+                ViewRequest::Tune(tuned) => self.ask(Task::Tune(tuned)),
             }
         }
     }
@@ -245,8 +247,8 @@ impl Window {
         let through = self.choice.through.and_then(|i| self.facts.cameras.get(i));
         let view = View {
             eye: match through {
-                Some((name, _)) => Eye::Through(name.clone()),
-                None => Eye::Free(self.navigator.camera.clone()),
+                Some((name, _)) => ViewCamera::Through(name.clone()),
+                None => ViewCamera::Free(self.navigator.camera.clone()),
             },
             frame,
             plays: self.timeline.as_ref().is_some_and(Timeline::is_playing),
@@ -265,7 +267,7 @@ impl Window {
         // A minimized window has no pixels: nothing is asked for.
         if view.size.iter().all(|side| *side > 0) && self.asked.as_ref() != Some(&view) {
             self.is_busy = true;
-            self.worker.desk.show(view.clone());
+            self.worker.mailbox.show(view.clone());
             self.asked = Some(view);
         }
     }
@@ -310,7 +312,7 @@ impl Window {
             Doing::Rests
         };
         let script_s = self.script_s();
-        messages::status(ui, picture, &doing, script_s, &mut self.note);
+        status_bar::status(ui, picture, &doing, script_s, &mut self.note);
     }
 
     /// How long a script has been running, once that is worth telling, seconds.
@@ -325,16 +327,16 @@ impl eframe::App for Window {
         let now_s = ui.input(|i| i.time);
         self.note.give_way(ui, now_s);
         self.receive(now_s);
-        let mut wishes = Vec::new();
-        self.keys(ui, &mut wishes);
+        let mut overrides = Vec::new();
+        self.keys(ui, &mut overrides);
         egui::Panel::top("bar").show(ui, |ui| {
             ui.add_space(3.0);
-            panels::bar(ui, &mut self.choice, &self.facts, &mut wishes);
+            panels::bar(ui, &mut self.choice, &self.facts, &mut overrides);
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
         if let Some(why) = &self.unwatched {
-            egui::Panel::bottom("unwatched").show(ui, |ui| messages::unwatched(ui, why));
+            egui::Panel::bottom("unwatched").show(ui, |ui| status_bar::unwatched(ui, why));
         }
         if self.script.is_some() {
             ui.ctx().request_repaint_after_secs(TOLD_EVERY_S);
@@ -355,13 +357,13 @@ impl eframe::App for Window {
             egui::Panel::right("side")
                 .resizable(false)
                 .exact_size(side)
-                .show(ui, |ui| self.side_panel(ui, &mut wishes));
+                .show(ui, |ui| self.side_panel(ui, &mut overrides));
         }
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
         let mut is_open = self.choice.help;
-        messages::help(ui, &mut is_open);
+        status_bar::help(ui, &mut is_open);
         self.choice.help &= is_open;
-        self.grant(ui, wishes);
+        self.grant(ui, overrides);
         self.ask_view(ui, central.inner);
         self.note.tick(ui, now_s);
     }

@@ -12,17 +12,17 @@ use std::{
 };
 
 use super::{
-    canvas::Canvas,
-    cost::Cost,
-    desk::Desk,
-    drawn::Pixels,
-    errands::Errands,
-    facts::{Drawn, Eye, Facts, Inspection, Report, Shown, Task, View},
-    pick::Mark,
+    dynamic_resolution::FrameCost,
+    frame_texture::FrameTexture,
+    mailbox::Mailbox,
+    picking::Mark,
+    protocol::{Inspection, Report, SceneSummary, Shown, Task, View, ViewCamera, Visualization},
+    reload_jobs::ReloadJobs,
+    visualize::Pixels,
 };
 use crate::{
     app::{
-        live::{Edit, Live, Reload, Wishes},
+        live::{Edit, Live, Reload, ViewOverrides},
         watch::{Change, News, WatchList, Watcher},
     },
     gpu::Gpu,
@@ -36,15 +36,15 @@ const STILL_MS: f64 = 1000.0;
 const TELL: Duration = Duration::from_millis(250);
 
 /// The thread; ends when it is dropped.
-pub struct Worker {
+pub struct RenderThread {
     /// Where it gets its tasks.
-    pub desk: Desk,
+    pub mailbox: Mailbox,
     /// What it has to say.
     pub reports: Receiver<Report>,
     thread: Option<thread::JoinHandle<()>>,
 }
 
-impl Worker {
+impl RenderThread {
     /// Starts rendering; `woken` is called after each report. One that is waiting for its scene has
     /// that read at once.
     pub fn start(
@@ -53,13 +53,13 @@ impl Worker {
         is_waiting: bool,
         woken: impl Fn() + Send + 'static,
     ) -> Self {
-        let desk = Desk::default();
+        let mailbox = Mailbox::default();
         let (sender, reports) = mpsc::channel();
-        let inbox = desk.clone();
+        let inbox = mailbox.clone();
         let body = move || {
-            let desk = inbox.clone();
+            let mailbox = inbox.clone();
             let watcher = Watcher::new(move |news| {
-                desk.ask(match news {
+                mailbox.ask(match news {
                     News::Changed(changes, since) => Task::Reload(changes, since),
                     News::Trouble(why) => Task::Unwatched(why),
                 });
@@ -72,7 +72,7 @@ impl Worker {
                 heat: None,
                 mark: None,
                 outline: None,
-                errands: Errands::default(),
+                reload_jobs: ReloadJobs::default(),
                 drawn: None,
                 inspections: VecDeque::new(),
                 reloads: Vec::new(),
@@ -80,7 +80,7 @@ impl Worker {
                 told_frame: 0,
                 told_at: Instant::now(),
                 number: 0,
-                cost: Cost::default(),
+                cost: FrameCost::default(),
                 sender,
                 woken: Box::new(woken),
             };
@@ -98,16 +98,16 @@ impl Worker {
             state.run(&inbox, watcher.as_ref().ok());
         };
         Self {
-            desk,
+            mailbox,
             reports,
             thread: Some(thread::spawn(body)),
         }
     }
 }
 
-impl Drop for Worker {
+impl Drop for RenderThread {
     fn drop(&mut self) {
-        self.desk.end();
+        self.mailbox.end();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -119,13 +119,13 @@ pub(super) struct State {
     pub(super) gpu: Arc<Gpu>,
     pub(super) live: Live,
     pub(super) view: Option<View>,
-    canvases: Vec<Canvas>,
-    pub(super) heat: Option<(Canvas, Pixels)>,
+    canvases: Vec<FrameTexture>,
+    pub(super) heat: Option<(FrameTexture, Pixels)>,
     /// The selected instance.
     pub(super) mark: Option<Mark>,
-    pub(super) outline: Option<Canvas>,
+    pub(super) outline: Option<FrameTexture>,
     /// Scripts that run.
-    pub(super) errands: Errands,
+    pub(super) reload_jobs: ReloadJobs,
     /// What is in the targets, if it is a view of its posed frame.
     pub(super) drawn: Option<View>,
     /// What waits for its frame.
@@ -138,7 +138,7 @@ pub(super) struct State {
     told_frame: u32,
     told_at: Instant,
     number: u64,
-    cost: Cost,
+    cost: FrameCost,
     sender: Sender<Report>,
     woken: Box<dyn Fn() + Send>,
 }
@@ -152,7 +152,7 @@ impl State {
 
     pub(super) fn tell_facts(&mut self) {
         (self.told_frame, self.told_at) = (self.live.posed_frame(), Instant::now());
-        self.tell(Report::Facts(Box::new(Facts::of(&self.live))));
+        self.tell(Report::SceneSummary(Box::new(SceneSummary::of(&self.live))));
     }
 
     pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {
@@ -163,9 +163,9 @@ impl State {
         }
     }
 
-    fn run(mut self, desk: &Desk, watcher: Option<&Watcher>) {
+    fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
         self.tell_facts();
-        while let Some((view, tasks)) = desk.take(self.until()) {
+        while let Some((view, tasks)) = mailbox.take(self.until()) {
             let mut redraw = false;
             if let Some(view) = view {
                 redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
@@ -184,7 +184,7 @@ impl State {
                     Task::Unpick => self.unpick(),
                 }
             }
-            redraw |= self.errands(desk, watcher);
+            redraw |= self.reload_jobs(mailbox, watcher);
             redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
             if redraw && !self.is_aside() {
                 self.draw();
@@ -194,7 +194,7 @@ impl State {
                 self.tell(Report::Reloaded(reload, ms));
             }
             self.inspect();
-            if desk.is_empty() && self.inspections.is_empty() {
+            if mailbox.is_empty() && self.inspections.is_empty() {
                 self.tell(Report::Idle);
             }
         }
@@ -250,8 +250,8 @@ impl State {
         }
     }
 
-    fn sides(&mut self, view: &View) -> Result<Vec<Drawn>, RenderError> {
-        let mut sides: Vec<Drawn> = Vec::new();
+    fn sides(&mut self, view: &View) -> Result<Vec<Visualization>, RenderError> {
+        let mut sides: Vec<Visualization> = Vec::new();
         for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
             let last = sides.last().filter(|_| view.a.method == side.method);
             let stats = match last {
@@ -268,11 +268,11 @@ impl State {
     }
 
     /// Where a view is taken from in the posed scene.
-    pub(super) fn camera(&self, eye: &Eye) -> CameraDesc {
+    pub(super) fn camera(&self, eye: &ViewCamera) -> CameraDesc {
         let cameras = &self.live.world().cameras;
         match eye {
-            Eye::Free(camera) => camera.clone(),
-            Eye::Through(name) => {
+            ViewCamera::Free(camera) => camera.clone(),
+            ViewCamera::Through(name) => {
                 let found = cameras.iter().find(|camera| camera.name == *name);
                 let found = found.or(cameras.first());
                 found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
@@ -302,7 +302,7 @@ impl State {
         while samples > 1 && self.cost.ms(pixels(size) * f64::from(samples)) > STILL_MS {
             samples /= 2;
         }
-        self.live.wish(Wishes {
+        self.live.set_overrides(ViewOverrides {
             size: Some(size),
             method: Some(method),
             samples: Some(samples),

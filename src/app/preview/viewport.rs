@@ -5,10 +5,10 @@ use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 use super::{
-    facts::{Inspect, Task},
-    mistakes,
-    paint::{self, fit},
-    pick::Picked,
+    diagnostics_panel,
+    picking::Picked,
+    protocol::{Inspect, Task},
+    viewport_paint::{self, fit},
     window::Window,
 };
 
@@ -23,9 +23,9 @@ impl Window {
         self.captions(ui, rect);
         let is_known = self.facts.problems.is_empty() && self.script.is_none();
         if self.facts.is_nothing() && is_known {
-            paint::nothing(ui, rect, &self.facts.warnings);
+            viewport_paint::nothing(ui, rect, &self.facts.warnings);
         }
-        mistakes::over(ui, rect, &self.facts.problems, &mut self.fold);
+        diagnostics_panel::over(ui, rect, &self.facts.problems, &mut self.fold);
         let grabbed = self.choice.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed

@@ -3,8 +3,8 @@
 use std::sync::mpsc::TryRecvError;
 
 use super::{
-    facts::{Facts, Report, Shown},
-    plot::HISTORY,
+    charts::HISTORY,
+    protocol::{Report, SceneSummary, Shown},
     timeline,
     window::Window,
 };
@@ -14,10 +14,10 @@ impl Window {
     pub(super) fn receive(&mut self, now_s: f64) {
         loop {
             match self.worker.reports.try_recv() {
-                Ok(Report::Facts(facts)) => self.take_facts(*facts, now_s),
+                Ok(Report::SceneSummary(facts)) => self.take_facts(*facts, now_s),
                 Ok(Report::Script(since)) => self.script = since,
                 Ok(Report::Shown(shown)) => self.take_shown(*shown, now_s),
-                Ok(Report::Tuned(reload)) => {
+                Ok(Report::ParameterOverrides(reload)) => {
                     let ms = reload.took.as_secs_f64() * 1e3;
                     self.note.say(if reload.ok {
                         self.judged = None;
@@ -86,7 +86,7 @@ impl Window {
     }
 
     /// Takes over a scene that was read again: camera, time and selection stay, by name.
-    fn take_facts(&mut self, facts: Facts, now_s: f64) {
+    fn take_facts(&mut self, facts: SceneSummary, now_s: f64) {
         timeline::follow(
             &mut self.timeline,
             &mut self.put_away,

@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use super::facts::{Task, View};
+use super::protocol::{Task, View};
 
 #[derive(Default)]
 struct Inbox {
@@ -20,9 +20,9 @@ struct Inbox {
 
 /// Where tasks are left for the thread.
 #[derive(Clone, Default)]
-pub struct Desk(Arc<(Mutex<Inbox>, Condvar)>);
+pub struct Mailbox(Arc<(Mutex<Inbox>, Condvar)>);
 
-impl Desk {
+impl Mailbox {
     fn change(&self, change: impl FnOnce(&mut Inbox)) {
         change(&mut self.0.0.lock().unwrap_or_else(PoisonError::into_inner));
         self.0.1.notify_one();
@@ -104,7 +104,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        app::{live::Edit, params::Tuned, watch::Change},
+        app::{live::Edit, params::ParameterOverrides, watch::Change},
         scene::desc::ParamValue,
     };
 
@@ -124,37 +124,37 @@ mod tests {
 
     #[test]
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
-        let desk = Desk::default();
+        let mailbox = Mailbox::default();
         let edit = |material, roughness| {
             let mut edit = Edit::new(material);
             edit.values[2] = Some(Vec3::splat(roughness));
             Task::Edit(edit)
         };
-        desk.ask(Task::Reload([Change::Scene].into(), Instant::now()));
+        mailbox.ask(Task::Reload([Change::Scene].into(), Instant::now()));
         for roughness in [0.1, 0.2, 0.3] {
-            desk.ask(edit(4, roughness));
-            desk.ask(edit(5, 1.0 - roughness));
+            mailbox.ask(edit(4, roughness));
+            mailbox.ask(edit(5, 1.0 - roughness));
         }
-        desk.ask(Task::Unpick);
+        mailbox.ask(Task::Unpick);
         for count in [5, 6, 7] {
-            let mut tuned = Tuned::default();
+            let mut tuned = ParameterOverrides::default();
             tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
-            desk.ask(Task::Tune(tuned));
+            mailbox.ask(Task::Tune(tuned));
         }
-        let (view, tasks) = desk.take(None).expect("something to do");
-        assert!(view.is_none() && desk.is_empty());
+        let (view, tasks) = mailbox.take(None).expect("something to do");
+        assert!(view.is_none() && mailbox.is_empty());
         let left: Vec<String> = tasks.iter().map(|task| format!("{task:?}")).collect();
         assert_eq!(left.len(), 5, "{left:?}");
         assert!(left[0].starts_with("Reload") && left[3].starts_with("Unpick"));
         assert!(left[1].contains("0.3") && left[2].contains("0.7"));
         assert!(left[4].contains("Integer(7)"), "{left:?}");
         // Woken, or when it is time: with nothing to do.
-        desk.wake();
+        mailbox.wake();
         for until in [None, Some(Instant::now())] {
-            let (view, tasks) = desk.take(until).expect("not the end");
+            let (view, tasks) = mailbox.take(until).expect("not the end");
             assert!(view.is_none() && tasks.is_empty());
         }
-        desk.end();
-        assert!(desk.take(None).is_none());
+        mailbox.end();
+        assert!(mailbox.take(None).is_none());
     }
 }

@@ -6,12 +6,12 @@ use eframe::egui::{
 };
 
 use super::{
-    canvas::Canvas,
-    drawn::{CROSS, NOTHING},
-    facts::{Judged, Side},
-    mistakes::place_of,
+    charts,
+    diagnostics_panel::place_of,
+    frame_texture::FrameTexture,
     panels::method_name,
-    plot,
+    protocol::{Judged, Side},
+    visualize::{CROSS, NOTHING},
     window::Window,
 };
 use crate::{
@@ -27,7 +27,7 @@ const BELOW_NAMES: f32 = 44.0;
 
 /// Something painted, in a part of the picture area.
 pub(super) struct Layer {
-    canvas: Canvas,
+    canvas: FrameTexture,
     /// Its width and height, or those that a draft stands for.
     pub(super) shape: [u32; 2],
     /// Whether its pixels are the camera's.
@@ -114,7 +114,7 @@ impl Window {
         let layers = self.layers(rect);
         let outline = self.picked.as_ref().and_then(|p| p.outline.clone());
         let canvases = layers.iter().map(|layer| &layer.canvas).chain(&outline);
-        let canvases: Vec<Canvas> = canvases.cloned().collect();
+        let canvases: Vec<FrameTexture> = canvases.cloned().collect();
         self.register(frame, &canvases);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         for layer in &layers {
@@ -133,7 +133,7 @@ impl Window {
     }
 
     /// Makes the window's renderer know exactly these canvases.
-    fn register(&mut self, frame: &eframe::Frame, canvases: &[Canvas]) {
+    fn register(&mut self, frame: &eframe::Frame, canvases: &[FrameTexture]) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
@@ -247,7 +247,7 @@ fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
             "mean {mean:.4}; 99 % of the pixels up to {most:.4}"
         ));
     }
-    plot::heat_scale(ui);
+    charts::heat_scale(ui);
 }
 
 /// Why the picture is empty.
@@ -271,5 +271,5 @@ pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
 }
 
 #[cfg(test)]
-#[path = "paint_tests.rs"]
+#[path = "viewport_paint_tests.rs"]
 mod tests;

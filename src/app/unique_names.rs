@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 /// The names, each once: the first of several keeps its own, the next are `name#2`, `name#3` and so on.
-pub fn numbered<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
+pub fn unique_names<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
     let mut counts = HashMap::new();
     let each = names.into_iter().map(|name| {
         let count = counts.entry(name).or_insert(0_usize);
@@ -23,7 +23,7 @@ mod tests {
 
     #[test]
     fn each_name_is_there_once() {
-        let names = numbered(["ball", "floor", "ball", "ball"]);
+        let names = unique_names(["ball", "floor", "ball", "ball"]);
         assert_eq!(names, ["ball", "floor", "ball#2", "ball#3"]);
     }
 }

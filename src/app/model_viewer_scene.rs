@@ -47,7 +47,7 @@ const OF_USD: &str = "model.model.usd";
 ///
 /// # Errors
 /// A stage that cannot be converted. What is wrong with a glTF file is said when it is loaded.
-pub fn scene_around(
+pub fn model_viewer_scene(
     path: &Path,
     options: &LoadOptions,
     overrides: &[String],

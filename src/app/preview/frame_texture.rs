@@ -9,7 +9,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// A finished picture on the device; display color, sRGB.
 #[derive(Clone, Debug)]
-pub struct Canvas {
+pub struct FrameTexture {
     /// Tells canvases apart: a new size is a new canvas.
     pub number: u64,
     /// What is sampled.
@@ -19,7 +19,7 @@ pub struct Canvas {
     texture: wgpu::Texture,
 }
 
-impl Canvas {
+impl FrameTexture {
     fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
         static NUMBER: AtomicU64 = AtomicU64::new(1);
         let texture = gpu.scoped("the shown picture", || {

@@ -2,10 +2,10 @@
 //! outline of the selection belong to the window and are left out.
 
 use super::{
-    desk::free_name,
-    drawn::{NOTHING, Pixels},
-    facts::{Report, Shot, Side, View},
-    worker::State,
+    mailbox::free_name,
+    protocol::{Report, Screenshot, Side, View},
+    render_thread::State,
+    visualize::{NOTHING, Pixels},
 };
 use crate::{app::output, files::write_whole};
 
@@ -14,7 +14,7 @@ const LINE_PX: u32 = 2;
 
 impl State {
     /// Writes what is shown and says where.
-    pub(super) fn shoot(&mut self, view: &View, shot: &Shot) {
+    pub(super) fn shoot(&mut self, view: &View, shot: &Screenshot) {
         let path = free_name(&shot.folder, &shot.stem);
         let said = match self.shot(view, shot) {
             Ok(png) => match write_whole(&path, &png) {
@@ -27,7 +27,7 @@ impl State {
     }
 
     /// Everything at full size, also while something moves.
-    fn shot(&mut self, view: &View, shot: &Shot) -> Result<Vec<u8>, String> {
+    fn shot(&mut self, view: &View, shot: &Screenshot) -> Result<Vec<u8>, String> {
         let view = View {
             draft_ms: None,
             ..view.clone()

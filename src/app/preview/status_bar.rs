@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::{facts::Facts, mistakes::place_of, note::Note};
+use super::{diagnostics_panel::place_of, protocol::SceneSummary, status_message::Note};
 use crate::scene::script::DEADLINE;
 
 /// Keys and what they do.
@@ -90,8 +90,8 @@ pub fn unwatched(ui: &mut Ui, why: &str) {
     ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
 }
 
-/// Facts and warnings about the scene.
-pub fn scene(ui: &mut Ui, facts: &Facts) {
+/// SceneSummary and warnings about the scene.
+pub fn scene(ui: &mut Ui, facts: &SceneSummary) {
     let title = match facts.warnings.len() {
         0 => "Scene".to_owned(),
         1 => "Scene (1 warning)".to_owned(),

@@ -16,9 +16,9 @@ use crate::{
 
 struct State {
     choice: Choice,
-    facts: Facts,
+    facts: SceneSummary,
     picked: Option<Picked>,
-    wishes: Vec<Wish>,
+    overrides: Vec<ViewRequest>,
 }
 
 /// Two materials: one that leaves all open, and one with all that there can be.
@@ -38,11 +38,11 @@ fn harness<'a>() -> Harness<'a, State> {
         choice: Choice::new(Method::Hybrid),
         facts,
         picked: None,
-        wishes: Vec::new(),
+        overrides: Vec::new(),
     };
     let draw = |ui: &mut Ui, state: &mut State| {
         let (facts, picked) = (&state.facts, state.picked.as_ref());
-        panel(ui, &mut state.choice, facts, picked, &mut state.wishes);
+        panel(ui, &mut state.choice, facts, picked, &mut state.overrides);
     };
     // The picker has a character that no font here has.
     let builder = Harness::builder().allow_missing_glyphs();
@@ -56,8 +56,8 @@ fn select(harness: &mut Harness<'_, State>, label: &str) {
 
 /// Of the edit that was asked for last, the values that it sets.
 fn asked(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
-    let Some(Wish::Edit(edit)) = harness.state().wishes.last() else {
-        panic!("no edit: {:?}", harness.state().wishes);
+    let Some(ViewRequest::Edit(edit)) = harness.state().overrides.last() else {
+        panic!("no edit: {:?}", harness.state().overrides);
     };
     let fields = MATERIAL.iter().zip(edit.values);
     fields.filter_map(|(f, v)| Some((f.key, v?))).collect()
@@ -83,7 +83,10 @@ fn a_selected_material_shows_the_numbers_that_it_has() {
         let found = harness.query_all_by_label(key).count();
         assert_eq!(found > 0, is_there, "{key}");
     }
-    assert!(harness.state().wishes.is_empty(), "looking changes nothing");
+    assert!(
+        harness.state().overrides.is_empty(),
+        "looking changes nothing"
+    );
     select(&mut harness, "floor  ×2");
     assert_eq!(harness.state().choice.material, None);
 }

@@ -10,10 +10,10 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{Live, Origin, Reload, guard::guarded};
+use super::{Live, Origin, Reload, catch_panic::catch_panic};
 use crate::{
     app::{
-        params::{Declared, Tuned},
+        params::{DeclaredParameters, ParameterOverrides},
         scene::{load_options, source},
         watch::{Change, Changes},
     },
@@ -35,9 +35,9 @@ pub(super) type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
 pub(super) struct Read {
     pub(super) desc: Arc<SceneDesc>,
     pub(super) warnings: Vec<Diagnostic>,
-    pub(super) declared: Declared,
+    pub(super) declared: DeclaredParameters,
     /// What of the values laid over the parameters still fits them.
-    pub(super) tuned: Tuned,
+    pub(super) parameters: ParameterOverrides,
     /// The wanted frame, moved into the timeline.
     pub(super) frame: u32,
     /// For loading: what was read and looked for already.
@@ -46,14 +46,14 @@ pub(super) struct Read {
 
 /// What of what is shown goes on when another scene takes its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Keeps {
+pub struct Reuse {
     /// Models, images and other files.
     pub files: bool,
     /// Edits of materials.
     pub edits: bool,
 }
 
-impl Keeps {
+impl Reuse {
     /// Of two changes in one.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -65,7 +65,7 @@ impl Keeps {
 
 /// Reading the scene and posing its wanted frame, or posing another frame of a known scene.
 #[derive(Debug)]
-pub struct Errand {
+pub struct ReloadJob {
     work: Work,
     /// Whether it has come so far that it poses its frame.
     pub poses: Arc<AtomicBool>,
@@ -75,10 +75,10 @@ pub struct Errand {
 enum Work {
     Read {
         origin: Origin,
-        tuned: Tuned,
+        parameters: ParameterOverrides,
         texts: Trail,
         frame: u32,
-        keeps: Keeps,
+        keeps: Reuse,
     },
     Pose {
         desc: Arc<SceneDesc>,
@@ -99,8 +99,8 @@ pub(super) enum Outcome {
     /// The scene and its wanted frame.
     Read {
         read: Result<(Read, Pose), Vec<Diagnostic>>,
-        tuned: Tuned,
-        keeps: Keeps,
+        parameters: ParameterOverrides,
+        keeps: Reuse,
     },
     /// Another frame of this scene.
     Posed {
@@ -110,7 +110,7 @@ pub(super) enum Outcome {
     },
 }
 
-impl Errand {
+impl ReloadJob {
     fn new(work: Work) -> Self {
         let poses = Arc::new(AtomicBool::new(matches!(work, Work::Pose { .. })));
         Self { work, poses }
@@ -130,17 +130,17 @@ impl Errand {
         let outcome = match self.work {
             Work::Read {
                 origin,
-                tuned,
+                parameters,
                 texts,
                 frame,
                 keeps,
             } => Outcome::Read {
-                read: read(&origin, &tuned, &texts, frame).map(|read| {
+                read: read(&origin, &parameters, &texts, frame).map(|read| {
                     self.poses.store(true, Ordering::Relaxed);
                     let pose = pose_of(&read.desc, read.frame);
                     (read, pose)
                 }),
-                tuned,
+                parameters,
                 keeps,
             },
             Work::Pose { desc, frame } => Outcome::Posed {
@@ -161,38 +161,38 @@ impl Errand {
 /// added to `texts`.
 pub(super) fn read(
     origin: &Origin,
-    tuned: &Tuned,
+    parameters: &ParameterOverrides,
     texts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
     let file = origin.path.as_deref().unwrap_or(Path::new("atrium"));
-    guarded(file, || read_unguarded(origin, tuned, texts, frame))
+    catch_panic(file, || read_unguarded(origin, parameters, texts, frame))
 }
 
 fn read_unguarded(
     origin: &Origin,
-    tuned: &Tuned,
+    parameters: &ParameterOverrides,
     texts: &Trail,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
     let options = load_options(&origin.from, &Trail::default());
     let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
     let declared = parse::params(&text, &name, &origin.from.set);
-    let declared: Option<Declared> =
+    let declared: Option<DeclaredParameters> =
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
-    let mut tuned = tuned.clone();
+    let mut parameters = parameters.clone();
     if let Some(declared) = &declared {
-        tuned.keep_what_fits(declared);
+        parameters.keep_what_fits(declared);
     }
-    let overrides = [origin.from.set.as_slice(), &tuned.settings()].concat();
+    let overrides = [origin.from.set.as_slice(), &parameters.settings()].concat();
     let parsed = parse::parse_traced(&text, &name, &overrides, texts);
-    let (desc, warnings) = parsed.map_err(|mistakes| tuned.name_sliders(mistakes))?;
+    let (desc, warnings) = parsed.map_err(|mistakes| parameters.name_sliders(mistakes))?;
     let frame = within(&desc, frame);
     Ok(Read {
         desc: Arc::new(desc),
         warnings,
         declared: declared.unwrap_or_default(),
-        tuned,
+        parameters,
         frame,
         options,
     })
@@ -210,16 +210,16 @@ pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Pose {
         return Ok(None);
     }
     let file = (desc.script.as_ref()).map_or_else(|| desc.folder.clone(), |s| s.name().into());
-    guarded(&file, || motion.pose(frame).map(Some))
+    catch_panic(&file, || motion.pose(frame).map(Some))
 }
 
 impl Live {
     /// What changed files other than shaders need done, and what stays meanwhile; `None` without
     /// such.
-    pub fn after(changes: &Changes) -> Option<Keeps> {
+    pub fn after(changes: &Changes) -> Option<Reuse> {
         let of_scene = [Change::Scene, Change::Script, Change::Asset];
         let is_any = of_scene.iter().any(|change| changes.contains(change));
-        is_any.then(|| Keeps {
+        is_any.then(|| Reuse {
             files: !changes.contains(&Change::Asset),
             // Materials are written in the scene.
             edits: !changes.contains(&Change::Scene),
@@ -228,12 +228,12 @@ impl Live {
 
     /// Reading the scene that is on disk, at a frame. Scripts that it looks for are in [`Live::watch_list`] as
     /// soon as they are known.
-    pub fn reading(&mut self, keeps: Keeps, frame: u32) -> Errand {
+    pub fn reading(&mut self, keeps: Reuse, frame: u32) -> ReloadJob {
         self.read_since = SystemTime::now();
         self.ahead = Trail::default();
-        Errand::new(Work::Read {
+        ReloadJob::new(Work::Read {
             origin: self.origin.clone(),
-            tuned: self.asked().clone(),
+            parameters: self.asked().clone(),
             texts: self.ahead.clone(),
             frame,
             keeps,
@@ -242,7 +242,7 @@ impl Live {
 
     /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
     /// already.
-    pub fn posing(&self, frame: u32) -> Option<Errand> {
+    pub fn posing(&self, frame: u32) -> Option<ReloadJob> {
         let (desc, is_known) = if let Some(waiting) = &self.waiting {
             let frame = within(waiting.desc(), frame);
             (waiting.desc(), frame == waiting.frame())
@@ -253,7 +253,7 @@ impl Live {
             (&self.desc, is_known)
         };
         (!is_known).then(|| {
-            Errand::new(Work::Pose {
+            ReloadJob::new(Work::Pose {
                 frame: within(desc, frame),
                 desc: desc.clone(),
             })
@@ -269,11 +269,15 @@ impl Live {
             took,
         } = done;
         let mut reload = self.measured(|live, reload| match outcome {
-            Outcome::Read { read, tuned, keeps } => {
+            Outcome::Read {
+                read,
+                parameters,
+                keeps,
+            } => {
                 live.read_since = since;
-                let (is_trial, before) = (tuned != live.tuned, live.problems.clone());
+                let (is_trial, before) = (parameters != live.parameters, live.problems.clone());
                 live.take_scene(read, keeps, reload);
-                live.judge(&tuned, is_trial, before, reload);
+                live.judge(&parameters, is_trial, before, reload);
             }
             Outcome::Posed { desc, frame, pose } => live.take_pose(&desc, frame, pose, reload),
         });

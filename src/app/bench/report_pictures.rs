@@ -50,7 +50,7 @@ pub fn gallery(
     let mut reference = None;
     // The reference comes first: differences need it.
     for method in [Method::Rt, Method::Hybrid, Method::Ssr] {
-        let mut studio = Studio::new(gpu, subject, size, method)?;
+        let mut studio = RenderSession::new(gpu, subject, size, method)?;
         if method == Method::Rt {
             let settings = ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
@@ -74,13 +74,13 @@ pub fn gallery(
 }
 
 /// A renderer of one method with what it looks at.
-struct Studio<'a> {
+struct RenderSession<'a> {
     gpu: &'a Gpu,
     subject: &'a Subject,
     renderer: Renderer,
 }
 
-impl<'a> Studio<'a> {
+impl<'a> RenderSession<'a> {
     fn new(
         gpu: &'a Gpu,
         subject: &'a Subject,

@@ -12,9 +12,9 @@ use crate::{app::live::Problems, scene::diagnostic::Diagnostic};
 
 #[derive(Default)]
 struct State {
-    declared: Declared,
+    declared: DeclaredParameters,
     knobs: Knobs,
-    asked: Vec<Tuned>,
+    asked: Vec<ParameterOverrides>,
 }
 
 fn harness<'a>() -> Harness<'a, State> {
@@ -75,12 +75,12 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
 }
 
 /// Two parameters; the values `count = 60` and `speed = 2` were asked for, and before these `stays`.
-fn two<'a>() -> (Harness<'a, State>, Declared, Tuned) {
-    let declared: Declared = vec![
+fn two<'a>() -> (Harness<'a, State>, DeclaredParameters, ParameterOverrides) {
+    let declared: DeclaredParameters = vec![
         ("count".to_owned(), ParamValue::Integer(31)),
         ("speed".to_owned(), ParamValue::Number(0.5)),
     ];
-    let mut stays = Tuned::default();
+    let mut stays = ParameterOverrides::default();
     stays.set("count", ParamValue::Integer(40), &declared[0].1);
     let mut harness = harness();
     let state = harness.state_mut();
@@ -95,7 +95,7 @@ fn two<'a>() -> (Harness<'a, State>, Declared, Tuned) {
     (harness, declared, stays)
 }
 
-fn refusal(value: i64, stays: &Tuned) -> Refusal {
+fn refusal(value: i64, stays: &ParameterOverrides) -> Refusal {
     let why = Diagnostic::in_file("script", "walk.rhai".as_ref(), "at most 50 fit");
     Refusal {
         values: vec![("count".to_owned(), ParamValue::Integer(value))],
@@ -181,7 +181,7 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
         Some(&ParamValue::Integer(60)),
         "over it are 40"
     );
-    written.tuned = Tuned::default();
+    written.tuned = ParameterOverrides::default();
     written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
     assert_eq!(written, Knobs::default());
 }

@@ -5,8 +5,8 @@ use std::{path::PathBuf, time::Instant};
 use crate::{
     app::{
         live::{Edit, Live, Problems, Refusal, Reload},
-        numbered::numbered,
-        params::{Declared, Tuned},
+        params::{DeclaredParameters, ParameterOverrides},
+        unique_names::unique_names,
         watch::Changes,
     },
     bench::metric::Scores,
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-use super::{canvas::Canvas, look::Look, pick::Picked};
+use super::{frame_texture::FrameTexture, picking::Picked, view_channel::ViewChannel};
 
 /// One side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,12 +26,12 @@ pub struct Side {
     /// How reflections are found.
     pub method: Method,
     /// What of the frame.
-    pub look: Look,
+    pub look: ViewChannel,
 }
 
 /// From where a picture is taken.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Eye {
+pub enum ViewCamera {
     /// The scene's camera of this name, where it is in the view's frame.
     Through(String),
     /// One that a person moves.
@@ -42,7 +42,7 @@ pub enum Eye {
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// From where.
-    pub eye: Eye,
+    pub eye: ViewCamera,
     /// When: a frame of the timeline.
     pub frame: u32,
     /// Whether frames follow each other by themselves.
@@ -85,8 +85,8 @@ pub enum Task {
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(Tuned),
-    /// Look closer at a frame, once it is posed.
+    Tune(ParameterOverrides),
+    /// ViewChannel closer at a frame, once it is posed.
     Inspect(Inspection),
     /// Select no instance.
     Unpick,
@@ -94,7 +94,7 @@ pub enum Task {
 
 /// A picture to write.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shot {
+pub struct Screenshot {
     /// Where its file goes.
     pub folder: PathBuf,
     /// What the file's name begins with.
@@ -107,7 +107,7 @@ pub struct Shot {
 
 /// A light whose shadow maps can be looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Caster {
+pub struct ShadowCaster {
     /// Index into the world's lights.
     pub light: usize,
     /// Its name.
@@ -131,7 +131,7 @@ pub enum Inspect {
     /// Compare its method with `rt`; the number comes back with the answer.
     Judge(u64),
     /// Write what is shown of it.
-    Shot(Shot),
+    Screenshot(Screenshot),
     /// Select the instance at this part of the picture, from the top left.
     Pick([f32; 2]),
 }
@@ -147,17 +147,17 @@ pub struct Row {
     pub edit: Edit,
     /// How many instances have it.
     pub uses: usize,
-    /// Around those instances.
+    /// ReportContext those instances.
     pub bounds: Bounds,
 }
 
 /// What is known of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Facts {
+pub struct SceneSummary {
     /// The frames, where the scene has some.
     pub timeline: Option<TimelineDesc>,
     /// The script's parameters.
-    pub declared: Declared,
+    pub declared: DeclaredParameters,
     /// What the script printed.
     pub log: Vec<String>,
     /// Name and value of each camera, in the frame that is shown.
@@ -165,8 +165,8 @@ pub struct Facts {
     /// Parallel to the world's.
     pub materials: Vec<Row>,
     /// Lights with shadow maps.
-    pub casters: Vec<Caster>,
-    /// Around everything.
+    pub casters: Vec<ShadowCaster>,
+    /// ReportContext everything.
     pub bounds: Bounds,
     /// The scene's own method.
     pub method: Method,
@@ -180,7 +180,7 @@ pub struct Facts {
     pub warnings: Vec<Diagnostic>,
 }
 
-impl Facts {
+impl SceneSummary {
     /// Whether nothing stands in the scene.
     pub fn is_nothing(&self) -> bool {
         self.materials.iter().all(|row| row.uses == 0)
@@ -189,7 +189,7 @@ impl Facts {
     /// Those of a live scene.
     pub fn of(live: &Live) -> Self {
         let world = live.world();
-        let names = numbered(world.materials.iter().map(|m| m.name.as_str()));
+        let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
         let row = |(material, m): (usize, &crate::world::Material)| Row {
             name: names[material].clone(),
             numbers: *m.numbers(),
@@ -206,7 +206,7 @@ impl Facts {
             row.bounds = row.bounds.union(around);
             bounds = bounds.union(around);
         }
-        let lights = numbered(world.lights.iter().map(|light| light.name.as_str()));
+        let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));
         let dropped = live.renderer().plan().dropped.iter();
         Self {
             timeline: live.timeline().cloned(),
@@ -217,7 +217,7 @@ impl Facts {
                 .collect(),
             materials,
             casters: (world.lights.iter().enumerate())
-                .map(|(light, lamp)| Caster {
+                .map(|(light, lamp)| ShadowCaster {
                     light,
                     name: lights[light].clone(),
                     faces: shadow_faces(lamp),
@@ -246,18 +246,18 @@ pub struct Shown {
     /// The viewport that it was drawn for, pixels.
     pub size: [u32; 2],
     /// The left side, and the right one of a wipe.
-    pub sides: Vec<Drawn>,
+    pub sides: Vec<Visualization>,
     /// The selected instance, if it is still there.
     pub picked: Option<Picked>,
 }
 
 /// One side, drawn.
 #[derive(Clone, Debug)]
-pub struct Drawn {
+pub struct Visualization {
     /// What it shows.
-    pub look: Look,
+    pub look: ViewChannel,
     /// The picture.
-    pub canvas: Canvas,
+    pub canvas: FrameTexture,
     /// Of its frame.
     pub stats: FrameStats,
     /// What its colors mean, or why there is nothing; empty for finished pictures.
@@ -274,16 +274,16 @@ pub struct Judged {
     /// Whole frame.
     pub scores: Scores,
     /// FLIP per pixel.
-    pub heat: Canvas,
+    pub heat: FrameTexture,
 }
 
 /// What the rendering thread has to say.
 #[derive(Clone, Debug)]
 pub enum Report {
     /// The scene is another.
-    Facts(Box<Facts>),
+    SceneSummary(Box<SceneSummary>),
     /// What other parameters did.
-    Tuned(Reload),
+    ParameterOverrides(Reload),
     /// Parameters that do not work.
     Refused(Box<Refusal>),
     /// A reload, and from the first word of it to the new picture, milliseconds.

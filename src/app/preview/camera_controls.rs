@@ -15,7 +15,7 @@ const NOTCH: f32 = 0.12;
 
 /// A camera that a person moves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Navigator {
+pub struct CameraControls {
     /// Where it is.
     pub camera: CameraDesc,
     /// How fast it flies, meters a second.
@@ -24,7 +24,7 @@ pub struct Navigator {
     scale_m: f32,
 }
 
-impl Navigator {
+impl CameraControls {
     /// Starts at a camera of a scene of this size.
     pub fn new(camera: CameraDesc, bounds: &Bounds) -> Self {
         let scale_m = scale_of(bounds);
@@ -114,7 +114,7 @@ impl Navigator {
         self.speed_m = (self.speed_m * (notches * 0.2).exp()).clamp(range.0, range.1);
     }
 
-    /// Keeps the direction and goes where all of `bounds` is seen.
+    /// Reuse the direction and goes where all of `bounds` is seen.
     pub fn frame(&mut self, bounds: &Bounds, aspect: f32) {
         if bounds.is_empty() {
             return;
@@ -188,12 +188,12 @@ mod tests {
     use super::*;
     use crate::scene::parse;
 
-    fn navigator() -> Navigator {
+    fn navigator() -> CameraControls {
         let bounds = Bounds {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),
         };
-        Navigator::new(CameraDesc::default(), &bounds)
+        CameraControls::new(CameraDesc::default(), &bounds)
     }
 
     #[test]

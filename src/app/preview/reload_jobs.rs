@@ -10,11 +10,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{desk::Desk, facts::Report, worker::State};
+use super::{mailbox::Mailbox, protocol::Report, render_thread::State};
 use crate::{
     app::{
-        live::{Done, Errand, Keeps, Live, Reload},
-        params::Tuned,
+        live::{Done, Live, Reload, ReloadJob, Reuse},
+        params::ParameterOverrides,
         watch::{Changes, Watcher},
     },
     scene::script::Halt,
@@ -29,7 +29,7 @@ const GRACE: Duration = Duration::from_millis(300);
 /// Why the scene is read anew.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
-    keeps: Keeps,
+    keeps: Reuse,
     /// Since when a save is known; `None` for parameters.
     saved: Option<Instant>,
     /// What was done for the same changes already.
@@ -46,19 +46,19 @@ struct Running {
 }
 
 impl Running {
-    fn start(errand: Errand, desk: &Desk) -> Self {
-        let (frame, poses) = (errand.frame(), errand.poses.clone());
+    fn start(reload_job: ReloadJob, mailbox: &Mailbox) -> Self {
+        let (frame, poses) = (reload_job.frame(), reload_job.poses.clone());
         let (sender, answer) = mpsc::channel();
         let halt = Halt::default();
-        let (own, desk) = (halt.clone(), desk.clone());
-        let errand = Arc::new(Mutex::new(Some(errand)));
-        let shared = errand.clone();
+        let (own, mailbox) = (halt.clone(), mailbox.clone());
+        let reload_job = Arc::new(Mutex::new(Some(reload_job)));
+        let shared = reload_job.clone();
         let work = move || {
-            let errand = shared.lock().unwrap_or_else(PoisonError::into_inner).take();
-            let done = errand.map(|errand| own.over(|| errand.run()));
+            let reload_job = shared.lock().unwrap_or_else(PoisonError::into_inner).take();
+            let done = reload_job.map(|reload_job| own.over(|| reload_job.run()));
             // Nobody waits for one that was halted.
             if done.is_some_and(|done| sender.send(done).is_ok()) {
-                desk.wake();
+                mailbox.wake();
             }
         };
         let thread = thread::Builder::new().name("errand".into());
@@ -96,7 +96,7 @@ impl Drop for Running {
 
 /// What runs, and what waits for it.
 #[derive(Default)]
-pub(super) struct Errands {
+pub(super) struct ReloadJobs {
     wanted: Option<Wanted>,
     reading: Option<(Running, Wanted)>,
     posing: Option<Running>,
@@ -106,7 +106,7 @@ pub(super) struct Errands {
     look: Option<Instant>,
 }
 
-impl Errands {
+impl ReloadJobs {
     fn want(&mut self, new: Wanted) {
         self.wanted = Some(match self.wanted.take() {
             Some(old) => old.then(new),
@@ -144,7 +144,7 @@ impl State {
     pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
         let before = self.live.reload_shaders(changes);
         match Live::after(changes) {
-            Some(keeps) => self.errands.want(Wanted {
+            Some(keeps) => self.reload_jobs.want(Wanted {
                 keeps,
                 saved: Some(since),
                 before,
@@ -157,10 +157,10 @@ impl State {
     }
 
     /// Has the scene read with other parameters.
-    pub(super) fn tune(&mut self, tuned: Tuned) {
+    pub(super) fn tune(&mut self, tuned: ParameterOverrides) {
         self.live.tune(tuned);
-        self.errands.want(Wanted {
-            keeps: Keeps {
+        self.reload_jobs.want(Wanted {
+            keeps: Reuse {
                 files: true,
                 edits: true,
             },
@@ -174,24 +174,24 @@ impl State {
 
     /// When there is something to do though nobody asks for anything.
     pub(super) fn until(&self) -> Option<Instant> {
-        let is_behind = self.errands.posing.is_none()
+        let is_behind = self.reload_jobs.posing.is_none()
             && (self.wanted()).is_some_and(|(frame, _)| self.live.posing(frame).is_some());
         if is_behind {
             Some(Instant::now())
         } else {
-            self.errands.look
+            self.reload_jobs.look
         }
     }
 
     /// Starts what is wanted and takes over what is done; whether there is something new to see.
-    pub(super) fn errands(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> bool {
-        self.errands.look = None;
+    pub(super) fn reload_jobs(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
+        self.reload_jobs.look = None;
         let mut is_new = false;
-        while let Some(is_shown) = self.read_scene(desk, watcher) {
+        while let Some(is_shown) = self.read_scene(mailbox, watcher) {
             is_new |= is_shown;
         }
-        is_new |= self.pose(desk, watcher);
-        let (reading, posing) = (&self.errands.reading, &self.errands.posing);
+        is_new |= self.pose(mailbox, watcher);
+        let (reading, posing) = (&self.reload_jobs.reading, &self.reload_jobs.posing);
         let since = [
             reading.as_ref().map(|(running, _)| running.started),
             posing.as_ref().map(|running| running.started),
@@ -199,60 +199,60 @@ impl State {
         let since = since.into_iter().flatten().min();
         if reading.is_some() {
             // What it imports may be mended while it runs, and is looked for one by one.
-            self.errands.look_at(Instant::now() + GRACE);
+            self.reload_jobs.look_at(Instant::now() + GRACE);
             if self.live.watch_list().0 != self.watched {
                 self.watch(watcher);
             }
         }
-        if since != self.errands.told {
-            self.errands.told = since;
+        if since != self.reload_jobs.told {
+            self.reload_jobs.told = since;
             self.tell(Report::Script(since));
         }
         is_new
     }
 
     /// Whether a scene that was read is shown; `None` while there is none.
-    fn read_scene(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> Option<bool> {
+    fn read_scene(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> Option<bool> {
         let (frame, plays) = self.wanted().unwrap_or((0, false));
-        if let Some((running, of)) = self.errands.reading.take() {
+        if let Some((running, of)) = self.reload_jobs.reading.take() {
             let is_left = !plays && running.poses_other(frame);
-            if is_left && !self.errands.has_grace(&running) {
-                let wanted = self.errands.wanted.take();
-                self.errands.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
+            if is_left && !self.reload_jobs.has_grace(&running) {
+                let wanted = self.reload_jobs.wanted.take();
+                self.reload_jobs.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
             } else {
-                self.errands.reading = Some((running, of));
+                self.reload_jobs.reading = Some((running, of));
             }
         }
-        if let Some(wanted) = self.errands.wanted.take() {
-            let old = self.errands.reading.take();
+        if let Some(wanted) = self.reload_jobs.wanted.take() {
+            let old = self.reload_jobs.reading.take();
             match old {
                 Some((running, of))
-                    if wanted.saved.is_none() && self.errands.has_grace(&running) =>
+                    if wanted.saved.is_none() && self.reload_jobs.has_grace(&running) =>
                 {
-                    self.errands.reading = Some((running, of));
-                    self.errands.wanted = Some(wanted);
+                    self.reload_jobs.reading = Some((running, of));
+                    self.reload_jobs.wanted = Some(wanted);
                 }
                 old => {
                     let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
-                    let errand = self.live.reading(wanted.keeps, frame);
-                    self.errands.reading = Some((Running::start(errand, desk), wanted));
+                    let reload_job = self.live.reading(wanted.keeps, frame);
+                    self.reload_jobs.reading = Some((Running::start(reload_job, mailbox), wanted));
                 }
             }
         }
-        let (running, wanted) = self.errands.reading.as_ref()?;
+        let (running, wanted) = self.reload_jobs.reading.as_ref()?;
         let (done, wanted) = (running.answer()?, *wanted);
-        self.errands.reading = None;
-        self.errands.posing = None; // of the scene before
+        self.reload_jobs.reading = None;
+        self.reload_jobs.posing = None; // of the scene before
         let reload = wanted.before.and(self.live.take(done));
         if self.live.reads_again() {
-            self.errands.want(wanted);
+            self.reload_jobs.want(wanted);
             return Some(false);
         }
         self.watch(watcher);
         let refusal = self.live.refusal();
         match (&refusal, wanted.saved) {
             (_, Some(since)) => self.reloads.push((reload, since)),
-            (None, None) => self.tell(Report::Tuned(reload)),
+            (None, None) => self.tell(Report::ParameterOverrides(reload)),
             (Some(_), None) => {}
         }
         if let Some(refusal) = refusal {
@@ -271,24 +271,24 @@ impl State {
 
     /// Goes to the wanted frame; what is wrong there is told, and told again when it is over.
     /// Whether another frame is shown.
-    fn pose(&mut self, desk: &Desk, watcher: Option<&Watcher>) -> bool {
+    fn pose(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
         let Some((frame, plays)) = self.wanted() else {
             return false;
         };
-        let errand = self.live.posing(frame);
-        let wanted = errand.as_ref().map(Errand::frame);
-        let old = self.errands.posing.take();
+        let reload_job = self.live.posing(frame);
+        let wanted = reload_job.as_ref().map(ReloadJob::frame);
+        let old = self.reload_jobs.posing.take();
         // What plays shows each frame that is ready, however late.
-        let goes_on = |old: &Running, errands: &mut Errands| {
-            plays || wanted == Some(old.frame) || (wanted.is_some() && errands.has_grace(old))
+        let goes_on = |old: &Running, reload_jobs: &mut ReloadJobs| {
+            plays || wanted == Some(old.frame) || (wanted.is_some() && reload_jobs.has_grace(old))
         };
-        let old = old.filter(|old| goes_on(old, &mut self.errands));
-        let new = |errand| Running::start(errand, desk);
-        self.errands.posing = old.or_else(|| errand.map(new));
-        let Some(done) = self.errands.posing.as_ref().and_then(Running::answer) else {
+        let old = old.filter(|old| goes_on(old, &mut self.reload_jobs));
+        let new = |reload_job| Running::start(reload_job, mailbox);
+        self.reload_jobs.posing = old.or_else(|| reload_job.map(new));
+        let Some(done) = self.reload_jobs.posing.as_ref().and_then(Running::answer) else {
             return false;
         };
-        self.errands.posing = None;
+        self.reload_jobs.posing = None;
         let before = self.live.problems.clone();
         let is_shown = self.live.take(done).ok;
         if self.live.problems != before {

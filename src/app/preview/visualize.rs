@@ -1,10 +1,10 @@
 //! How each texture that can be looked at becomes a picture, and what its colors mean.
 
 use super::{
-    canvas::Canvas,
-    facts::{Drawn, Side, View},
-    look::{Cast, Look},
-    worker::State,
+    frame_texture::FrameTexture,
+    protocol::{Side, View, Visualization},
+    render_thread::State,
+    view_channel::{ShadowMapChoice, ViewChannel},
 };
 use crate::{
     app::aov,
@@ -44,23 +44,23 @@ impl State {
         side: Side,
         view: &View,
         stats: FrameStats,
-        old: Option<Canvas>,
-    ) -> Result<Drawn, RenderError> {
+        old: Option<FrameTexture>,
+    ) -> Result<Visualization, RenderError> {
         let display = self.live.renderer().targets().texture(Target::Display);
         let (canvas, legend) = match (side.look, display) {
-            (Look::Picture, Some(display)) => {
-                let canvas = Canvas::of_size(&self.gpu, old, stats.size)?;
+            (ViewChannel::Picture, Some(display)) => {
+                let canvas = FrameTexture::of_size(&self.gpu, old, stats.size)?;
                 canvas.copy(&self.gpu, display)?;
                 (canvas, String::new())
             }
             (look, _) => {
                 let (pixels, legend) = self.pixels(look, view)?;
-                let canvas = Canvas::of_size(&self.gpu, old, pixels.size)?;
+                let canvas = FrameTexture::of_size(&self.gpu, old, pixels.size)?;
                 canvas.write(&self.gpu, &pixels.rgba);
                 (canvas, legend)
             }
         };
-        Ok(Drawn {
+        Ok(Visualization {
             look: side.look,
             canvas,
             stats,
@@ -69,20 +69,24 @@ impl State {
     }
 
     /// What of the frame that was rendered last is looked at, and what its colors mean.
-    pub(super) fn pixels(&self, look: Look, view: &View) -> Result<(Pixels, String), RenderError> {
+    pub(super) fn pixels(
+        &self,
+        look: ViewChannel,
+        view: &View,
+    ) -> Result<(Pixels, String), RenderError> {
         let renderer = self.live.renderer();
         let size = renderer.targets().size;
         match look {
-            Look::Picture => {
+            ViewChannel::Picture => {
                 let rgba = renderer.read(&self.gpu, Target::Display)?;
                 Ok((Pixels { size, rgba }, String::new()))
             }
-            Look::Aov(aov) => {
+            ViewChannel::Aov(aov) => {
                 let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
                 let rgba = aov::view(&plane);
                 Ok((Pixels { size, rgba }, meaning(aov, &plane)))
             }
-            Look::Rays => {
+            ViewChannel::Rays => {
                 let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
                 let rays = renderer.ray_list(&self.gpu)?;
                 let list = rays.as_deref().unwrap_or_default();
@@ -98,11 +102,11 @@ impl State {
                 };
                 Ok((Pixels { size, rgba }, legend))
             }
-            Look::Shadow(cast) => Ok(self.shadow(cast)?),
+            ViewChannel::Shadow(cast) => Ok(self.shadow(cast)?),
         }
     }
 
-    fn shadow(&self, cast: Cast) -> Result<(Pixels, String), GpuError> {
+    fn shadow(&self, cast: ShadowMapChoice) -> Result<(Pixels, String), GpuError> {
         let (world, renderer) = (self.live.world(), self.live.renderer());
         let read = |face| renderer.shadow_map(&self.gpu, world, cast.light, face);
         let light = world.lights.get(cast.light);

@@ -5,11 +5,12 @@ use std::iter;
 use eframe::egui::{self, Ui};
 
 use super::{
-    facts::{Judged, Task},
-    materials, messages,
-    navigate::as_text,
-    panels::{self, Wish},
-    tuning,
+    camera_controls::as_text,
+    material_panel,
+    panels::{self, ViewRequest},
+    parameter_panel,
+    protocol::{Judged, Task},
+    status_bar,
     window::Window,
 };
 
@@ -22,20 +23,20 @@ impl Window {
         as_text(&name.unwrap_or_default(), &self.navigator.camera)
     }
 
-    pub(super) fn side_panel(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    pub(super) fn side_panel(&mut self, ui: &mut Ui, overrides: &mut Vec<ViewRequest>) {
         let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
         area.show(ui, |ui| {
             // Beside the scroll bar.
             ui.set_max_width(ui.available_width() - 8.0);
             // First what is dragged: nothing above it changes its height by itself.
-            if tuning::params(ui, &self.facts.declared, &mut self.knobs) {
-                wishes.push(Wish::Tune(self.knobs.tuned.clone()));
+            if parameter_panel::params(ui, &self.facts.declared, &mut self.knobs) {
+                overrides.push(ViewRequest::Tune(self.knobs.tuned.clone()));
             }
             let before = self.choice.material;
             let picked = self.picked.as_ref();
-            materials::panel(ui, &mut self.choice, &self.facts, picked, wishes);
+            material_panel::panel(ui, &mut self.choice, &self.facts, picked, overrides);
             if self.choice.material != before && picked.is_some() {
-                self.worker.desk.ask(Task::Unpick);
+                self.worker.mailbox.ask(Task::Unpick);
             }
             let is_old = match (&self.judged, &self.asked) {
                 (Some(Judged { view: then, .. }), Some(now)) => !then.shows_what(now),
@@ -48,8 +49,8 @@ impl Window {
                 panels::shares(ui, &side.stats, &self.history);
                 panels::times(ui, &side.stats, &self.history);
             }
-            messages::log(ui, &self.facts.log);
-            messages::scene(ui, &self.facts);
+            status_bar::log(ui, &self.facts.log);
+            status_bar::scene(ui, &self.facts);
             egui::CollapsingHeader::new("Camera as scene text").show(ui, |ui| {
                 ui.monospace(self.camera_text());
             });

@@ -2,9 +2,9 @@
 //! seen of it.
 
 use super::{
-    canvas::Canvas,
-    facts::{Report, View},
-    worker::State,
+    frame_texture::FrameTexture,
+    protocol::{Report, View},
+    render_thread::State,
 };
 use crate::{
     math::Bounds,
@@ -33,12 +33,12 @@ pub struct Picked {
     pub label: String,
     /// Index into the world's materials.
     pub material: usize,
-    /// Around it in world space; empty while it is hidden.
+    /// ReportContext it in world space; empty while it is hidden.
     pub bounds: Bounds,
     /// Of its mesh.
     pub triangles: usize,
     /// The line around what is seen of it, as large as the picture; `None` where nothing is.
-    pub outline: Option<Canvas>,
+    pub outline: Option<FrameTexture>,
 }
 
 impl Mark {
@@ -120,7 +120,7 @@ impl State {
         let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
         let outline = match outline(&inside, size, radius) {
             Some(rgba) => {
-                let canvas = Canvas::of_size(&self.gpu, self.outline.take(), size)?;
+                let canvas = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
                 canvas.write(&self.gpu, &rgba);
                 self.outline = Some(canvas.clone());
                 Some(canvas)
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(Mark::of(&old, u32::MAX as usize), None, "the sky");
     }
 
-    /// Around a square: the square stays free, the line follows it at its distance, and far away
+    /// ReportContext a square: the square stays free, the line follows it at its distance, and far away
     /// there is nothing.
     #[test]
     fn the_outline_runs_around_and_covers_nothing_of_it() {

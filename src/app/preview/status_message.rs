@@ -67,7 +67,7 @@ impl Note {
         }
     }
 
-    /// Keeps it for a while longer: somebody reads it.
+    /// Reuse it for a while longer: somebody reads it.
     pub fn linger(&mut self) {
         self.since = None;
     }

@@ -2,10 +2,10 @@
 //! the left side's method with `rt`.
 
 use super::{
-    canvas::Canvas,
-    drawn::Pixels,
-    facts::{Inspect, Inspection, Judged, Report, View},
-    worker::State,
+    frame_texture::FrameTexture,
+    protocol::{Inspect, Inspection, Judged, Report, View},
+    render_thread::State,
+    visualize::Pixels,
 };
 use crate::{
     bench::{
@@ -34,7 +34,7 @@ impl State {
             let done = match with {
                 Inspect::Judge(edits) => self.judge(view, edits),
                 Inspect::Pick(at) => self.pick(&view, at),
-                Inspect::Shot(shot) => {
+                Inspect::Screenshot(shot) => {
                     self.shoot(&view, &shot);
                     Ok(())
                 }
@@ -75,7 +75,7 @@ impl State {
         };
         let maps = Maps::of(&pair);
         let old = self.heat.take().map(|(canvas, _)| canvas);
-        let heat = Canvas::of_size(&self.gpu, old, size)?;
+        let heat = FrameTexture::of_size(&self.gpu, old, size)?;
         let rgb = flip::heat(&maps.flip);
         let rgba: Vec<u8> = rgb
             .chunks_exact(3)

@@ -4,11 +4,11 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::{mistakes::Mistake, panels::named};
+use super::{diagnostics_panel::Mistake, panels::named};
 use crate::{
     app::{
         live::Refusal,
-        params::{Declared, Tuned, same_kind, setting},
+        params::{DeclaredParameters, ParameterOverrides, same_kind, setting},
     },
     scene::{desc::ParamValue, parse::range::LIMIT},
 };
@@ -17,7 +17,7 @@ use crate::{
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knobs {
     /// Laid over the scene's own values.
-    pub tuned: Tuned,
+    pub tuned: ParameterOverrides,
     /// Values that do not work: their controls show them, but the picture has what `tuned` has.
     refused: Vec<Refused>,
 }
@@ -54,7 +54,7 @@ impl Knobs {
     }
 
     /// Marks values that were refused, where no others were chosen since.
-    pub fn refuse(&mut self, refusal: Refusal, declared: &Declared) {
+    pub fn refuse(&mut self, refusal: Refusal, declared: &DeclaredParameters) {
         let Refusal { values, stays, why } = refusal;
         let mut marked = Vec::new();
         for (name, value) in values {
@@ -75,7 +75,7 @@ impl Knobs {
     }
 
     /// Forgets what the parameters of a scene that was read again no longer leave room for.
-    pub fn keep_what_fits(&mut self, declared: &Declared) {
+    pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
         self.tuned.keep_what_fits(declared);
         let tuned = self.tuned.clone();
         self.forget_refused(|name, value| {
@@ -89,7 +89,7 @@ impl Knobs {
 }
 
 /// The panel; whether other values are to be laid over the scene's.
-pub fn params(ui: &mut Ui, declared: &Declared, knobs: &mut Knobs) -> bool {
+pub fn params(ui: &mut Ui, declared: &DeclaredParameters, knobs: &mut Knobs) -> bool {
     if declared.is_empty() {
         return false;
     }
@@ -138,7 +138,7 @@ fn label(ui: &Ui, knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
 }
 
 /// Values that do not work, why, and what the picture has; whether somebody decided about them.
-fn refused(ui: &mut Ui, index: usize, declared: &Declared, knobs: &mut Knobs) -> bool {
+fn refused(ui: &mut Ui, index: usize, declared: &DeclaredParameters, knobs: &mut Knobs) -> bool {
     let all = knobs.refused[index].clone();
     let line = |values: &[(String, ParamValue)]| {
         let texts: Vec<_> = values.iter().map(|(name, v)| setting(name, v)).collect();
@@ -238,5 +238,5 @@ fn range(own: f64, around: f64) -> RangeInclusive<f64> {
 }
 
 #[cfg(test)]
-#[path = "tuning_tests.rs"]
+#[path = "parameter_panel_tests.rs"]
 mod tests;

@@ -2,7 +2,7 @@
 //! over with it, or refused so that everything goes on with the values before.
 
 use super::{Live, Problems, Reload};
-use crate::{app::params::Tuned, scene::desc::ParamValue};
+use crate::{app::params::ParameterOverrides, scene::desc::ParamValue};
 
 /// Values that do not work.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct Refusal {
     /// Names and values.
     pub values: Vec<(String, ParamValue)>,
     /// What is laid over the parameters all the same.
-    pub stays: Tuned,
+    pub stays: ParameterOverrides,
     /// What is wrong with them.
     pub why: Problems,
 }
@@ -19,9 +19,9 @@ pub struct Refusal {
 #[derive(Clone, Debug)]
 enum Trial {
     /// Laid over the next reading.
-    Wanted(Tuned),
+    Wanted(ParameterOverrides),
     /// It failed; whether that is their fault is seen by reading without them.
-    Doubted(Tuned, Box<Problems>),
+    Doubted(ParameterOverrides, Box<Problems>),
 }
 
 /// What was asked for, and what is to be told of it.
@@ -36,15 +36,15 @@ pub(super) struct Trials {
 impl Live {
     /// Lays other values over the script's parameters, for the next [`Live::reading`]. Those that
     /// work stay; for those that do not, see [`Live::refusal`].
-    pub fn tune(&mut self, tuned: Tuned) {
-        self.trials.now = Some(Trial::Wanted(tuned));
+    pub fn tune(&mut self, parameters: ParameterOverrides) {
+        self.trials.now = Some(Trial::Wanted(parameters));
     }
 
     /// What the next reading lays over the parameters.
-    pub(super) fn asked(&self) -> &Tuned {
+    pub(super) fn asked(&self) -> &ParameterOverrides {
         match &self.trials.now {
-            Some(Trial::Wanted(tuned)) => tuned,
-            _ => &self.tuned,
+            Some(Trial::Wanted(parameters)) => parameters,
+            _ => &self.parameters,
         }
     }
 
@@ -63,7 +63,7 @@ impl Live {
     /// there were these problems.
     pub(super) fn judge(
         &mut self,
-        asked: &Tuned,
+        asked: &ParameterOverrides,
         is_trial: bool,
         before: Problems,
         reload: &Reload,
@@ -83,24 +83,24 @@ impl Live {
                     now // newer ones
                 }
             }
-            Some(Trial::Doubted(tuned, why)) if is_readable => {
-                self.refuse(&tuned, *why);
+            Some(Trial::Doubted(parameters, why)) if is_readable => {
+                self.refuse(&parameters, *why);
                 None
             }
-            Some(Trial::Doubted(tuned, _)) => Some(Trial::Wanted(tuned)),
+            Some(Trial::Doubted(parameters, _)) => Some(Trial::Wanted(parameters)),
             now => now.filter(|_| !is_wanted),
         };
     }
 
-    fn refuse(&mut self, tuned: &Tuned, why: Problems) {
+    fn refuse(&mut self, parameters: &ParameterOverrides, why: Problems) {
         let values: Vec<_> = (self.declared.iter())
-            .map(|(name, own)| (name, tuned.get(name).unwrap_or(own), own))
-            .filter(|(name, value, own)| *value != self.tuned.get(name).unwrap_or(own))
+            .map(|(name, own)| (name, parameters.get(name).unwrap_or(own), own))
+            .filter(|(name, value, own)| *value != self.parameters.get(name).unwrap_or(own))
             .map(|(name, value, _)| (name.clone(), value.clone()))
             .collect();
         self.trials.refusal = (!values.is_empty()).then(|| Refusal {
             values,
-            stays: self.tuned.clone(),
+            stays: self.parameters.clone(),
             why,
         });
     }

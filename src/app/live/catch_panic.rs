@@ -10,7 +10,7 @@ use std::{
 use crate::scene::diagnostic::Diagnostic;
 
 /// What the work on this file gives, or that it panicked.
-pub(super) fn guarded<T>(
+pub(super) fn catch_panic<T>(
     file: &Path,
     work: impl FnOnce() -> Result<T, Vec<Diagnostic>>,
 ) -> Result<T, Vec<Diagnostic>> {
@@ -36,9 +36,9 @@ mod tests {
     #[test]
     fn a_panic_is_a_message_about_the_file() {
         let path = Path::new("scenes/a.toml");
-        let wrong = guarded::<()>(path, || panic!("the count is {}", 3)).expect_err("panics");
+        let wrong = catch_panic::<()>(path, || panic!("the count is {}", 3)).expect_err("panics");
         assert_eq!(wrong[0].file.as_deref(), Some(path));
         assert_eq!(wrong[0].message, "this is a bug in Reflet: the count is 3");
-        assert_eq!(guarded(path, || Ok(5)), Ok(5));
+        assert_eq!(catch_panic(path, || Ok(5)), Ok(5));
     }
 }

@@ -6,9 +6,9 @@ use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
 use super::{
-    facts::{Facts, Row},
-    panels::{Choice, Wish, named},
-    pick::Picked,
+    panels::{Choice, ViewRequest, named},
+    picking::Picked,
+    protocol::{Row, SceneSummary},
 };
 use crate::{
     app::live::Edit,
@@ -26,9 +26,9 @@ const SPEED: f32 = 0.01;
 pub fn panel(
     ui: &mut Ui,
     choice: &mut Choice,
-    facts: &Facts,
+    facts: &SceneSummary,
     picked: Option<&Picked>,
-    wishes: &mut Vec<Wish>,
+    overrides: &mut Vec<ViewRequest>,
 ) {
     let header = egui::CollapsingHeader::new("Materials").default_open(true);
     let shown = (header.open(choice.reveals.then_some(true))).show(ui, |ui| {
@@ -43,7 +43,7 @@ pub fn panel(
         };
         let edit = numbers(ui, row);
         if edit != row.edit {
-            wishes.push(Wish::Edit(edit));
+            overrides.push(ViewRequest::Edit(edit));
         }
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
@@ -59,7 +59,7 @@ pub fn panel(
     }
 }
 
-fn list(ui: &mut Ui, choice: &mut Choice, facts: &Facts) {
+fn list(ui: &mut Ui, choice: &mut Choice, facts: &SceneSummary) {
     let area = egui::ScrollArea::vertical().id_salt("materials");
     area.max_height(110.0).show(ui, |ui| {
         for row in &facts.materials {
@@ -204,5 +204,5 @@ fn scene_text(material: &MaterialDesc) -> String {
 }
 
 #[cfg(test)]
-#[path = "materials_tests.rs"]
+#[path = "material_panel_tests.rs"]
 mod tests;

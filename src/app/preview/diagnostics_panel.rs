@@ -13,7 +13,7 @@ use crate::{
 /// height.
 const MOST: egui::Vec2 = vec2(860.0, 220.0);
 const MOST_PART: f32 = 0.4;
-/// Around the list, and inside of its frame, points.
+/// ReportContext the list, and inside of its frame, points.
 const MARGIN: f32 = 8.0;
 
 /// A mistake for people.

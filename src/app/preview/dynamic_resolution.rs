@@ -3,7 +3,7 @@
 
 /// Of pictures so far.
 #[derive(Clone, Copy, Debug)]
-pub struct Cost {
+pub struct FrameCost {
     fixed_ms: f64,
     pixel_ms: f64,
     /// Pixels and milliseconds of the last picture, and of the last of another size.
@@ -11,7 +11,7 @@ pub struct Cost {
     other: Option<(f64, f64)>,
 }
 
-impl Default for Cost {
+impl Default for FrameCost {
     /// A guess for the first picture.
     fn default() -> Self {
         Self {
@@ -23,7 +23,7 @@ impl Default for Cost {
     }
 }
 
-impl Cost {
+impl FrameCost {
     /// Learns from a picture of so many pixels, sub-frames counted.
     pub fn learn(&mut self, pixels: f64, ms: f64) {
         if let Some(last) = self.last
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn both_parts_are_found_from_two_sizes() {
         let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
-        let mut cost = Cost::default();
+        let mut cost = FrameCost::default();
         for pixels in [270_000.0, 67_500.0, 67_500.0] {
             cost.learn(pixels, truth(pixels));
         }
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_scene_that_changes_is_learned_anew() {
-        let mut cost = Cost::default();
+        let mut cost = FrameCost::default();
         for pixels in [1e5, 2.5e4, 1e5] {
             cost.learn(pixels, 10.0 + 1e-3 * pixels);
         }

@@ -16,7 +16,7 @@ pub fn canonical(path: &Path) -> PathBuf {
 }
 
 /// The file's own place and those of the links on the way to it, each with a folder that is no link.
-pub fn places(name: &Path) -> Vec<PathBuf> {
+pub fn resolved_paths(name: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());
     for _ in 0..MOST_LINKS {

@@ -3,34 +3,34 @@
 use eframe::egui::{self, Ui};
 
 use super::{
-    facts::{Caster, Side},
     panels::METHODS,
+    protocol::{ShadowCaster, Side},
 };
 use crate::render::{aov::Aov, debug_readback::CUBE_FACES};
 
 /// What of a frame is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
+pub enum ViewChannel {
     /// The finished picture.
     Picture,
     /// An intermediate one.
     Aov(Aov),
     /// The shadow map of a light.
-    Shadow(Cast),
+    Shadow(ShadowMapChoice),
     /// The pixels that were traced, by their place in the list.
     Rays,
 }
 
 /// Which shadow map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cast {
+pub struct ShadowMapChoice {
     /// Index into the world's lights.
     pub light: usize,
     /// Face of a point light's cube; `None` unfolds all six.
     pub face: Option<usize>,
 }
 
-impl Look {
+impl ViewChannel {
     /// Name in menus.
     pub fn name(self) -> &'static str {
         match self {
@@ -47,8 +47,8 @@ impl Look {
     }
 
     /// Whether it is a cube with all its faces.
-    pub fn is_cross(self, casters: &[Caster]) -> bool {
-        let Self::Shadow(Cast { light, face: None }) = self else {
+    pub fn is_cross(self, casters: &[ShadowCaster]) -> bool {
+        let Self::Shadow(ShadowMapChoice { light, face: None }) = self else {
             return false;
         };
         let mut of = casters.iter().filter(|caster| caster.light == light);
@@ -56,14 +56,14 @@ impl Look {
     }
 
     /// The same in another scene, by the light's name; the picture where that has no map now.
-    pub fn after(self, old: &[Caster], new: &[Caster]) -> Self {
+    pub fn after(self, old: &[ShadowCaster], new: &[ShadowCaster]) -> Self {
         let Self::Shadow(cast) = self else {
             return self;
         };
         let name = old.iter().find(|c| c.light == cast.light).map(|c| &c.name);
         let found = new.iter().find(|c| Some(&c.name) == name);
         found.map_or(Self::Picture, |caster| {
-            Self::Shadow(Cast {
+            Self::Shadow(ShadowMapChoice {
                 light: caster.light,
                 face: cast.face.filter(|face| *face < caster.faces),
             })
@@ -75,7 +75,7 @@ impl Look {
 pub const MENU: f32 = 96.0;
 
 /// Method and texture of one side.
-pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, casters: &[Caster]) {
+pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, casters: &[ShadowCaster]) {
     for (method, name) in METHODS {
         ui.selectable_value(&mut side.method, method, name);
     }
@@ -87,20 +87,21 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, casters: &[Caster]) {
         .show_ui(ui, |ui| textures(ui, &mut side.look, casters))
         .response
         .on_hover_text("the picture, or a texture that it was made from");
-    if let Look::Shadow(cast) = &mut side.look {
+    if let ViewChannel::Shadow(cast) = &mut side.look {
         shadow_menu(ui, id, cast, casters);
     }
 }
 
 /// The list of everything that can be looked at.
-fn textures(ui: &mut Ui, look: &mut Look, casters: &[Caster]) {
-    let all = std::iter::once(Look::Picture).chain(Aov::ALL.into_iter().map(Look::Aov));
-    for other in all.chain([Look::Rays]) {
+fn textures(ui: &mut Ui, look: &mut ViewChannel, casters: &[ShadowCaster]) {
+    let all =
+        std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));
+    for other in all.chain([ViewChannel::Rays]) {
         ui.selectable_value(look, other, other.name());
     }
-    let is_shadow = matches!(look, Look::Shadow(_));
+    let is_shadow = matches!(look, ViewChannel::Shadow(_));
     let first = casters.first().map(|caster| {
-        Look::Shadow(Cast {
+        ViewChannel::Shadow(ShadowMapChoice {
             light: caster.light,
             face: None,
         })
@@ -115,7 +116,7 @@ fn textures(ui: &mut Ui, look: &mut Look, casters: &[Caster]) {
 }
 
 /// Which light, and which face of its cube.
-fn shadow_menu(ui: &mut Ui, id: &str, cast: &mut Cast, casters: &[Caster]) {
+fn shadow_menu(ui: &mut Ui, id: &str, cast: &mut ShadowMapChoice, casters: &[ShadowCaster]) {
     let now = casters.iter().find(|caster| caster.light == cast.light);
     let label = ui.weak("of");
     let menu = egui::ComboBox::from_id_salt((id, "light"))
@@ -124,7 +125,7 @@ fn shadow_menu(ui: &mut Ui, id: &str, cast: &mut Cast, casters: &[Caster]) {
             for caster in casters {
                 let is_now = caster.light == cast.light;
                 if ui.selectable_label(is_now, &caster.name).clicked() {
-                    *cast = Cast {
+                    *cast = ShadowMapChoice {
                         light: caster.light,
                         face: cast.face.filter(|face| *face < caster.faces),
                     };
@@ -155,22 +156,22 @@ mod tests {
     use super::*;
     use crate::scene::desc::Method;
 
-    fn caster(light: usize, name: &str, faces: usize) -> Caster {
-        Caster {
+    fn caster(light: usize, name: &str, faces: usize) -> ShadowCaster {
+        ShadowCaster {
             light,
             name: name.to_owned(),
             faces,
         }
     }
 
-    fn shadow(light: usize, face: Option<usize>) -> Look {
-        Look::Shadow(Cast { light, face })
+    fn shadow(light: usize, face: Option<usize>) -> ViewChannel {
+        ViewChannel::Shadow(ShadowMapChoice { light, face })
     }
 
-    fn harness<'a>(casters: Vec<Caster>) -> Harness<'a, Side> {
+    fn harness<'a>(casters: Vec<ShadowCaster>) -> Harness<'a, Side> {
         let side = Side {
             method: Method::Hybrid,
-            look: Look::Picture,
+            look: ViewChannel::Picture,
         };
         Harness::builder()
             .with_size(egui::vec2(900.0, 600.0))
@@ -205,14 +206,14 @@ mod tests {
         choose(&mut harness, 1, "sun");
         assert_eq!(harness.state().look, shadow(0, None));
         choose(&mut harness, 0, "ray_list");
-        assert_eq!(harness.state().look, Look::Rays);
+        assert_eq!(harness.state().look, ViewChannel::Rays);
     }
 
     #[test]
     fn without_maps_there_is_nothing_to_choose() {
         let mut harness = harness(Vec::new());
         choose(&mut harness, 0, "shadow_map");
-        assert_eq!(harness.state().look, Look::Picture);
+        assert_eq!(harness.state().look, ViewChannel::Picture);
     }
 
     #[test]
@@ -220,10 +221,10 @@ mod tests {
         let old = [caster(0, "sun", 1), caster(1, "lamp", 6)];
         let new = [caster(0, "lamp", 6), caster(1, "moon", 1)];
         assert_eq!(shadow(1, Some(4)).after(&old, &new), shadow(0, Some(4)));
-        assert_eq!(shadow(0, None).after(&old, &new), Look::Picture);
+        assert_eq!(shadow(0, None).after(&old, &new), ViewChannel::Picture);
         let spot = [caster(3, "lamp", 1)];
         assert_eq!(shadow(1, Some(4)).after(&old, &spot), shadow(3, None));
-        assert_eq!(Look::Rays.after(&old, &new), Look::Rays);
+        assert_eq!(ViewChannel::Rays.after(&old, &new), ViewChannel::Rays);
         assert!(shadow(1, None).is_cross(&old) && !shadow(1, None).is_cross(&new));
         assert!(!shadow(1, Some(0)).is_cross(&old));
     }
