@@ -299,7 +299,7 @@ impl Live {
         }
         let options = options_of(&self.desc, overrides);
         let world = &self.world;
-        (self.renderer).change(&self.gpu, &self.library, world, world, &options)?;
+        (self.renderer).change(&self.gpu, &self.library, world, &options)?;
         self.overrides = overrides;
         Ok(())
     }

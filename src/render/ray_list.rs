@@ -14,7 +14,7 @@ pub const RAYS_PER_GROUP: u32 = 64;
 const _: () = assert!(Cause::ALL.len() <= RAY_COUNTER);
 
 /// The ray list and what counts it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RayList {
     /// A pixel (x | y << 16) for each ray.
     pub rays: wgpu::Buffer,

@@ -1,7 +1,6 @@
 //! Runs `shaders/lib/bvh.wgsl` on a device of its own.
 
 use crate::common::shaders;
-use reflet::render::constants::with_constants;
 use reflet::world::bvh::{Ray, TraceInstance, Trees};
 use wgpu::util::DeviceExt as _;
 
@@ -194,8 +193,7 @@ impl Gpu {
     }
 
     fn pipeline(&self, parts: Parts) -> wgpu::ComputePipeline {
-        let bvh = with_constants(&shaders()).and_then(|library| library.lib_source("bvh"));
-        let bvh = bvh.expect("the shader assembles");
+        let bvh = shaders().lib_source("bvh").expect("the shader assembles");
         let source = format!("{KERNEL}\n{}", bvh.text);
         let module = self
             .device

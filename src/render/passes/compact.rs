@@ -1,19 +1,37 @@
-//! Compact: counts causes, lists the pixels to trace and sizes the dispatch that traces them.
+//! Compact: counts causes and lists the pixels to trace.
 
-use crate::render::{pass::Pass, targets::Target};
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
+
+use super::trace;
 
 /// See `shaders/compact.wgsl`.
 pub const PASS: Pass = Pass {
     name: "compact",
     reads: &[Target::Cause],
-    writes: &[],
-    params: None,
+    needed: |plan, _| plan.reflections,
+    overrides: |options| vec![("TRACE", f64::from(u8::from(trace::is_enabled(options))))],
+    ..Pass::DEFAULT
 };
 
-/// See `shaders/arguments.wgsl`.
-pub const ARGUMENTS: Pass = Pass {
-    name: "arguments",
-    reads: &[],
-    writes: &[],
-    params: None,
-};
+/// The pass.
+#[derive(Debug)]
+pub struct Compact(ComputePass);
+
+impl FramePass for Compact {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
+    }
+}
