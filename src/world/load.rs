@@ -33,7 +33,6 @@ mod vertex_streams;
 
 pub use asset_cache::AssetCache;
 pub use preloaded_models::PreloadedModels;
-pub(super) use repeat::invertible;
 
 /// Where files are looked up and what loading may cost.
 #[derive(Clone, Debug)]
