@@ -51,7 +51,7 @@
 //!
 //! A save reruns the arrows right of it, and no more. [`app::watch`] says which kind of file has new
 //! content; [`app::live`] reads the text, runs the script and poses the frame that is looked at;
-//! [`world::load::Kept`] places and shades it over files that are in memory already;
+//! [`world::load::AssetCache`] places and shades it over files that are in memory already;
 //! [`render::Renderer::change`] compares worlds and options and makes again what differs; shaders are
 //! kept by their text and pipelines by their shader. Every step builds beside what is shown and swaps
 //! at its end, so that an error changes nothing. Scripts run as a [`app::live::ReloadJob`], in the

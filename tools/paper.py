@@ -41,9 +41,9 @@ RUNS = {
 }
 # Chart of the page: the run, and the name that its folder has for it.
 PICTURES = {
-    "fig1-flip-over-t.svg": ("fig1", "course-1-knob.svg"),
-    "walk-ssim.svg": ("walk", "course-1-ssim.svg"),
-    "walk-ms.svg": ("walk", "course-1-ms.svg"),
+    "fig1-flip-over-t.svg": ("fig1", "line-chart-1-parameter.svg"),
+    "walk-ssim.svg": ("walk", "line-chart-1-ssim.svg"),
+    "walk-ms.svg": ("walk", "line-chart-1-ms.svg"),
     "atrium-flip.svg": ("atrium", "chart-1-flip.svg"),
 }
 
@@ -328,7 +328,7 @@ def scenario3_errors(rows: Rows) -> str:
 
 def atrium(rows: Rows) -> str:
     common = [float(r["passes_ms"]) - float(r["reflection_ms"]) for r in rows]
-    of = by(rows, "method", "knob", "value")
+    of = by(rows, "method", "parameter", "value")
     head = ["", "FLIP in reflections", "ms a frame", "march steps", "nodes visited"]
     chosen = [("ssr", 16.0), ("ssr", 64.0), ("hybrid", 0.001), ("hybrid", 0.025), ("hybrid", 0.2)]
     chosen += [("rt", 2.0), ("rt", 3.0)]

@@ -5,22 +5,21 @@ use std::{fs, io, path::Path};
 use super::{
     error::AppError,
     print_out,
-    render::choose_camera,
-    scene::{LoadedScene, load_scene},
+    scene::{LoadedScene, choose_camera, load_scene},
 };
 use crate::{
     bench::{
         choose::{Bound, block, choose},
         hash::Hash,
         host::Host,
-        knob::Knob,
         log::{self, Log},
+        parameter::Parameter,
         report::{
             Section,
             page::{Gallery, page},
             sections,
         },
-        run::{Bench, BenchError, Protocol, Reel, Stock, Subject, Turn, Watch as _},
+        run::{Bench, BenchError, FrameSeries, Protocol, Stock, Subject, Turn, Watch as _},
         sample::Sample,
     },
     files::write_whole,
@@ -102,10 +101,12 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
             methods.push(method);
         }
     }
-    let turn = match args.knob {
+    let turn = match args.parameter {
         None => Turn::Own,
-        Some(knob) if args.values.is_empty() => Turn::One(knob, knob.default_values().to_vec()),
-        Some(knob) => Turn::One(knob, checked(knob, &args.values)?),
+        Some(parameter) if args.values.is_empty() => {
+            Turn::One(parameter, parameter.default_values().to_vec())
+        }
+        Some(parameter) => Turn::One(parameter, checked(parameter, &args.values)?),
     };
     Ok(Protocol {
         methods,
@@ -118,18 +119,18 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
     })
 }
 
-fn checked(knob: Knob, values: &[f64]) -> Result<Vec<f64>, AppError> {
+fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
     let mut kept = values.to_vec();
     for value in values {
         let usage = |message| AppError::Usage(format!("--values: {message}"));
-        knob.check(*value).map_err(usage)?;
+        parameter.check(*value).map_err(usage)?;
     }
     kept.sort_by(f64::total_cmp);
     kept.dedup();
     Ok(kept)
 }
 
-fn reels(args: &BenchArgs) -> Result<Vec<Reel>, AppError> {
+fn reels(args: &BenchArgs) -> Result<Vec<FrameSeries>, AppError> {
     let mut paths: Vec<Option<&Path>> = args.scenes.iter().map(|p| Some(p.as_path())).collect();
     if paths.is_empty() {
         paths.push(None);
@@ -193,7 +194,7 @@ pub fn run(
     gpu: &Gpu,
     args: &RunArgs,
     protocol: &Protocol,
-    reels: &mut [Reel],
+    reels: &mut [FrameSeries],
 ) -> Result<Vec<Sample>, AppError> {
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
@@ -228,7 +229,7 @@ pub fn run(
         );
         progress.note(&text);
     }
-    let scenes: Vec<&str> = reels.iter().map(Reel::name).collect();
+    let scenes: Vec<&str> = reels.iter().map(FrameSeries::name).collect();
     let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
     write(&args.output.join("bench.json"), &json)?;
     if outcome.interrupted {

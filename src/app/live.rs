@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    cli::SceneArgs,
+    args::SceneArgs,
     error::AppError,
     model_viewer_scene::is_model,
     params::{DeclaredParameters, ParameterOverrides},
@@ -17,17 +17,17 @@ use super::{
     watch::{Change, WatchList},
 };
 use crate::{
-    gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
+    gpu::{Gpu, ShaderError, ShaderLibrary},
     render::{RebuildSummary, RenderError, Renderer, stats::FrameStats},
     scene::{
+        dependencies::Dependencies,
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         parse,
-        trail::Trail,
     },
     world::{
         World,
-        load::{self, Kept},
+        load::{self, AssetCache},
     },
 };
 
@@ -137,15 +137,15 @@ pub struct Live {
     library: ShaderLibrary,
     desc: Arc<SceneDesc>,
     world: World,
-    kept: Kept,
+    asset_cache: AssetCache,
     renderer: Renderer,
     overrides: ViewOverrides,
     /// Models, images and other files that were looked for.
-    trail: Trail,
+    dependencies: Dependencies,
     /// Scripts and included files that were looked for.
-    texts: Trail,
+    texts: Dependencies,
     /// The same for a scene that is being read.
-    ahead: Trail,
+    ahead: Dependencies,
     read_since: SystemTime,
     declared: DeclaredParameters,
     parameters: ParameterOverrides,
@@ -171,7 +171,7 @@ impl Live {
     /// As the command `render`: there is nothing good to keep yet.
     pub fn open(gpu: Arc<Gpu>, origin: Origin, overrides: ViewOverrides) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
-        let texts = Trail::default();
+        let texts = Dependencies::default();
         let read = reload_job::read(&origin, &ParameterOverrides::default(), &texts, 0);
         Self::build(
             gpu,
@@ -194,7 +194,7 @@ impl Live {
         mistakes: Vec<Diagnostic>,
     ) -> Result<Self, AppError> {
         let empty = nothing(&origin).map_err(AppError::Scene)?;
-        let (texts, now) = (Trail::default(), SystemTime::now());
+        let (texts, now) = (Dependencies::default(), SystemTime::now());
         let mut live = Self::build(gpu, origin, overrides, texts, empty, now)?;
         live.warnings.clear(); // that there is nothing to see
         live.problems.scene = mistakes;
@@ -206,25 +206,21 @@ impl Live {
         gpu: Arc<Gpu>,
         origin: Origin,
         overrides: ViewOverrides,
-        texts: Trail,
+        texts: Dependencies,
         read: Read,
         read_since: SystemTime,
     ) -> Result<Self, AppError> {
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
         let state = pose_of(&read.desc, read.frame).map_err(AppError::Scene)?;
-        let loaded = load::load_kept(&read.desc, &read.options);
-        let (mut world, kept) = loaded.map_err(AppError::Scene)?;
+        let loaded = load::load_with_cache(&read.desc, &read.options);
+        let (mut world, asset_cache) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
             world.apply(state).map_err(AppError::Scene)?;
         }
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
         let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, overrides));
-        let renderer = renderer.map_err(|error| match error {
-            RenderError::Gpu(GpuError::Shader(e)) => AppError::from_user_shader(&e),
-            RenderError::Gpu(error) => AppError::Gpu(error),
-            RenderError::Scene(diagnostic) => AppError::Scene(vec![*diagnostic]),
-        })?;
+        let renderer = renderer.map_err(|error| AppError::from_render(error, true))?;
         Ok(Self {
             gpu,
             origin,
@@ -232,12 +228,12 @@ impl Live {
             log: state.map_or_else(Vec::new, |state| state.log),
             desc: read.desc,
             world,
-            kept,
+            asset_cache,
             renderer,
             overrides,
-            trail: read.options.trail,
+            dependencies: read.options.dependencies,
             texts,
-            ahead: Trail::default(),
+            ahead: Dependencies::default(),
             read_since,
             declared: read.declared,
             parameters: read.parameters,
@@ -264,7 +260,7 @@ impl Live {
         let scene = scene.map(|path| (path.clone(), kind(path)));
         let texts = [&self.texts, &self.ahead]
             .into_iter()
-            .flat_map(Trail::paths);
+            .flat_map(Dependencies::paths);
         let texts = texts.map(|path| {
             let is_script = path.extension().is_some_and(|e| e == "rhai");
             let kind = if is_script {
@@ -276,7 +272,12 @@ impl Live {
         });
         // Among the world's files these have their names without links.
         let resolved = self.desc.text_files();
-        let read = self.world.files.iter().cloned().chain(self.trail.paths());
+        let read = self
+            .world
+            .files
+            .iter()
+            .cloned()
+            .chain(self.dependencies.paths());
         let assets = read
             .filter(|path| !resolved.contains(path))
             .map(|path| (path, Change::Asset));
@@ -370,6 +371,6 @@ fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
         declared: DeclaredParameters::default(),
         parameters: ParameterOverrides::default(),
         frame: 0,
-        options: load_options(&origin.from, &Trail::default()),
+        options: load_options(&origin.from, &Dependencies::default()),
     })
 }

@@ -113,7 +113,7 @@ fn playable(
         .chain(options.assets.iter().cloned())
         .collect();
     let roots = folders.iter().map(PathBuf::as_path);
-    let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.trail);
+    let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.dependencies);
     let path = sandbox.resolve(folder, name)?;
     if !is_stage(&path) {
         return Ok(options.ahead.read(&path, &sandbox));

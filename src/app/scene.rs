@@ -6,12 +6,12 @@ use std::{
 };
 
 use super::{
-    cli::SceneArgs,
+    args::SceneArgs,
     error::{AppError, print_diagnostics},
     model_viewer_scene::{is_model, model_viewer_scene},
 };
 use crate::{
-    scene::{desc::SceneDesc, diagnostic::Diagnostic, parse, trail::Trail},
+    scene::{dependencies::Dependencies, desc::SceneDesc, diagnostic::Diagnostic, parse},
     world::{
         World,
         load::{self, LoadOptions},
@@ -51,7 +51,7 @@ pub fn load_scene(
     overrides: &[String],
 ) -> Result<LoadedScene, AppError> {
     let overrides = [from.set.as_slice(), overrides].concat();
-    let options = load_options(from, &Trail::default());
+    let options = load_options(from, &Dependencies::default());
     let (text, file) = source(path, &options, &overrides).map_err(AppError::Scene)?;
     let read = parse::parse(&text, &file, &overrides).map_err(AppError::Scene)?;
     let name = path.map_or_else(
@@ -68,7 +68,7 @@ pub fn load_scene(
 pub fn load_text(text: &str, file: &Path, from: &SceneArgs) -> Result<LoadedScene, AppError> {
     let read = parse::parse(text, file, &from.set).map_err(AppError::Scene)?;
     let name = file.display().to_string();
-    let options = load_options(from, &Trail::default());
+    let options = load_options(from, &Dependencies::default());
     load_desc(name, text.to_owned(), from.set.clone(), read, &options)
 }
 
@@ -117,10 +117,10 @@ pub fn source(
 }
 
 /// How files are loaded; what is looked for is noted in `trail`.
-pub fn load_options(from: &SceneArgs, trail: &Trail) -> LoadOptions {
+pub fn load_options(from: &SceneArgs, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
-        trail: trail.clone(),
+        dependencies: dependencies.clone(),
         ..LoadOptions::default()
     }
 }
@@ -130,4 +130,26 @@ pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()
+}
+
+/// Which camera is named; without a name `main`, else the first.
+///
+/// # Errors
+/// [`AppError::Usage`] with the names that exist.
+pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
+    let cameras = &loaded.world.cameras;
+    let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
+    let found = match name {
+        Some(name) => named(name),
+        None => named("main").or((!cameras.is_empty()).then_some(0)),
+    };
+    found.ok_or_else(|| {
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        AppError::Usage(format!(
+            "--camera {}: {} has no such camera; it has: {}",
+            name.unwrap_or_default(),
+            loaded.name,
+            names.join(", ")
+        ))
+    })
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    front::{Spot, best_within, cheapest_within},
+    pareto::{Spot, best_within, cheapest_within},
     summary::{Group, Metric, Point, digits},
 };
 

@@ -6,12 +6,12 @@
 pub mod choose;
 pub mod compare;
 pub mod csv;
-pub mod front;
 pub mod hash;
 pub mod host;
-pub mod knob;
 pub mod log;
 pub mod metric;
+pub mod parameter;
+pub mod pareto;
 pub mod picture;
 pub mod read;
 pub mod report;

@@ -2,16 +2,16 @@
 //! Everything is drawn from the table; nothing is measured here.
 
 pub mod chart;
-pub mod course;
+pub mod findings;
+pub mod line_chart;
 pub mod page;
 pub mod tables;
-pub mod words;
 pub mod work;
 
 use super::sample::Sample;
 use super::summary::{Group, Metric, groups};
 use chart::{Axes, BAR_REACH, Time, draw, has_bars};
-use course::Course;
+use line_chart::LineChart;
 
 /// A chart as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,21 +76,21 @@ pub fn sections(samples: &[Sample]) -> Result<Vec<Section>, String> {
                     });
                 }
             }
-            for (what, course) in [
-                ("knob", Course::ErrorByKnob),
-                ("ms", Course::Milliseconds),
-                ("ssim", Course::Ssim),
+            for (what, chart) in [
+                ("parameter", LineChart::ErrorByParameter),
+                ("ms", LineChart::Milliseconds),
+                ("ssim", LineChart::Ssim),
             ] {
-                if let Some(svg) = course::draw(&group, course)? {
+                if let Some(svg) = line_chart::draw(&group, chart)? {
                     charts.push(ChartFile {
-                        name: format!("course-{}-{what}.svg", index + 1),
+                        name: format!("line-chart-{}-{what}.svg", index + 1),
                         svg,
-                        caption: course.caption().to_owned(),
+                        caption: chart.caption().to_owned(),
                     });
                 }
             }
             Ok(Section {
-                sentences: words::sentences(&group),
+                sentences: findings::sentences(&group),
                 charts,
                 group,
             })
@@ -123,7 +123,7 @@ fn caption(group: &Group, axes: Axes) -> String {
     };
     format!(
         "Across: {what}; up: {error}. Lower left is better. Every dot is a setting (point at it), \
-         every curve a method turned by its knob; the gray stairs are what nothing beats.{bars} An \
+         every curve a method turned by its parameter; the gray stairs are what nothing beats.{bars} An \
          error of 0 stands on the bottom edge.{crosses}"
     )
 }

@@ -4,8 +4,8 @@ use std::{cell::RefCell, fmt, path::Path, time::Instant};
 
 use super::{
     host::Host,
-    knob::{Knob, MAX_STEPS, Variant},
     log::Log,
+    parameter::{MAX_STEPS, Parameter, Variant},
     score::{Errors, Hits, PLANES, Reference, View},
 };
 use crate::{
@@ -19,12 +19,12 @@ use crate::{
     world::World,
 };
 
-mod block;
 mod flicker;
-mod reel;
+mod frame_series;
+mod interleave;
 mod work;
 
-pub use reel::{Mover, Reel};
+pub use frame_series::{FrameSeries, Mover};
 pub use work::{Steps, Task, Work};
 
 use flicker::{Flicker, Since};
@@ -105,9 +105,9 @@ pub struct Protocol {
 pub enum Turn {
     /// Nothing: the scene's own settings.
     Nothing,
-    /// One knob for all methods.
-    One(Knob, Vec<f64>),
-    /// Each method's own knob, see [`Knob::own`].
+    /// One parameter for all methods.
+    One(Parameter, Vec<f64>),
+    /// Each method's own parameter, see [`Parameter::own`].
     Own,
 }
 
@@ -211,7 +211,7 @@ impl Turn {
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Nothing => "nothing",
-            Self::One(knob, _) => knob.name(),
+            Self::One(parameter, _) => parameter.name(),
             Self::Own => "own",
         }
     }
@@ -222,10 +222,10 @@ impl Protocol {
     pub fn variants(&self, settings: &ReflectionDesc) -> Vec<Variant> {
         let of = |&method: &Method| match &self.turn {
             Turn::Nothing => vec![Variant::fixed(method, settings)],
-            Turn::One(knob, values) => Variant::turned(method, settings, *knob, values),
+            Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
             Turn::Own => {
-                let knob = Knob::own(method);
-                Variant::turned(method, settings, knob, &knob.default_values())
+                let parameter = Parameter::own(method);
+                Variant::turned(method, settings, parameter, &parameter.default_values())
             }
         };
         self.methods.iter().flat_map(of).collect()
@@ -261,14 +261,14 @@ impl Bench<'_> {
     /// What the renderer or the disk refuses; samples taken until then are in the log.
     pub fn run(
         &self,
-        reels: &mut [Reel],
+        reels: &mut [FrameSeries],
         log: &mut Log,
         watch: &mut dyn Watch,
     ) -> Result<Outcome, BenchError> {
         let (mut work, mut total, mut planned) = (Work::default(), 0, 0);
         for reel in reels.iter_mut() {
             for index in 0..reel.len() {
-                for block in block::blocks(self, reel.seen(index)) {
+                for block in interleave::blocks(self, reel.seen(index)) {
                     block.plan(self, log, &mut work);
                     total += block.missing(self, log);
                     planned += block.variants.len() * self.protocol.frames as usize;
@@ -283,7 +283,7 @@ impl Bench<'_> {
         for reel in reels {
             for index in 0..reel.len() {
                 let subject = reel.posed(index).map_err(BenchError::Scene)?;
-                for block in block::blocks(self, subject) {
+                for block in interleave::blocks(self, subject) {
                     if !watch.is_stopped() {
                         block.measure(self, log, watch, &mut outcome)?;
                     }
@@ -352,7 +352,7 @@ impl Bench<'_> {
         renderer: &mut Renderer,
         reference: &Reference,
         size: [u32; 2],
-    ) -> Result<block::Judged, BenchError> {
+    ) -> Result<interleave::Judged, BenchError> {
         let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
         renderer.set_reflection_parameters(&variant.reflection);
         let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
@@ -378,13 +378,13 @@ impl Bench<'_> {
             renderer.set_reflection_parameters(&variant.reflection);
         }
         Ok(match (judged, verdicts.transpose()) {
-            (Ok((errors, since)), Ok(verdicts)) => block::Judged {
+            (Ok((errors, since)), Ok(verdicts)) => interleave::Judged {
                 errors: Some(errors),
                 since,
                 verdicts,
                 failure: None,
             },
-            (Err(failure), _) | (_, Err(failure)) => block::Judged {
+            (Err(failure), _) | (_, Err(failure)) => interleave::Judged {
                 errors: None,
                 since: None,
                 verdicts: None,

@@ -86,11 +86,11 @@ sample! {
     height: u32,
     /// `ssr`, `hybrid` or `rt`.
     method: String,
-    /// What the run turned: `nothing`, `own` for each method's own knob, or one knob for all.
+    /// What the run turned: `nothing`, `own` for each method's own parameter, or one parameter for all.
     turn: String,
     /// What is turned; none for the scene's own settings.
-    knob: Option<String>,
-    /// What it is turned to; none where the knob does nothing for the method.
+    parameter: Option<String>,
+    /// What it is turned to; none where the parameter does nothing for the method.
     value: Option<f64>,
     /// T, in U.
     threshold_u: f32,

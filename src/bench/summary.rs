@@ -242,8 +242,8 @@ impl Point {
 
 /// What people call a sample's setting.
 pub fn label(sample: &Sample) -> String {
-    match (&sample.knob, sample.value) {
-        (Some(knob), Some(value)) => format!("{}, {knob} = {value}", sample.method),
+    match (&sample.parameter, sample.value) {
+        (Some(parameter), Some(value)) => format!("{}, {parameter} = {value}", sample.method),
         _ => sample.method.clone(),
     }
 }

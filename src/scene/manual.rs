@@ -5,7 +5,7 @@ mod comments;
 
 use std::fmt::Write as _;
 
-use super::parse::{Form, KeyNote, SectionNote};
+use super::parse::{Form, KeyRecord, SectionRecord};
 
 /// A scene that shows most keys.
 pub const EXAMPLE: &str = include_str!("manual/example.toml");
@@ -15,29 +15,29 @@ const INTRODUCTION: &str = include_str!("manual/introduction.md");
 /// The whole manual as Markdown.
 pub fn manual() -> String {
     let mut out = INTRODUCTION.replace("EXAMPLE\n", EXAMPLE);
-    for section in &super::parse::notes().sections {
+    for section in &super::parse::recorded_keys().sections {
         describe_section(&mut out, section);
     }
     out
 }
 
 /// The types of `desc.rs` that describe a table.
-fn types(section: &SectionNote) -> Vec<&'static str> {
+fn types(section: &SectionRecord) -> Vec<&'static str> {
     [&[section.type_name], section.also].concat()
 }
 
 /// What a table is for.
-pub fn section_text(section: &SectionNote) -> &'static str {
+pub fn section_text(section: &SectionRecord) -> &'static str {
     comments::of_type(section.type_name).unwrap_or_default()
 }
 
 /// What a variant of a table is, `word` being its kind.
-pub fn variant_text(section: &SectionNote, word: &str) -> &'static str {
+pub fn variant_text(section: &SectionRecord, word: &str) -> &'static str {
     comments::of_word(&types(section), word).unwrap_or_default()
 }
 
 /// What a key means, with its words where it takes one of some.
-pub fn key_text(section: &SectionNote, word: Option<&str>, key: &KeyNote) -> String {
+pub fn key_text(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) -> String {
     let text = comments::of_key(&types(section), word, key.name).unwrap_or_default();
     let mut text = without_lead(text, key.name);
     for word in key.words.iter().flat_map(|(_, words)| *words) {
@@ -51,7 +51,7 @@ pub fn key_text(section: &SectionNote, word: Option<&str>, key: &KeyNote) -> Str
     text
 }
 
-fn describe_section(out: &mut String, section: &SectionNote) {
+fn describe_section(out: &mut String, section: &SectionRecord) {
     let heading = section.heading;
     let _ = match section.type_name {
         "SceneDesc" => write!(out, "\n## {heading}\n"),
@@ -83,7 +83,12 @@ fn without_lead(text: &str, code: &str) -> String {
     comments::sentence(rest.unwrap_or(text).trim_start_matches([':', '.', ' ']))
 }
 
-fn describe_keys(out: &mut String, section: &SectionNote, word: Option<&str>, keys: &[KeyNote]) {
+fn describe_keys(
+    out: &mut String,
+    section: &SectionRecord,
+    word: Option<&str>,
+    keys: &[KeyRecord],
+) {
     out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
     for key in keys {
         let default = match &key.default {
@@ -99,7 +104,7 @@ fn describe_keys(out: &mut String, section: &SectionNote, word: Option<&str>, ke
 }
 
 /// Type and range of a key, in words.
-fn value_text(key: &KeyNote) -> String {
+fn value_text(key: &KeyRecord) -> String {
     let form = |form: &Form| match form {
         Form::Value(expected, _) if key.range.is_empty() => expected.clone(),
         Form::Value(expected, _) => format!("{expected}, {}", key.range),
@@ -117,7 +122,7 @@ mod tests {
 
     #[test]
     fn every_table_variant_and_key_has_its_comment() {
-        for section in &parse::notes().sections {
+        for section in &parse::recorded_keys().sections {
             let name = section.type_name;
             assert!(!section_text(section).is_empty(), "{name} has no comment");
             let plain = section.keys.iter().map(|key| (None, key));
@@ -144,7 +149,7 @@ mod tests {
     /// The prose of `desc.rs` repeats ranges and defaults for whoever reads the source.
     #[test]
     fn comments_agree_with_the_ranges_and_defaults_that_are_read() {
-        for section in &parse::notes().sections {
+        for section in &parse::recorded_keys().sections {
             let plain = section.keys.iter().map(|key| (None, key));
             let of_variants = section.variants.iter();
             let of_variants = of_variants.flat_map(|v| v.keys.iter().map(|k| (Some(v.word), k)));

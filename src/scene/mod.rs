@@ -1,6 +1,7 @@
 //! Scene text: what people write, read with all its errors at once.
 
-mod below;
+mod confined_read;
+pub mod dependencies;
 pub mod desc;
 pub mod diagnostic;
 pub mod manual;
@@ -8,4 +9,3 @@ pub mod motion;
 pub mod parse;
 pub mod schema;
 pub mod script;
-pub mod trail;

@@ -1,9 +1,10 @@
 //! Scene text to [`SceneDesc`]: TOML 1.1, walked with the position of every value, so that all
 //! mistakes of a file are reported at once.
 
+mod enum_values;
 mod include;
+mod key_recorder;
 mod names;
-mod notes;
 mod params;
 pub mod range;
 mod read;
@@ -14,13 +15,12 @@ pub(super) mod suggest;
 mod syntax;
 mod table;
 mod value;
-mod words;
 
 use std::{cell::OnceCell, fmt::Write as _, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
-pub use self::notes::{Form, KeyNote, Notes, Rule, SectionNote, VariantNote};
+pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
 use self::{
     include::Included,
     report::Report,
@@ -31,9 +31,9 @@ use self::{
 use crate::files::{open_regular, read_at_most};
 
 use super::{
+    dependencies::Dependencies,
     desc::{Entry, ParamValue, SceneDesc},
     diagnostic::{Diagnostic, Span},
-    trail::Trail,
 };
 
 /// Largest scene file, bytes. Geometry belongs in glTF files.
@@ -98,7 +98,7 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
 /// # Errors
 /// All mistakes of the text, in its order, at most 100.
 pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
-    parse_traced(text, path, overrides, &Trail::default())
+    parse_traced(text, path, overrides, &Dependencies::default())
 }
 
 /// As [`parse`]; the included files and scripts that are looked for are added to `trail`, also when
@@ -106,7 +106,12 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
 ///
 /// # Errors
 /// As [`parse`].
-pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail) -> Parsed {
+pub fn parse_traced(
+    text: &str,
+    path: &Path,
+    overrides: &[String],
+    dependencies: &Dependencies,
+) -> Parsed {
     let mut report = Report::default();
     report.add_source(path, text);
     let bases: Vec<_> = overrides
@@ -114,7 +119,7 @@ pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail
         .map(|o| report.add_source(Path::new(OVERRIDE), o))
         .collect();
     let scripted = OnceCell::new(); // before the tree, which borrows what a script adds
-    let included = include::collect(text, path, trail, &mut report);
+    let included = include::collect(text, path, dependencies, &mut report);
     let (mut root, shadows) = tree(text, &included, &mut report);
     for (text, base) in overrides.iter().zip(bases) {
         set::apply(&mut root, text, base, &mut report);
@@ -122,7 +127,7 @@ pub fn parse_traced(text: &str, path: &Path, overrides: &[String], trail: &Trail
     let folder = path.parent().unwrap_or(Path::new(""));
     let nothing = DeTable::new();
     let scripted = scripted.get_or_init(|| match root.get_ref().as_table() {
-        Some(table) if shadows.is_empty() => script::run(table, folder, trail, &mut report),
+        Some(table) if shadows.is_empty() => script::run(table, folder, dependencies, &mut report),
         _ => Default::default(),
     });
     script::merge(&mut root, scripted, &mut report);
@@ -166,7 +171,7 @@ fn tree<'i>(text: &'i str, included: &'i Included, report: &mut Report) -> (Node
 pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
     let mut report = Report::default();
     report.add_source(path, text);
-    let included = include::collect(text, path, &Trail::default(), &mut report);
+    let included = include::collect(text, path, &Dependencies::default(), &mut report);
     let (mut root, _) = tree(text, &included, &mut report);
     for text in overrides {
         let base = report.add_source(Path::new(OVERRIDE), text);
@@ -197,8 +202,8 @@ pub fn toml_text(text: &str) -> String {
 }
 
 /// Every table and key that the readers ask for, the whole file first.
-pub fn notes() -> Notes {
-    let mut notes = Notes::default();
+pub fn recorded_keys() -> RecordedKeys {
+    let mut notes = RecordedKeys::default();
     Table::describe::<SceneDesc>(&mut notes);
     notes
 }

@@ -4,13 +4,13 @@ use serde_json::{Map, Value, json};
 
 use super::{
     manual,
-    parse::{Form, KeyNote, Rule, SectionNote, VariantNote, notes},
+    parse::{Form, KeyRecord, Rule, SectionRecord, VariantRecord, recorded_keys},
 };
 
 /// The schema, draft 2020-12. It cannot tell what depends on other values: names that refer to
 /// nothing, directions that are zero, matrices that are singular.
 pub fn schema() -> Value {
-    let sections = notes().sections;
+    let sections = recorded_keys().sections;
     let mut tables = sections.iter();
     let mut root = tables.next().map(table).unwrap_or_default();
     let defs: Map<_, _> = tables
@@ -26,7 +26,7 @@ pub fn schema() -> Value {
     root.into()
 }
 
-fn table(section: &SectionNote) -> Map<String, Value> {
+fn table(section: &SectionRecord) -> Map<String, Value> {
     let mut object = Map::new();
     object.insert("type".into(), "object".into());
     object.insert("description".into(), manual::section_text(section).into());
@@ -43,7 +43,7 @@ fn table(section: &SectionNote) -> Map<String, Value> {
 }
 
 /// `properties` and what must or must not be there, for a table or for one of its variants.
-fn keys(section: &SectionNote, variant: Option<&VariantNote>) -> Map<String, Value> {
+fn keys(section: &SectionRecord, variant: Option<&VariantRecord>) -> Map<String, Value> {
     let own = variant.map_or(&[][..], |v| &v.keys);
     let own_rules = variant.map_or(&[][..], |v| &v.rules);
     let mut properties = Map::new();
@@ -79,7 +79,7 @@ fn keys(section: &SectionNote, variant: Option<&VariantNote>) -> Map<String, Val
     object
 }
 
-fn property(section: &SectionNote, word: Option<&str>, key: &KeyNote) -> Value {
+fn property(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) -> Value {
     let reference = |name: &str| json!({ "$ref": format!("#/$defs/{name}") });
     let form = |form: &Form| match form {
         Form::Value(_, schema) => schema.clone(),

@@ -2,25 +2,25 @@
 //! function of the scene's parameters and the frame: it has no files, no clock and no memory
 //! between calls.
 
-mod additions;
 pub mod api;
-mod bounded;
-mod caught;
+mod bounded_functions;
+mod call_limits;
+mod catch_values;
 mod context;
 mod dedup;
 mod engine;
 mod error;
-mod key;
-mod limited;
-mod locate;
-mod nested;
-mod parsing;
+mod format_value;
+mod key_locations;
+mod limit_location;
+mod limited_parser;
+mod nested_values;
 mod push;
-mod returned;
-mod set;
-mod shown;
+mod setters;
+mod setup_locations;
+mod setup_output;
 mod sort;
-mod sources;
+mod source_files;
 
 use std::{
     collections::HashSet,
@@ -32,20 +32,20 @@ use std::{
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
 use self::{
+    call_limits::{Bounds, run_limited},
     context::{Call, Context},
     error::Known,
-    limited::{Bounds, run_limited},
-    locate::Ended,
-    sources::{Sources, without_mark},
+    limit_location::Ended,
+    source_files::{Sources, without_mark},
 };
 use super::{
+    dependencies::Dependencies,
     desc::{At, Entry, ParamValue, SceneDesc, TimelineDesc},
     diagnostic::Diagnostic,
     motion::{FrameState, Kind, Names},
-    trail::Trail,
 };
 
-pub use self::{engine::DEADLINE, limited::Halt, returned::Returned};
+pub use self::{call_limits::Halt, engine::DEADLINE, setup_locations::Returned};
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
@@ -84,8 +84,12 @@ impl Script {
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.
-    pub fn load(folder: &Path, file: &At<String>, trail: &Trail) -> Result<Self, Box<Diagnostic>> {
-        let sources = Arc::new(Sources::new(folder, trail));
+    pub fn load(
+        folder: &Path,
+        file: &At<String>,
+        dependencies: &Dependencies,
+    ) -> Result<Self, Box<Diagnostic>> {
+        let sources = Arc::new(Sources::new(folder, dependencies));
         let (name, text) = sources
             .read(&file.value)
             .map_err(|problem| problem.at(&file.at))?;
@@ -210,7 +214,7 @@ impl Script {
         }
         let call = Call::new(params, timeline, timeline.map_or(0, |t| t.start));
         let contexts = [call.clone(), call].map(Context::for_setup);
-        let (result, log) = self.call("setup", contexts, additions::text);
+        let (result, log) = self.call("setup", contexts, setup_output::text);
         self.0.setup_log.get_or_init(|| log);
         let text = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
         text.map_err(|wrong| {
@@ -290,8 +294,13 @@ impl Script {
         bounds: Bounds,
         again: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>> + Send,
     ) -> Ended {
-        let find = || run_limited(bounds, || locate::again(&self.0.sources, &wrong, again)).result;
-        let has_place = locate::is_limit(&wrong) && !bounds.is_nothing();
+        let find = || {
+            run_limited(bounds, || {
+                limit_location::again(&self.0.sources, &wrong, again)
+            })
+            .result
+        };
+        let has_place = limit_location::is_limit(&wrong) && !bounds.is_nothing();
         let met = has_place.then(find).flatten();
         Ended { wrong, met }
     }

@@ -13,27 +13,26 @@ use super::{
     usd,
 };
 use crate::scene::{
+    dependencies::Dependencies,
     desc::{At, ModelDesc, ModelSource, SceneDesc, is_stage},
     diagnostic::{Diagnostic, Severity, Span},
-    trail::Trail,
 };
 
-mod ahead;
+mod asset_cache;
 mod camera;
-mod copies;
-mod extras;
-mod finish;
-mod kept;
-mod look;
+mod check_names;
+mod lights_and_cameras;
 mod material;
-mod names;
+mod material_binding;
+mod model_instance;
 mod place;
-mod stand;
+mod preloaded_models;
+mod repeat;
 mod tangent;
+mod vertex_streams;
 
-pub use ahead::Ahead;
-pub(super) use copies::invertible;
-pub use kept::Kept;
+pub use asset_cache::AssetCache;
+pub use preloaded_models::PreloadedModels;
 
 /// Where files are looked up and what loading may cost.
 #[derive(Clone, Debug)]
@@ -47,9 +46,9 @@ pub struct LoadOptions {
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
     /// Where it is noted what was looked for.
-    pub trail: Trail,
+    pub dependencies: Dependencies,
     /// What was read already.
-    pub ahead: Ahead,
+    pub ahead: PreloadedModels,
 }
 
 impl Default for LoadOptions {
@@ -59,8 +58,8 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
-            trail: Trail::default(),
-            ahead: Ahead::default(),
+            dependencies: Dependencies::default(),
+            ahead: PreloadedModels::default(),
         }
     }
 }
@@ -70,17 +69,17 @@ impl Default for LoadOptions {
 /// # Errors
 /// Everything found wrong with the scene's names and files, in the order of the scene text.
 pub fn load(desc: &SceneDesc, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
-    load_kept(desc, options).map(|(world, _)| world)
+    load_with_cache(desc, options).map(|(world, _)| world)
 }
 
 /// As [`load`], with what a later text of the same scene needs to be loaded without its files.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_kept(
+pub fn load_with_cache(
     desc: &SceneDesc,
     options: &LoadOptions,
-) -> Result<(World, Kept), Vec<Diagnostic>> {
+) -> Result<(World, AssetCache), Vec<Diagnostic>> {
     let mut loader = Loader::new(desc, options);
     let models = loader.read_models();
     loader.check_names(&models);
@@ -150,7 +149,7 @@ impl<'a> Loader<'a> {
             desc,
             options,
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
-                .with_trail(&options.trail),
+                .with_trail(&options.dependencies),
             folders,
             world: World {
                 environment: desc.environment,
@@ -292,15 +291,15 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn finish(mut self, models: Vec<Source>) -> Result<(World, Kept), Vec<Diagnostic>> {
+    fn finish(mut self, models: Vec<Source>) -> Result<(World, AssetCache), Vec<Diagnostic>> {
         let limits = TextureLimits {
             max_px: self.options.max_texture_px,
             budget_bytes: self.options.image_budget_bytes,
             max_file_bytes: self.options.max_file_bytes,
         };
-        let needs = finish::needs(&self.world);
+        let needs = vertex_streams::needs(&self.world);
         let num_warnings = self.world.warnings.len();
-        finish::run(&mut self.world, &needs)?;
+        vertex_streams::run(&mut self.world, &needs)?;
         let mesh_warnings = self.world.warnings[num_warnings..].to_vec();
         let (images, requests): (Vec<_>, Vec<_>) = (self.textures.take_used(&mut self.world))
             .into_iter()
@@ -318,8 +317,8 @@ impl<'a> Loader<'a> {
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
-        let kept = Kept {
-            sources: kept::sources(self.desc),
+        let kept = AssetCache {
+            sources: asset_cache::sources(self.desc),
             models,
             loaded: self.loaded,
             meshes: self.meshes,

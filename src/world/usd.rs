@@ -11,7 +11,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use self::{
-    record::{Inputs, Record, Sidecar, SidecarWarning},
+    conversion_record::{Inputs, Record, Sidecar, SidecarWarning},
     tool::Tool,
 };
 use super::gltf::Fault;
@@ -20,7 +20,7 @@ use crate::scene::{
     diagnostic::{Diagnostic, Severity, Span},
 };
 
-mod record;
+mod conversion_record;
 mod tool;
 
 /// Environment variable that names the converter's command.
@@ -140,7 +140,7 @@ fn convert_anew(
         let inputs = Inputs::of(read.chain([&stage_path]));
         let is_steady = inputs.are_steady(&before, since);
         if is_steady || attempt == MOST_TRIES {
-            let output = record::output(&fresh.0);
+            let output = conversion_record::output(&fresh.0);
             fs::rename(&fresh.0, glb).map_err(|e| cannot_keep(glb, &e))?;
             let record = Record {
                 converter: tool.version.clone(),

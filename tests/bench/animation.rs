@@ -1,7 +1,7 @@
 //! Samples of several frames of an animation.
 
 use reflet::bench::{
-    report::{self, words},
+    report::{self, findings},
     sample::Sample,
 };
 
@@ -23,7 +23,7 @@ fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {
     assert_eq!(group.left_out, [57]);
     let flip = group.points[0].sample.mask_flip.expect("a mean");
     assert!((flip - 0.1).abs() < 1e-12, "{flip}");
-    let words = words::sentences(&group).join("\n");
+    let words = findings::sentences(&group).join("\n");
     assert!(
         words.contains("1 of the measured frames were left out"),
         "{words}"
@@ -32,7 +32,7 @@ fn frames_that_a_setting_lacks_are_left_out_and_charts_run_forward() {
     let svg = &sections[0]
         .charts
         .iter()
-        .find(|c| c.name == "course-1-ssim.svg");
+        .find(|c| c.name == "line-chart-1-ssim.svg");
     let svg = &svg.expect("a chart").svg;
     assert!(svg.contains("<title>ssr, frame 38: 0.990</title>"), "{svg}");
     let lines = svg.split("<polyline").filter_map(|l| l.split_once("/>"));
@@ -73,12 +73,12 @@ fn an_animation_is_averaged_and_drawn_over_its_frames() {
         "{}",
         ssr.screen_percent
     );
-    let words = words::sentences(&group).join("\n");
+    let words = findings::sentences(&group).join("\n");
     assert!(words.contains("means over the 2 of 2 frames"), "{words}");
     assert!(words.contains("which show different things"), "{words}");
     let sections = report::sections(&rows).expect("drawn");
     let names: Vec<&str> = sections[0].charts.iter().map(|c| c.name.as_str()).collect();
-    assert!(names.contains(&"course-1-ms.svg") && names.contains(&"course-1-ssim.svg"));
+    assert!(names.contains(&"line-chart-1-ms.svg") && names.contains(&"line-chart-1-ssim.svg"));
 }
 
 /// A frame of a method, with its change since the measured frame before it.
@@ -115,7 +115,7 @@ fn the_temporal_error_is_that_of_pairs_which_all_settings_have() {
         (ratios[0] - 0.25).abs() < 1e-12 && (ratios[1] - 0.05).abs() < 1e-12,
         "{ratios:?}"
     );
-    let words = words::sentences(&group).join("\n");
+    let words = findings::sentences(&group).join("\n");
     let part = "ssr, steps = 16 25.0 %; rt, steps = 16 5.0 % (whole frame, 2 pairs of frames 19 \
                 apart).";
     assert!(words.contains(part), "{words}");
@@ -136,7 +136,7 @@ fn each_setting_has_a_line_of_its_own_over_the_frames() {
     }
     let sections = report::sections(&rows).expect("drawn");
     let charts = &sections[0].charts;
-    let svg = charts.iter().find(|c| c.name == "course-1-ssim.svg");
+    let svg = charts.iter().find(|c| c.name == "line-chart-1-ssim.svg");
     let svg = &svg.expect("a chart").svg;
     let lines = svg.split("<polyline").filter(|l| {
         l.split_once("/>")

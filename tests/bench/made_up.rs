@@ -16,7 +16,7 @@ pub fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {
         content: "c0ffee".to_owned(),
         method: method.to_owned(),
         turn: "steps".to_owned(),
-        knob: Some("steps".to_owned()),
+        parameter: Some("steps".to_owned()),
         value: Some(value),
         threshold_u: 0.025,
         steps: value as u32,

@@ -22,7 +22,7 @@ use std::{
 use common::gpu_or_skip;
 use made_up::{made_up, only_group};
 use reflet::bench::{
-    report::words,
+    report::findings,
     sample::{Sample, header, read_samples},
     summary::groups,
 };
@@ -103,22 +103,10 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
         return;
     }
     let folder = folder("run");
-    let run = [
-        "--sizes",
-        "64x36",
-        "--knob",
-        "threshold_u",
-        "--values",
-        "0.001,0.1",
-        "--frames",
-        "2",
-        "--warm-up",
-        "1",
-        "--counters",
-        "--split-trace",
-        "-o",
-        "out",
-    ];
+    let run: Vec<&str> = "--sizes 64x36 --parameter threshold_u --values 0.001,0.1 --frames 2 \
+                          --warm-up 1 --counters --split-trace -o out"
+        .split(' ')
+        .collect();
     exits(&folder, &run, 0);
     let out = folder.join("out");
     let first = samples(&out);
@@ -148,7 +136,11 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
         counted[4]["visited_nodes"],
         first[4].visited_nodes.expect("counted")
     );
-    for chart in ["chart-1-flip.svg", "chart-1-ssim.svg", "course-1-knob.svg"] {
+    for chart in [
+        "chart-1-flip.svg",
+        "chart-1-ssim.svg",
+        "line-chart-1-parameter.svg",
+    ] {
         let svg = fs::read_to_string(out.join(chart)).expect("a chart");
         assert!(
             svg.contains("threshold_u") && svg.ends_with("</svg>\n"),
@@ -193,7 +185,14 @@ fn an_interrupted_run_keeps_its_samples() {
     }
     let folder = folder("interrupted");
     let run = [
-        "--sizes", "64x36", "--knob", "bounces", "--values", "1,2", "-o", ".",
+        "--sizes",
+        "64x36",
+        "--parameter",
+        "bounces",
+        "--values",
+        "1,2",
+        "-o",
+        ".",
     ];
     let mut command = Command::new(env!("CARGO_BIN_EXE_reflet"));
     let command = command.current_dir(&folder).arg("bench").args(run);
@@ -282,7 +281,7 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
     }
     let group = only_group(&rows);
     assert!(!group.masked);
-    let text = words::sentences(&group).join("\n");
+    let text = findings::sentences(&group).join("\n");
     assert!(
         text.contains("60 px, which is too small to score"),
         "{text}"
@@ -295,7 +294,7 @@ fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
 }
 
 #[test]
-fn another_content_reference_or_knob_makes_a_group_of_its_own() {
+fn another_content_reference_or_parameter_makes_a_group_of_its_own() {
     let changes: [fn(&mut Sample); 5] = [
         |s| s.content = "decaf".to_owned(),
         |s| s.turn = "threshold_u".to_owned(),
@@ -342,23 +341,23 @@ fn bad_input_is_refused_before_anything_is_measured() {
     fs::write(folder.join("file"), "").expect("a file");
     for (arguments, code, says) in [
         (
-            &["--knob", "speed"][..],
+            &["--parameter", "speed"][..],
             2,
             "choose from threshold_u, steps",
         ),
         (
-            &["--knob", "steps", "--values", "3"],
+            &["--parameter", "steps", "--values", "3"],
             2,
             "a whole number from 8 to 4096",
         ),
-        (&["--knob", "steps", "--values", "many"], 2, "many"),
-        (&["--values", "3"], 2, "--knob"),
+        (&["--parameter", "steps", "--values", "many"], 2, "many"),
+        (&["--values", "3"], 2, "--parameter"),
         (&["--methods", "ssr,magic"], 2, "magic"),
         (&["--frames", "0"], 2, "1..=100000"),
         (&["--sizes", "64"], 2, "WIDTHxHEIGHT"),
         (&["--choose", "speed>=3"], 2, "cannot be bounded"),
         (
-            &["--knob", "threshold_u", "--values", "1e300"],
+            &["--parameter", "threshold_u", "--values", "1e300"],
             2,
             "between -1e12 and 1e12",
         ),

@@ -19,7 +19,7 @@ fn a_rendered_mask_holds_the_pixels_that_bench_scores() {
         (output.status.code(), output.stdout, error)
     };
     let size = "128x72";
-    let run = ["--sizes", size, "--methods", "rt", "--knob", "bounces"];
+    let run = ["--sizes", size, "--methods", "rt", "--parameter", "bounces"];
     let short = ["--values", "1", "--frames", "1", "--warm-up", "1"];
     exits(&folder, &[&run[..], &short, &["-o", "."]].concat(), 0);
     let expected = samples(&folder)[0].mask_px;

@@ -1,7 +1,7 @@
 //! What the report says in words about samples whose answers are known.
 
 use reflet::bench::{
-    report::{self, words},
+    report::{self, findings},
     sample::Sample,
 };
 
@@ -9,7 +9,7 @@ use crate::made_up::{made_up, only_group, repeated, sample};
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
-    let text = words::sentences(&only_group(&repeated(&made_up(), 6))).join("\n");
+    let text = findings::sentences(&only_group(&repeated(&made_up(), 6))).join("\n");
     for part in [
         "On the Pareto front on made-up adapter: ssr and hybrid and rt.",
         "in the 10.0 ms that rt's fastest setting takes, ssr, steps = 128 errs 0.300; \
@@ -47,20 +47,20 @@ fn in_turns(slower: u32) -> Vec<Sample> {
 fn times_are_told_apart_by_turns_and_not_by_medians() {
     let outright = "rt wins outright on this adapter (made-up adapter)";
     let untold = "Cannot be told from the front by these times";
-    let text = words::sentences(&only_group(&in_turns(18))).join("\n");
+    let text = findings::sentences(&only_group(&in_turns(18))).join("\n");
     assert!(text.contains(outright) && !text.contains(untold), "{text}");
     assert!(
         text.contains("(faster in 2 of 20 pairs of frames)"),
         "{text}"
     );
     // 13 of 20 is what a coin gives in one of four tries.
-    let text = words::sentences(&only_group(&in_turns(13))).join("\n");
+    let text = findings::sentences(&only_group(&in_turns(13))).join("\n");
     assert!(!text.contains(outright) && text.contains(untold), "{text}");
     let part = "(faster in 7 of 20 pairs of frames, so the two cannot be told apart)";
     assert!(text.contains(part), "{text}");
     // Five of five are too few.
     let few: Vec<Sample> = in_turns(20).into_iter().take(10).collect();
-    let text = words::sentences(&only_group(&few)).join("\n");
+    let text = findings::sentences(&only_group(&few)).join("\n");
     assert!(
         text.contains("By medians alone (n = 5), the Pareto front"),
         "{text}"
@@ -78,7 +78,7 @@ fn equal_time_is_that_of_hybrid_where_rt_is_fastest() {
         sample("rt", 3.0, 5.0, 0.001),
         sample("hybrid", 128.0, 9.0, 0.01),
     ];
-    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
+    let text = findings::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     let part = "in the 9.00 ms that hybrid's fastest setting takes, hybrid, steps = 128 errs \
                 0.0100; rt, steps = 3 errs 0.00100";
     assert!(text.contains(part), "{text}");
@@ -95,7 +95,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
     }
     rows[5].traverse_ms = Some(2.25);
     // Pairs of one frame, whatever the medians of each: 3.0 − 2.25.
-    let text = words::sentences(&only_group(&rows)).join("\n");
+    let text = findings::sentences(&only_group(&rows)).join("\n");
     for part in [
         "hybrid, steps = 128 takes 300 march steps and visits 1000 tree nodes; rt, steps = 3 \
          visits 4000. Marching spares 75.0 % of the visits, 10.0 nodes for each step.",
@@ -109,7 +109,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
 fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
     let mut rows = made_up();
     rows[5].traverse_ms = Some(3.5);
-    let text = words::sentences(&only_group(&rows)).join("\n");
+    let text = findings::sentences(&only_group(&rows)).join("\n");
     let part = "Traversal and shading of rt, steps = 3 cannot be told apart: its rays without \
                 shading took longer than its whole trace pass in 1 of 1 frames.";
     assert!(text.contains(part), "{text}");
@@ -119,7 +119,7 @@ fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
 fn rt_that_wins_outright_is_said_to() {
     let mut rows = made_up();
     (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
-    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
+    let text = findings::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(
         text.starts_with("rt wins outright on this adapter"),
         "{text}"
@@ -131,7 +131,7 @@ fn the_best_pair_is_that_which_errs_least_in_reflections() {
     let mut rows = made_up();
     // On the whole frame another setting seems better.
     rows[2].flip = Some(0.0);
-    let text = words::sentences(&only_group(&repeated(&rows, 6))).join("\n");
+    let text = findings::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(text.contains("(hybrid, steps = 128 marches for"), "{text}");
 }
 

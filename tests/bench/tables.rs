@@ -46,8 +46,8 @@ fn values_that_cannot_be_are_refused_with_line_and_column() {
             says(|s| s.method = "magic".to_owned()),
         ),
         (
-            "knob cannot be \"speed\"",
-            says(|s| s.knob = Some("speed".to_owned())),
+            "parameter cannot be \"speed\"",
+            says(|s| s.parameter = Some("speed".to_owned())),
         ),
         ("width cannot be \"0\"", says(|s| s.width = 0)),
         ("_ms cannot be \"-3\"", says(|s| s.detail[pass] = -3.0)),

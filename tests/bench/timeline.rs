@@ -82,7 +82,7 @@ fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
         "64x36",
         "--methods",
         "ssr,rt",
-        "--knob",
+        "--parameter",
         "steps",
         "--values",
         "64",
@@ -134,7 +134,7 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
         assert_eq!(sample.status, "ok");
         assert!(sample.update_ms.is_some() && sample.temporal_change > Some(0.0));
     }
-    for chart in ["course-1-ms.svg", "course-1-ssim.svg"] {
+    for chart in ["line-chart-1-ms.svg", "line-chart-1-ssim.svg"] {
         let svg = fs::read_to_string(out.join(chart)).expect("a chart");
         assert!(svg.contains("<title>ssr, frame 2: "), "{chart}");
     }

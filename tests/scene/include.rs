@@ -3,10 +3,10 @@
 use std::{fs, path::PathBuf};
 
 use reflet::scene::{
+    dependencies::Dependencies,
     desc::SceneDesc,
     diagnostic::{Diagnostic, render_all},
     parse,
-    trail::Trail,
 };
 
 use crate::common::Random;
@@ -271,9 +271,9 @@ fn what_was_looked_for_is_known_also_after_a_mistake() {
     );
     let path = folder.0.join("scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
-    let trail = Trail::default();
-    parse::parse_traced(&text, &path, &[], &trail).expect_err("two are missing");
-    let names: Vec<_> = trail.paths();
+    let dependencies = Dependencies::default();
+    parse::parse_traced(&text, &path, &[], &dependencies).expect_err("two are missing");
+    let names: Vec<_> = dependencies.paths();
     let expected = ["a.toml", "b.toml", "gone.toml"].map(|n| folder.0.join(n));
     assert_eq!(names, expected);
 }

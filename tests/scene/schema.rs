@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 
 use reflet::scene::{
     manual::EXAMPLE,
-    parse::{self, SectionNote},
+    parse::{self, SectionRecord},
     schema::schema,
 };
 use serde_json::{Map, Value, json};
@@ -174,7 +174,7 @@ fn the_schema_takes_the_example_and_one_more_thing_breaks_it() {
 }
 
 /// A table of the file for a section: every key of the section, with its default or a stand-in.
-fn property_names(section: &SectionNote) -> Vec<&'static str> {
+fn property_names(section: &SectionRecord) -> Vec<&'static str> {
     let of_variants = section
         .variants
         .iter()
@@ -191,7 +191,7 @@ fn property_names(section: &SectionNote) -> Vec<&'static str> {
 fn schema_manual_and_reader_have_the_same_keys() {
     let schema = schema();
     let manual = reflet::scene::manual::manual();
-    for section in &parse::notes().sections {
+    for section in &parse::recorded_keys().sections {
         let object = match section.type_name {
             "SceneDesc" => &schema,
             name => &schema["$defs"][name],

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::{
-    app::cli::{MethodArg, SceneArgs, parse_size},
-    bench::{choose::Bound, knob::Knob},
+    app::args::{MethodArg, SceneArgs, parse_size},
+    bench::{choose::Bound, parameter::Parameter},
 };
 
 /// What says how to measure, which a table that is drawn again leaves nothing to say about.
@@ -15,7 +15,7 @@ const MEASURING: [&str; 15] = [
     "set",
     "assets",
     "methods",
-    "knob",
+    "parameter",
     "values",
     "sizes",
     "camera",
@@ -50,10 +50,15 @@ pub struct BenchArgs {
     pub methods: Vec<MethodArg>,
     /// What to turn: threshold_u, steps, ray_length_u, bounces or scale; without it each method's
     /// own (ssr: steps, hybrid: threshold_u, rt: bounces)
-    #[arg(long, value_name = "KNOB", value_parser = parse_knob)]
-    pub knob: Option<Knob>,
+    #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]
+    pub parameter: Option<Parameter>,
     /// What to turn it to, such as 0.005,0.025,0.065
-    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "knob")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        requires = "parameter"
+    )]
     pub values: Vec<f64>,
     /// Sizes such as 640x360,1280x720; without any, the scene's own
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
@@ -175,9 +180,12 @@ pub enum PaperExperiment {
     Scenario3,
 }
 
-fn parse_knob(text: &str) -> Result<Knob, String> {
-    Knob::from_name(text).ok_or_else(|| {
-        let names = Knob::ALL.map(Knob::name);
-        format!("there is no such knob; choose from {}", names.join(", "))
+fn parse_parameter(text: &str) -> Result<Parameter, String> {
+    Parameter::from_name(text).ok_or_else(|| {
+        let names = Parameter::ALL.map(Parameter::name);
+        format!(
+            "there is no such parameter; choose from {}",
+            names.join(", ")
+        )
     })
 }

@@ -11,13 +11,13 @@ use super::{
 };
 use crate::{
     app::{
-        cli::SceneArgs,
+        args::SceneArgs,
         error::AppError,
         scene::{ATRIUM, asset_folders, load_text},
     },
     bench::{
-        knob::Knob,
-        run::{Protocol, Reel, Subject, Turn},
+        parameter::Parameter,
+        run::{FrameSeries, Protocol, Subject, Turn},
     },
     scene::desc::{Method, ReflectionDesc},
 };
@@ -124,7 +124,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let mut protocol = Protocol {
         methods: vec![Method::Ssr, Method::Hybrid, Method::Rt],
         turn: match args.figure {
-            PaperExperiment::Fig1 => Turn::One(Knob::ThresholdU, thresholds()),
+            PaperExperiment::Fig1 => Turn::One(Parameter::ThresholdU, thresholds()),
             _ => Turn::Nothing,
         },
         sizes,
@@ -136,7 +136,7 @@ pub fn paper(args: &PaperArgs) -> Result<(), AppError> {
     let is_walk = args.figure == PaperExperiment::Scenario2;
     let reel = |subject| match is_walk {
         true => scenario2::reel(subject, stage.place == SPONZA, args.every.unwrap_or(EVERY)),
-        false => Ok(Reel::still(subject)),
+        false => Ok(FrameSeries::still(subject)),
     };
     let subjects = stage.subjects(&args.assets)?.into_iter();
     let mut reels = subjects.map(reel).collect::<Result<Vec<_>, _>>()?;

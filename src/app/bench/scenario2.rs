@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::{
     app::error::AppError,
-    bench::run::{Reel, Subject},
+    bench::run::{FrameSeries, Subject},
     scene::desc::LightKind,
 };
 
@@ -51,15 +51,15 @@ struct Walk {
 /// through the hall, elsewhere it circles around where it stands.
 ///
 /// # Errors
-/// As [`Reel::moving`].
-pub fn reel(subject: Subject, in_sponza: bool, every: u32) -> Result<Reel, AppError> {
+/// As [`FrameSeries::moving`].
+pub fn reel(subject: Subject, in_sponza: bool, every: u32) -> Result<FrameSeries, AppError> {
     let walk = Walk::new(&subject, in_sponza);
     let frames: Vec<u32> = (0..FRAMES).step_by(every as usize).collect();
     let mover = move |subject: &mut Subject, frame| {
         walk.put(subject, frame);
         Ok(())
     };
-    Reel::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
+    FrameSeries::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
 }
 
 impl Walk {

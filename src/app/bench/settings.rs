@@ -8,7 +8,7 @@ use crate::{
     app::error::AppError,
     bench::{
         host::Host,
-        knob::{Knob, method_name},
+        parameter::{Parameter, method_name},
         run::{Outcome, Protocol, REFERENCE_BOUNCES},
         sample::Sample,
         score::{TOLERANCE_RELATIVE, TOLERANCE_U},
@@ -45,12 +45,12 @@ struct Settings<'a> {
 struct Turned {
     method: &'static str,
     /// None where the scene's settings were measured as they are.
-    knob: Option<&'static str>,
-    /// Empty where the knob does nothing for the method.
+    parameter: Option<&'static str>,
+    /// Empty where the parameter does nothing for the method.
     values: Vec<f64>,
 }
 
-/// The knob and the values of each method.
+/// The parameter and the values of each method.
 fn turned(protocol: &Protocol) -> Vec<Turned> {
     let mut methods: Vec<Turned> = Vec::new();
     for variant in protocol.variants(&ReflectionDesc::default()) {
@@ -58,7 +58,7 @@ fn turned(protocol: &Protocol) -> Vec<Turned> {
         if methods.last().is_none_or(|last| last.method != method) {
             methods.push(Turned {
                 method,
-                knob: variant.knob.map(Knob::name),
+                parameter: variant.parameter.map(Parameter::name),
                 values: Vec::new(),
             });
         }
@@ -156,15 +156,15 @@ mod tests {
         assert_eq!(
             list(Turn::Own),
             serde_json::json!([
-                { "method": "ssr", "knob": "steps", "values": Knob::Steps.default_values() },
-                { "method": "rt", "knob": "bounces", "values": Knob::Bounces.default_values() },
+                { "method": "ssr", "parameter": "steps", "values": Parameter::Steps.default_values() },
+                { "method": "rt", "parameter": "bounces", "values": Parameter::Bounces.default_values() },
             ])
         );
         assert_eq!(
-            list(Turn::One(Knob::Steps, vec![8.0])),
+            list(Turn::One(Parameter::Steps, vec![8.0])),
             serde_json::json!([
-                { "method": "ssr", "knob": "steps", "values": [8.0] },
-                { "method": "rt", "knob": "steps", "values": [] },
+                { "method": "ssr", "parameter": "steps", "values": [8.0] },
+                { "method": "rt", "parameter": "steps", "values": [] },
             ])
         );
     }

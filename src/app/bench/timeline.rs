@@ -1,8 +1,12 @@
 //! Which frames of a scene `bench` measures, and how they are posed.
 
 use crate::{
-    app::{error::AppError, frames::FrameList, render::choose_camera, scene::LoadedScene},
-    bench::run::{Reel, Subject},
+    app::{
+        error::AppError,
+        frames::FrameList,
+        scene::{LoadedScene, choose_camera},
+    },
+    bench::run::{FrameSeries, Subject},
     scene::motion::Motion,
 };
 
@@ -17,13 +21,13 @@ pub fn reel(
     name: String,
     camera: Option<&str>,
     list: Option<&str>,
-) -> Result<Reel, AppError> {
+) -> Result<FrameSeries, AppError> {
     let frames = frames(&loaded, list)?;
     let index = choose_camera(&loaded, camera)?;
     let desc = loaded.desc.clone();
     let subject = subject(loaded, name, camera)?;
     let Some(frames) = frames else {
-        return Ok(Reel::still(subject));
+        return Ok(FrameSeries::still(subject));
     };
     let mover = move |subject: &mut Subject, frame| {
         let state = Motion::new(&desc).pose(frame)?;
@@ -31,7 +35,7 @@ pub fn reel(
         subject.camera = subject.world.cameras[index].value.clone();
         Ok(())
     };
-    Reel::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
+    FrameSeries::moving(subject, &frames, Box::new(mover)).map_err(AppError::Scene)
 }
 
 /// None for a scene whose frames are all alike, and of which no list is asked for.

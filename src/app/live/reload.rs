@@ -220,8 +220,9 @@ impl Live {
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
         let relaid = if keeps_files {
-            let options = load_options(&self.origin.from, &self.trail);
-            self.kept.relay(&self.world, &read.desc, &options)?
+            let options = load_options(&self.origin.from, &self.dependencies);
+            self.asset_cache
+                .reuse_assets(&self.world, &read.desc, &options)?
         } else {
             None
         };
@@ -235,14 +236,14 @@ impl Live {
         } else {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
-            self.trail = read.options.trail.clone();
-            let (mut world, kept) = load::load_kept(&read.desc, &read.options)?;
+            self.dependencies = read.options.dependencies.clone();
+            let (mut world, asset_cache) = load::load_with_cache(&read.desc, &read.options)?;
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
             let built = (self.renderer).with_world(&self.gpu, &self.library, &world, &wanted);
             self.renderer = built.map_err(|error| self.keep_problem(error))?;
-            (self.world, self.kept) = (world, kept);
+            (self.world, self.asset_cache) = (world, asset_cache);
             reload.redone = RebuildSummary {
                 upload: true,
                 trees: true,

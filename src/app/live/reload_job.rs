@@ -18,11 +18,11 @@ use crate::{
         watch::{Change, Changes},
     },
     scene::{
+        dependencies::Dependencies,
         desc::SceneDesc,
         diagnostic::Diagnostic,
         motion::{FrameState, Motion},
         parse,
-        trail::Trail,
     },
     world::load::LoadOptions,
 };
@@ -76,7 +76,7 @@ enum Work {
     Read {
         origin: Origin,
         parameters: ParameterOverrides,
-        texts: Trail,
+        texts: Dependencies,
         frame: u32,
         keeps: Reuse,
     },
@@ -162,7 +162,7 @@ impl ReloadJob {
 pub(super) fn read(
     origin: &Origin,
     parameters: &ParameterOverrides,
-    texts: &Trail,
+    texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
     let file = origin.path.as_deref().unwrap_or(Path::new("atrium"));
@@ -172,10 +172,10 @@ pub(super) fn read(
 fn read_unguarded(
     origin: &Origin,
     parameters: &ParameterOverrides,
-    texts: &Trail,
+    texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let options = load_options(&origin.from, &Trail::default());
+    let options = load_options(&origin.from, &Dependencies::default());
     let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
     let declared = parse::params(&text, &name, &origin.from.set);
     let declared: Option<DeclaredParameters> =
@@ -230,7 +230,7 @@ impl Live {
     /// soon as they are known.
     pub fn reading(&mut self, keeps: Reuse, frame: u32) -> ReloadJob {
         self.read_since = SystemTime::now();
-        self.ahead = Trail::default();
+        self.ahead = Dependencies::default();
         ReloadJob::new(Work::Read {
             origin: self.origin.clone(),
             parameters: self.asked().clone(),

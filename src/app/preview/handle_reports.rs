@@ -29,7 +29,7 @@ impl Window {
                 }
                 Ok(Report::Refused(refusal)) => {
                     self.note.say("refused; see the script parameters");
-                    self.knobs.refuse(*refusal, &self.facts.declared);
+                    self.parameters.refuse(*refusal, &self.facts.declared);
                 }
                 Ok(Report::Reloaded(reload, ms)) => {
                     let cpu = reload.took.as_secs_f64() * 1e3;
@@ -93,7 +93,7 @@ impl Window {
             facts.timeline.as_ref(),
             now_s,
         );
-        self.knobs.keep_what_fits(&facts.declared);
+        self.parameters.keep_what_fits(&facts.declared);
         let material = self
             .choice
             .material

@@ -15,7 +15,7 @@ use crate::{
 
 /// What the controls show.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Knobs {
+pub struct Parameters {
     /// Laid over the scene's own values.
     pub tuned: ParameterOverrides,
     /// Values that do not work: their controls show them, but the picture has what `tuned` has.
@@ -29,7 +29,7 @@ struct Refused {
     why: Vec<Mistake>,
 }
 
-impl Knobs {
+impl Parameters {
     fn refused(&self, name: &str) -> Option<&ParamValue> {
         let mut all = self.refused.iter().flat_map(|refused| &refused.values);
         all.find(|(known, _)| known == name).map(|(_, value)| value)
@@ -89,48 +89,48 @@ impl Knobs {
 }
 
 /// The panel; whether other values are to be laid over the scene's.
-pub fn params(ui: &mut Ui, declared: &DeclaredParameters, knobs: &mut Knobs) -> bool {
+pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Parameters) -> bool {
     if declared.is_empty() {
         return false;
     }
-    let before = knobs.tuned.clone();
+    let before = parameters.tuned.clone();
     egui::CollapsingHeader::new("Script parameters")
         .default_open(true)
         .show(ui, |ui| {
             for (name, own) in declared {
-                let now = knobs.shown(name, own);
+                let now = parameters.shown(name, own);
                 let mut value = now.clone();
-                row(ui, label(ui, knobs, name, own), own, &mut value);
+                row(ui, label(ui, parameters, name, own), own, &mut value);
                 if value != *now {
-                    knobs.set(name, value, own);
+                    parameters.set(name, value, own);
                 }
             }
             ui.horizontal(|ui| {
-                let is_own = knobs.tuned.is_empty() && knobs.refused.is_empty();
+                let is_own = parameters.tuned.is_empty() && parameters.refused.is_empty();
                 let reset = ui.add_enabled(!is_own, egui::Button::new("reset"));
                 if reset.on_hover_text("the values of the scene").clicked() {
-                    *knobs = Knobs::default();
+                    *parameters = Parameters::default();
                 }
                 let copy = ui.button("copy as text");
                 if copy.on_hover_text("the values in force").clicked() {
-                    ui.ctx().copy_text(knobs.tuned.as_text(declared));
+                    ui.ctx().copy_text(parameters.tuned.as_text(declared));
                 }
             });
             // Below the controls: none moves when a value is refused.
-            for index in 0..knobs.refused.len() {
-                if refused(ui, index, declared, knobs) {
+            for index in 0..parameters.refused.len() {
+                if refused(ui, index, declared, parameters) {
                     break; // it is over
                 }
             }
         });
-    knobs.tuned != before
+    parameters.tuned != before
 }
 
 /// Values that differ from the scene's stand out, and more so those that do not work.
-fn label(ui: &Ui, knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
-    if knobs.refused(name).is_some() {
+fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> RichText {
+    if parameters.refused(name).is_some() {
         RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
-    } else if knobs.tuned.get(name).unwrap_or(own) == own {
+    } else if parameters.tuned.get(name).unwrap_or(own) == own {
         RichText::new(name)
     } else {
         RichText::new(name).strong()
@@ -138,8 +138,13 @@ fn label(ui: &Ui, knobs: &Knobs, name: &str, own: &ParamValue) -> RichText {
 }
 
 /// Values that do not work, why, and what the picture has; whether somebody decided about them.
-fn refused(ui: &mut Ui, index: usize, declared: &DeclaredParameters, knobs: &mut Knobs) -> bool {
-    let all = knobs.refused[index].clone();
+fn refused(
+    ui: &mut Ui,
+    index: usize,
+    declared: &DeclaredParameters,
+    parameters: &mut Parameters,
+) -> bool {
+    let all = parameters.refused[index].clone();
     let line = |values: &[(String, ParamValue)]| {
         let texts: Vec<_> = values.iter().map(|(name, v)| setting(name, v)).collect();
         texts.join(", ")
@@ -147,7 +152,7 @@ fn refused(ui: &mut Ui, index: usize, declared: &DeclaredParameters, knobs: &mut
     let in_force: Vec<_> = (all.values.iter())
         .filter_map(|(name, _)| {
             let own = declared.iter().find(|(known, _)| known == name);
-            let now = knobs.tuned.get(name).or(own.map(|(_, own)| own));
+            let now = parameters.tuned.get(name).or(own.map(|(_, own)| own));
             now.map(|now| (name.clone(), now.clone()))
         })
         .collect();
@@ -170,11 +175,11 @@ fn refused(ui: &mut Ui, index: usize, declared: &DeclaredParameters, knobs: &mut
             if again.clicked() {
                 for (name, value) in &all.values {
                     if let Some((_, own)) = declared.iter().find(|(known, _)| known == name) {
-                        knobs.set(name, value.clone(), own);
+                        parameters.set(name, value.clone(), own);
                     }
                 }
             } else if back.clicked() {
-                knobs.refused.remove(index);
+                parameters.refused.remove(index);
             }
             is_decided = again.clicked() || back.clicked();
         });

@@ -13,14 +13,14 @@ use crate::{app::live::Problems, scene::diagnostic::Diagnostic};
 #[derive(Default)]
 struct State {
     declared: DeclaredParameters,
-    knobs: Knobs,
+    parameters: Parameters,
     asked: Vec<ParameterOverrides>,
 }
 
 fn harness<'a>() -> Harness<'a, State> {
     let draw = |ui: &mut Ui, state: &mut State| {
-        if params(ui, &state.declared, &mut state.knobs) {
-            state.asked.push(state.knobs.tuned.clone());
+        if params(ui, &state.declared, &mut state.parameters) {
+            state.asked.push(state.parameters.tuned.clone());
         }
     };
     Harness::builder()
@@ -56,7 +56,7 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(62.0);
     harness.run();
-    let settings = harness.state().knobs.tuned.settings();
+    let settings = harness.state().parameters.tuned.settings();
     assert_eq!(settings.len(), 3, "{settings:?}");
     assert!(
         settings.contains(&"params.night=true".to_owned()),
@@ -68,10 +68,10 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
     );
     assert_eq!(
         harness.state().asked.last(),
-        Some(&harness.state().knobs.tuned)
+        Some(&harness.state().parameters.tuned)
     );
     click(&mut harness, "reset");
-    assert!(harness.state().knobs.tuned.is_empty());
+    assert!(harness.state().parameters.tuned.is_empty());
 }
 
 /// Two parameters; the values `count = 60` and `speed = 2` were asked for, and before these `stays`.
@@ -85,13 +85,13 @@ fn two<'a>() -> (Harness<'a, State>, DeclaredParameters, ParameterOverrides) {
     let mut harness = harness();
     let state = harness.state_mut();
     state.declared.clone_from(&declared);
-    state.knobs.tuned = stays.clone();
-    let set = |knobs: &mut Knobs, name: &str, value| {
+    state.parameters.tuned = stays.clone();
+    let set = |parameters: &mut Parameters, name: &str, value| {
         let own = declared.iter().find(|(known, _)| known == name);
-        knobs.set(name, value, &own.expect("is declared").1);
+        parameters.set(name, value, &own.expect("is declared").1);
     };
-    set(&mut state.knobs, "count", ParamValue::Integer(60));
-    set(&mut state.knobs, "speed", ParamValue::Number(2.0));
+    set(&mut state.parameters, "count", ParamValue::Integer(60));
+    set(&mut state.parameters, "speed", ParamValue::Number(2.0));
     (harness, declared, stays)
 }
 
@@ -111,10 +111,10 @@ fn refusal(value: i64, stays: &ParameterOverrides) -> Refusal {
 fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     let (mut harness, declared, stays) = two();
     let state = harness.state_mut();
-    state.knobs.refuse(refusal(60, &stays), &declared);
+    state.parameters.refuse(refusal(60, &stays), &declared);
     // What else was chosen goes on.
     assert_eq!(
-        state.knobs.tuned.settings(),
+        state.parameters.tuned.settings(),
         ["params.speed=2.0", "params.count=40"]
     );
     harness.run();
@@ -136,7 +136,7 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     assert_eq!(shown, Some(60.0));
     assert!(harness.state().asked.is_empty(), "marking asks for nothing");
     // A save of the scene is no new chance for it, nor another parameter.
-    harness.state_mut().knobs.keep_what_fits(&declared);
+    harness.state_mut().parameters.keep_what_fits(&declared);
     let speed = harness.get_all_by_role(Role::Slider).last();
     speed.expect("a slider").set_value_accesskit(1.0);
     harness.run();
@@ -152,16 +152,16 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
 #[test]
 fn a_refused_value_is_taken_back_moved_on_or_reset() {
     let (mut harness, declared, stays) = two();
-    let knobs = &mut harness.state_mut().knobs;
-    knobs.refuse(refusal(55, &stays), &declared);
-    assert!(knobs.refused.is_empty(), "the slider has moved on");
-    knobs.refuse(refusal(60, &stays), &declared);
-    let marked = knobs.clone();
+    let parameters = &mut harness.state_mut().parameters;
+    parameters.refuse(refusal(55, &stays), &declared);
+    assert!(parameters.refused.is_empty(), "the slider has moved on");
+    parameters.refuse(refusal(60, &stays), &declared);
+    let marked = parameters.clone();
     harness.run();
     click(&mut harness, "take back");
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
     assert!(harness.state().asked.is_empty(), "it was not in force");
-    harness.state_mut().knobs = marked.clone();
+    harness.state_mut().parameters = marked.clone();
     harness.run();
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(45.0);
@@ -169,10 +169,10 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
     let asked = harness.state().asked.last().expect("asks").settings();
     assert_eq!(asked, ["params.speed=2.0", "params.count=45"]);
-    harness.state_mut().knobs = marked.clone();
+    harness.state_mut().parameters = marked.clone();
     harness.run();
     click(&mut harness, "reset");
-    assert_eq!(harness.state().knobs, Knobs::default());
+    assert_eq!(harness.state().parameters, Parameters::default());
     // Written in the scene it is in force.
     let mut written = marked;
     written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
@@ -183,5 +183,5 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     );
     written.tuned = ParameterOverrides::default();
     written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
-    assert_eq!(written, Knobs::default());
+    assert_eq!(written, Parameters::default());
 }

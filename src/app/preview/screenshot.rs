@@ -7,7 +7,7 @@ use super::{
     render_thread::State,
     visualize::{NOTHING, Pixels},
 };
-use crate::{app::output, files::write_whole};
+use crate::{app::output::png, files::write_whole};
 
 /// Width of the line between the sides, pixels.
 const LINE_PX: u32 = 2;
@@ -49,7 +49,7 @@ impl State {
                 wiped(&left, &right, shot.wipe_at, size)
             }
         };
-        output::encode_png(whole.size, &whole.rgba, None)
+        png::encode(whole.size, &whole.rgba, None)
     }
 
     fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {

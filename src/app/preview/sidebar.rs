@@ -29,8 +29,8 @@ impl Window {
             // Beside the scroll bar.
             ui.set_max_width(ui.available_width() - 8.0);
             // First what is dragged: nothing above it changes its height by itself.
-            if parameter_panel::params(ui, &self.facts.declared, &mut self.knobs) {
-                overrides.push(ViewRequest::Tune(self.knobs.tuned.clone()));
+            if parameter_panel::params(ui, &self.facts.declared, &mut self.parameters) {
+                overrides.push(ViewRequest::Tune(self.parameters.tuned.clone()));
             }
             let before = self.choice.material;
             let picked = self.picked.as_ref();

@@ -16,7 +16,7 @@ use super::{
     camera_controls::CameraControls,
     diagnostics_panel::Fold,
     panels::{self, Choice, METHODS, ViewRequest},
-    parameter_panel::Knobs,
+    parameter_panel::Parameters,
     picking::Picked,
     protocol::{
         Inspect, Inspection, Judged, SceneSummary, Screenshot, Shown, Task, View, ViewCamera,
@@ -52,7 +52,7 @@ pub struct Window {
     pub(super) timeline: Option<Timeline>,
     /// Where time was when the scene last had some.
     pub(super) put_away: Option<Timeline>,
-    pub(super) knobs: Knobs,
+    pub(super) parameters: Parameters,
     /// Whether the list of mistakes is folded.
     pub(super) fold: Fold,
     pub(super) shown: Option<Shown>,
@@ -98,7 +98,7 @@ impl Window {
             navigator: CameraControls::new(start, &facts.bounds),
             timeline: facts.timeline.as_ref().map(Timeline::new),
             put_away: None,
-            knobs: Knobs::default(),
+            parameters: Parameters::default(),
             fold: Fold::default(),
             worker,
             facts,

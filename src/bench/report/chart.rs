@@ -8,9 +8,9 @@ use plotters::{
     prelude::*,
 };
 
-use super::words::spots;
+use super::findings::spots;
 use crate::bench::{
-    front::{Spot, front},
+    pareto::{Spot, pareto_front},
     sample::Sample,
     summary::{Group, Metric, Point, digits, label},
 };
@@ -158,7 +158,7 @@ fn dots(group: &Group, axes: Axes) -> Vec<Dot<'_>> {
         });
         (spots, points) = timed.unzip();
     }
-    let on_front = front(&spots);
+    let on_front = pareto_front(&spots);
     let rows = points.into_iter().zip(spots).zip(on_front);
     rows.map(|((point, spot), is_on_front)| Dot {
         point,

@@ -172,7 +172,7 @@ fn host(sections: &[Section]) -> String {
 pub fn heading(s: &Sample) -> String {
     let turned = match s.turn.as_str() {
         "" | "nothing" | "own" => String::new(),
-        knob => format!(", turned by {knob}"),
+        parameter => format!(", turned by {parameter}"),
     };
     format!(
         "{}, camera {}, {} × {}{turned}",

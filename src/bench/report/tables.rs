@@ -7,11 +7,11 @@ use plotters::style::RGBColor;
 use super::{
     Section,
     chart::{color, escape},
-    words::spots,
+    findings::spots,
 };
 use crate::{
     bench::{
-        front::front,
+        pareto::pareto_front,
         summary::{Metric, Point, digits, label},
     },
     render::{pass::Pass, passes},
@@ -142,7 +142,7 @@ pub fn points(section: &Section) -> String {
     let title = "All settings: times and errors (● on the Pareto front by FLIP)";
     let mut out = head(title, &ERROR_HEADS);
     let (spots, judged) = spots(group, Metric::Flip);
-    let on_front = front(&spots);
+    let on_front = pareto_front(&spots);
     for point in &group.points {
         let index = judged.iter().position(|p| std::ptr::eq(*p, point));
         let is_on_front = index.is_some_and(|i| on_front[i]);

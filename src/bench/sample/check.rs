@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use super::Sample;
 use crate::bench::{
     csv::CsvError,
-    knob::{Knob, method_name},
     metric::mask::MIN_AREA_PX,
+    parameter::{Parameter, method_name},
 };
 use crate::scene::desc::Method;
 
@@ -27,7 +27,7 @@ pub fn cell(column: &str, text: &str) -> Result<(), String> {
             text,
             &[Method::Ssr, Method::Hybrid, Method::Rt].map(method_name),
         ),
-        "knob" => named(text, &Knob::ALL.map(Knob::name)),
+        "parameter" => named(text, &Parameter::ALL.map(Parameter::name)),
         _ => match (range(column), text.parse::<f64>()) {
             (Some((low, high, words)), Ok(value)) if !(low..=high).contains(&value) => {
                 Err(words.to_owned())

@@ -21,7 +21,7 @@ pub fn groups(samples: &[Sample]) -> Vec<Group> {
 }
 
 /// What must be equal for points to be compared: the content of the scene, the machine, the
-/// reference with all settings that no knob turns, and what was turned.
+/// reference with all settings that no parameter turns, and what was turned.
 fn group_key(s: &Sample) -> String {
     format!(
         "{:?}",

@@ -22,10 +22,10 @@ use super::{
     value::{Named, Names, Node, Value as _, Version},
 };
 use crate::scene::{
-    below::{self, Kind},
+    confined_read::{self, Kind},
+    dependencies::Dependencies,
     desc::{At, Include},
     diagnostic::{Diagnostic, Source, Span},
-    trail::Trail,
 };
 
 /// Files of a scene, those that included files name among them.
@@ -61,7 +61,12 @@ impl Included {
 
 /// Reads the files that a scene includes and those that they include, each once, in the order in
 /// which they are named. `path` is the scene's own file; what is looked for is added to `trail`.
-pub fn collect(text: &str, path: &Path, trail: &Trail, report: &mut Report) -> Included {
+pub fn collect(
+    text: &str,
+    path: &Path,
+    dependencies: &Dependencies,
+    report: &mut Report,
+) -> Included {
     let mut included = Included::default();
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
@@ -75,7 +80,7 @@ pub fn collect(text: &str, path: &Path, trail: &Trail, report: &mut Report) -> I
             report.note_lacking_names();
             break;
         }
-        match below::read(folder, &name.value, &SCENES, trail) {
+        match confined_read::read(folder, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
                 let base = report.add_source(&found.path, &found.text);
                 waiting.extend(named(&found.text, base, false, report).into_iter().rev());

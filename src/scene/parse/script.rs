@@ -17,9 +17,9 @@ use super::{
     value::Node,
 };
 use crate::scene::{
+    dependencies::Dependencies,
     desc::{At, TimelineDesc},
     script::Script,
-    trail::Trail,
 };
 
 /// The script of a scene and what it adds.
@@ -35,11 +35,16 @@ pub struct Scripted {
 
 /// Loads the script that the tree names and calls its `setup`; the files that it looks for are added
 /// to `trail`.
-pub fn run(root: &DeTable, folder: &Path, trail: &Trail, report: &mut Report) -> Scripted {
+pub fn run(
+    root: &DeTable,
+    folder: &Path,
+    dependencies: &Dependencies,
+    report: &mut Report,
+) -> Scripted {
     let Some(node) = root.get("script") else {
         return Scripted::default();
     };
-    let scripted = run_named(node, root, folder, trail, report);
+    let scripted = run_named(node, root, folder, dependencies, report);
     if scripted.is_none() {
         report.note_lacking_names();
     }
@@ -51,7 +56,7 @@ fn run_named(
     node: &Node,
     root: &DeTable,
     folder: &Path,
-    trail: &Trail,
+    dependencies: &Dependencies,
     report: &mut Report,
 ) -> Option<Scripted> {
     let file = node.get_ref().as_str()?;
@@ -59,7 +64,7 @@ fn run_named(
         value: file.to_owned(),
         at: report.span(&node.span()),
     };
-    let script = match Script::load(folder, &file, trail) {
+    let script = match Script::load(folder, &file, dependencies) {
         Ok(script) => script,
         Err(error) => {
             report.push(*error);

@@ -1,6 +1,6 @@
 //! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
 
-mod deep;
+mod nesting;
 
 use std::{ops::Range, sync::Arc};
 
@@ -90,7 +90,7 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
         // The parser does not say where.
-        let at = deep::first(text).unwrap_or(at);
+        let at = nesting::first(text).unwrap_or(at);
         report.error("too-deep", &moved(&at), message).help =
             Some("a scene needs four levels".into());
     } else {

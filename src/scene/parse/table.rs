@@ -9,7 +9,7 @@ use std::ops::Range as Bytes;
 use toml::de::DeTable;
 
 use super::{
-    notes::{KeyNote, Notes, Rule},
+    key_recorder::{KeyRecord, RecordedKeys, Rule},
     range::Range,
     report::Report,
     suggest,
@@ -73,7 +73,7 @@ pub struct Table<'r, 'i> {
     /// turns out to be meant.
     missing: Vec<(&'static str, String)>,
     errors_before: usize,
-    notes: Option<&'r mut Notes>,
+    notes: Option<&'r mut RecordedKeys>,
 }
 
 impl<'r, 'i> Table<'r, 'i> {
@@ -91,7 +91,7 @@ impl<'r, 'i> Table<'r, 'i> {
     }
 
     /// Runs `T`'s reader on nothing, to write down what it asks for.
-    pub fn describe<T: Section>(notes: &mut Notes) {
+    pub fn describe<T: Section>(notes: &mut RecordedKeys) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());
             T::read(&mut Table::new(
@@ -108,7 +108,7 @@ impl<'r, 'i> Table<'r, 'i> {
         report: &'r mut Report,
         values: &'r DeTable<'i>,
         place: Place,
-        notes: Option<&'r mut Notes>,
+        notes: Option<&'r mut RecordedKeys>,
     ) -> Self {
         let errors_before = report.errors();
         let (asked, missing) = (Vec::new(), Vec::new());
@@ -123,7 +123,7 @@ impl<'r, 'i> Table<'r, 'i> {
         }
     }
 
-    fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyNote) {
+    fn note(&mut self, key: &'static str, note: impl FnOnce() -> KeyRecord) {
         self.asked.push(key);
         if let Some(notes) = &mut self.notes {
             notes.add(note());
@@ -162,21 +162,21 @@ impl<'r, 'i> Table<'r, 'i> {
 
     /// The value of an optional key.
     pub fn find<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
-        self.note(key, || KeyNote::value::<V>(key, range));
+        self.note(key, || KeyRecord::value::<V>(key, range));
         self.plain(key, range)
     }
 
     /// The value of a key with a default.
     pub fn get<V: Value>(&mut self, key: &'static str, range: Range, default: V) -> V {
         self.note(key, || {
-            KeyNote::value::<V>(key, range).default(default.to_json())
+            KeyRecord::value::<V>(key, range).default(default.to_json())
         });
         self.plain(key, range).unwrap_or(default)
     }
 
     /// The value of a key that must be there.
     pub fn need<V: Value>(&mut self, key: &'static str, range: Range) -> Option<V> {
-        self.note(key, || KeyNote::value::<V>(key, range).required());
+        self.note(key, || KeyRecord::value::<V>(key, range).required());
         if !self.has(key) {
             let range = if V::RANGED {
                 range.words()

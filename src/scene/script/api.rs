@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use rhai::Engine;
 
 pub use self::definitions::definitions;
-use super::{engine::limits, shown};
+use super::{engine::limits, format_value};
 
 /// One function, operator or property.
 pub struct Entry {
@@ -67,7 +67,7 @@ const INTRODUCTION: &str = include_str!("api/introduction.md");
 
 /// Adds everything to an engine.
 pub fn register(engine: &mut Engine) {
-    shown::register(engine);
+    format_value::register(engine);
     for entry in API.iter().flat_map(|group| group.entries) {
         (entry.register)(engine);
     }

@@ -10,7 +10,7 @@ use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::{
     api::value::{fail, number, rotation, scale, vector},
-    set::{material_values, refuse_lacking, values},
+    setters::{material_values, refuse_lacking, values},
 };
 use crate::scene::{
     desc::{Entry, LightKind, ParamValue, TimelineDesc},

@@ -13,13 +13,13 @@ use rhai::{
 };
 
 use super::{
-    api, bounded,
-    caught::{self, Caught},
-    dedup,
-    limited::{print, progress},
-    nested::{self, NESTED},
-    parsing, push, sort,
-    sources::{MOST_BYTES, Resolver, Sources},
+    api, bounded_functions,
+    call_limits::{print, progress},
+    catch_values::{self, Caught},
+    dedup, limited_parser,
+    nested_values::{self, NESTED},
+    push, sort,
+    source_files::{MOST_BYTES, Resolver, Sources},
 };
 
 /// Longest time of one call: ten times what the largest allowed `setup` takes, since other work
@@ -149,14 +149,14 @@ pub fn engine(sources: &Arc<Sources>) -> Engine {
     register_print::<Map>(&mut engine);
     register_print::<Dynamic>(&mut engine);
     engine.set_module_resolver(Resolver(Arc::clone(sources)));
-    bounded::register(&mut engine);
-    nested::register(&mut engine);
+    bounded_functions::register(&mut engine);
+    nested_values::register(&mut engine);
     sort::register(&mut engine);
     dedup::register(&mut engine);
     push::register(&mut engine);
     let caught = Caught::default();
-    parsing::register(&mut engine, &caught);
-    caught::register(&mut engine, &caught);
+    limited_parser::register(&mut engine, &caught);
+    catch_values::register(&mut engine, &caught);
     api::register(&mut engine);
     engine
 }

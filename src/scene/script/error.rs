@@ -9,11 +9,11 @@ use self::missing::{missing_function, missing_key, missing_property};
 use super::{
     api::value::WrongKey,
     engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
-    key::key_of_call,
-    locate::{Ended, Met, Place},
-    nested::{NESTED, is_deeper},
-    shown::thrown,
-    sources::Sources,
+    format_value::thrown,
+    key_locations::key_of_call,
+    limit_location::{Ended, Met, Place},
+    nested_values::{NESTED, is_deeper},
+    source_files::Sources,
 };
 use crate::scene::{diagnostic::Diagnostic, parse::suggest};
 

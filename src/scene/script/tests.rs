@@ -14,8 +14,8 @@ use rhai::{Dynamic, Map};
 
 use super::{
     Halt, Script, api,
+    call_limits::{Bounds, run_limited},
     engine::{ARRAY, MAP},
-    limited::{Bounds, run_limited},
 };
 use crate::scene::{
     desc::SceneDesc,

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::Fault;
-use crate::scene::trail::Trail;
+use crate::scene::dependencies::Dependencies;
 
 /// The folders that files may be read from, canonical.
 #[derive(Clone, Debug, Default)]
@@ -16,14 +16,17 @@ pub struct Sandbox {
     roots: Vec<PathBuf>,
     /// Largest file that is read, bytes.
     pub max_file_bytes: u64,
-    trail: Trail,
+    dependencies: Dependencies,
 }
 
 impl Sandbox {
     /// The same folders; what is looked for is added to `trail`.
-    pub fn with_trail(self, trail: &Trail) -> Self {
-        let trail = trail.clone();
-        Self { trail, ..self }
+    pub fn with_trail(self, dependencies: &Dependencies) -> Self {
+        let dependencies = dependencies.clone();
+        Self {
+            dependencies,
+            ..self
+        }
     }
 
     /// Allows everything below `roots`; those that do not exist are left out.
@@ -39,7 +42,7 @@ impl Sandbox {
         Self {
             roots: roots.collect(),
             max_file_bytes,
-            trail: Trail::default(),
+            dependencies: Dependencies::default(),
         }
     }
 
@@ -88,7 +91,7 @@ impl Sandbox {
         if !inside(&path) {
             return Err(escape("leaves the allowed folders"));
         }
-        self.trail.add(named);
+        self.dependencies.add(named);
         let path = path
             .canonicalize()
             .map_err(|e| Fault::new("file-not-found", format!("\"{shown}\": {e}")))?;

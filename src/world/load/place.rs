@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use glam::Affine3A;
 
 use super::{
-    Loader, Source,
-    copies::{copies, invertible},
-    error_at,
-    extras::Extras,
-    stand::{Place, Stand},
+    Loader, Source, error_at,
+    lights_and_cameras::Extras,
+    model_instance::{ModelInstance, Place},
+    repeat::copies,
 };
 use crate::{
+    math::invertible,
     scene::{
         desc::{InstanceDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
@@ -167,7 +167,7 @@ impl Loader<'_> {
         let player = self.add_player(job, source);
         for (number, copy) in copies(job.instance).enumerate() {
             let name = format!("{base_name}{}", copy.suffix);
-            let stand = Stand {
+            let stand = ModelInstance {
                 desc: job.index,
                 dynamic: job.dynamic,
                 player,
@@ -226,7 +226,7 @@ impl Loader<'_> {
         job: &Job<'_>,
         loaded: usize,
         name: &str,
-        stand: &Stand<'_>,
+        stand: &ModelInstance<'_>,
         dropped: &mut Vec<String>,
     ) {
         for i in 0..self.loaded[loaded].placements.len() {

@@ -9,13 +9,13 @@ use std::{
 
 use crate::{
     app::{
-        cli::SceneArgs,
+        args::SceneArgs,
         error::AppError,
         live::Origin,
         scene::{asset_folders, load_options, source},
     },
     gpu::ShaderLibrary,
-    scene::{desc::SceneDesc, parse, trail::Trail},
+    scene::{dependencies::Dependencies, desc::SceneDesc, parse},
 };
 
 /// What is edited.
@@ -114,7 +114,7 @@ impl SceneCopy {
                 ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
             }
         };
-        let options = load_options(from, &Trail::default());
+        let options = load_options(from, &Dependencies::default());
         let (text, name) = source(path, &options, &from.set).map_err(AppError::Scene)?;
         let (desc, _) = parse::parse(&text, &name, &from.set).map_err(AppError::Scene)?;
         let folder = Folder::new()?;

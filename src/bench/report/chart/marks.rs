@@ -99,7 +99,7 @@ impl Labels {
         }
     }
 
-    /// Writes a knob's value beside its dot where it covers nothing; where there is no such place
+    /// Writes a parameter's value beside its dot where it covers nothing; where there is no such place
     /// the hover text says it.
     pub fn write(&mut self, out: &mut String, value: f64, (x, y): (i32, i32)) {
         let text = value.to_string();
@@ -132,20 +132,22 @@ impl Labels {
     }
 }
 
-/// Methods with their knob, and what the marks mean, in the upper right corner.
+/// Methods with their parameter, and what the marks mean, in the upper right corner.
 pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
     for method in ["ssr", "hybrid", "rt"] {
         let of = dots.iter().filter(|d| d.point.sample.method == method);
-        let knobs: Vec<&str> = of
+        let parameters: Vec<&str> = of
             .clone()
-            .filter_map(|d| d.point.sample.knob.as_deref())
+            .filter_map(|d| d.point.sample.parameter.as_deref())
             .collect();
         let turned = of.clone().any(|d| d.point.sample.value.is_some());
         let RGBColor(r, g, b) = color(method);
         if of.count() > 0 {
-            let knob = knobs.first().filter(|_| turned);
-            let text = knob.map_or(method.to_owned(), |knob| format!("{method}, by {knob}"));
+            let parameter = parameters.first().filter(|_| turned);
+            let text = parameter.map_or(method.to_owned(), |parameter| {
+                format!("{method}, by {parameter}")
+            });
             lines.push((text, format!("rgb({r},{g},{b})"), "2"));
         }
     }

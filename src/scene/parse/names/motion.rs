@@ -1,6 +1,6 @@
 //! Names in `[motion]`: what moves must exist and must have what is moved.
 
-mod flat;
+mod zero_scale;
 
 use toml::de::DeTable;
 
@@ -43,7 +43,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
                 .related(instance.at.clone(), "the instance is here");
             report.push(error);
         }
-        flat::check(scene, entry, report);
+        zero_scale::check(scene, entry, report);
         // A loop of instances that follow each other would have no order.
         for track in [&entry.value.translation, &entry.value.rotation_deg] {
             if let Some(follow) = track.as_ref().and_then(|t| t.follow.as_ref()) {

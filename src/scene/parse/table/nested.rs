@@ -6,7 +6,7 @@ use super::{Place, Section, Table};
 use crate::scene::{
     desc::{At, Entry, ParamValue},
     parse::{
-        notes::{Form, KeyNote},
+        key_recorder::{Form, KeyRecord},
         params,
         range::ANY,
         suggest,
@@ -25,7 +25,7 @@ pub enum Either<T> {
 impl Table<'_, '_> {
     /// A table right of `key =`, or `[….key]`.
     pub fn table<T: Section>(&mut self, key: &'static str) -> Option<T> {
-        self.note(key, || KeyNote::new(key, Form::Table(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::Table(T::TYPE)));
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
         self.nested(key, node)
@@ -34,7 +34,7 @@ impl Table<'_, '_> {
     /// A name, or a table in its place.
     pub fn name_or_table<T: Section>(&mut self, key: &'static str) -> Option<Either<T>> {
         self.note(key, || {
-            KeyNote::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
+            KeyRecord::value::<At<String>>(key, ANY).or(Form::Table(T::TYPE))
         });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
@@ -50,7 +50,7 @@ impl Table<'_, '_> {
         key: &'static str,
     ) -> Option<Either<Vec<Entry<T>>>> {
         self.note(key, || {
-            KeyNote::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
+            KeyRecord::value::<At<String>>(key, ANY).or(Form::Entries(T::TYPE))
         });
         self.describe_nested::<T>();
         let node = self.values.get(key)?;
@@ -70,7 +70,7 @@ impl Table<'_, '_> {
 
     /// All tables `[key.NAME]`, in the order of the file.
     pub fn entries<T: Section>(&mut self, key: &'static str) -> Vec<Entry<T>> {
-        self.note(key, || KeyNote::new(key, Form::Entries(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::Entries(T::TYPE)));
         self.describe_nested::<T>();
         let node = self.values.get(key);
         node.map_or_else(Vec::new, |node| self.nested_entries(key, node))
@@ -78,7 +78,7 @@ impl Table<'_, '_> {
 
     /// All tables `[[key]]`.
     pub fn list<T: Section>(&mut self, key: &'static str) -> Vec<T> {
-        self.note(key, || KeyNote::new(key, Form::List(T::TYPE)));
+        self.note(key, || KeyRecord::new(key, Form::List(T::TYPE)));
         self.describe_nested::<T>();
         let Some(node) = self.values.get(key) else {
             return Vec::new();
@@ -110,7 +110,7 @@ impl Table<'_, '_> {
     pub fn params(&mut self, key: &'static str) -> Vec<Entry<ParamValue>> {
         self.note(key, || {
             let what = "numbers, texts, true or false, or arrays of numbers, with names";
-            KeyNote::new(key, Form::Value(what.into(), params::schema()))
+            KeyRecord::new(key, Form::Value(what.into(), params::schema()))
         });
         let Some(node) = self.values.get(key) else {
             return Vec::new();

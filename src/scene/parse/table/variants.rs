@@ -4,10 +4,10 @@ use toml::de::DeTable;
 
 use super::{Place, Table};
 use crate::scene::parse::{
-    notes::Notes,
+    enum_values::{one_of, word},
+    key_recorder::RecordedKeys,
     report::Report,
     suggest,
-    words::{one_of, word},
 };
 
 /// Reader of one variant of a table with a `kind`.
@@ -83,7 +83,7 @@ impl Table<'_, '_> {
 /// The keys that a variant's reader asks for.
 fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
     let (mut report, nothing) = (Report::default(), DeTable::new());
-    let mut notes = Notes::default();
+    let mut notes = RecordedKeys::default();
     let mut table = Table::new(&mut report, &nothing, Place::default(), None);
     table.notes = Some(&mut notes);
     read(&mut table);

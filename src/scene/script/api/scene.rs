@@ -6,7 +6,7 @@ use rhai::{Dynamic, Map, NativeCallContext as Call};
 use super::{
     super::{
         context::{Context, position},
-        nested::maps_equal,
+        nested_values::maps_equal,
     },
     Entry,
     value::fail,

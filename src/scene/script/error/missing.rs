@@ -1,7 +1,7 @@
 //! Names that are not there: functions, properties, keys; and what there is.
 
 use super::{
-    super::{api, shown::type_named},
+    super::{api, format_value::type_named},
     Known,
 };
 use crate::scene::parse::suggest;

@@ -1,0 +1,193 @@
+//! Picture files: what is in them, and that no broken one is ever left.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
+
+use super::picture_file::PictureFile;
+use crate::{
+    app::error::AppError,
+    files::Temporary,
+    render::{
+        Picture, Plane, PlaneData,
+        aov::Aov,
+        stats::{FrameStats, Shares},
+    },
+    scene::desc::Method,
+};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("reflet-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("temporary folder");
+    folder
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("readable");
+    let mut names: Vec<_> = entries
+        .map(|entry| {
+            entry
+                .expect("entry")
+                .file_name()
+                .into_string()
+                .expect("UTF-8")
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+fn picture() -> Picture {
+    Picture {
+        size: [2, 1],
+        color: vec![0.25, 4.0, -1.0, 1.0, 0.5, 0.0, 1e-4, 1.0],
+        display: vec![10, 20, 30, 255, 40, 50, 60, 255],
+        planes: vec![Plane {
+            name: "cause",
+            channels: &["cause"],
+            data: PlaneData::U32(vec![0, 7]),
+        }],
+        stats: FrameStats {
+            size: [2, 1],
+            samples: 1,
+            method: Method::Hybrid,
+            unit_m: 1.0,
+            tree_ms: 0.0,
+            passes_ms: Vec::new(),
+            frame_ms: 0.0,
+            shares: Shares::new(&[], [2, 1], Method::Hybrid),
+            rays: 0,
+            bytes: Vec::new(),
+        },
+    }
+}
+
+fn refusal(path: &Path) -> String {
+    match PictureFile::new(path) {
+        Err(AppError::Usage(text)) => text,
+        other => panic!("{}: {other:?}", path.display()),
+    }
+}
+
+#[test]
+fn a_png_and_its_planes_are_written_whole() {
+    let folder = folder("png");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    assert!(names(&folder).is_empty(), "checking leaves nothing");
+    output.write(&picture()).expect("written");
+    output.write(&picture()).expect("written over");
+    assert_eq!(names(&folder), ["out.cause.png", "out.png"]);
+    let read = image::open(folder.join("out.png"))
+        .expect("a PNG")
+        .into_rgb8();
+    assert_eq!(read.into_raw(), [10, 20, 30, 40, 50, 60]);
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
+    let folder = folder("beside");
+    fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    assert!(output.check_beside(&[Aov::Normal]).is_ok());
+    match output.check_beside(&[Aov::Normal, Aov::Source]) {
+        Err(AppError::Usage(text)) => {
+            assert!(text.contains("out.source.png: is a folder"), "{text}")
+        }
+        other => panic!("{other:?}"),
+    }
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn an_exr_keeps_floats_and_codes() {
+    let folder = folder("exr");
+    let path = folder.join("out.EXR");
+    PictureFile::new(&path)
+        .and_then(|output| output.write(&picture()))
+        .expect("written");
+    assert_eq!(names(&folder), ["out.EXR"]);
+    let read = read_first_flat_layer_from_file(&path).expect("an EXR");
+    let channels = &read.layer_data.channel_data.list;
+    let found: Vec<_> = channels.iter().map(|c| c.name.to_string()).collect();
+    assert_eq!(found, ["A", "B", "G", "R", "cause.cause"]);
+    let values: Vec<f32> = channels[1].sample_data.values_as_f32().collect();
+    assert_eq!(values, [-1.0, 1e-4]);
+    assert!(matches!(&channels[4].sample_data, FlatSamples::U32(codes) if codes == &[0, 7]));
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn an_exr_that_was_cut_or_changed_is_not_done() {
+    let folder = folder("exr-broken");
+    let path = folder.join("out.exr");
+    let output = PictureFile::new(&path).expect("writable");
+    let side = 64;
+    let texels = (side * side) as usize;
+    let picture = Picture {
+        size: [side, side],
+        color: (0..texels * 4).map(|i| (i * i % 8191) as f32).collect(),
+        display: vec![9; texels * 4],
+        planes: Vec::new(),
+        ..picture()
+    };
+    output
+        .write_marked(&picture, Some("mark"))
+        .expect("written");
+    assert!(output.is_done(&[], "mark") && !output.is_done(&[], "other"));
+    let whole = fs::read(&path).expect("it is there");
+    let is_done = |bytes: &[u8]| {
+        fs::write(&path, bytes).expect("writable");
+        output.is_done(&[], "mark")
+    };
+    assert!(is_done(&whole));
+    assert!(!is_done(&whole[..whole.len() - 200]), "cut");
+    let mut changed = whole.clone();
+    let from = whole.len() - 700;
+    changed[from..from + 280]
+        .iter_mut()
+        .for_each(|b| *b ^= 0x55);
+    assert!(!is_done(&changed), "changed");
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn paths_that_cannot_work_are_refused_before_rendering() {
+    let folder = folder("refused");
+    let long = format!("{}.png", "a".repeat(252));
+    assert!(refusal(&folder.join(long)).contains("too long"));
+    let longest = folder.join(format!("{}.png", "a".repeat(251)));
+    let mut bare = picture();
+    bare.planes.clear();
+    PictureFile::new(&longest)
+        .and_then(|output| output.write(&bare))
+        .expect("the longest name that there is");
+    assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
+    assert!(refusal(&folder.join("out")).contains("must end in .png or .exr"));
+    assert!(refusal(&folder.join("missing/out.png")).contains("create it first"));
+    fs::create_dir(folder.join("dir.png")).expect("folder");
+    assert!(refusal(&folder.join("dir.png")).contains("is a folder"));
+    fs::remove_dir_all(&folder).expect("clean up");
+}
+
+#[test]
+fn when_one_file_fails_none_is_left() {
+    let folder = folder("none-left");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
+    // A folder under the second file's temporary name: the first file is done when that fails.
+    let hidden = Temporary::create(&folder.join("out.cause.png"));
+    let obstacle = hidden.expect("creatable").path().to_owned();
+    fs::create_dir(&obstacle).expect("folder");
+    let error = output.write(&picture()).expect_err("unwritable plane");
+    assert!(
+        matches!(&error, AppError::Internal(text)
+            if text.starts_with("cannot write") && text.contains("out.cause.png")),
+        "{error:?}"
+    );
+    let obstacle = obstacle.file_name().expect("a name").to_string_lossy();
+    assert_eq!(names(&folder), [obstacle]);
+    fs::remove_dir_all(&folder).expect("clean up");
+}

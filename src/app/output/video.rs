@@ -1,0 +1,336 @@
+//! Films in one file: APNG built in, the others through ffmpeg. The file gets its name when it is
+//! complete.
+
+use std::{
+    fs::File,
+    io::{self, BufWriter, ErrorKind, Read, Write as _},
+    path::{self, Path, PathBuf},
+    process::{Child, ChildStdin, Command, Stdio},
+    thread::{self, JoinHandle},
+};
+
+use super::{format::FilmFormat, png::rgb, writable::check_writable};
+use crate::{app::error::AppError, files::Temporary};
+
+/// Most of what ffmpeg says that a message repeats, bytes: the last of it.
+const MAX_MESSAGE_BYTES: usize = 600;
+
+/// A film that is being written.
+pub struct Film {
+    goal: PathBuf,
+    temporary: Temporary,
+    encoder: Encoder,
+}
+
+enum Encoder {
+    Apng(Box<png::Writer<BufWriter<File>>>),
+    Ffmpeg(Pipe),
+}
+
+/// An ffmpeg that takes pixels; it does not outlive this.
+struct Pipe {
+    child: Child,
+    pixels: Option<ChildStdin>,
+    /// Gathers what it says: it would wait for somebody to listen.
+    words: Option<JoinHandle<String>>,
+}
+
+impl Film {
+    /// Checks the path and starts the encoder.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] for a path that cannot be written, a size or rate that the format cannot
+    /// have, or a missing ffmpeg.
+    pub fn new(
+        path: &Path,
+        format: &FilmFormat,
+        size: [u32; 2],
+        fps: f32,
+        frames: usize,
+    ) -> Result<Self, AppError> {
+        check_writable(path)?;
+        let shown = path.display();
+        let usage = |why: String| AppError::Usage(format!("--output {shown}: {why}"));
+        format.check_rate(fps).map_err(usage)?;
+        let temporary = Temporary::create(path).map_err(|e| usage(e.to_string()))?;
+        let encoder = match format.ffmpeg {
+            None => apng(&temporary, size, fps, frames).map_err(usage)?,
+            Some((container, codec)) => {
+                ffmpeg(temporary.path(), size, fps, container, codec).map_err(usage)?
+            }
+        };
+        Ok(Self {
+            goal: path.to_owned(),
+            temporary,
+            encoder,
+        })
+    }
+
+    /// The name that it will have.
+    pub fn goal(&self) -> &Path {
+        &self.goal
+    }
+
+    /// Adds a frame, RGBA.
+    ///
+    /// # Errors
+    /// [`AppError::Disk`] with what the encoder says; there will be no film.
+    pub fn add(&mut self, rgba: &[u8]) -> Result<(), AppError> {
+        let result = match &mut self.encoder {
+            Encoder::Apng(writer) => writer.write_image_data(&rgb(rgba)).map_err(apng_failed),
+            Encoder::Ffmpeg(pipe) => pipe.add(&rgb(rgba)),
+        };
+        result.map_err(|why| failed(&self.goal, &why))
+    }
+
+    /// Ends the film and gives it its name.
+    ///
+    /// # Errors
+    /// As [`Film::add`].
+    pub fn finish(self) -> Result<PathBuf, AppError> {
+        let goal = self.goal;
+        let ended = match self.encoder {
+            Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
+            Encoder::Ffmpeg(pipe) => pipe.finish(),
+        };
+        // The encoder has written through its own handle.
+        let synced = ended.and_then(|()| {
+            let file = File::open(self.temporary.path()).map_err(Why::from)?;
+            if file.metadata().map_err(Why::from)?.len() == 0 {
+                return Err(Why::Encoder("the encoder has written nothing".to_owned()));
+            }
+            file.sync_all().map_err(Why::from)
+        });
+        synced
+            .and_then(|()| self.temporary.rename_to(&goal).map_err(Why::from))
+            .map_err(|why| failed(&goal, &why))?;
+        Ok(goal)
+    }
+}
+
+/// Why a film cannot be written.
+enum Why {
+    /// What the system says of its file.
+    File(String),
+    /// What its encoder says.
+    Encoder(String),
+}
+
+impl From<io::Error> for Why {
+    fn from(error: io::Error) -> Self {
+        Self::File(error.to_string())
+    }
+}
+
+fn apng_failed(error: png::EncodingError) -> Why {
+    match error {
+        png::EncodingError::IoError(error) => error.into(),
+        other => Why::Encoder(other.to_string()),
+    }
+}
+
+/// No film, why, and what to do.
+fn failed(goal: &Path, why: &Why) -> AppError {
+    let frames = goal.with_extension("####.png");
+    let (goal, frames) = (goal.display(), frames.display());
+    AppError::Disk(match why {
+        Why::File(why) => format!(
+            "cannot write {goal}: {why}; there is no film: make room, or write frames ({frames}), \
+             with which --resume goes on"
+        ),
+        Why::Encoder(why) => format!(
+            "cannot write {goal}: {why}; there is no film: mend that, or write .apng or frames \
+             ({frames})"
+        ),
+    })
+}
+
+impl Pipe {
+    fn add(&mut self, pixels: &[u8]) -> Result<(), Why> {
+        let written = self.pixels.as_mut().map(|pipe| pipe.write_all(pixels));
+        match written {
+            Some(Err(error)) => match self.end() {
+                Ok(()) => Err(Why::Encoder(format!("ffmpeg takes no pixels: {error}"))),
+                Err(why) => Err(why),
+            },
+            _ => Ok(()),
+        }
+    }
+
+    fn finish(mut self) -> Result<(), Why> {
+        self.end()
+    }
+
+    /// Waits for its end. It may succeed after it could not write all: what it says tells.
+    fn end(&mut self) -> Result<(), Why> {
+        self.pixels = None; // the end of its input
+        let words = self.words.take().and_then(|words| words.join().ok());
+        let words = words.unwrap_or_default();
+        let status = self.child.wait()?;
+        if words.is_empty() && status.success() {
+            Ok(())
+        } else if words.is_empty() {
+            Err(Why::Encoder(format!("ffmpeg ended with {status}")))
+        } else {
+            Err(Why::Encoder(format!("ffmpeg says: {words}")))
+        }
+    }
+}
+
+/// The last of what is said until the end.
+fn end_of(mut from: impl Read) -> String {
+    let (mut said, mut part) = (Vec::new(), [0; 4096]);
+    while let Ok(length @ 1..) = from.read(&mut part) {
+        said.extend_from_slice(&part[..length]);
+        if said.len() > MAX_MESSAGE_BYTES {
+            said.drain(..said.len() - MAX_MESSAGE_BYTES);
+        }
+    }
+    let cut = said.len() == MAX_MESSAGE_BYTES;
+    let text = String::from_utf8_lossy(&said);
+    let text = text.trim();
+    // The first line may have lost its beginning.
+    let whole = text.split_once('\n').filter(|_| cut);
+    whole.map_or(text, |(_, rest)| rest).replace('\n', "; ")
+}
+
+impl Drop for Pipe {
+    fn drop(&mut self) {
+        // After a finished film these find nothing to do.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn apng(temporary: &Temporary, size: [u32; 2], fps: f32, frames: usize) -> Result<Encoder, String> {
+    let file = temporary.file.try_clone().map_err(|e| e.to_string())?;
+    let mut encoder = png::Encoder::new(BufWriter::new(file), size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    let (numerator, denominator) = delay(fps);
+    encoder
+        .set_animated(frames as u32, 0)
+        .and_then(|()| encoder.set_frame_delay(numerator, denominator))
+        .and_then(|()| encoder.write_header())
+        .map(|writer| Encoder::Apng(Box::new(writer)))
+        .map_err(|e| e.to_string())
+}
+
+/// Seconds of a frame as a fraction of 16-bit numbers.
+fn delay(fps: f32) -> (u16, u16) {
+    if fps < 0.5 {
+        // Whole seconds; 65535 is the longest that the format has.
+        ((1.0 / fps).round() as u16, 1)
+    } else if fps.fract() == 0.0 || fps > 65.0 {
+        (1, fps.round() as u16)
+    } else {
+        (1000, (fps * 1000.0).round() as u16)
+    }
+}
+
+fn ffmpeg(
+    goal: &Path,
+    size: [u32; 2],
+    fps: f32,
+    container: &str,
+    codec: &str,
+) -> Result<Encoder, String> {
+    let [width, height] = size;
+    if width % 2 == 1 || height % 2 == 1 {
+        let even = [width, height].map(|side| side.next_multiple_of(2));
+        return Err(format!(
+            "{width}x{height} is not even, which this format needs; choose --size {}x{}, or write \
+             .apng",
+            even[0], even[1]
+        ));
+    }
+    let size = format!("{width}x{height}");
+    let rate = fps.to_string();
+    // A relative path with a colon in it would be that of a protocol.
+    let goal = path::absolute(goal).map_err(|e| e.to_string())?;
+    let mut command = Command::new("ffmpeg");
+    command
+        // With `-xerror` a write that fails ends it.
+        .args([
+            "-hide_banner",
+            "-loglevel",
+            "error",
+            "-xerror",
+            "-nostdin",
+            "-y",
+        ])
+        .args([
+            "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate, "-i", "pipe:0",
+        ])
+        .args(["-an", "-c:v", codec, "-crf", "18", "-pix_fmt", "yuv420p"])
+        // Display colors are sRGB; most players take BT.709 for granted.
+        .args([
+            "-vf",
+            "scale=out_color_matrix=bt709:out_range=tv,\
+             setparams=color_primaries=bt709:color_trc=bt709",
+        ])
+        .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
+        .args(["-color_trc", "bt709"])
+        .args(["-f", container])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    if matches!(container, "mp4" | "mov") {
+        // Players on the web begin before they have all of it.
+        command.args(["-movflags", "+faststart"]);
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt as _;
+        // Ctrl-C of a terminal is for this program, which then writes no film and says so.
+        command.process_group(0);
+    }
+    let child = command.arg(goal).spawn();
+    let mut child = child.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => {
+            "ffmpeg is not installed, and films other than .apng need it; install it, or write \
+             .apng or frames (film.####.png)"
+                .to_owned()
+        }
+        _ => format!("ffmpeg cannot be started: {error}"),
+    })?;
+    let pixels = child.stdin.take().ok_or("ffmpeg has no input")?;
+    let errors = child.stderr.take().ok_or("ffmpeg has no errors")?;
+    Ok(Encoder::Ffmpeg(Pipe {
+        child,
+        pixels: Some(pixels),
+        words: Some(thread::spawn(move || end_of(errors))),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX_MESSAGE_BYTES, delay, end_of};
+
+    #[test]
+    fn of_what_an_encoder_says_the_last_is_told() {
+        assert_eq!(end_of(&b"one\ntwo \n"[..]), "one; two");
+        let long = "noise\n".repeat(9000) + "No space left\n";
+        let told = end_of(long.as_bytes());
+        assert!(
+            told.len() < 2 * MAX_MESSAGE_BYTES && told.starts_with("noise; "),
+            "{told}"
+        );
+        assert!(told.ends_with("; No space left"), "{told}");
+    }
+
+    #[test]
+    fn delays_are_never_without_a_denominator() {
+        for (fps, fraction) in [
+            (24.0, (1, 24)),
+            (23.976, (1000, 23976)),
+            (0.5, (1000, 500)),
+            (0.1, (10, 1)),
+            (0.0004, (2500, 1)),
+            (1.0 / 65535.0, (65535, 1)),
+        ] {
+            assert_eq!(delay(fps), fraction, "{fps}");
+        }
+    }
+}

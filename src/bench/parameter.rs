@@ -1,0 +1,283 @@
+//! What a bench turns: the settings that trade time for accuracy, and the variants they make.
+
+use crate::scene::{
+    desc::{Method, ReflectionDesc},
+    parse::range::{BOUNCES, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
+};
+
+/// Most steps that a scene may ask for.
+pub const MAX_STEPS: u32 = STEPS.max as u32;
+
+/// A setting that trades time for accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parameter {
+    /// `reflection.threshold_u`.
+    ThresholdU,
+    /// `reflection.steps`.
+    Steps,
+    /// `reflection.ray_length_u`.
+    RayLengthU,
+    /// `reflection.bounces`.
+    Bounces,
+    /// Side of the rendered picture over that of the shown one; it is enlarged bilinearly.
+    Scale,
+}
+
+/// One setting of one method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Variant {
+    /// How reflections are found; the same as in `reflection`.
+    pub method: Method,
+    /// What is turned; none where the scene's settings are measured as they are.
+    pub parameter: Option<Parameter>,
+    /// What it is turned to; none where the parameter does nothing for the method.
+    pub value: Option<f64>,
+    /// All settings, the parameter's value among them.
+    pub reflection: ReflectionDesc,
+    /// See [`Parameter::Scale`].
+    pub scale: f64,
+}
+
+/// Name of a method in scenes and tables.
+pub const fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Ssr => "ssr",
+        Method::Rt => "rt",
+        Method::Hybrid => "hybrid",
+    }
+}
+
+impl Parameter {
+    /// All parameters.
+    pub const ALL: [Self; 5] = [
+        Self::ThresholdU,
+        Self::Steps,
+        Self::RayLengthU,
+        Self::Bounces,
+        Self::Scale,
+    ];
+
+    /// Name on the command line and in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ThresholdU => "threshold_u",
+            Self::Steps => "steps",
+            Self::RayLengthU => "ray_length_u",
+            Self::Bounces => "bounces",
+            Self::Scale => "scale",
+        }
+    }
+
+    /// The parameter of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|parameter| parameter.name() == name)
+    }
+
+    /// The parameter that a method is turned by when none is chosen: the one that moves it most.
+    pub const fn own(method: Method) -> Self {
+        match method {
+            Method::Ssr => Self::Steps,
+            Method::Rt => Self::Bounces,
+            Method::Hybrid => Self::ThresholdU,
+        }
+    }
+
+    /// Whether turning it can change the picture of this method.
+    pub const fn acts_on(self, method: Method) -> bool {
+        match self {
+            Self::ThresholdU | Self::Steps => !matches!(method, Method::Rt),
+            // `ssr` alone follows one reflection and nothing beyond it.
+            Self::Bounces => !matches!(method, Method::Ssr),
+            Self::RayLengthU | Self::Scale => true,
+        }
+    }
+
+    /// Five values worth comparing.
+    pub const fn default_values(self) -> [f64; 5] {
+        match self {
+            Self::ThresholdU => [0.001, 0.005, 0.025, 0.065, 0.2],
+            Self::Steps => [16.0, 32.0, 64.0, 128.0, 256.0],
+            Self::RayLengthU => [1.0, 2.0, 4.0, 8.0, 16.0],
+            Self::Bounces => [1.0, 2.0, 3.0, 4.0, 6.0],
+            Self::Scale => [0.25, 0.375, 0.5, 0.75, 1.0],
+        }
+    }
+
+    /// Checks a value against the setting's range.
+    ///
+    /// # Errors
+    /// A sentence with the range.
+    pub fn check(self, value: f64) -> Result<(), String> {
+        let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
+        let range = self.range();
+        if matches!(self, Self::Steps | Self::Bounces) {
+            return if value.fract() == 0.0 && range.contains(value) {
+                Ok(())
+            } else {
+                Err(refused(&format!(
+                    "a whole number from {} to {}",
+                    range.min, range.max
+                )))
+            };
+        }
+        range.check(value).map_err(|words| refused(&words))
+    }
+
+    /// What a scene may say of the setting.
+    const fn range(self) -> Range {
+        match self {
+            Self::ThresholdU => THRESHOLD_U,
+            Self::Steps => STEPS,
+            Self::RayLengthU => RAY_LENGTH_U,
+            Self::Bounces => BOUNCES,
+            Self::Scale => range(0.05, 1.0),
+        }
+    }
+
+    /// Writes the value into the settings; the scale is no part of them.
+    fn turn(self, value: f64, settings: &mut ReflectionDesc) {
+        match self {
+            Self::ThresholdU => settings.threshold_u = value as f32,
+            Self::Steps => settings.steps = value as u32,
+            Self::RayLengthU => settings.ray_length_u = value as f32,
+            Self::Bounces => settings.bounces = value as u32,
+            Self::Scale => {}
+        }
+    }
+}
+
+impl Variant {
+    /// `settings` with another method.
+    pub fn fixed(method: Method, settings: &ReflectionDesc) -> Self {
+        Self {
+            method,
+            parameter: None,
+            value: None,
+            reflection: ReflectionDesc {
+                method,
+                ..*settings
+            },
+            scale: 1.0,
+        }
+    }
+
+    /// One variant per value; a single one where the parameter does nothing for the method.
+    pub fn turned(
+        method: Method,
+        settings: &ReflectionDesc,
+        parameter: Parameter,
+        values: &[f64],
+    ) -> Vec<Self> {
+        let fixed = Self {
+            parameter: Some(parameter),
+            ..Self::fixed(method, settings)
+        };
+        if !parameter.acts_on(method) {
+            return vec![fixed];
+        }
+        let turned = |&value: &f64| {
+            let mut variant = fixed;
+            variant.value = Some(value);
+            parameter.turn(value, &mut variant.reflection);
+            if parameter == Parameter::Scale {
+                variant.scale = value;
+            }
+            variant
+        };
+        values.iter().map(turned).collect()
+    }
+
+    /// Pixels that are rendered for a picture of `size`.
+    pub fn rendered_size(&self, size: [u32; 2]) -> [u32; 2] {
+        size.map(|side| ((f64::from(side) * self.scale).round() as u32).max(1))
+    }
+
+    /// What people call it, such as `hybrid, threshold_u = 0.025`.
+    pub fn label(&self) -> String {
+        let method = method_name(self.method);
+        match (self.parameter, self.value) {
+            (Some(parameter), Some(value)) => format!("{method}, {} = {value}", parameter.name()),
+            _ => method.to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_changes_its_setting_and_nothing_else() {
+        let settings = ReflectionDesc::default();
+        let turned = |parameter| Variant::turned(Method::Hybrid, &settings, parameter, &[8.0]);
+        let expect = |change: fn(&mut ReflectionDesc)| {
+            let mut changed = settings;
+            change(&mut changed);
+            changed
+        };
+        assert_eq!(
+            turned(Parameter::ThresholdU)[0].reflection,
+            expect(|r| r.threshold_u = 8.0)
+        );
+        assert_eq!(
+            turned(Parameter::Steps)[0].reflection,
+            expect(|r| r.steps = 8)
+        );
+        assert_eq!(
+            turned(Parameter::RayLengthU)[0].reflection,
+            expect(|r| r.ray_length_u = 8.0)
+        );
+        assert_eq!(
+            turned(Parameter::Bounces)[0].reflection,
+            expect(|r| r.bounces = 8)
+        );
+        let scaled = Variant::turned(Method::Rt, &settings, Parameter::Scale, &[0.5])[0];
+        assert_eq!(scaled.rendered_size([641, 1]), [321, 1]);
+        assert_eq!(scaled.label(), "rt, scale = 0.5");
+    }
+
+    #[test]
+    fn a_parameter_without_effect_makes_one_variant() {
+        let settings = ReflectionDesc::default();
+        for parameter in [Parameter::ThresholdU, Parameter::Steps] {
+            let variants = Variant::turned(Method::Rt, &settings, parameter, &[8.0, 16.0]);
+            assert_eq!(variants.len(), 1);
+            assert_eq!(variants[0].value, None);
+        }
+        assert_eq!(
+            Variant::turned(Method::Ssr, &settings, Parameter::Bounces, &[1.0, 2.0]).len(),
+            1
+        );
+    }
+
+    #[test]
+    fn defaults_are_in_range_and_other_values_are_refused() {
+        for parameter in Parameter::ALL {
+            assert_eq!(Parameter::from_name(parameter.name()), Some(parameter));
+            parameter
+                .default_values()
+                .iter()
+                .for_each(|&v| parameter.check(v).expect("in range"));
+            assert!(parameter.check(f64::NAN).is_err() && parameter.check(-1.0).is_err());
+        }
+        let says = Parameter::Steps.check(16.5).expect_err("no whole number");
+        assert_eq!(says, "steps = 16.5: must be a whole number from 8 to 4096");
+        for (parameter, value, says) in [
+            (
+                Parameter::RayLengthU,
+                f64::INFINITY,
+                "between -1e12 and 1e12",
+            ),
+            (Parameter::RayLengthU, 1e-300, "above 0"), // 0 in single precision
+            (Parameter::ThresholdU, 1e300, "between -1e12 and 1e12"),
+        ] {
+            let error = parameter.check(value).expect_err("out of range");
+            assert_eq!(
+                error,
+                format!("{} = {value:?}: must be {says}", parameter.name())
+            );
+        }
+    }
+}

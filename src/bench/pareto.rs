@@ -1,0 +1,165 @@
+//! Time against error: which settings nothing beats, and what that means in sentences' numbers.
+
+/// Milliseconds and error of one setting; less of both is better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Milliseconds.
+    pub ms: f64,
+    /// Error.
+    pub error: f64,
+}
+
+impl Spot {
+    /// Whether `other` is nowhere worse and somewhere better.
+    fn is_dominated_by(&self, other: &Self) -> bool {
+        other.ms <= self.ms
+            && other.error <= self.error
+            && (other.ms < self.ms || other.error < self.error)
+    }
+}
+
+/// For each spot whether it is on the Pareto front: no other dominates it.
+pub fn pareto_front(spots: &[Spot]) -> Vec<bool> {
+    let is_free = |spot: &Spot| !spots.iter().any(|other| spot.is_dominated_by(other));
+    spots.iter().map(is_free).collect()
+}
+
+/// Index of the smallest error among spots that take at most `ms`; of equals the fastest.
+pub fn best_within(spots: &[Spot], ms: f64) -> Option<usize> {
+    least(spots, |s| s.ms <= ms, |s| (s.error, s.ms))
+}
+
+/// Index of the fastest spot that errs at most `error`; of equals the one that errs less.
+pub fn cheapest_within(spots: &[Spot], error: f64) -> Option<usize> {
+    least(spots, |s| s.error <= error, |s| (s.ms, s.error))
+}
+
+fn least(
+    spots: &[Spot],
+    allowed: impl Fn(&Spot) -> bool,
+    rank: impl Fn(&Spot) -> (f64, f64),
+) -> Option<usize> {
+    let candidates = spots.iter().enumerate().filter(|(_, spot)| allowed(spot));
+    let order = |a: &Spot, b: &Spot| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+    };
+    candidates
+        .min_by(|(_, a), (_, b)| order(a, b))
+        .map(|(i, _)| i)
+}
+
+/// What break-even is computed from, all of one size and one set of lengths and bounces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Costs {
+    /// What marching costs more than leaving all pixels to rays, milliseconds.
+    pub march_ms: f64,
+    /// Tracing every marchable pixel, milliseconds.
+    pub full_trace_ms: f64,
+    /// Tracing what `hybrid` leaves to rays, milliseconds.
+    pub partial_trace_ms: f64,
+    /// Rays of `hybrid`.
+    pub partial_rays: f64,
+    /// Rays of `rt`.
+    pub full_rays: f64,
+}
+
+/// The share of the rays at which `hybrid` costs as much as `rt`: below it marching first pays.
+/// Under 0 it never pays, over 1 always. None where `rt` traces nothing.
+///
+/// `hybrid` costs march + share · rays · cost per ray, `rt` its full trace; a ray of `hybrid` may
+/// cost more than one of `rt`, since those that remain are scattered.
+pub fn break_even_share(costs: &Costs) -> Option<f64> {
+    if costs.full_rays <= 0.0 || costs.full_trace_ms <= 0.0 {
+        return None;
+    }
+    let ray_ms = if costs.partial_rays > 0.0 && costs.partial_trace_ms > 0.0 {
+        costs.partial_trace_ms / costs.partial_rays
+    } else {
+        costs.full_trace_ms / costs.full_rays
+    };
+    Some((costs.full_trace_ms - costs.march_ms) / (ray_ms * costs.full_rays))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SPOTS: [Spot; 6] = [
+        Spot {
+            ms: 1.0,
+            error: 0.5,
+        },
+        Spot {
+            ms: 2.0,
+            error: 0.2,
+        },
+        Spot {
+            ms: 2.0,
+            error: 0.3,
+        }, // slower than none, worse than the one before
+        Spot {
+            ms: 3.0,
+            error: 0.2,
+        }, // as good, slower
+        Spot {
+            ms: 4.0,
+            error: 0.0,
+        },
+        Spot {
+            ms: 5.0,
+            error: 0.6,
+        },
+    ];
+
+    #[test]
+    fn the_front_is_what_nothing_dominates() {
+        assert_eq!(
+            pareto_front(&SPOTS),
+            [true, true, false, false, true, false]
+        );
+        // Equals do not dominate each other.
+        assert_eq!(pareto_front(&[SPOTS[0], SPOTS[0]]), [true, true]);
+        assert!(pareto_front(&[]).is_empty());
+    }
+
+    #[test]
+    fn bounds_choose_the_best_that_meets_them() {
+        assert_eq!(best_within(&SPOTS, 3.5), Some(1));
+        assert_eq!(best_within(&SPOTS, 0.5), None);
+        assert_eq!(cheapest_within(&SPOTS, 0.25), Some(1));
+        assert_eq!(cheapest_within(&SPOTS, 0.1), Some(4));
+        assert_eq!(cheapest_within(&SPOTS, -1.0), None);
+    }
+
+    #[test]
+    fn break_even_is_where_both_cost_the_same() {
+        let costs = Costs {
+            march_ms: 2.0,
+            full_trace_ms: 10.0,
+            partial_trace_ms: 3.0,
+            partial_rays: 200.0,
+            full_rays: 1000.0,
+        };
+        let share = break_even_share(&costs).expect("rays");
+        let hybrid_ms = costs.march_ms + share * 1000.0 * 3.0 / 200.0;
+        assert!((hybrid_ms - 10.0).abs() < 1e-12 && share < 1.0);
+        let slow = Costs {
+            march_ms: 11.0,
+            ..costs
+        };
+        assert!(break_even_share(&slow).expect("rays") < 0.0);
+        // Without rays of its own, `hybrid` is charged what a ray of `rt` costs.
+        let screen_only = Costs {
+            partial_rays: 0.0,
+            partial_trace_ms: 0.1,
+            ..costs
+        };
+        assert_eq!(break_even_share(&screen_only), Some(0.8));
+        let nothing = Costs {
+            full_rays: 0.0,
+            ..costs
+        };
+        assert_eq!(break_even_share(&nothing), None);
+    }
+}

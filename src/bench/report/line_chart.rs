@@ -1,0 +1,262 @@
+//! Quantities over a number as SVG: time and SSIM over the frames of an animation, a line per
+//! setting; errors over a parameter, a line per method.
+
+use std::fmt::Write as _;
+
+use plotters::{coord::CoordTranslate, prelude::*};
+
+use super::chart::{color, escape};
+use crate::bench::summary::{Group, Metric, Point, digits};
+
+/// What is drawn over what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineChart {
+    /// Wall time over the frames of an animation.
+    Milliseconds,
+    /// SSIM of the frame over the frames of an animation.
+    Ssim,
+    /// FLIP over the one parameter that all points share.
+    ErrorByParameter,
+}
+
+impl LineChart {
+    /// How it is read.
+    pub const fn caption(self) -> &'static str {
+        match self {
+            Self::Milliseconds => "Wall time of each frame that was measured, a line per setting.",
+            Self::Ssim => {
+                "SSIM of each frame that was measured against rt, a line per setting: 1 is equal."
+            }
+            Self::ErrorByParameter => {
+                "What the parameter does to the error. A method that it does nothing for is a level line."
+            }
+        }
+    }
+}
+
+/// Dots in the color of their method.
+struct Line {
+    method: &'static str,
+    /// What a dot says when pointed at.
+    name: String,
+    dots: Vec<(f64, f64)>,
+}
+
+/// Lines and how they are labeled.
+struct Plot {
+    lines: Vec<Line>,
+    x_title: String,
+    y_title: &'static str,
+    /// Whether x is the logarithm (base 10) of what its labels say.
+    log_x: bool,
+    bottom: f64,
+    top: f64,
+}
+
+/// Pixels across a chart.
+const WIDTH: i32 = 860;
+
+const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
+
+/// Draws a line chart; none where a group has nothing of the kind.
+///
+/// # Errors
+/// What the drawing library says.
+pub fn draw(group: &Group, chart: LineChart) -> Result<Option<String>, String> {
+    let plot = match chart {
+        LineChart::ErrorByParameter => over_parameter(group),
+        _ => over_frames(group, chart),
+    };
+    plot.map(|plot| svg(&plot)).transpose()
+}
+
+fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
+    let value = |point: &Point| match chart {
+        LineChart::Milliseconds => Some(point.frame_ms.median),
+        _ => point.sample.ssim,
+    };
+    let mut lines: Vec<Line> = Vec::new();
+    for method in METHODS {
+        let has_one = group
+            .points
+            .iter()
+            .filter(|p| p.sample.method == method)
+            .count()
+            < 2;
+        let of = group.over_frames.iter();
+        for (frame, point) in of.filter(|(_, point)| point.sample.method == method) {
+            let Some(y) = value(point) else { continue };
+            let name = if has_one {
+                method.to_owned()
+            } else {
+                point.label()
+            };
+            let dot = (f64::from(*frame), y);
+            match lines.iter_mut().find(|line| line.name == name) {
+                Some(line) => line.dots.push(dot),
+                None => lines.push(Line {
+                    method,
+                    name,
+                    dots: vec![dot],
+                }),
+            }
+        }
+    }
+    for line in &mut lines {
+        // Runs that were resumed with another stride have their frames in another order.
+        line.dots.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let [low, high] = range(&lines)?;
+    let (bottom, top, y_title) = match chart {
+        LineChart::Milliseconds => (0.0, high * 1.2, "milliseconds a frame (wall time)"),
+        _ => (low - 0.1 * (1.0 - low).max(1e-4), 1.0, "SSIM, whole frame"),
+    };
+    Some(Plot {
+        lines,
+        x_title: "frame".to_owned(),
+        y_title,
+        log_x: false,
+        bottom,
+        top,
+    })
+}
+
+/// A method that the parameter does nothing for is a level line.
+fn over_parameter(group: &Group) -> Option<Plot> {
+    let parameter = group.points.first()?.sample.parameter.clone()?;
+    let values = group.points.iter().filter_map(|p| p.sample.value);
+    let [first, last] = values.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], v| {
+        [low.min(v), high.max(v)]
+    });
+    let is_shared = |p: &Point| p.sample.parameter.as_deref() == Some(parameter.as_str());
+    if !group.points.iter().all(is_shared) || first >= last {
+        return None;
+    }
+    let log_x = first > 0.0 && last > 8.0 * first;
+    let x = |value: f64| if log_x { value.log10() } else { value };
+    let line = |method: &'static str| {
+        let of = group.points.iter().filter(|p| p.sample.method == method);
+        let dots = of.filter_map(|p| Some((p.sample.value, p.error(Metric::Flip, group.masked)?)));
+        let ends = |(value, error): (Option<f64>, f64)| match value {
+            Some(value) => vec![(x(value), error)],
+            None => vec![(x(first), error), (x(last), error)],
+        };
+        Line {
+            method,
+            name: method.to_owned(),
+            dots: dots.flat_map(ends).collect(),
+        }
+    };
+    let lines: Vec<Line> = METHODS.map(line).into();
+    let [_, high] = range(&lines)?;
+    Some(Plot {
+        lines,
+        x_title: parameter,
+        y_title: if group.masked {
+            "FLIP, in reflections"
+        } else {
+            "FLIP, whole frame"
+        },
+        log_x,
+        bottom: 0.0,
+        top: (high * 1.15).max(1e-6),
+    })
+}
+
+/// The smallest and largest value; none of fewer than two dots.
+fn range(lines: &[Line]) -> Option<[f64; 2]> {
+    let values = || lines.iter().flat_map(|line| &line.dots).map(|(_, y)| *y);
+    let low = values().fold(f64::INFINITY, f64::min);
+    let high = values().fold(f64::NEG_INFINITY, f64::max);
+    (values().count() > 1).then_some([low, high])
+}
+
+fn svg(plot: &Plot) -> Result<String, String> {
+    let said = |e: &dyn std::fmt::Display| format!("the chart cannot be drawn: {e}");
+    let xs = || {
+        plot.lines
+            .iter()
+            .flat_map(|line| &line.dots)
+            .map(|(x, _)| *x)
+    };
+    let first = xs().fold(f64::INFINITY, f64::min);
+    let last = xs().fold(f64::NEG_INFINITY, f64::max).max(first + 1e-9);
+    let shown = |x: &f64| match x {
+        x if plot.log_x => digits(10f64.powf(*x)),
+        x if x.fract() == 0.0 => x.to_string(), // a frame
+        x => digits(*x),
+    };
+    let mut svg = String::new();
+    let mut overlay = legend(plot);
+    {
+        let root = SVGBackend::with_string(&mut svg, (WIDTH as u32, 360)).into_drawing_area();
+        root.fill(&WHITE).map_err(|e| said(&e))?;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(14)
+            .margin_top(36) // the legend stands there, over no line
+            .margin_right(34)
+            .x_label_area_size(44)
+            .y_label_area_size(74)
+            .build_cartesian_2d(first..last, plot.bottom..plot.top)
+            .map_err(|e| said(&e))?;
+        chart
+            .configure_mesh()
+            .x_desc(plot.x_title.as_str())
+            .y_desc(plot.y_title)
+            .x_label_formatter(&shown)
+            .y_label_formatter(&|v| digits(*v))
+            .light_line_style(RGBColor(242, 242, 242))
+            .bold_line_style(RGBColor(220, 220, 220))
+            .label_style(("sans-serif", 13))
+            .axis_desc_style(("sans-serif", 14))
+            .draw()
+            .map_err(|e| said(&e))?;
+        for line in plot.lines.iter().filter(|line| !line.dots.is_empty()) {
+            let stroke = color(line.method).stroke_width(2);
+            let series = LineSeries::new(line.dots.clone(), stroke).point_size(3);
+            chart.draw_series(series).map_err(|e| said(&e))?;
+        }
+        let to_pixels = chart.as_coord_spec();
+        for line in &plot.lines {
+            for &(x, y) in &line.dots {
+                let (x_title, x_shown) = (&plot.x_title, shown(&x));
+                let what = format!("{}, {x_title} {x_shown}: {}", line.name, digits(y));
+                hover(&mut overlay, to_pixels.translate(&(x, y)), &what);
+            }
+        }
+        root.present().map_err(|e| said(&e))?;
+    }
+    let end = svg.rfind("</svg>").ok_or_else(|| said(&"it has no end"))?;
+    svg.insert_str(end, &overlay);
+    Ok(svg)
+}
+
+/// A dot that nobody sees and that says what it is when pointed at.
+fn hover(out: &mut String, (x, y): (i32, i32), text: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        out,
+        "<circle cx=\"{x}\" cy=\"{y}\" r=\"6\" fill-opacity=\"0\"><title>{}</title></circle>",
+        escape(text)
+    );
+}
+
+/// The methods that are drawn, above the chart.
+fn legend(plot: &Plot) -> String {
+    let drawn = plot.lines.iter().filter(|line| !line.dots.is_empty());
+    let mut methods: Vec<&str> = drawn.map(|line| line.method).collect();
+    methods.dedup();
+    let mut out = String::new();
+    for (index, method) in methods.iter().enumerate() {
+        let x = WIDTH - 34 - 90 * (methods.len() - index) as i32;
+        let RGBColor(r, g, b) = color(method);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "<path d=\"M{x} 20h20\" stroke=\"rgb({r},{g},{b})\" stroke-width=\"2\"/>\
+             <text x=\"{}\" y=\"24\" font-family=\"sans-serif\" font-size=\"13\">{method}</text>",
+            x + 26
+        );
+    }
+    out
+}

@@ -1,0 +1,396 @@
+//! The variants of one scene at one size that are measured in turns: A B C, C B A, A B C, ….
+
+use crate::{
+    bench::{
+        hash::Hash,
+        log::Log,
+        metric::hits::CauseTally,
+        parameter::{Variant, method_name},
+        sample::{Sample, detail_columns},
+        score::{Errors, Reference},
+    },
+    render::{
+        probe::{Counts, PassCounts},
+        stats::FrameStats,
+    },
+    scene::desc::{Method, ToneMap},
+};
+
+use super::{
+    Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Task, Watch, Work,
+    flicker::Since,
+};
+
+/// Variants of one rendered size: as many renderers as methods serve them all.
+pub(super) struct Block<'a> {
+    subject: &'a Subject,
+    size: [u32; 2],
+    pub(super) variants: Vec<Variant>,
+}
+
+/// What a variant's picture is worth.
+pub(super) struct Judged {
+    pub(super) errors: Option<Errors>,
+    pub(super) since: Option<Since>,
+    pub(super) verdicts: Option<Vec<CauseTally>>,
+    pub(super) failure: Option<String>,
+}
+
+/// Passes that find reflections.
+const REFLECTION_PASSES: [&str; 5] = ["ssr", "compact", "arguments", "trace", "blur"];
+
+/// The protocol's variants of a subject at every size, those of one scale together.
+pub(super) fn blocks<'a>(bench: &Bench, subject: &'a Subject) -> Vec<Block<'a>> {
+    let mut blocks: Vec<Block<'a>> = Vec::new();
+    for size in bench.protocol.sizes_of(&subject.image) {
+        let first = blocks.len();
+        for variant in bench.protocol.variants(&subject.reflection) {
+            let same_scale = |b: &&mut Block| b.variants[0].scale == variant.scale;
+            match blocks[first..].iter_mut().find(same_scale) {
+                Some(block) => block.variants.push(variant),
+                None => blocks.push(Block {
+                    subject,
+                    size,
+                    variants: vec![variant],
+                }),
+            }
+        }
+    }
+    blocks
+}
+
+impl Block<'_> {
+    /// Frames that the log lacks.
+    pub(super) fn missing(&self, bench: &Bench, log: &Log) -> usize {
+        let of = |variant: &Variant| {
+            let fingerprint = self.fingerprint(bench, variant);
+            let lacks = |repetition: &u32| !log.has(&fingerprint, *repetition);
+            (0..bench.protocol.frames).filter(lacks).count()
+        };
+        self.variants.iter().map(of).sum()
+    }
+
+    /// Adds what [`Block::measure`] will do.
+    pub(super) fn plan(&self, bench: &Bench, log: &Log, work: &mut Work) {
+        let missing = self.missing(bench, log);
+        if missing == 0 {
+            return;
+        }
+        let protocol = bench.protocol;
+        let variants = self.variants.len();
+        let rendered = self.rendered();
+        let warm_up = variants * (protocol.warm_up as usize - 1);
+        work.add(Task::Reference, 1, self.size);
+        work.add(Task::Judge, variants, self.size);
+        if protocol.count {
+            work.add(Task::Count, variants, rendered);
+        }
+        work.add(Task::Frame, warm_up + missing, rendered);
+    }
+
+    /// Measures what the log lacks.
+    pub(super) fn measure(
+        &self,
+        bench: &Bench,
+        log: &mut Log,
+        watch: &mut dyn Watch,
+        outcome: &mut Outcome,
+    ) -> Result<(), BenchError> {
+        if self.missing(bench, log) == 0 {
+            bench.stock.flicker.forget(self.size, &self.variants);
+            return Ok(());
+        }
+        watch.begin(&self.label("scene to the GPU"));
+        let mut rt = bench.ready(self.subject, Method::Rt, self.size)?;
+        watch.begin(&self.label("reference"));
+        let reference = bench.reference(self.subject, &mut rt.renderer)?;
+        watch.did(Task::Reference, self.size);
+        watch.begin(&self.label("scene to the GPU"));
+        let mut renderers = self.renderers(bench, rt)?;
+        let mut prototypes = Vec::new();
+        for variant in &self.variants {
+            if watch.is_stopped() {
+                return Ok(());
+            }
+            let ready = of_method(&mut renderers, variant.method);
+            prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
+        }
+        for repetition in 0..bench.protocol.frames {
+            // A B C, then C B A: a drift of the machine's speed meets all alike.
+            let mut order: Vec<_> = self.variants.iter().zip(&prototypes).collect();
+            if repetition % 2 == 1 {
+                order.reverse();
+            }
+            for (variant, prototype) in order {
+                if log.has(&prototype.fingerprint, repetition) {
+                    continue;
+                }
+                if watch.is_stopped() {
+                    return Ok(());
+                }
+                watch.begin(&self.label(&variant.label()));
+                let renderer = &mut of_method(&mut renderers, variant.method).renderer;
+                renderer.set_reflection_parameters(&variant.reflection);
+                let world = &self.subject.world;
+                let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
+                let mut sample = timed(prototype.clone(), &stats, repetition);
+                if bench.protocol.split_trace {
+                    let camera = &self.subject.camera;
+                    sample.traverse_ms = renderer.traversal_ms(bench.gpu, world, camera)?;
+                }
+                log.append(sample).map_err(BenchError::File)?;
+                watch.did(Task::Frame, self.rendered());
+                outcome.measured += 1;
+            }
+        }
+        bench.put_back(self.subject, self.rendered(), renderers);
+        Ok(())
+    }
+
+    /// Judges and counts a variant and renders what is not timed; its sample without times.
+    fn warm_up(
+        &self,
+        bench: &Bench,
+        variant: &Variant,
+        ready: &mut Ready,
+        reference: &Reference,
+        watch: &mut dyn Watch,
+    ) -> Result<Sample, BenchError> {
+        let Subject { world, camera, .. } = self.subject;
+        let (renderer, update_ms) = (&mut ready.renderer, ready.update_ms);
+        let label = self.label(&variant.label());
+        let next = |what: &str| format!("{label}, {what}");
+        watch.begin(&next("judged"));
+        let judged = bench.judge(self.subject, variant, renderer, reference, self.size)?;
+        watch.did(Task::Judge, self.size);
+        if let Some(failure) = &judged.failure {
+            watch.note(&format!("{label}: {failure}"));
+        }
+        let mut sample = self.prototype(bench, variant, &judged, renderer.unit_m());
+        sample.update_ms = update_ms;
+        if bench.protocol.count {
+            watch.begin(&next("counted"));
+            fill_counts(&mut sample, &renderer.counts(bench.gpu, world, camera)?);
+            watch.did(Task::Count, self.rendered());
+        }
+        if bench.protocol.split_trace {
+            watch.begin(&next("warm-up"));
+            renderer.traversal_ms(bench.gpu, world, camera)?;
+        }
+        for _ in 1..bench.protocol.warm_up {
+            watch.begin(&next("warm-up"));
+            renderer.render(bench.gpu, world, camera)?;
+            watch.did(Task::Frame, self.rendered());
+        }
+        Ok(sample)
+    }
+
+    /// The size that its variants are rendered at.
+    fn rendered(&self) -> [u32; 2] {
+        self.variants[0].rendered_size(self.size)
+    }
+
+    /// One renderer per method; that of the reference serves where it has the right size.
+    fn renderers(&self, bench: &Bench, rt: Ready) -> Result<Vec<Ready>, BenchError> {
+        let size = self.rendered();
+        let mut renderers = Vec::new();
+        if size == self.size {
+            renderers.push(rt);
+        } else {
+            bench.put_back(self.subject, self.size, vec![rt]);
+        }
+        for &method in &bench.protocol.methods {
+            if !renderers.iter().any(|ready| ready.method == method) {
+                renderers.push(bench.ready(self.subject, method, size)?);
+            }
+        }
+        Ok(renderers)
+    }
+
+    fn label(&self, what: &str) -> String {
+        let [width, height] = self.size;
+        let Subject { name, frame, .. } = self.subject;
+        let frame = if self.subject.motion {
+            format!(", frame {frame}")
+        } else {
+            String::new()
+        };
+        format!("{name}{frame}, {width} x {height}: {what}")
+    }
+
+    /// Hash of what decides a sample: content, settings, machine, program.
+    fn fingerprint(&self, bench: &Bench, variant: &Variant) -> String {
+        let reference = bench.protocol.reference(&self.subject.reflection);
+        let hash = Hash::default()
+            .with(self.subject.content.to_le_bytes())
+            .with(format!("{:?} {}", self.subject.camera, self.subject.frame))
+            .with(format!("{:?} {:?}", self.size, self.subject.image))
+            .with(format!("{variant:?} {reference:?}"))
+            .with(bench.protocol.turn.name())
+            .with(bench.protocol.warm_up.to_le_bytes())
+            .with([bench.protocol.count, bench.protocol.split_trace].map(u8::from))
+            .with(format!("{:?}", bench.host));
+        format!("{:016x}", hash.value())
+    }
+
+    /// A sample of this variant with everything but its times.
+    fn prototype(&self, bench: &Bench, variant: &Variant, judged: &Judged, unit_m: f32) -> Sample {
+        let (subject, host) = (self.subject, bench.host);
+        let settings = &variant.reflection;
+        let reference = bench.protocol.reference(&subject.reflection);
+        let tone_map = match subject.image.tone_map {
+            ToneMap::None => "none",
+            ToneMap::Neutral => "neutral",
+            ToneMap::Aces => "aces",
+        };
+        let mut sample = Sample {
+            fingerprint: self.fingerprint(bench, variant),
+            scene: subject.name.clone(),
+            content: format!("{:016x}", subject.content),
+            camera: subject.camera_name.clone(),
+            frame: subject.frame,
+            width: self.size[0],
+            height: self.size[1],
+            method: method_name(variant.method).to_owned(),
+            turn: bench.protocol.turn.name().to_owned(),
+            parameter: variant
+                .parameter
+                .map(|parameter| parameter.name().to_owned()),
+            value: variant.value,
+            threshold_u: settings.threshold_u,
+            steps: settings.steps,
+            ray_length_u: settings.ray_length_u,
+            bounces: settings.bounces,
+            scale: variant.scale,
+            roughness_cutoff: settings.roughness_cutoff,
+            unit_m,
+            fade: settings.fade,
+            blur_px: settings.blur_px,
+            samples: subject.image.samples,
+            exposure_ev: subject.image.exposure_ev,
+            tone_map: tone_map.to_owned(),
+            reference_bounces: REFERENCE_BOUNCES,
+            reference_ray_length_u: reference.ray_length_u,
+            warm_up: bench.protocol.warm_up,
+            status: judged.failure.clone().unwrap_or_else(|| "ok".to_owned()),
+            timing: host.timing.to_owned(),
+            adapter: host.adapter.clone(),
+            driver: host.driver.clone(),
+            backend: host.backend.clone(),
+            software: host.software,
+            os: host.os.clone(),
+            cpu: host.cpu.clone(),
+            version: host.version.to_owned(),
+            commit: host.commit.clone(),
+            detail: vec![0.0; detail_columns().len()],
+            ..Sample::default()
+        };
+        fill_errors(&mut sample, judged);
+        sample
+    }
+}
+
+fn of_method(renderers: &mut [Ready], method: Method) -> &mut Ready {
+    let found = renderers.iter_mut().find(|ready| ready.method == method);
+    found.expect("one renderer per method")
+}
+
+fn fill_errors(sample: &mut Sample, judged: &Judged) {
+    if let Some(errors) = &judged.errors {
+        let frame = &errors.frame;
+        (sample.ssim, sample.flip) = (frame.ssim, Some(frame.flip_mean));
+        (sample.flip_p95, sample.flip_p99) = (Some(frame.flip_p95), Some(frame.flip_p99));
+        (sample.psnr_db, sample.rel_mse) = (Some(frame.psnr_db), Some(frame.rel_mse));
+        sample.max_difference = Some(frame.max_difference);
+        sample.mask_px = errors.mask_px as u64;
+        if let Some(mask) = &errors.mask {
+            (sample.mask_ssim, sample.mask_flip) = (mask.ssim, Some(mask.flip_mean));
+            sample.mask_flip_p95 = Some(mask.flip_p95);
+            sample.mask_flip_p99 = Some(mask.flip_p99);
+            sample.mask_psnr_db = Some(mask.psnr_db);
+            sample.mask_rel_mse = Some(mask.rel_mse);
+            sample.mask_max_difference = Some(mask.max_difference);
+        }
+    }
+    if let Some(since) = judged.since {
+        sample.since_frame = Some(since.frame);
+        sample.temporal_difference = Some(since.change.difference);
+        sample.temporal_change = Some(since.change.reference);
+    }
+    if let Some(verdicts) = &judged.verdicts {
+        let sum =
+            |of: fn(&CauseTally) -> usize| Some(verdicts.iter().map(of).sum::<usize>() as u64);
+        sample.false_accepts = sum(|v| v.false_accepts);
+        sample.false_rejects = sum(|v| v.false_rejects);
+        for verdict in verdicts {
+            let name = verdict.name;
+            set(
+                sample,
+                &format!("false_accept_{name}_px"),
+                verdict.false_accepts as f64,
+            );
+            set(
+                sample,
+                &format!("false_reject_{name}_px"),
+                verdict.false_rejects as f64,
+            );
+        }
+    }
+}
+
+fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
+    for pass in passes {
+        for (what, count) in pass.counts.named() {
+            set(sample, &format!("{}_{what}", pass.pass), count as f64);
+        }
+    }
+    let all = passes.iter().map(|pass| pass.counts);
+    let sum = all.fold(Counts::default(), Counts::plus);
+    sample.march_steps = Some(sum.march_steps);
+    sample.traversals = Some(sum.traversals);
+    sample.visited_nodes = Some(sum.visited_nodes);
+    sample.tested_triangles = Some(sum.tested_triangles);
+}
+
+/// The sample with the times and shares of one frame.
+fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
+    sample.repetition = repetition;
+    sample.frame_ms = Some(stats.frame_ms);
+    if !stats.passes_ms.is_empty() {
+        let is_reflection = |(name, _): &&(String, f64)| REFLECTION_PASSES.contains(&name.as_str());
+        let reflection = stats.passes_ms.iter().filter(is_reflection);
+        sample.passes_ms = Some(stats.passes_total_ms());
+        sample.reflection_ms = Some(reflection.map(|(_, ms)| ms).sum());
+    }
+    sample.tree_ms = stats.tree_ms;
+    sample.rays = u64::from(stats.rays);
+    sample.bytes = stats.bytes.iter().map(|(_, bytes)| bytes).sum();
+    sample.reflective_px = stats.shares.reflective;
+    let percent = |name: &str| {
+        let share = stats.shares.sources.iter().find(|s| s.name == name);
+        share.map_or(0.0, |s| s.percent)
+    };
+    sample.screen_percent = percent("screen");
+    sample.traced_percent = percent("traced");
+    sample.failed_percent = percent("failed");
+    sample.none_percent = percent("none");
+    sample.rough_percent = percent("rough");
+    for (name, ms) in &stats.passes_ms {
+        set(&mut sample, &format!("pass_{name}_ms"), *ms);
+    }
+    for share in &stats.shares.causes {
+        set(
+            &mut sample,
+            &format!("cause_{}_px", share.name),
+            share.pixels as f64,
+        );
+    }
+    sample
+}
+
+/// Sets a detail, if there is a column for it.
+fn set(sample: &mut Sample, column: &str, value: f64) {
+    if let Some(index) = detail_columns().iter().position(|name| name == column) {
+        sample.detail[index] = value;
+    }
+}

@@ -1,0 +1,204 @@
+//! What the readers ask for, written down: the source of the manual's tables and the JSON Schema.
+
+use serde_json::Value as Json;
+
+use super::{range::Range, value::Value};
+
+/// What may stand under a key.
+#[derive(Clone, Debug)]
+pub enum Form {
+    /// A plain value: in words, and as a JSON Schema.
+    Value(String, Json),
+    /// A table, described by the section of that type.
+    Table(&'static str),
+    /// Tables with names chosen by the user.
+    Entries(&'static str),
+    /// An array of tables.
+    List(&'static str),
+}
+
+/// One key of a table.
+#[derive(Clone, Debug)]
+pub struct KeyRecord {
+    /// The key.
+    pub name: &'static str,
+    /// What may stand under it, any of these.
+    pub forms: Vec<Form>,
+    /// Range of its numbers in words; empty without one.
+    pub range: String,
+    /// The enum of `desc.rs` that it is one of, and that one's words.
+    pub words: Option<(&'static str, &'static [&'static str])>,
+    /// Whether it must be there.
+    pub required: bool,
+    /// Its default as in scene text.
+    pub default: Option<Json>,
+}
+
+impl KeyRecord {
+    /// A key for one form.
+    pub fn new(name: &'static str, form: Form) -> Self {
+        let forms = vec![form];
+        Self {
+            name,
+            forms,
+            range: String::new(),
+            words: None,
+            required: false,
+            default: None,
+        }
+    }
+
+    /// A key for a plain value.
+    pub fn value<V: Value>(name: &'static str, range: Range) -> Self {
+        let mut note = Self::new(name, Form::Value(V::expected(), V::schema(&range)));
+        note.words = V::WORDS;
+        if V::RANGED {
+            note.range = range.words();
+        }
+        note
+    }
+
+    /// The same with another form.
+    pub fn or(mut self, form: Form) -> Self {
+        self.forms.push(form);
+        self
+    }
+
+    /// The same, required.
+    pub fn required(mut self) -> Self {
+        self.required = true;
+        self
+    }
+
+    /// The same with a default.
+    pub fn default(mut self, value: Json) -> Self {
+        self.default = Some(value);
+        self
+    }
+}
+
+/// Keys of different groups exclude each other.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// Whether one of the groups must be there.
+    pub required: bool,
+    /// The groups.
+    pub groups: Vec<Vec<&'static str>>,
+}
+
+/// One value of `kind`, and what only it takes.
+#[derive(Clone, Debug, Default)]
+pub struct VariantRecord {
+    /// The key that chooses, `kind`.
+    pub key: &'static str,
+    /// Its value.
+    pub word: &'static str,
+    /// Further keys.
+    pub keys: Vec<KeyRecord>,
+    /// Rules among them.
+    pub rules: Vec<Rule>,
+}
+
+/// One table.
+#[derive(Clone, Debug, Default)]
+pub struct SectionRecord {
+    /// Its type in `desc.rs`.
+    pub type_name: &'static str,
+    /// Further types whose fields are its keys.
+    pub also: &'static [&'static str],
+    /// How it is written.
+    pub heading: &'static str,
+    /// Its keys.
+    pub keys: Vec<KeyRecord>,
+    /// Its variants, if it has a `kind`.
+    pub variants: Vec<VariantRecord>,
+    /// Rules among its keys.
+    pub rules: Vec<Rule>,
+}
+
+/// All tables, in the order in which they are first met.
+#[derive(Default)]
+pub struct RecordedKeys {
+    /// The tables.
+    pub sections: Vec<SectionRecord>,
+    /// The tables being described, outermost first, and whether one of its variants is.
+    open: Vec<(usize, bool)>,
+}
+
+impl RecordedKeys {
+    /// Starts a table; false if it is known already.
+    pub fn open(
+        &mut self,
+        type_name: &'static str,
+        also: &'static [&'static str],
+        heading: &'static str,
+    ) -> bool {
+        if self.sections.iter().any(|s| s.type_name == type_name) {
+            return false;
+        }
+        self.open.push((self.sections.len(), false));
+        self.sections.push(SectionRecord {
+            type_name,
+            also,
+            heading,
+            ..Default::default()
+        });
+        true
+    }
+
+    /// Ends the table that was started last.
+    pub fn close(&mut self) {
+        self.open.pop();
+    }
+
+    /// The open table, and whether one of its variants is open.
+    fn section(&mut self) -> Option<(&mut SectionRecord, bool)> {
+        let (index, in_variant) = *self.open.last()?;
+        Some((self.sections.get_mut(index)?, in_variant))
+    }
+
+    fn set_in_variant(&mut self, value: bool) {
+        if let Some(open) = self.open.last_mut() {
+            open.1 = value;
+        }
+    }
+
+    /// Adds a key to the open table or variant.
+    pub fn add(&mut self, key: KeyRecord) {
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
+        match section.variants.last_mut() {
+            Some(variant) if in_variant => variant.keys.push(key),
+            _ => section.keys.push(key),
+        }
+    }
+
+    /// Adds a rule to the open table or variant.
+    pub fn rule(&mut self, rule: Rule) {
+        let Some((section, in_variant)) = self.section() else {
+            return;
+        };
+        match section.variants.last_mut() {
+            Some(variant) if in_variant => variant.rules.push(rule),
+            _ => section.rules.push(rule),
+        }
+    }
+
+    /// What follows belongs to one variant of the open table.
+    pub fn open_variant(&mut self, key: &'static str, word: &'static str) {
+        self.set_in_variant(true);
+        if let Some((section, _)) = self.section() {
+            section.variants.push(VariantRecord {
+                key,
+                word,
+                ..Default::default()
+            });
+        }
+    }
+
+    /// What follows belongs to the table itself again.
+    pub fn close_variants(&mut self) {
+        self.set_in_variant(false);
+    }
+}

@@ -1,0 +1,146 @@
+//! Where a limit was met. Rhai overwrites that place at the end of each function that the error
+//! leaves, so the call, which is deterministic, is run again with a debugger that notes it.
+
+use std::{cell::RefCell, mem::discriminant, sync::Arc};
+
+use rhai::{
+    Engine, EvalAltResult, EvalContext, Position,
+    debugger::{DebuggerCommand, DebuggerEvent},
+};
+
+use super::{engine, source_files::Sources};
+
+/// A place in one of a script's files.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// What messages call the file.
+    pub file: String,
+    /// Where in it.
+    pub at: Position,
+}
+
+/// Where a script was when it was ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Met {
+    /// The expression or statement.
+    pub place: Place,
+    /// Functions that were called, outermost first, and from where.
+    pub calls: Vec<(String, Place)>,
+}
+
+/// How a script was ended.
+pub struct Ended {
+    /// What Rhai says.
+    pub wrong: Box<EvalAltResult>,
+    /// Where, if it was by a limit.
+    pub met: Option<Met>,
+}
+
+/// What the debugger has seen so far.
+#[derive(Default)]
+struct Seen {
+    /// The newest place in each of the functions that are running, outermost first.
+    places: Vec<Place>,
+    /// What it was when the first function was left by an error.
+    met: Option<Met>,
+}
+
+thread_local! {
+    static SEEN: RefCell<Seen> = RefCell::default();
+}
+
+/// Whether an error is one whose place Rhai overwrites.
+pub fn is_limit(wrong: &EvalAltResult) -> bool {
+    matches!(
+        wrong.unwrap_inner(),
+        EvalAltResult::ErrorTooManyOperations(_)
+            | EvalAltResult::ErrorTooManyVariables(_)
+            | EvalAltResult::ErrorTooManyModules(_)
+            | EvalAltResult::ErrorStackOverflow(_)
+            | EvalAltResult::ErrorDataTooLarge(..)
+            | EvalAltResult::ErrorTerminated(..)
+    )
+}
+
+/// Does what has met a limit again, on an engine that notes where it is; `None` where it ends
+/// otherwise this time. For [`super::call_limits::run_limited`], as its notes are the thread's.
+pub fn again<T>(
+    sources: &Arc<Sources>,
+    first: &EvalAltResult,
+    work: impl FnOnce(&Engine) -> Result<T, Box<EvalAltResult>>,
+) -> Option<Met> {
+    SEEN.take();
+    let result = work(&watching(sources));
+    let mut seen = SEEN.take();
+    let kind = |wrong: &EvalAltResult| discriminant(wrong.unwrap_inner());
+    if !result.is_err_and(|wrong| kind(&wrong) == kind(first)) {
+        return None;
+    }
+    // Outside functions nothing is left.
+    seen.met.or_else(|| {
+        let place = seen.places.pop()?;
+        Some(Met {
+            place,
+            calls: Vec::new(),
+        })
+    })
+}
+
+/// An engine that stops at every expression to note it.
+#[expect(
+    deprecated,
+    reason = "Rhai marks its debugger so to say that it may change"
+)]
+fn watching(sources: &Arc<Sources>) -> Engine {
+    let mut engine = engine::engine(sources);
+    engine.register_debugger(
+        |_, debugger| debugger,
+        |context, event, _, file, at| {
+            SEEN.with_borrow_mut(|seen| note(seen, &context, event, file.unwrap_or_default(), at));
+            Ok(DebuggerCommand::StepInto)
+        },
+    );
+    engine
+}
+
+fn note(seen: &mut Seen, context: &EvalContext, event: DebuggerEvent, file: &str, at: Position) {
+    if seen.met.is_some() {
+        return;
+    }
+    let level = context.call_level();
+    match event {
+        DebuggerEvent::FunctionExitWithValue(_) => seen.places.truncate(level),
+        DebuggerEvent::FunctionExitWithError(wrong) if is_limit(wrong) => {
+            seen.met = Some(met(seen, context));
+        }
+        DebuggerEvent::FunctionExitWithError(_) => seen.places.truncate(level),
+        _ if at.is_none() => {}
+        _ => {
+            seen.places.resize_with(level + 1, Place::default);
+            let place = &mut seen.places[level];
+            if place.file != file {
+                file.clone_into(&mut place.file);
+            }
+            place.at = at;
+        }
+    }
+}
+
+fn met(seen: &Seen, context: &EvalContext) -> Met {
+    let stack = context.global_runtime_state().debugger().call_stack();
+    // A call stands in the file of the function that makes it.
+    let mut file = String::new();
+    let mut calls = Vec::new();
+    for call in stack {
+        let from = Place {
+            file: std::mem::take(&mut file),
+            at: call.pos,
+        };
+        file = call.source.as_deref().unwrap_or_default().to_owned();
+        calls.push((call.fn_name.to_string(), from));
+    }
+    Met {
+        place: seen.places.last().cloned().unwrap_or_default(),
+        calls,
+    }
+}

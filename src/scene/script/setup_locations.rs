@@ -1,0 +1,196 @@
+//! Where in a script a mistake of what its `setup` returned is: by the names on the way to it, as the
+//! values themselves do not know where they were written.
+
+use std::{
+    ops::Range,
+    sync::{
+        Arc, OnceLock,
+        atomic::{AtomicUsize, Ordering},
+    },
+};
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use super::setup_output::plural;
+use crate::scene::{
+    diagnostic::{Source, Span},
+    parse::suggest,
+};
+
+/// Entries before a place among which those around it are looked for.
+const NEAR: usize = 1000;
+/// Mistakes that are looked up; a scene does not show as many, and a script may be long.
+const MOST: usize = 200;
+
+/// What `setup` returned, as scene text that has no file of its own.
+#[derive(Debug)]
+pub struct Returned {
+    /// The script's files, itself first.
+    scripts: Vec<Arc<Source>>,
+    /// Its `setup`.
+    setup: Span,
+    /// What the text consists of, by where it begins; made for the first mistake.
+    entries: OnceLock<Vec<Entry>>,
+    explained: AtomicUsize,
+}
+
+/// What was looked up so far does not matter.
+impl PartialEq for Returned {
+    fn eq(&self, other: &Self) -> bool {
+        self.scripts == other.scripts && self.setup == other.setup
+    }
+}
+
+impl Eq for Returned {}
+
+/// A key or a value of the text.
+#[derive(Debug, PartialEq, Eq)]
+struct Entry {
+    at: Range<usize>,
+    /// Names and places in lists that lead there.
+    path: Vec<String>,
+    /// Of the value, where that is no table.
+    value: Option<Range<usize>>,
+}
+
+impl Returned {
+    /// Of the `setup` that stands at `setup` in the first of these files.
+    pub fn new(scripts: Vec<Arc<Source>>, setup: Span) -> Self {
+        Self {
+            scripts,
+            setup,
+            entries: OnceLock::new(),
+            explained: AtomicUsize::new(0),
+        }
+    }
+
+    /// The place in a script of what is at `at` in the returned `text`, and what messages call it.
+    pub fn explain(&self, text: &str, at: &Range<usize>) -> (Span, String) {
+        let entries = self.entries.get_or_init(|| entries(text));
+        let before = &entries[..entries.partition_point(|e| e.at.start <= at.start)];
+        let is_shown = self.explained.fetch_add(1, Ordering::Relaxed) < MOST;
+        let mut near = (before.iter().rev()).take(if is_shown { NEAR } else { 0 });
+        let Some(found) = near.find(|e| at.start <= e.at.end) else {
+            return (self.setup.clone(), "setup() returned".into());
+        };
+        let mut message = "setup() returned ".to_owned();
+        for (i, name) in found.path.iter().enumerate() {
+            let dot = if i == 0 || name.starts_with('[') {
+                ""
+            } else {
+                "."
+            };
+            message += &format!("{dot}{}", suggest::clip(name));
+        }
+        if let Some(value) = found.value.clone().and_then(|value| text.get(value)) {
+            message += &format!(" = {}", suggest::clip(value));
+        }
+        (self.place(&found.path), message)
+    }
+
+    /// The place of what names lead to, or of `setup`.
+    pub fn place(&self, path: &[String]) -> Span {
+        self.locate(path).unwrap_or_else(|| self.setup.clone())
+    }
+
+    /// Where the last name of a path is written as a key: the only such place, or the first after
+    /// the only one of the name before it.
+    fn locate(&self, path: &[String]) -> Option<Span> {
+        let mut names = path.iter().rev().filter(|name| !name.starts_with('['));
+        let (last, above) = (names.next()?, names.next());
+        let places = self.keys(last);
+        let above = above.map_or_else(Vec::new, |above| self.keys(above));
+        let inside = match above.as_slice() {
+            [(script, outer)] => (places.iter())
+                .find(|(other, at)| other == script && at.start > outer.start)
+                .cloned(),
+            _ => None,
+        };
+        let only = |mut places: Vec<_>| places.pop().filter(|_| places.is_empty());
+        let (script, range) = inside.or_else(|| only(places)).or_else(|| only(above))?;
+        Some(Span {
+            source: Some(Arc::clone(&self.scripts[script])),
+            range,
+        })
+    }
+
+    /// Where a name is written as a key, `name:` or `.name =`, by the index of the script.
+    fn keys(&self, name: &str) -> Vec<(usize, Range<usize>)> {
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        let mut found = Vec::new();
+        for (script, source) in self.scripts.iter().enumerate() {
+            for (start, _) in source.text.match_indices(name) {
+                let (before, after) = (&source.text[..start], &source.text[start + name.len()..]);
+                if before.ends_with(is_word) || after.starts_with(is_word) {
+                    continue;
+                }
+                let line = before.rsplit('\n').next().unwrap_or_default();
+                let after = after.trim_start_matches(['"', '`']).trim_start();
+                let is_set = after.starts_with('=') && !after.starts_with("==");
+                let is_key = after.starts_with(':') && !after.starts_with("::");
+                if !line.contains("//") && (is_key || (is_set && before.ends_with('.'))) {
+                    found.push((script, start..start + name.len()));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Everything that a text consists of, in its order.
+fn entries(text: &str) -> Vec<Entry> {
+    let mut found = Vec::new();
+    if let Ok(table) = DeTable::parse(text) {
+        walk_table(table.get_ref(), &[], &mut found);
+    }
+    // Of those that begin together the innermost comes last.
+    found.sort_by_key(|entry: &Entry| (entry.at.start, std::cmp::Reverse(entry.at.end)));
+    found
+}
+
+fn walk_table(table: &DeTable, path: &[String], found: &mut Vec<Entry>) {
+    for (key, node) in table {
+        let name = key.get_ref().to_string();
+        let name = if path.is_empty() { plural(&name) } else { name };
+        let path = [path, &[name]].concat();
+        let value = plain(node);
+        found.push(Entry {
+            at: key.span(),
+            path: path.clone(),
+            value,
+        });
+        walk(node, path, found);
+    }
+}
+
+fn walk(node: &Spanned<DeValue>, path: Vec<String>, found: &mut Vec<Entry>) {
+    match node.get_ref() {
+        DeValue::Table(table) => walk_table(table, &path, found),
+        DeValue::Array(items) => {
+            for (i, item) in items.iter().enumerate() {
+                let path = [path.as_slice(), &[format!("[{i}]")]].concat();
+                walk(item, path, found);
+            }
+        }
+        _ => {}
+    }
+    found.push(Entry {
+        at: node.span(),
+        path,
+        value: plain(node),
+    });
+}
+
+fn plain(node: &Spanned<DeValue>) -> Option<Range<usize>> {
+    let is_plain = match node.get_ref() {
+        DeValue::Table(_) => false,
+        DeValue::Array(items) => !items
+            .iter()
+            .any(|i| matches!(i.get_ref(), DeValue::Table(_))),
+        _ => true,
+    };
+    is_plain.then(|| node.span())
+}

@@ -1,0 +1,186 @@
+//! What `setup` returns, as scene text: the readers of scene text then check it like any other.
+
+use std::fmt::Write as _;
+
+use glam::{DMat4, DQuat, DVec3};
+use rhai::{Array, Dynamic, Map};
+
+use super::{format_value::named, nested_values::NESTED};
+use crate::scene::parse::{suggest, toml_text};
+
+/// Keys of what `setup` returns, and whether they are lists.
+const TABLES: [(&str, &str, bool); 5] = [
+    ("cameras", "camera", false),
+    ("materials", "material", false),
+    ("models", "model", false),
+    ("lights", "light", false),
+    ("instances", "instance", true),
+];
+
+/// What `setup` calls a table of the scene.
+pub fn plural(table: &str) -> String {
+    let known = TABLES.iter().find(|(_, own, _)| *own == table);
+    known.map_or(table, |(key, ..)| key).to_owned()
+}
+
+/// What is not as `setup` must return it.
+#[derive(Debug, Default)]
+pub struct Wrong {
+    /// What it is, and what was expected.
+    pub message: String,
+    /// What to do.
+    pub help: Option<String>,
+    /// Names that lead to it, outermost first.
+    pub path: Vec<String>,
+}
+
+impl Wrong {
+    fn new(message: String) -> Self {
+        Self {
+            message,
+            ..Self::default()
+        }
+    }
+
+    fn under(mut self, name: &str) -> Self {
+        self.path.insert(0, name.to_owned());
+        self
+    }
+}
+
+/// The returned map as scene text; nothing for `()`.
+///
+/// # Errors
+/// What is not as `setup` must return it.
+pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
+    if returned.is_unit() {
+        return Ok(String::new());
+    }
+    let Some(map) = returned.read_lock::<Map>() else {
+        let found = named(returned);
+        return Err(Wrong::new(format!(
+            "setup must return a map such as `#{{ instances: [] }}`, not {found}"
+        )));
+    };
+    let mut out = String::new();
+    if let Some(key) = map
+        .keys()
+        .find(|k| !TABLES.iter().any(|t| t.0 == k.as_str()))
+    {
+        let known = TABLES.map(|t| t.0);
+        let meant = suggest::nearest(key, known);
+        let meant = meant.map(|meant| format!("; did you mean {}?", suggest::key(meant)));
+        let (shown, meant) = (suggest::key(key), meant.unwrap_or_default());
+        let mut wrong = Wrong::new(format!("setup cannot return {shown}{meant}"));
+        wrong.help = Some(format!(
+            "it may return {}",
+            known.map(suggest::key).join(", ")
+        ));
+        return Err(wrong.under(key));
+    }
+    for (key, table, is_list) in TABLES {
+        let Some(value) = map.get(key) else { continue };
+        let wrong = |what: &str| {
+            let message = format!("`{key}` of what setup returns must be {what}");
+            Wrong::new(message).under(key)
+        };
+        if is_list {
+            let list = value.read_lock::<Array>();
+            for item in list.ok_or_else(|| wrong("an array of maps"))?.iter() {
+                let item = item.read_lock::<Map>();
+                let item = item.ok_or_else(|| wrong("an array of maps"))?;
+                let _ = writeln!(out, "[[{table}]]");
+                keys(&mut out, &item).map_err(|w| w.under(key))?;
+            }
+        } else {
+            let named = value.read_lock::<Map>();
+            let shape = "a map of names to maps";
+            for (name, item) in named.ok_or_else(|| wrong(shape))?.iter() {
+                let item = item.read_lock::<Map>();
+                let item = item.ok_or_else(|| wrong(shape))?;
+                let _ = writeln!(out, "[{table}.{}]", quoted(name));
+                keys(&mut out, &item).map_err(|w| w.under(name).under(key))?;
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn keys(out: &mut String, map: &Map) -> Result<(), Wrong> {
+    for (key, item) in map {
+        let _ = write!(out, "{} = ", quoted(key));
+        value(out, item, key, 0)?;
+        out.push('\n');
+    }
+    Ok(())
+}
+
+/// A key or text; plain keys stay as they are.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        toml_text(text)
+    }
+}
+
+fn numbers(out: &mut String, list: &[f64]) {
+    let texts: Vec<_> = list.iter().map(|x| number(*x)).collect();
+    let _ = write!(out, "[{}]", texts.join(", "));
+}
+
+/// With a point, so that it is a float; `nan` and `inf` are TOML too, and refused by the readers.
+fn number(x: f64) -> String {
+    match x {
+        x if x.is_nan() => "nan".into(),
+        x => format!("{x:?}"),
+    }
+}
+
+fn value(out: &mut String, item: &Dynamic, key: &str, depth: usize) -> Result<(), Wrong> {
+    let wrong = |message: String| Wrong::new(message).under(key);
+    if depth == NESTED {
+        let key = suggest::key(key);
+        return Err(wrong(format!(
+            "{key} has arrays and maps that are nested more than {NESTED} deep"
+        )));
+    }
+    if let Ok(i) = item.as_int() {
+        let _ = write!(out, "{i}");
+    } else if let Ok(x) = item.as_float() {
+        out.push_str(&number(x));
+    } else if let Ok(b) = item.as_bool() {
+        let _ = write!(out, "{b}");
+    } else if let Some(text) = item.read_lock::<rhai::ImmutableString>() {
+        out.push_str(&toml_text(&text));
+    } else if let Some(v) = item.read_lock::<DVec3>() {
+        numbers(out, &v.to_array());
+    } else if let Some(q) = item.read_lock::<DQuat>() {
+        numbers(out, &q.to_array());
+    } else if let Some(m) = item.read_lock::<DMat4>() {
+        numbers(out, &m.to_cols_array());
+    } else if let Some(list) = item.read_lock::<Array>() {
+        out.push('[');
+        for (i, item) in list.iter().enumerate() {
+            out.push_str(if i > 0 { ", " } else { "" });
+            value(out, item, key, depth + 1)?;
+        }
+        out.push(']');
+    } else if let Some(map) = item.read_lock::<Map>() {
+        out.push_str("{ ");
+        for (i, (inner, item)) in map.iter().enumerate() {
+            out.push_str(if i > 0 { ", " } else { "" });
+            let _ = write!(out, "{} = ", quoted(inner));
+            value(out, item, inner, depth + 1).map_err(|w| w.under(key))?;
+        }
+        out.push_str(" }");
+    } else {
+        let found = named(item);
+        return Err(wrong(format!(
+            "{} is {found}, which is no value of a scene",
+            suggest::key(key)
+        )));
+    }
+    Ok(())
+}

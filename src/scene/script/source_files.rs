@@ -1,0 +1,353 @@
+//! The files of a script: read only below the scene's folder, kept for messages.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
+
+use super::nested_values::{NESTED, is_deeper};
+use crate::scene::{
+    confined_read::{self, Found, Kind, Problem},
+    dependencies::Dependencies,
+    diagnostic::{Diagnostic, Source, Span},
+    parse::suggest,
+};
+
+/// Largest script, bytes.
+pub const MOST_BYTES: u64 = 1 << 20;
+
+/// Places that look like the definition of a function of which the right one is looked for.
+const MOST_DEFINITIONS: usize = 1000;
+
+/// The texts of a script and of what it imports.
+#[derive(Debug, Default)]
+pub struct Sources {
+    /// Where imports start; `None` forbids them.
+    folder: Option<PathBuf>,
+    /// Where it is noted what was looked for.
+    dependencies: Dependencies,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    texts: Vec<(String, Arc<Source>)>,
+    files: Vec<PathBuf>,
+    /// Files of the modules that are being read, outermost first, without links.
+    open: Vec<PathBuf>,
+    /// Modules that were read, by the paths of their files without links.
+    modules: Vec<(PathBuf, Shared<rhai::Module>)>,
+    /// Names of imports that were found, and their files.
+    found: Vec<(String, PathBuf)>,
+    /// Whether everything was read: frames read no files.
+    sealed: bool,
+    /// The first import that was refused, of the call that runs: text, file and place.
+    refused: Option<(String, String, Position)>,
+}
+
+/// Scripts, in messages about their files.
+const SCRIPTS: Kind = Kind {
+    one: "a script",
+    names: "file names of scripts start from the scene's folder and end in .rhai",
+    inside: "scripts are read only from the scene's folder and the folders below it",
+    most_mib: MOST_BYTES >> 20,
+};
+
+impl Problem {
+    /// At its place in the file, or at the place that names the file.
+    pub fn at(self, at: &Span) -> Box<Diagnostic> {
+        let error = match self.inside {
+            Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
+                .related(at.clone(), "the script is named here"),
+            None => Diagnostic::at("script-file", at.clone(), self.message),
+        };
+        Box::new(error.help(self.help))
+    }
+
+    /// For the import at `at`.
+    fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
+        let Some(Span { source, range }) = self.inside else {
+            let text = format!("{}; {}", self.message, self.help);
+            return EvalAltResult::ErrorRuntime(text.into(), at).into();
+        };
+        let source = source.expect("it is in a file");
+        let (name, place) = (source.path.display().to_string(), source.place(range.start));
+        sources.state().texts.push((name.clone(), source));
+        let [line, column] =
+            [place.line, place.column].map(|n| u16::try_from(n).unwrap_or(u16::MAX));
+        let text = format!("{}; {}", self.message, self.help);
+        let wrong = EvalAltResult::ErrorRuntime(text.into(), Position::new(line, column));
+        EvalAltResult::ErrorInModule(name, wrong.into(), at).into()
+    }
+}
+
+impl Sources {
+    /// Of a script beside a scene; what is looked for is added to `trail`.
+    pub fn new(folder: &Path, dependencies: &Dependencies) -> Self {
+        Self {
+            folder: Some(folder.to_owned()),
+            dependencies: dependencies.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Of a text that is no file.
+    pub fn without_files() -> Self {
+        Self::default()
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps a text.
+    pub fn add(&self, name: &str, text: &str) {
+        let source = Source {
+            path: name.into(),
+            text: text.to_owned(),
+            returned: None,
+        };
+        self.state().texts.push((name.to_owned(), Arc::new(source)));
+    }
+
+    /// Reads the script itself; gives what messages call it, and its text.
+    pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
+        let found = self.find(file)?;
+        self.state().open.push(found.real.clone());
+        Ok(self.keep(found))
+    }
+
+    /// Reads a file below the folder.
+    fn find(&self, file: &str) -> Result<Found, Problem> {
+        let Some(folder) = &self.folder else {
+            let message = format!("{} cannot be read here", suggest::text(file));
+            return Err(Problem::new(message, ""));
+        };
+        confined_read::read(folder, file, &SCRIPTS, &self.dependencies)
+    }
+
+    /// Keeps a file; gives what messages call it, and its text.
+    fn keep(&self, found: Found) -> (String, String) {
+        let Found { path, real, text } = found;
+        let name = path.display().to_string();
+        let text = without_mark(&text).to_owned();
+        self.add(&name, &text);
+        self.state().files.push(real);
+        (name, text)
+    }
+
+    /// What a call gave; where an import in it was refused, that error, also if the script has passed
+    /// over it.
+    pub fn or_refused<T>(
+        &self,
+        result: Result<T, Box<EvalAltResult>>,
+    ) -> Result<T, Box<EvalAltResult>> {
+        match (result, self.state().refused.take()) {
+            (Ok(_), Some((text, file, at))) => {
+                let wrong = EvalAltResult::ErrorRuntime(text.into(), at);
+                let at = Position::NONE;
+                Err(EvalAltResult::ErrorInModule(file, wrong.into(), at).into())
+            }
+            (result, _) => result,
+        }
+    }
+
+    /// From now on nothing more is read.
+    pub fn seal(&self) {
+        self.state().sealed = true;
+    }
+
+    /// Names and texts.
+    pub fn texts(&self) -> Vec<(String, String)> {
+        let state = self.state();
+        let texts = state.texts.iter();
+        texts
+            .map(|(name, s)| (name.clone(), s.text.clone()))
+            .collect()
+    }
+
+    /// All texts, the script's own first.
+    pub fn all(&self) -> Vec<Arc<Source>> {
+        let state = self.state();
+        state.texts.iter().map(|(_, s)| Arc::clone(s)).collect()
+    }
+
+    /// Paths of the files.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.state().files.clone()
+    }
+
+    fn source(&self, name: &str) -> Option<Arc<Source>> {
+        let state = self.state();
+        let found = state.texts.iter().find(|(known, _)| known == name);
+        found.map(|(_, source)| Arc::clone(source))
+    }
+
+    /// The place of a position in a text: the word that begins there, or one character.
+    pub fn span(&self, name: &str, at: Position) -> Option<Span> {
+        let source = self.source(name)?;
+        let line = at.line()?;
+        let start: usize = source
+            .text
+            .split_inclusive('\n')
+            .take(line - 1)
+            .map(str::len)
+            .sum();
+        let rest = source.text.get(start..)?;
+        let column = at.position().unwrap_or(1).saturating_sub(1);
+        let skipped: usize = rest.chars().take(column).map(char::len_utf8).sum();
+        let begin = start + skipped;
+        let word: usize = source.text[begin..]
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .map(char::len_utf8)
+            .sum();
+        let end = (begin + word.max(1)).min(source.text.len());
+        Some(Span {
+            range: begin.min(end)..end,
+            source: Some(source),
+        })
+    }
+
+    /// The beginning of a text.
+    pub fn start_of(&self, name: &str) -> Span {
+        Span {
+            source: self.source(name),
+            range: 0..0,
+        }
+    }
+
+    /// Where a function is defined.
+    pub fn start_of_function(&self, name: &str, function: &str) -> Span {
+        let mut span = self.start_of(name);
+        let definition = format!("fn {function}");
+        let is_name = |c: char| c.is_alphanumeric() || c == '_';
+        let is_definition = |text: &str, start: usize| {
+            let line = text[..start].rsplit('\n').next().unwrap_or_default();
+            let after = &text[start + definition.len()..];
+            !line.contains("//") && !after.starts_with(is_name)
+        };
+        let found = span.source.as_ref().and_then(|source| {
+            // Of many on one line each looks at all before it.
+            let mut all = source
+                .text
+                .match_indices(&definition)
+                .take(MOST_DEFINITIONS);
+            all.find(|(start, _)| is_definition(&source.text, *start))
+        });
+        if let Some((start, _)) = found {
+            span.range = start..start + definition.len();
+        }
+        span
+    }
+
+    /// The module of an import that was found before.
+    fn known_module(&self, file: &str) -> Option<Shared<rhai::Module>> {
+        let state = self.state();
+        let (_, real) = state.found.iter().find(|(known, _)| known == file)?;
+        state.module(real)
+    }
+}
+
+impl State {
+    fn module(&self, real: &Path) -> Option<Shared<rhai::Module>> {
+        let found = self.modules.iter().find(|(known, _)| known == real);
+        found.map(|(_, module)| module.clone())
+    }
+}
+
+/// A text without the mark that some editors begin UTF-8 with.
+pub fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+/// Resolves `import "name"` to `name.rhai` below the scene's folder, each file once.
+pub struct Resolver(pub Arc<Sources>);
+
+impl rhai::ModuleResolver for Resolver {
+    fn resolve(
+        &self,
+        engine: &rhai::Engine,
+        source: Option<&str>,
+        path: &str,
+        at: Position,
+    ) -> Result<Shared<rhai::Module>, Box<EvalAltResult>> {
+        let module = self.find(engine, path, at);
+        if let Err(wrong) = &module
+            && let EvalAltResult::ErrorRuntime(text, at) = &**wrong
+        {
+            let file = source.unwrap_or_default().to_owned();
+            let mut state = self.0.state();
+            (state.refused).get_or_insert_with(|| (text.to_string(), file, *at));
+        }
+        module
+    }
+}
+
+impl Resolver {
+    fn find(
+        &self,
+        engine: &rhai::Engine,
+        path: &str,
+        at: Position,
+    ) -> Result<Shared<rhai::Module>, Box<EvalAltResult>> {
+        let sources = &self.0;
+        let file = if path.ends_with(".rhai") {
+            path.to_owned()
+        } else {
+            format!("{path}.rhai")
+        };
+        if let Some(module) = sources.known_module(&file) {
+            return Ok(module);
+        }
+        let fail = |message: String| Err(Box::new(EvalAltResult::ErrorRuntime(message.into(), at)));
+        if sources.state().sealed {
+            let text = "imports must stand at the top of a script, outside functions";
+            return fail(text.to_owned());
+        }
+        let found = match sources.find(&file) {
+            Ok(found) => found,
+            Err(problem) => return Err(problem.in_import(sources, at)),
+        };
+        let real = found.real.clone();
+        sources.state().found.push((file, real.clone()));
+        let known = sources.state().module(&real);
+        if let Some(module) = known {
+            return Ok(module);
+        }
+        if sources.state().open.contains(&real) {
+            return fail(format!(
+                "\"{path}\" imports itself, directly or through others"
+            ));
+        }
+        let (name, text) = sources.keep(found);
+        sources.state().open.push(real.clone());
+        let module = module(engine, &name, &text);
+        sources.state().open.pop();
+        let module =
+            module.map_err(|wrong| Box::new(EvalAltResult::ErrorInModule(name, wrong, at)))?;
+        // It outlives this thread.
+        let is_deep = |(_, value): (&str, &Dynamic)| is_deeper(value, NESTED);
+        if module.iter_var().any(is_deep) {
+            return fail(format!(
+                "\"{path}\" exports a value that is nested more than {NESTED} deep"
+            ));
+        }
+        let module: Shared<rhai::Module> = module.into();
+        sources.state().modules.push((real, module.clone()));
+        Ok(module)
+    }
+}
+
+/// Compiles a module and runs what stands outside its functions.
+fn module(
+    engine: &rhai::Engine,
+    name: &str,
+    text: &str,
+) -> Result<rhai::Module, Box<EvalAltResult>> {
+    let mut ast = engine.compile(text)?;
+    ast.set_source(ImmutableString::from(name));
+    rhai::Module::eval_ast_as_new(Scope::new(), &ast, engine)
+}

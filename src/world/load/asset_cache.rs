@@ -1,0 +1,125 @@
+//! The next text of a scene whose files did not change: everything is placed and shaded anew, and
+//! no file is read, no mesh finished and no image decoded.
+
+use std::{collections::HashMap, mem, path::PathBuf};
+
+use super::{
+    LoadOptions, Loader, Source, camera,
+    material::{ImageKey, slots},
+    place::MeshKey,
+    vertex_streams::{self, Needs},
+};
+use crate::{
+    scene::{
+        desc::{ModelSource, SceneDesc, ShapeDesc},
+        diagnostic::Diagnostic,
+    },
+    world::{Mesh, Shared, World, gltf::Model, usd},
+};
+
+/// A model's name and what it is made from.
+type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
+
+/// What is kept of a loaded scene beside its [`World`].
+#[derive(Debug)]
+pub struct AssetCache {
+    pub(super) sources: Vec<NamedSource>,
+    pub(super) models: Vec<Source>,
+    /// Without their meshes, which are in the world.
+    pub(super) loaded: Vec<Model>,
+    pub(super) meshes: HashMap<MeshKey, usize>,
+    pub(super) needs: Vec<Needs>,
+    /// The world's textures.
+    pub(super) images: Vec<(ImageKey, bool)>,
+    /// About meshes, which are not finished again.
+    pub(super) mesh_warnings: Vec<Diagnostic>,
+    /// Without those of the script.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// What tells whether two texts name the same geometry.
+pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
+    let named = desc.models.iter().map(|entry| {
+        let source = match &entry.value.source {
+            ModelSource::File(file) => Ok((file.value.clone(), usd::Choice::of(&entry.value.usd))),
+            ModelSource::Shape(shape) => Err(*shape),
+        };
+        (entry.name.clone(), source)
+    });
+    named.collect()
+}
+
+impl AssetCache {
+    /// The world of another text over the same files: all but its meshes and textures, which are
+    /// those of `world`. `None` when it needs another file, shape, image or mesh attribute; then
+    /// everything must be loaded.
+    ///
+    /// # Errors
+    /// Everything found wrong with the scene's names, as [`super::load`].
+    pub fn reuse_assets(
+        &mut self,
+        world: &World,
+        desc: &SceneDesc,
+        options: &LoadOptions,
+    ) -> Result<Option<World>, Vec<Diagnostic>> {
+        if self.sources != sources(desc) {
+            return Ok(None);
+        }
+        let mut loader = Loader::new(desc, options);
+        loader.loaded = mem::take(&mut self.loaded);
+        loader.meshes = self.meshes.clone();
+        // Placing asks for nothing but names and bounds.
+        let stub = |mesh: &Mesh| Mesh {
+            name: mesh.name.clone(),
+            bounds: mesh.bounds,
+            ..Mesh::default()
+        };
+        loader.world.meshes = world.meshes.iter().map(stub).collect();
+        let of_files = loader.loaded.iter().flat_map(|model| &model.warnings);
+        loader.world.warnings = of_files.chain(&self.mesh_warnings).cloned().collect();
+        let placed = self.place(&mut loader);
+        self.loaded = mem::take(&mut loader.loaded);
+        if placed? {
+            camera::add_default(&mut loader.world, desc.image.size);
+            loader.world.rest_unit_m = Some(loader.world.unit_m());
+            loader.add_texts();
+            loader.world.meshes = Shared::default();
+            Ok(Some(loader.world))
+        } else {
+            Ok(None)
+        }
+    }
+
+    /// Whether what is kept was enough.
+    fn place(&self, loader: &mut Loader<'_>) -> Result<bool, Vec<Diagnostic>> {
+        loader.check_names(&self.models);
+        loader.fail_on_errors()?;
+        loader.place_all(&self.models);
+        loader.fail_on_errors()?;
+        let world = &mut loader.world;
+        let same_meshes = world.meshes.len() == self.needs.len();
+        let needs = vertex_streams::needs(world);
+        if !same_meshes
+            || !self
+                .needs
+                .iter()
+                .zip(needs)
+                .all(|(had, need)| had.cover(need))
+        {
+            return Ok(false);
+        }
+        let mut indices = Vec::new();
+        for (key, request) in loader.textures.take_used(world) {
+            let wanted = (key, request.srgb);
+            match self.images.iter().position(|had| *had == wanted) {
+                Some(index) => indices.push(index),
+                None => return Ok(false),
+            }
+        }
+        for slot in world.materials.iter_mut().flat_map(slots).flatten() {
+            slot.texture = indices[slot.texture];
+        }
+        world.files.clone_from(&self.files);
+        Ok(true)
+    }
+}

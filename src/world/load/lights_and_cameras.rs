@@ -1,0 +1,130 @@
+//! Lights and cameras: the scene text's, then those that files bring along with their models.
+
+use std::collections::HashSet;
+
+use super::{
+    Loader, error_at,
+    model_instance::{ModelInstance, Place},
+};
+use crate::{
+    scene::desc::{CameraDesc, Entry, LightDesc, ModelDesc, SceneDesc},
+    world::{
+        Light, MAX_LIGHTS, World,
+        gltf::Model,
+        pose::{Moved, placed_camera, placed_light},
+    },
+};
+
+/// Lights and cameras found so far.
+pub struct Extras {
+    lights: Vec<Light>,
+    /// How many there are; more than can be used are counted, not kept.
+    light_count: usize,
+    cameras: Vec<Entry<CameraDesc>>,
+    camera_names: HashSet<String>,
+    moving_lights: Vec<Moved<LightDesc>>,
+    moving_cameras: Vec<Moved<CameraDesc>>,
+}
+
+impl Extras {
+    /// Those of the scene text.
+    pub fn new(desc: &SceneDesc) -> Self {
+        let light = |entry: &Entry<_>| Light {
+            name: entry.name.clone(),
+            desc: entry.value,
+            range_m: None,
+        };
+        Self {
+            lights: desc.lights.iter().map(light).collect(),
+            light_count: desc.lights.len(),
+            cameras: desc.cameras.clone(),
+            camera_names: desc.cameras.iter().map(|c| c.name.clone()).collect(),
+            moving_lights: Vec::new(),
+            moving_cameras: Vec::new(),
+        }
+    }
+
+    /// Those of a file's placement called `name`; cameras only with the first copy of a grid.
+    pub fn add(
+        &mut self,
+        model: &Entry<ModelDesc>,
+        file: &Model,
+        name: &str,
+        world: &World,
+        stand: &ModelInstance<'_>,
+        with_cameras: bool,
+    ) {
+        if model.value.lights {
+            for part in &file.lights {
+                let place = stand.of(world, part);
+                if part.hidden && !place.is_animated() {
+                    continue;
+                }
+                self.light_count += 1;
+                if self.lights.len() < MAX_LIGHTS {
+                    self.add_light(&part.value, name, place);
+                }
+            }
+        }
+        for part in file.cameras.iter().filter(|_| with_cameras) {
+            let (own, camera) = &part.value;
+            let mut unique = format!("{name}/{own}");
+            let mut number = 1;
+            while !self.camera_names.insert(unique.clone()) {
+                number += 1;
+                unique = format!("{name}/{own}#{number}");
+            }
+            let place = stand.of(world, part);
+            let value = placed_camera(camera, &place.world);
+            if let Some(anchor) = place.anchor {
+                self.moving_cameras.push(Moved {
+                    index: self.cameras.len(),
+                    anchor,
+                    rest: camera.clone(),
+                });
+            }
+            self.cameras.push(Entry {
+                name: unique,
+                at: model.at.clone(),
+                value,
+            });
+        }
+    }
+
+    fn add_light(&mut self, light: &Light, name: &str, place: Place) {
+        if let Some(anchor) = place.anchor {
+            self.moving_lights.push(Moved {
+                index: self.lights.len(),
+                anchor,
+                rest: light.desc,
+            });
+        }
+        self.lights.push(Light {
+            name: format!("{name}/{}", light.name),
+            desc: placed_light(&light.desc, &place.world),
+            range_m: light.range_m,
+        });
+    }
+}
+
+impl Loader<'_> {
+    /// Hands lights and cameras to the world; too many lights are an error.
+    pub fn finish_extras(&mut self, extras: Extras) {
+        let count = extras.light_count;
+        if count > MAX_LIGHTS {
+            let first_extra = self.desc.lights.get(MAX_LIGHTS);
+            let at = first_extra
+                .map(|entry| entry.at.clone())
+                .unwrap_or_default();
+            let text = format!("{count} lights with those inside files, at most {MAX_LIGHTS}");
+            let mut error = error_at("lights-too-many", &at, text);
+            let help = "leave a file's lights out with `lights = false` in its [model.NAME]";
+            error.help = Some(help.into());
+            self.errors.push(error);
+        }
+        self.world.lights = extras.lights;
+        self.world.moving.lights = extras.moving_lights;
+        self.world.moving.cameras = extras.moving_cameras;
+        self.world.cameras = extras.cameras;
+    }
+}

@@ -1,0 +1,60 @@
+"""The comparison of two builds: which differences of two EXR files count."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
+
+import compare_builds
+
+
+def exr(data: bytes, *, comment: bytes = b"", channels: bytes = b"R") -> bytes:
+    """A file of one chunk, laid out as OpenEXR does."""
+
+    def attribute(name: bytes, kind: bytes, value: bytes) -> bytes:
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+
+    header = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
+    header += attribute(b"channels", b"chlist", channels)
+    header += attribute(b"comments", b"string", comment) + b"\0"
+    return header + struct.pack("<Q", len(header) + 8) + data
+
+
+def write(folder: Path, name: str, data: bytes) -> Path:
+    path = folder / name
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        (exr(b"pixels", comment=b"another fingerprint"), True),
+        (exr(b"pixelz"), False),
+        (exr(b"pixels", channels=b"G"), False),
+    ],
+)
+def test_only_channels_and_data_of_exr_files_count(
+    tmp_path: Path, other: bytes, same: bool
+) -> None:
+    one = write(tmp_path, "one.exr", exr(b"pixels"))
+    assert compare_builds.same_file(one, write(tmp_path, "two.exr", other)) is same
+
+
+def test_one_pixel_of_a_png_counts(tmp_path: Path) -> None:
+    for name, level in (("a", 10), ("b", 10), ("c", 11)):
+        Image.new("RGB", (2, 2), (level, 0, 0)).save(tmp_path / f"{name}.png")
+    assert compare_builds.same_file(tmp_path / "a.png", tmp_path / "b.png")
+    assert not compare_builds.same_file(tmp_path / "a.png", tmp_path / "c.png")
+
+
+def test_another_file_is_no_exr(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.exr", b"text")
+    with pytest.raises(compare_builds.CompareError):
+        compare_builds.same_file(path, path)

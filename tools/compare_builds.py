@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+"""Compare two builds of Reflet pixel by pixel.
+
+Renders every shipped scene, and 8 frames of every film, with both programs: the tone-mapped
+picture as PNG, and linear color with all AOVs as EXR. Decoded PNG pixels and the EXR's channels and
+data must be the same; other metadata, such as the fingerprint of a film's frame, may differ. EXR
+data is compared as compressed, so both builds need the same version of their EXR writer.
+
+    tools/compare_builds.py OLD NEW [--assets DIR] [--cache DIR]
+
+Exit code: 0 equal, 1 different, 2 usage or a render that failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import struct
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+SIZE = "160x90"
+FILM_FRAMES = 8
+# Attributes of the EXR header that say what its data is.
+EXR_LAYOUT = {b"channels", b"compression", b"dataWindow", b"displayWindow", b"lineOrder"}
+
+
+class CompareError(Exception):
+    """A file that cannot be read, or a program that failed."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """One scene and which of its frames are rendered; none for a still scene."""
+
+    scene: Path
+    frames: tuple[int, ...]
+
+    def names(self, ending: str) -> list[str]:
+        """The files that it makes."""
+        stem = self.scene.stem
+        return [f"{stem}.{n:04}.{ending}" for n in self.frames] or [f"{stem}.{ending}"]
+
+
+def exr_content(data: bytes) -> tuple[dict[bytes, bytes], bytes]:
+    """Layout attributes and chunks of a single-part or multi-part EXR file, without its offsets."""
+    if data[:4] != b"\x76\x2f\x31\x01":
+        raise CompareError("not an EXR file")
+    multi_part = bool(struct.unpack_from("<I", data, 4)[0] & 0x1000)
+    at, part, chunks = 8, 0, 0
+    layout: dict[bytes, bytes] = {}
+    while True:
+        in_part = 0
+        while data[at] != 0:
+            name_end = data.index(b"\0", at)
+            type_end = data.index(b"\0", name_end + 1)
+            (size,) = struct.unpack_from("<I", data, type_end + 1)
+            value = data[type_end + 5 : type_end + 5 + size]
+            name = data[at:name_end]
+            if name in EXR_LAYOUT:
+                layout[b"%d." % part + name] = value
+            if name == b"chunkCount":
+                in_part = struct.unpack("<I", value)[0]
+            at = type_end + 5 + size
+        at += 1
+        chunks += in_part
+        part += 1
+        if not multi_part or data[at] == 0:
+            break
+    at += 1 if multi_part else 0
+    # The table of offsets ends where the first chunk begins.
+    (first,) = struct.unpack_from("<Q", data, at)
+    return layout, data[max(first, at + 8 * chunks) :]
+
+
+def same_file(old: Path, new: Path) -> bool:
+    """Whether two pictures of the same kind have the same pixels."""
+    if old.suffix == ".exr":
+        return exr_content(old.read_bytes()) == exr_content(new.read_bytes())
+    with Image.open(old) as a, Image.open(new) as b:
+        return (a.mode, a.size, a.tobytes()) == (b.mode, b.size, b.tobytes())
+
+
+def run(command: list[str | Path]) -> str:
+    """What a command prints; an error if it fails."""
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    if ran.returncode != 0:
+        raise CompareError(f"{' '.join(map(str, command))} failed:\n{ran.stderr.strip()}")
+    return ran.stdout
+
+
+def shipped(program: Path, assets: list[str | Path]) -> list[Work]:
+    """All scenes of the checkout; those of `scenes/paper` need assets."""
+    folders = ["scenes", "scripts", *(["scenes/paper"] if assets else [])]
+    found = []
+    for path in sorted(path for folder in folders for path in (ROOT / folder).glob("*.toml")):
+        timeline = json.loads(run([program, "info", path, "--json", *assets])).get("timeline")
+        frames: tuple[int, ...] = ()
+        if timeline is not None:
+            start, end = timeline["start"], timeline["end"]
+            last = FILM_FRAMES - 1
+            frames = tuple(start + (end - start) * i // last for i in range(FILM_FRAMES))
+        found.append(Work(path, frames))
+    return found
+
+
+def aov_names(program: Path) -> str:
+    """All AOVs of a program, as it lists them where one is wrong."""
+    asked: list[str | Path] = [program, "render", "--aov", "?", "-o", "none.exr"]
+    answer = subprocess.run(asked, capture_output=True, text=True, check=False)
+    _, found, names = answer.stderr.partition("choose from ")
+    if not found:
+        raise CompareError(f"{program} does not list its AOVs: {answer.stderr.strip()}")
+    return names.strip().replace(" ", "")
+
+
+def render(program: Path, work: Work, out: Path, assets: list[str | Path]) -> None:
+    """Render one piece of work into `out`."""
+    frames = sorted(set(work.frames))
+    some: list[str | Path] = ["--frames", ",".join(map(str, frames))] if frames else []
+    number = ".####" if frames else ""
+    aovs: list[str | Path] = ["--aov", aov_names(program)]
+    for ending in ("png", "exr"):
+        name = out / f"{work.scene.stem}{number}.{ending}"
+        output: list[str | Path] = ["-o", name, "--size", SIZE]
+        planes = aovs if ending == "exr" else []
+        run([program, "render", work.scene, *output, *planes, *some, *assets])
+
+
+def rendered(program: Path, works: list[Work], out: Path, assets: list[str | Path]) -> Path:
+    """The folder of a program's pictures; those that are there already are kept."""
+    out.mkdir(parents=True, exist_ok=True)
+    missing = [
+        work
+        for work in works
+        if not all((out / name).exists() for e in ("png", "exr") for name in work.names(e))
+    ]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for done in [pool.submit(render, program, work, out, assets) for work in missing]:
+            done.result()
+    return out
+
+
+def folder_of(program: Path, place: Path) -> Path:
+    """Where a program's pictures are kept: by its content."""
+    return place / hashlib.sha256(program.read_bytes()).hexdigest()[:16]
+
+
+def compare(old: Path, new: Path, works: list[Work]) -> tuple[int, list[str]]:
+    """How many pictures there are, and the names of those that differ."""
+    names = [name for work in works for e in ("png", "exr") for name in work.names(e)]
+    return len(names), [name for name in names if not same_file(old / name, new / name)]
+
+
+def main() -> int:
+    """Run the command."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("old", type=Path, help="the program from before")
+    parser.add_argument("new", type=Path, help="the program from now")
+    parser.add_argument("--assets", type=Path, help="models of scenes/paper; left out without")
+    parser.add_argument("--cache", type=Path, help="keep the pictures of each program here")
+    args = parser.parse_args()
+    assets: list[str | Path] = ["--assets", args.assets] if args.assets else []
+    with tempfile.TemporaryDirectory() as scratch:
+        place = args.cache or Path(scratch)
+        try:
+            programs = [program.resolve(strict=True) for program in (args.old, args.new)]
+            works = shipped(programs[1], assets)
+            folders = [rendered(p, works, folder_of(p, place), assets) for p in programs]
+            count, different = compare(folders[0], folders[1], works)
+        except (CompareError, OSError) as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+    for name in different:
+        print(f"differs: {name}")
+    print(f"{count} pictures of {len(works)} scenes compared, {len(different)} differ")
+    return 1 if different else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
