@@ -2,6 +2,7 @@
 // pixels of about the same orientation so that nothing bleeds over their edges.
 
 #import gbuffer
+#import cause
 
 struct Params {
     direction: vec2i,
@@ -18,8 +19,7 @@ struct Params {
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     let center = textureLoad(source, id.xy, 0);
-    let why = textureLoad(cause, id.xy, 0).x;
-    if (why == 0u || why == 8u) {
+    if (!reflects(textureLoad(cause, id.xy, 0).x)) {
         textureStore(blurred, id.xy, center);
         return;
     }
@@ -30,8 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     for (var k = -reach; k <= reach; k++) {
         let at = vec2i(id.xy) + params.direction * k;
         if (any(at < vec2i(0)) || any(at >= vec2i(frame.size))) { continue; }
-        let other = textureLoad(cause, at, 0).x;
-        if (other == 0u || other == 8u) { continue; }
+        if (!reflects(textureLoad(cause, at, 0).x)) { continue; }
         let x = f32(k) / params.sigma_px;
         let alike = saturate(dot(normal, unpack_unit(textureLoad(surface, at, 0).y)) * 10.0 - 9.0);
         let w = exp(-0.5 * x * x) * alike;

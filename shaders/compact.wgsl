@@ -4,12 +4,12 @@
 #import cause
 
 @group(2) @binding(0) var cause: texture_2d<u32>;
-@group(2) @binding(1) var<storage, read_write> counters: array<atomic<u32>, 16>; // 0-9: causes, 15: rays
+@group(2) @binding(1) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>; // of causes, then of rays
 @group(2) @binding(2) var<storage, read_write> rays: array<u32>; // without TRACE: one, never written
 
 override TRACE: bool = true; // the method traces; else only causes are counted
 
-var<workgroup> tile_causes: array<atomic<u32>, 10>;
+var<workgroup> tile_causes: array<atomic<u32>, CAUSES>;
 var<workgroup> tile_rays: atomic<u32>;
 var<workgroup> tile_start: u32;
 
@@ -20,12 +20,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_inde
     var place = 0u;
     if (inside) {
         why = textureLoad(cause, id.xy, 0).x;
-        atomicAdd(&tile_causes[min(why, 9u)], 1u);
+        atomicAdd(&tile_causes[min(why, CAUSES - 1u)], 1u);
         if (TRACE && is_traced(why)) { place = atomicAdd(&tile_rays, 1u); }
     }
     workgroupBarrier();
-    if (lane == 0u) { tile_start = atomicAdd(&counters[15], atomicLoad(&tile_rays)); }
-    if (lane < 10u) {
+    if (lane == 0u) { tile_start = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&tile_rays)); }
+    if (lane < CAUSES) {
         let n = atomicLoad(&tile_causes[lane]);
         if (n > 0u) { atomicAdd(&counters[lane], n); }
     }

@@ -36,8 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var out = textureLoad(radiance, id.xy, 0).xyz + textureLoad(specular, id.xy, 0).xyz;
     if (HAS_REFLECTIONS) {
-        let why = textureLoad(cause, id.xy, 0).x;
-        if (why != CAUSE_NOT_REFLECTIVE && why != CAUSE_ROUGH) {
+        if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);
             let direction = normalize(s.position - frame.eye);
             let found = faded(id.xy, s, direction, textureLoad(reflection, id.xy, 0).xyz);

@@ -11,7 +11,7 @@ const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 fn light_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var lit: Shade;
-    if (textureLoad(view_depth, id.xy, 0).x < FAR) {
+    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         lit = shade(s, normalize(frame.eye - s.position));
     } else {

@@ -119,7 +119,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var low = 0.0; // not behind here
     var high = 0.0; // behind here, once found
     var p: Probe;
-    var before_m = FAR; // what was stored at `low`
+    var before_m = FAR_M; // what was stored at `low`
     var k = 1u;
     var fine_end = 0.0; // up to here every pixel is looked at
     // One loop for coarse and fine steps and nothing else in it: neighbors that stop at different
@@ -168,7 +168,7 @@ fn reflect_pixel(id: vec3u) {
     var why = CAUSE_NOT_REFLECTIVE;
     var color = vec3f(0.0);
     var found = vec4u(0u, NONE, NONE, 0u);
-    if (textureLoad(view_depth, id.xy, 0).x < FAR) {
+    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         if (is_reflector(s)) {
             why = CAUSE_UNMARCHED;
@@ -184,7 +184,7 @@ fn reflect_pixel(id: vec3u) {
                     color = environment(direction);
                 }
             }
-        } else if (s.reflection != 0u) {
+        } else if (s.reflection != REFLECTION_NONE) {
             why = CAUSE_ROUGH;
         }
     }

@@ -10,8 +10,6 @@
 @group(2) @binding(3) var base_color: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(4) var emission: texture_storage_2d<rgba16float, write>;
 
-const FAR: f32 = 1e30;
-
 fn pack_surface(s: Surface) -> vec4u {
     return vec4u(
         pack_unit(s.normal),
@@ -44,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     let hit = textureLoad(ids, id.xy, 0).xy;
     if (hit.x == NONE) {
-        textureStore(view_depth, id.xy, vec4f(FAR, 0.0, 0.0, 0.0));
+        textureStore(view_depth, id.xy, vec4f(FAR_M, 0.0, 0.0, 0.0));
         textureStore(surface, id.xy, vec4u(0u));
         textureStore(base_color, id.xy, vec4f(0.0));
         textureStore(emission, id.xy, vec4f(0.0));

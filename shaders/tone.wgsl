@@ -1,8 +1,10 @@
 // Tone: linear radiance to display color.
 
+#import constants
+
 struct Params {
     scale: f32, // exposure over the number of sub-frames
-    curve: u32, // 0 none, 1 Khronos PBR Neutral, 2 ACES
+    curve: u32, // TONE_*
     pad0: u32,
     pad1: u32,
 }
@@ -40,8 +42,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(color))) { return; }
     var c = max(textureLoad(color, id.xy, 0).xyz * params.scale, vec3f(0.0));
     switch params.curve {
-        case 1u: { c = neutral(c); }
-        case 2u: { c = aces(c); }
+        case TONE_NEUTRAL: { c = neutral(c); }
+        case TONE_ACES: { c = aces(c); }
         default: {}
     }
     textureStore(display, id.xy, vec4f(srgb(saturate(c)), 1.0));

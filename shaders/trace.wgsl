@@ -3,7 +3,7 @@
 #import gbuffer
 
 @group(2) @binding(4) var<storage, read> rays: array<u32>;
-@group(2) @binding(5) var<storage, read> counters: array<u32, 16>;
+@group(2) @binding(5) var<storage, read> counters: array<u32, COUNTERS>;
 @group(2) @binding(6) var reflection: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
 
@@ -17,7 +17,7 @@ const DARKEST: f32 = 1.0 / 255.0; // below it a bounce cannot be seen
 
 // Whether the list has this ray; what lies past its end fills the last workgroups.
 fn is_listed(ray: u32) -> bool {
-    return ray < counters[15];
+    return ray < counters[RAY_COUNTER];
 }
 
 fn pixel_of(ray: u32) -> vec2u {
@@ -59,15 +59,15 @@ fn trace_pixel(pixel: vec2u) {
     textureStore(hit, pixel, found);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ray = (group.y * groups.x + group.x) * 64u + lane;
+    let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     if (is_listed(ray)) { trace_pixel(pixel_of(ray)); }
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(RAYS_PER_GROUP)
 fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ray = (group.y * groups.x + group.x) * 64u + lane;
+    let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     if (!is_listed(ray)) { return; }
     trace_pixel(pixel_of(ray));
     textureStore(counts, pixel_of(ray), vec4u(0u, traversals, visited_nodes, tested_triangles));

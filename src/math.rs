@@ -2,7 +2,7 @@
 
 pub mod spline;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 
 /// An axis-aligned box; empty when `min > max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,4 +96,26 @@ pub fn srgb_from_linear(v: f32) -> f32 {
     } else {
         1.055 * v.powf(1.0 / 2.4) - 0.055
     }
+}
+
+/// The same transform in f64.
+pub fn in_f64(transform: &Affine3A) -> DAffine3 {
+    DAffine3 {
+        matrix3: DMat3::from_cols(
+            transform.matrix3.x_axis.as_dvec3(),
+            transform.matrix3.y_axis.as_dvec3(),
+            transform.matrix3.z_axis.as_dvec3(),
+        ),
+        translation: transform.translation.as_dvec3(),
+    }
+}
+
+/// Whether rays can be brought into object space without losing all digits: the columns must span
+/// a volume that is not negligible against their lengths.
+pub fn invertible(transform: &Affine3A) -> bool {
+    const LEAST_VOLUME: f64 = 1e-7; // f32 carries about seven digits
+    let linear = Mat3::from(transform.matrix3).as_dmat3();
+    let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
+    let volume = linear.determinant().abs();
+    transform.is_finite() && volume > lengths * LEAST_VOLUME && transform.inverse().is_finite()
 }

@@ -2,14 +2,19 @@
 //! adapter has.
 
 use reflet::gpu::{
-    ShaderLibrary, ShaderModuleInfo,
+    ShaderError, ShaderLibrary, ShaderModuleInfo,
     bind::{merged_bindings, over_limits},
     check,
     reflect::capabilities,
 };
+use reflet::render::constants::with_constants;
+
+fn library() -> ShaderLibrary {
+    with_constants(&ShaderLibrary::embedded()).unwrap_or_else(|e| panic!("{e}"))
+}
 
 fn shipped() -> Vec<ShaderModuleInfo> {
-    let library = ShaderLibrary::embedded();
+    let library = library();
     // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
     let capabilities = capabilities(wgpu::Features::PRIMITIVE_INDEX);
     let checked = library.names().map(|name| {
@@ -39,7 +44,7 @@ fn every_shader_validates_and_has_an_entry_point() {
 
 #[test]
 fn every_library_is_imported_somewhere() {
-    let library = ShaderLibrary::embedded();
+    let library = library();
     let all: String = library
         .names()
         .filter_map(|name| library.source(name).ok())
@@ -100,7 +105,8 @@ fn what_is_embedded_is_what_lies_in_the_folder() {
     assert!(embedded.names().eq(on_disk.names()));
     assert!(embedded.lib_names().eq(on_disk.lib_names()));
     for name in embedded.names() {
-        let texts = [&embedded, &on_disk].map(|library| library.source(name).map(|s| s.text));
+        let text = |library| Ok(with_constants(library)?.source(name)?.text);
+        let texts: [Result<_, ShaderError>; 2] = [&embedded, &on_disk].map(text);
         assert_eq!(texts[0].as_ref().ok(), texts[1].as_ref().ok(), "{name}");
     }
 }

@@ -10,6 +10,8 @@
 // Nearest hits pass single-sided triangles from behind; shadow rays are blocked by either side.
 // Intervals are open: t_min < t < t_max. Directions may have any length but 0; t counts in them.
 
+#import constants
+
 // Whether the scene has a static tree, a top level, and cut-outs; without them their code is dropped.
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
@@ -17,16 +19,7 @@ override HAS_CUTOUT: bool = true;
 // Whether work is counted; without it the counting is no part of the pipeline.
 override COUNT: bool = false;
 
-const STATIC_ROOT = 0u;
-const TOP_ROOT = 1u;
-const TOP_LEVEL = 0x80000000u;
-const NO_INSTANCE = 0xffffffffu;
-const ALPHA_TESTED = 1u;
-const DOUBLE_SIDED = 2u;
-const FLIPPED = 4u;
-// Trees that need more are refused when built; a push past the end is dropped all the same, so
-// that nothing is written outside.
-const STACK_SIZE = 24u;
+const NO_INSTANCE = NONE;
 // Ends a traversal that broken input would keep going; real rays visit some hundred nodes.
 const MAX_STEPS = 65536u;
 // The group of one node that is a root: the highest slot, no siblings.
@@ -218,6 +211,8 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
 }
 
 // Groups to visit later: first those of the top level, then those of the tree being traversed.
+// Trees that need more than STACK_SIZE are refused when built; a push past the end is dropped all
+// the same, so that nothing is written outside.
 var<private> stack: array<vec2u, STACK_SIZE>;
 
 // Traversal state of one tree. A group is the first child of a node and its hit children, marked in

@@ -1,5 +1,7 @@
 // Group 0: what one frame has in common: the camera, the lights, the environment, the shadow maps.
 
+#import constants
+
 struct Frame {
     clip_from_world: mat4x4f,
     eye: vec3f,
@@ -22,9 +24,9 @@ struct Frame {
 
 struct Light {
     position: vec3f,
-    kind: u32, // 0 point, 1 spot, 2 directional
+    kind: u32, // LIGHT_*
     direction: vec3f, // in which it shines
-    shadow: u32, // 0 none, 1 map, 2 ray
+    shadow: u32, // SHADOW_*
     color: vec3f, // candela or lux per channel
     range_m: f32, // 0: endless
     spot_scale: f32,
@@ -35,13 +37,12 @@ struct Light {
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> lights: array<Light, 64>;
+@group(0) @binding(1) var<uniform> lights: array<Light, MAX_LIGHTS>;
 @group(0) @binding(2) var shadow_cubes: texture_depth_cube_array;
 @group(0) @binding(3) var shadow_maps: texture_depth_2d_array;
 @group(0) @binding(4) var shadow_sampler: sampler_comparison;
 
 const PI: f32 = 3.14159265358979;
-const NONE: u32 = 0xffffffffu;
 
 // Not normalized: its length along `forward` is 1, so that t along it is linear view depth.
 fn pixel_ray(pixel: vec2f) -> vec3f {

@@ -4,12 +4,10 @@
 #import pack
 #import shade
 
-@group(2) @binding(0) var view_depth: texture_2d<f32>; // meters along the view direction; FAR: sky
+@group(2) @binding(0) var view_depth: texture_2d<f32>; // meters along the view direction; FAR_M: sky
 @group(2) @binding(1) var surface: texture_2d<u32>;
 @group(2) @binding(2) var base_color: texture_2d<f32>;
 @group(2) @binding(3) var emission: texture_2d<f32>;
-
-const FAR: f32 = 1e30;
 
 fn position_at(pixel: vec2u, depth_m: f32) -> vec3f {
     return frame.eye + pixel_ray(vec2f(pixel) + 0.5) * depth_m;

@@ -1,5 +1,7 @@
 // Group 1: the scene's geometry, trees, materials and textures.
 
+#import constants
+
 struct Instance {
     world_from_object: mat3x4f, // three rows
     object_from_world: array<vec4f, 3>, // rows of the inverse's linear part; w: the placement's translation
@@ -9,12 +11,9 @@ struct Instance {
     index_base: u32, // into mesh_data, three a triangle
     uv1_base: u32, // into mesh_data, two a vertex; NONE: no second coordinates
     material: u32,
-    flags: u32, // FLAG_*
+    flags: u32, // FLAG_COLORS, FLAG_MIRRORED
     pad: u32,
 }
-
-const FLAG_COLORS: u32 = 1u;
-const FLAG_MIRRORED: u32 = 2u; // the transform turns front into back
 
 struct Vertex {
     position: vec3f,
@@ -28,7 +27,7 @@ struct TextureUse {
     row_u: vec3f, // u' = dot(row_u, (u, v, 1))
     layer: u32, // in its pool; NONE: no texture
     row_v: vec3f,
-    bits: u32, // 0-1 pool, 2 sRGB, 3 uv set, 4-5 wrap u, 6-7 wrap v (0 repeat, 1 clamp, 2 mirror), 8 nearest
+    bits: u32, // TEXTURE_*
     texels: vec2f, // size of the source image, for nearest
     pad: vec2f,
 }
@@ -45,7 +44,7 @@ struct Material {
     checker_size_m: f32, // 0: no checker
     checker_b: vec3f,
     alpha_cutoff: f32, // below 0: opaque
-    reflection: u32, // 0 none, 1 auto, 2 mirror
+    reflection: u32, // REFLECTION_*
     pad0: u32,
     pad1: u32,
     pad2: u32,

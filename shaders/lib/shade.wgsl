@@ -28,7 +28,7 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
 }
 
 fn is_reflector(s: Surface) -> bool {
-    return s.reflection == 2u || (s.reflection == 1u && s.roughness < frame.roughness_cutoff);
+    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < frame.roughness_cutoff);
 }
 
 // Diffuse albedo: what the specular coat leaves, on average over the hemisphere, so that it does
@@ -73,7 +73,7 @@ struct Incoming {
 
 fn incoming(i: u32, position: vec3f) -> Incoming {
     var r: Incoming;
-    if (lights[i].kind == 2u) {
+    if (lights[i].kind == LIGHT_DIRECTIONAL) {
         r.to_light = -lights[i].direction;
         r.distance_m = 1e30;
         r.color = lights[i].color;
@@ -89,7 +89,7 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
         let x = r.distance_m / lights[i].range_m;
         r.color *= saturate(1.0 - x * x * x * x);
     }
-    if (lights[i].kind == 1u) {
+    if (lights[i].kind == LIGHT_SPOT) {
         // KHR_lights_punctual, "Inner and Outer Cone Angles".
         let cone = saturate(-dot(lights[i].direction, r.to_light) * lights[i].spot_scale + lights[i].spot_offset);
         r.color *= cone * cone;

@@ -5,15 +5,13 @@
 
 override HAS_SHADOW_RAYS: bool = true;
 
-const SHADOW_NEAR_M: f32 = 0.01; // of lights.rs
-
 fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> f32 {
     switch lights[i].shadow {
-        case 1u: {
-            if (lights[i].kind == 0u) { return cube_visibility(i, position, normal, to_light); }
+        case SHADOW_MAP: {
+            if (lights[i].kind == LIGHT_POINT) { return cube_visibility(i, position, normal, to_light); }
             return map_visibility(i, position, normal, to_light);
         }
-        case 2u: {
+        case SHADOW_RAY: {
             if (HAS_SHADOW_RAYS) {
                 let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), 1e-3));
                 let origin = position + normal * (size * 4e-5);
@@ -53,7 +51,7 @@ fn cube_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f
 
 fn map_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f) -> f32 {
     var texel_m = lights[i].texel;
-    if (lights[i].kind == 1u) { texel_m *= max(dot(position - lights[i].position, lights[i].direction), 0.0); }
+    if (lights[i].kind == LIGHT_SPOT) { texel_m *= max(dot(position - lights[i].position, lights[i].direction), 0.0); }
     let clip = lights[i].clip_from_world * vec4f(offset_point(position, normal, to_light, texel_m), 1.0);
     if (clip.w <= 0.0) { return 1.0; }
     let ndc = clip.xyz / clip.w;

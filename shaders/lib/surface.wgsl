@@ -58,7 +58,7 @@ struct SlotUv {
 }
 
 fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, area2_world: f32, footprint_m: f32) -> SlotUv {
-    let second = (slot.bits & 8u) != 0u;
+    let second = (slot.bits & TEXTURE_UV1) != 0u;
     var uv: array<vec2f, 3>;
     for (var k = 0u; k < 3u; k++) {
         let raw = vec3f(uv_corner(instance, index[k], second), 1.0);

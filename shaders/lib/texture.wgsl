@@ -29,23 +29,23 @@ fn sample_wrapped(t: texture_2d_array<f32>, uv: vec2f, layer: u32, lod: f32, cla
 }
 
 fn pool_px(bits: u32) -> f32 {
-    return f32(512u << (bits & 3u)); // the size classes of textures.rs
+    return f32(SMALLEST_POOL_PX << (bits & TEXTURE_POOL_MASK));
 }
 
 // `uv` are already transformed; `footprint` is the width of the ray cone in uv units.
 fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32) -> vec4f {
     var uv = uv_in;
-    let wrap_u = (slot.bits >> 4u) & 3u;
-    let wrap_v = (slot.bits >> 6u) & 3u;
-    if (wrap_u == 2u) { uv.x = fold_mirror(uv.x); }
-    if (wrap_v == 2u) { uv.y = fold_mirror(uv.y); }
-    let clamps = u32(wrap_u != 0u) | (u32(wrap_v != 0u) << 1u);
+    let wrap_u = (slot.bits >> TEXTURE_WRAP_U_SHIFT) & 3u;
+    let wrap_v = (slot.bits >> TEXTURE_WRAP_V_SHIFT) & 3u;
+    if (wrap_u == WRAP_MIRROR) { uv.x = fold_mirror(uv.x); }
+    if (wrap_v == WRAP_MIRROR) { uv.y = fold_mirror(uv.y); }
+    let clamps = u32(wrap_u != WRAP_REPEAT) | (u32(wrap_v != WRAP_REPEAT) << 1u);
     var lod = max(log2(max(footprint * pool_px(slot.bits), 1e-6)), 0.0);
-    if ((slot.bits & 256u) != 0u && footprint * max(slot.texels.x, slot.texels.y) < 1.0) {
+    if ((slot.bits & TEXTURE_NEAREST) != 0u && footprint * max(slot.texels.x, slot.texels.y) < 1.0) {
         uv = (floor(uv * slot.texels) + 0.5) / slot.texels;
         lod = 0.0;
     }
-    let pool = slot.bits & 7u; // pool and sRGB
+    let pool = slot.bits & (TEXTURE_POOL_MASK | TEXTURE_SRGB);
     if ((POOLS & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
     if ((POOLS & 2u) != 0u && pool == 4u) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
     if ((POOLS & 4u) != 0u && pool == 1u) { return sample_wrapped(pool_1, uv, slot.layer, lod, clamps); }

@@ -5,8 +5,7 @@ use std::{fs, io, path::Path};
 use super::{
     error::AppError,
     print_out,
-    render::choose_camera,
-    scene::{LoadedScene, load_scene},
+    scene::{LoadedScene, choose_camera, load_scene},
 };
 use crate::{
     bench::{

@@ -5,7 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{cli::CheckArgs, error::AppError, print_out, scene::load_scene};
+use super::{args::CheckArgs, error::AppError, print_out, scene::load_scene};
 use crate::{
     scene::{
         diagnostic::{Diagnostic, printable},

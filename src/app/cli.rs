@@ -1,12 +1,12 @@
-//! The command line: its words, its ranges and its help.
+//! The command line: the commands and their help.
 
-use std::path::PathBuf;
+use clap::{Parser, Subcommand};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-
-use super::bench::args::BenchArgs;
-use super::frames::{Shard, parse_shard};
-use crate::{bench::compare::CompareArgs, scene::desc::Method};
+use super::{
+    args::{CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
+    bench::args::BenchArgs,
+};
+use crate::bench::compare::CompareArgs;
 
 /// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
 /// traced only where that fails.
@@ -46,189 +46,6 @@ pub enum Command {
     },
 }
 
-/// Where the scene comes from and what is changed in it.
-#[derive(Clone, Debug, Args)]
-pub struct SceneArgs {
-    /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
-    #[arg(long, value_name = "PATH=VALUE")]
-    pub set: Vec<String>,
-    /// Folder to search for models and textures after the scene's own; repeatable. The folders of
-    /// REFLET_ASSETS come last
-    #[arg(long, value_name = "DIR")]
-    pub assets: Vec<PathBuf>,
-}
-
-/// `render`
-#[derive(Clone, Debug, Args)]
-pub struct RenderArgs {
-    /// Scene file or model; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
-    /// number of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    pub frames: Option<String>,
-    /// Keep the files of frames that were made from the same scene, settings and version
-    #[arg(long)]
-    pub resume: bool,
-    /// How progress is shown; without it a bar on a terminal, a line for each frame elsewhere
-    #[arg(long, value_name = "FORM")]
-    pub progress: Option<ProgressForm>,
-    /// Render only the I-th of N parts of the frames, for several machines
-    #[arg(long, value_name = "I/N", value_parser = parse_shard)]
-    pub shard: Option<Shard>,
-    /// What is changed in it
-    #[command(flatten)]
-    pub from: SceneArgs,
-    /// Width and height in pixels, each 1 to 16384
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub size: Option<[u32; 2]>,
-    /// How reflections are found
-    #[arg(long)]
-    pub method: Option<MethodArg>,
-    /// Which camera of the scene; without it `main`, else the first
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
-    /// Sub-frames averaged, 1 to 4096
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub samples: Option<u32>,
-    /// Intermediate pictures to write too, such as depth,normal,source,cause: layers of an EXR,
-    /// or OUT.NAME.png beside a PNG, in which distances run from white (near) to black, and
-    /// reflectance from 0 to 255, as `compare --mask` takes it
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub aov: Vec<String>,
-    /// Read the shaders from a folder instead of the built-in ones
-    #[arg(long, value_name = "DIR")]
-    pub shaders: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-    /// Print pass times, shares by source and cause, rays and memory
-    #[arg(long, value_name = "FORM")]
-    pub stats: Option<StatsForm>,
-    /// With --stats, also count march steps, traversals, visited nodes and tested triangles, in one
-    /// more frame; they do not depend on the machine
-    #[arg(long, requires = "stats")]
-    pub counters: bool,
-}
-
-/// `preview`
-#[derive(Clone, Debug, Args)]
-#[command(
-    after_help = "Left drag orbits, right drag looks around and flies with W A S D Q E, the \
-                        wheel goes closer, a click selects an instance and its material, F frames \
-                        it, Esc lets it go, Space plays and pauses, the arrow keys step by \
-                        frames, B wipes between two methods or textures, X maps the error \
-                        against rt, F12 writes what is shown, H lists all keys. Script \
-                        parameters have sliders. After a mistake in a file the last good picture \
-                        stays, with the place of the mistake over it."
-)]
-pub struct PreviewArgs {
-    /// Scene file or model; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// What is changed in it
-    #[command(flatten)]
-    pub from: SceneArgs,
-    /// Width and height of the window
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub size: Option<[u32; 2]>,
-    /// How reflections are found at first
-    #[arg(long)]
-    pub method: Option<MethodArg>,
-    /// Which camera of the scene to look through at first; without it `main`, else the first
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
-    /// Read the shaders from a folder and follow them too
-    #[arg(long, value_name = "DIR")]
-    pub shaders: Option<PathBuf>,
-    /// Folder for the pictures of F12; without it, the folder you are in
-    #[arg(long, value_name = "DIR")]
-    pub screenshots: Option<PathBuf>,
-    /// Take the adapter whose name contains this; also REFLET_ADAPTER
-    #[arg(long, value_name = "NAME")]
-    pub adapter: Option<String>,
-}
-
-/// `check`
-#[derive(Clone, Debug, Args)]
-pub struct CheckArgs {
-    /// Scene file
-    pub scene: PathBuf,
-    /// What is changed in it
-    #[command(flatten)]
-    pub from: SceneArgs,
-}
-
-/// `info`
-#[derive(Clone, Debug, Args)]
-pub struct InfoArgs {
-    /// Scene file; without one, the built-in atrium
-    pub scene: Option<PathBuf>,
-    /// What is changed in it
-    #[command(flatten)]
-    pub from: SceneArgs,
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// How statistics are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum StatsForm {
-    /// One JSON object on standard output
-    Json,
-    /// A table
-    Text,
-}
-
-/// How the progress of a film is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ProgressForm {
-    /// A bar with the time that is left, on standard error
-    Bar,
-    /// A line for each frame, on standard error
-    Lines,
-    /// A JSON object for each frame, on standard output
-    Json,
-}
-
-/// `--method`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MethodArg {
-    /// Screen space only
-    Ssr,
-    /// Ray tracing only
-    Rt,
-    /// Screen space first, ray traced where that fails
-    Hybrid,
-}
-
-impl From<MethodArg> for Method {
-    fn from(method: MethodArg) -> Self {
-        match method {
-            MethodArg::Ssr => Self::Ssr,
-            MethodArg::Rt => Self::Rt,
-            MethodArg::Hybrid => Self::Hybrid,
-        }
-    }
-}
-
-/// `1280x720` as width and height.
-///
-/// # Errors
-/// A sentence with what is expected.
-pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X']);
-    let pair = sides.and_then(|(w, h)| Some([w.trim().parse().ok()?, h.trim().parse().ok()?]));
-    match pair {
-        Some(size) if size.iter().all(|side| (1..=16384).contains(side)) => Ok(size),
-        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
-        None => Err("expected WIDTHxHEIGHT, such as 1280x720".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
@@ -238,17 +55,5 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes_are_two_numbers_in_range() {
-        assert_eq!(parse_size("1280x720"), Ok([1280, 720]));
-        assert_eq!(parse_size("1X1"), Ok([1, 1]));
-        for bad in ["0x5", "16385x1"] {
-            assert!(parse_size(bad).expect_err(bad).contains("1 to 16384"));
-        }
-        for bad in ["", "5", "5x", "-1x5", "1x2x3", "99999999999x1"] {
-            assert!(parse_size(bad).expect_err(bad).contains("WIDTHxHEIGHT"));
-        }
     }
 }

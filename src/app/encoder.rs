@@ -12,7 +12,11 @@ use std::{
     time::Instant,
 };
 
-use super::{error::AppError, film::Film, output::Output, progress::Progress, render::explain};
+use super::{
+    error::AppError,
+    output::{picture_file::PictureFile, video::Film},
+    progress::Progress,
+};
 use crate::{gpu::Gpu, render::PendingPicture};
 
 /// Pictures that may wait for an encoder: enough that neither side waits for the other's hiccups.
@@ -26,7 +30,7 @@ pub enum Target {
     /// A file for each.
     Files {
         /// What kind of file.
-        output: Output,
+        output: PictureFile,
         /// Name of each frame's file.
         names: Vec<PathBuf>,
     },
@@ -171,7 +175,7 @@ impl<'a> Encoders<'a> {
 
     fn write(&self, rendered: Rendered) -> Result<(&'static str, PathBuf), AppError> {
         let picture = rendered.picture.take(self.gpu);
-        let picture = picture.map_err(|error| explain(error, false))?;
+        let picture = picture.map_err(|error| AppError::from_render(error, false))?;
         match self.target {
             Target::Film(film) => {
                 let mut film = lock(film);

@@ -6,9 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::frames::spans;
+use super::frame_spans::spans;
 use crate::{
     gpu::{GpuError, ShaderError},
+    render::RenderError,
     scene::diagnostic::{Diagnostic, render_all},
 };
 
@@ -115,6 +116,17 @@ impl AppError {
         match error.kind() {
             StorageFull | QuotaExceeded | ReadOnlyFilesystem => Self::Disk(text),
             _ => Self::Internal(text),
+        }
+    }
+
+    /// What keeps a picture from being rendered; `own_shaders` are those of the user.
+    pub fn from_render(error: RenderError, own_shaders: bool) -> Self {
+        match error {
+            RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
+                Self::from_user_shader(&error)
+            }
+            RenderError::Gpu(error) => Self::Gpu(error),
+            RenderError::Scene(diagnostic) => Self::Scene(vec![*diagnostic]),
         }
     }
 

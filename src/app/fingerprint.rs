@@ -6,10 +6,7 @@ use std::{fs, io, path::Path, time::SystemTime};
 
 use xxhash_rust::xxh3::Xxh3Default;
 
-use super::{cli::RenderArgs, error::AppError, render::RenderSession};
-
-/// Name under which pictures carry it.
-pub const KEYWORD: &str = "reflet-fingerprint";
+use super::{args::RenderArgs, error::AppError, render_session::RenderSession};
 
 /// Of the texts of this program and its shaders, made by `build.rs`.
 const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
@@ -19,8 +16,8 @@ const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 ///
 /// # Errors
 /// A file that can no longer be read, or that was saved since the scene was opened.
-pub fn of_run(args: &RenderArgs, studio: &RenderSession) -> Result<u128, AppError> {
-    let loaded = &studio.loaded;
+pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppError> {
+    let loaded = &session.loaded;
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
         hash.update(&(bytes.len() as u64).to_le_bytes());
@@ -31,7 +28,7 @@ pub fn of_run(args: &RenderArgs, studio: &RenderSession) -> Result<u128, AppErro
             AppError::Internal(format!("cannot read {}: {error}", path.display()))
         })?;
         // After it was read, so that no save falls between.
-        check_unchanged(path, studio.opened)?;
+        check_unchanged(path, session.opened)?;
         Ok::<_, AppError>(bytes)
     };
     add(BUILT_FROM.as_bytes());
@@ -56,7 +53,7 @@ pub fn of_run(args: &RenderArgs, studio: &RenderSession) -> Result<u128, AppErro
             add(&read(&file)?);
         }
     }
-    let gpu = &studio.gpu;
+    let gpu = &session.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())

@@ -74,18 +74,6 @@ impl FrameList {
     }
 }
 
-/// Frames in rising order as `--frames` takes them, such as `1,3,5-9`.
-pub fn spans(frames: &[u32]) -> String {
-    let follows = |a: &u32, b: &u32| a + 1 == *b;
-    let part = |run: &[u32]| match run {
-        [] => String::new(),
-        [only] => only.to_string(),
-        [first, .., last] => format!("{first}-{last}"),
-    };
-    let parts: Vec<_> = frames.chunk_by(follows).map(part).collect();
-    parts.join(",")
-}
-
 /// What a message repeats of an argument: the start of a long one.
 pub fn clipped(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(REPEATED) {
@@ -217,6 +205,7 @@ impl Template {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::frame_spans::spans;
 
     const TIMELINE: TimelineDesc = TimelineDesc {
         fps: 24.0,

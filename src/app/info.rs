@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::{
-    cli::InfoArgs,
+    args::InfoArgs,
     error::AppError,
     params::setting,
     print_json, print_out,

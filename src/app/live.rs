@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    cli::SceneArgs,
+    args::SceneArgs,
     error::AppError,
     model_viewer_scene::is_model,
     params::{DeclaredParameters, ParameterOverrides},
@@ -17,7 +17,7 @@ use super::{
     watch::{Change, WatchList},
 };
 use crate::{
-    gpu::{Gpu, GpuError, ShaderError, ShaderLibrary},
+    gpu::{Gpu, ShaderError, ShaderLibrary},
     render::{RebuildSummary, RenderError, Renderer, stats::FrameStats},
     scene::{
         dependencies::Dependencies,
@@ -220,11 +220,7 @@ impl Live {
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
         let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, overrides));
-        let renderer = renderer.map_err(|error| match error {
-            RenderError::Gpu(GpuError::Shader(e)) => AppError::from_user_shader(&e),
-            RenderError::Gpu(error) => AppError::Gpu(error),
-            RenderError::Scene(diagnostic) => AppError::Scene(vec![*diagnostic]),
-        })?;
+        let renderer = renderer.map_err(|error| AppError::from_render(error, true))?;
         Ok(Self {
             gpu,
             origin,
@@ -304,7 +300,7 @@ impl Live {
         }
         let options = options_of(&self.desc, overrides);
         let world = &self.world;
-        (self.renderer).change(&self.gpu, &self.library, world, world, &options)?;
+        (self.renderer).change(&self.gpu, &self.library, world, &options)?;
         self.overrides = overrides;
         Ok(())
     }

@@ -13,13 +13,14 @@ use crate::{
 };
 
 pub mod aov;
+pub mod args;
 pub mod bench;
 pub mod check;
 pub mod cli;
 pub mod encoder;
 pub mod error;
-pub mod film;
 pub mod fingerprint;
+pub mod frame_spans;
 pub mod frames;
 pub mod info;
 pub mod live;
@@ -29,6 +30,7 @@ pub mod params;
 pub mod preview;
 pub mod progress;
 pub mod render;
+pub mod render_session;
 pub mod scene;
 pub mod sequence;
 pub mod shutdown;

@@ -8,7 +8,7 @@ use std::{
 
 use serde_json::json;
 
-use super::cli::ProgressForm;
+use super::args::ProgressForm;
 
 /// Progress of one command.
 #[derive(Debug)]

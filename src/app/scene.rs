@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    cli::SceneArgs,
+    args::SceneArgs,
     error::{AppError, print_diagnostics},
     model_viewer_scene::{is_model, model_viewer_scene},
 };
@@ -130,4 +130,26 @@ pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
     let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
     given.iter().cloned().chain(listed).collect()
+}
+
+/// Which camera is named; without a name `main`, else the first.
+///
+/// # Errors
+/// [`AppError::Usage`] with the names that exist.
+pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
+    let cameras = &loaded.world.cameras;
+    let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
+    let found = match name {
+        Some(name) => named(name),
+        None => named("main").or((!cameras.is_empty()).then_some(0)),
+    };
+    found.ok_or_else(|| {
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        AppError::Usage(format!(
+            "--camera {}: {} has no such camera; it has: {}",
+            name.unwrap_or_default(),
+            loaded.name,
+            names.join(", ")
+        ))
+    })
 }

@@ -9,15 +9,14 @@ use std::{
 };
 
 use super::{
-    cli::RenderArgs,
+    args::RenderArgs,
     encoder::{Encoders, Failures, Outcome, Rendered, Target},
     error::{AppError, print_diagnostics},
-    film::{Film, is_film},
     fingerprint,
     frames::{FrameList, Template},
-    output::{Output, check_ending, check_writable},
+    output::{format::Format, picture_file::PictureFile, video::Film, writable::check_writable},
     progress::Progress,
-    render::{RenderSession, explain},
+    render_session::RenderSession,
     shutdown,
 };
 use crate::{
@@ -33,16 +32,15 @@ use crate::{
 /// As [`Template::new`]; [`AppError::Usage`] for an ending that there is not, and a film with `#`.
 pub fn is_wanted(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
-    if !is_film(&args.output) {
-        check_ending(&args.output)?;
-    } else if template.is_some() {
+    let format = Format::expect(&args.output)?;
+    if matches!(format, Format::Film(_)) && template.is_some() {
         return Err(AppError::Usage(format!(
             "--output {}: a film is one file, so its name has no #; for frames write such as \
              film.####.png",
             args.output.display()
         )));
     }
-    Ok(args.frames.is_some() || template.is_some() || is_film(&args.output))
+    Ok(args.frames.is_some() || template.is_some() || Format::is_film(&args.output))
 }
 
 /// The frames of a command, and the timeline that they are of.
@@ -62,7 +60,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
         timeline,
     )?;
     let frames = all.shard(args.shard);
-    let in_one_file = is_film(&args.output);
+    let in_one_file = Format::is_film(&args.output);
     if in_one_file && (args.resume || args.shard.is_some()) {
         return Err(AppError::Usage(
             "--resume and --shard are for frames in files of their own, such as film.####.png"
@@ -96,7 +94,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
 /// # Errors
 /// [`AppError::Usage`] for a path that cannot be written, and for frames of which there are none.
 pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppError> {
-    if is_film(&args.output) {
+    if Format::is_film(&args.output) {
         return check_writable(&args.output);
     }
     let Some(first) = frames.0.first() else {
@@ -110,7 +108,7 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
     }
     // The largest number makes the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
-    Output::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*last))).map(drop)
+    PictureFile::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*last))).map(drop)
 }
 
 /// Creates the folder of a file where its own folder is there already.
@@ -135,13 +133,13 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 /// [`AppError::Disk`].
 pub fn render(
     args: &RenderArgs,
-    mut studio: RenderSession,
+    mut session: RenderSession,
     frames: &FrameList,
 ) -> Result<(), AppError> {
-    let run = fingerprint::of_run(args, &studio)?;
+    let run = fingerprint::of_run(args, &session)?;
     let mut progress = Progress::new(frames.0.len(), args.progress);
-    let target = target(args, &studio, frames)?;
-    let planes: Vec<_> = studio.aovs.iter().map(|aov| aov.name()).collect();
+    let target = target(args, &session, frames)?;
+    let planes: Vec<_> = session.aovs.iter().map(|aov| aov.name()).collect();
     sweep(&match &target {
         Target::Film(_) => vec![args.output.clone()],
         Target::Files { output, names } => {
@@ -162,9 +160,9 @@ pub fn render(
         }
     }
     shutdown::listen();
-    let gpu = studio.gpu.clone();
+    let gpu = session.gpu.clone();
     let encoders = Encoders::new(&gpu, &target, progress);
-    let desc = studio.loaded.desc.clone();
+    let desc = session.loaded.desc.clone();
     let motion = Motion::new(&desc);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
@@ -176,7 +174,7 @@ pub fn render(
                 break;
             }
             let started = Instant::now();
-            match begin(&mut studio, &motion, frame, has_color, &encoders) {
+            match begin(&mut session, &motion, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {
                         index,
@@ -272,13 +270,13 @@ fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> Ap
 /// Where the frames go, and that they can go there.
 fn target(
     args: &RenderArgs,
-    studio: &RenderSession,
+    session: &RenderSession,
     frames: &FrameList,
 ) -> Result<Target, AppError> {
-    let desc = &studio.loaded.desc;
-    if is_film(&args.output) {
+    let desc = &session.loaded.desc;
+    if let Format::Film(format) = Format::expect(&args.output)? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
-        let film = Film::new(&args.output, desc.image.size, fps, frames.0.len())?;
+        let film = Film::new(&args.output, format, desc.image.size, fps, frames.0.len())?;
         return Ok(Target::Film(Box::new(Mutex::new(film))));
     }
     let template = Template::new(&args.output)?;
@@ -289,14 +287,14 @@ fn target(
     let names: Vec<_> = frames.0.iter().map(name).collect();
     let first = names.first().unwrap_or(&args.output);
     Ok(Target::Files {
-        output: Output::new(first)?,
+        output: PictureFile::new(first)?,
         names,
     })
 }
 
 /// Starts one frame's picture; else why not, and whether no other will do better.
 fn begin(
-    studio: &mut RenderSession,
+    session: &mut RenderSession,
     motion: &Motion,
     frame: u32,
     has_color: bool,
@@ -311,12 +309,15 @@ fn begin(
     for line in &state.log {
         encoders.aside(|| eprintln!("frame {frame}: {line}"));
     }
-    studio.loaded.world.apply(&state).map_err(wrong_scene)?;
-    studio.begin(has_color).map_err(|error| {
+    session.loaded.world.apply(&state).map_err(wrong_scene)?;
+    session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,
             RenderError::Gpu(GpuError::Lost(_) | GpuError::OutOfMemory(_))
         );
-        (explain(error, studio.own_shaders).to_string(), fatal)
+        (
+            AppError::from_render(error, session.own_shaders).to_string(),
+            fatal,
+        )
     })
 }

@@ -1,11 +1,7 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
 use super::csv::{self, CsvError, Table};
-use crate::render::{
-    cause::Cause,
-    passes,
-    probe::{COUNTED_PASSES, Counts},
-};
+use crate::render::{cause::Cause, passes, passes::counted_passes, probe::Counts};
 
 mod check;
 
@@ -267,7 +263,7 @@ pub fn detail_columns() -> Vec<String> {
         .chain(causes().map(|c| format!("cause_{}_px", c.name())))
         .chain([Cause::Hit, Cause::None].map(|c| format!("false_accept_{}_px", c.name())))
         .chain(REFUSALS.map(|c| format!("false_reject_{}_px", c.name())))
-        .chain(COUNTED_PASSES.iter().flat_map(|pass| {
+        .chain(counted_passes().flat_map(|pass| {
             let names = Counts::default().named();
             names.map(|(what, _)| format!("{}_{what}", pass.name))
         }))

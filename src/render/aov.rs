@@ -8,7 +8,11 @@ use crate::{
 };
 
 use super::{
-    Plane, PlaneData, Renderer, cause::Cause, download::TargetValues, targets::Target, types::NONE,
+    Plane, PlaneData, Renderer,
+    cause::Cause,
+    download::TargetValues,
+    targets::{FAR_M, Target},
+    types::NONE,
 };
 
 /// A quantity that can be written beside the picture.
@@ -45,7 +49,6 @@ pub enum Aov {
 }
 
 const RGB: &[&str] = &["R", "G", "B"];
-const FAR: f32 = 1e29;
 
 impl Aov {
     /// All of them.
@@ -140,7 +143,7 @@ impl Aov {
         let (channels, data) = match self {
             Self::Depth => {
                 let depths = values.texels::<f32>(Target::ViewDepth).into_iter();
-                let far = depths.map(|d| if d < FAR { d } else { f32::INFINITY });
+                let far = depths.map(|d| if d < FAR_M { d } else { f32::INFINITY });
                 (&["Z"][..], PlaneData::F32(far.collect()))
             }
             Self::BaseColor => rgb(Target::BaseColor),
@@ -196,7 +199,7 @@ impl Aov {
         let seen = packed
             .iter()
             .zip(&depths)
-            .map(|(p, d)| (*d < FAR).then_some(*p));
+            .map(|(p, d)| (*d < FAR_M).then_some(*p));
         match self {
             Self::Normal => {
                 let normals =
@@ -232,8 +235,8 @@ fn reflectance(
     let size = values.size;
     let view = super::view::View::new(camera, size);
     let at = |i: usize| {
-        let reflects = causes[i] != Cause::NotReflective as u32 && causes[i] != Cause::Rough as u32;
-        if !reflects || depths[i] >= FAR {
+        let reflects = Cause::from_number(causes[i]).is_some_and(Cause::reflects);
+        if !reflects || depths[i] >= FAR_M {
             return 0.0;
         }
         let [x, y] = [i as u32 % size[0], i as u32 / size[0]].map(|v| v as f32 + 0.5);

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::scene::desc::Method;
 
-/// The outcome of the screen-space march at one pixel; the numbers are those of
-/// `shaders/lib/cause.wgsl`.
+/// The outcome of the screen-space march at one pixel. The shaders know it as `CAUSE_` and its name
+/// in capitals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u32)]
@@ -84,6 +84,17 @@ impl Cause {
             Self::Rough => "rough",
             Self::Unmarched => "unmarched",
         }
+    }
+
+    /// Whether such a pixel shows its mirror direction, from wherever it is known.
+    pub fn reflects(self) -> bool {
+        !matches!(self, Self::NotReflective | Self::Rough)
+    }
+
+    /// A bit for the number of each cause that `is_in` says.
+    pub fn mask(is_in: impl Fn(Self) -> bool) -> u32 {
+        let all = Self::ALL.into_iter().filter(|cause| is_in(*cause));
+        all.fold(0, |mask, cause| mask | 1 << cause as u32)
     }
 
     /// Where such a pixel's reflection comes from with this method.

@@ -1,4 +1,4 @@
-//! What passes leave beside the targets, for eyes: shadow maps as distances, and the ray list.
+//! Debug readback: shadow maps as distances, and the ray list.
 
 use glam::Mat4;
 
@@ -11,7 +11,7 @@ use crate::{
     world::{Light, World},
 };
 
-use super::{Renderer, lights::SHADOW_NEAR_M, passes::compact::RAY_COUNTER};
+use super::{lights::SHADOW_NEAR_M, ray_list::RAY_COUNTER, renderer::Renderer};
 
 /// Faces of a cube map in their order: the axes that they look along.
 pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
@@ -65,9 +65,9 @@ impl Renderer {
             return Ok(None);
         };
         let maps = if view.cube {
-            &self.maps.cubes
+            &self.bindings.maps.cubes
         } else {
-            &self.maps.maps
+            &self.bindings.maps.maps
         };
         let texture = maps.texture();
         let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
@@ -85,13 +85,12 @@ impl Renderer {
     /// # Errors
     /// What reading back says.
     pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
-        let reflections = self.passes.reflections.as_ref();
-        let Some(reflections) = reflections.filter(|r| r.trace.is_some()) else {
+        if self.bindings.passes.trace.is_none() {
             return Ok(None);
-        };
-        let counters: Vec<u32> = read_buffer(gpu, &reflections.list.counters)?;
+        }
+        let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;
         let count = counters.get(RAY_COUNTER).copied().unwrap_or(0);
-        let mut rays: Vec<u32> = read_buffer(gpu, &reflections.list.rays)?;
+        let mut rays: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.rays)?;
         rays.truncate(count as usize);
         let place = |ray: u32| [ray & 0xFFFF, ray >> 16];
         Ok(Some(rays.into_iter().map(place).collect()))

@@ -12,7 +12,7 @@ use crate::{
     scene::desc::Method,
 };
 
-use super::{Renderer, targets::Target};
+use super::{renderer::Renderer, targets::Target};
 
 /// Copies of targets that the CPU has not got yet.
 pub struct Download {
@@ -77,20 +77,20 @@ impl Renderer {
         let mut downloads = Downloads::new(gpu);
         let mut targets = Vec::new();
         for target in wanted {
-            let texture = self.targets.texture(*target);
+            let texture = self.bindings.targets.texture(*target);
             if let Some(texture) = texture.filter(|_| !targets.contains(target)) {
                 downloads.texture(gpu, texture)?;
                 targets.push(*target);
             }
         }
-        if let (true, Some(r)) = (count, &self.passes.reflections) {
-            downloads.buffer(gpu, &r.list.counters)?;
+        if count && self.plan.reflections {
+            downloads.buffer(gpu, &self.bindings.ray_list.counters)?;
         }
         Ok(Download {
             pending: downloads.start(gpu)?,
             targets,
             values: TargetValues {
-                size: self.targets.size,
+                size: self.bindings.targets.size,
                 method: self.method(),
                 reflections: self.plan.reflections,
                 counters: None,

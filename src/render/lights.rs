@@ -11,8 +11,20 @@ use crate::{
 
 use super::types::{GpuLight, LightBlock};
 
-/// Near plane of shadow maps; `cube_visibility` in `shaders/lib/shadow.wgsl` divides by it too.
+/// Near plane of shadow maps.
 pub const SHADOW_NEAR_M: f32 = 0.01;
+/// [`GpuLight::kind`].
+pub const LIGHT_POINT: u32 = 0;
+/// [`GpuLight::kind`].
+pub const LIGHT_SPOT: u32 = 1;
+/// [`GpuLight::kind`].
+pub const LIGHT_DIRECTIONAL: u32 = 2;
+/// [`GpuLight::shadow`].
+pub const SHADOW_NONE: u32 = 0;
+/// [`GpuLight::shadow`].
+pub const SHADOW_MAP: u32 = 1;
+/// [`GpuLight::shadow`].
+pub const SHADOW_RAY: u32 = 2;
 
 /// One picture that the shadow pass draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,6 +118,7 @@ fn gpu_light(light: &Light) -> GpuLight {
             position,
             intensity_cd,
         } => {
+            out.kind = LIGHT_POINT;
             out.position = position.to_array();
             intensity_cd
         }
@@ -117,7 +130,7 @@ fn gpu_light(light: &Light) -> GpuLight {
             outer_deg,
             ..
         } => {
-            out.kind = 1;
+            out.kind = LIGHT_SPOT;
             out.position = position.to_array();
             out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
             // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
@@ -131,7 +144,7 @@ fn gpu_light(light: &Light) -> GpuLight {
             direction,
             intensity_lux,
         } => {
-            out.kind = 2;
+            out.kind = LIGHT_DIRECTIONAL;
             out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
             intensity_lux
         }
@@ -139,9 +152,9 @@ fn gpu_light(light: &Light) -> GpuLight {
     out.color = (light.desc.color * intensity).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
     out.shadow = match light.desc.shadow {
-        ShadowMode::None => 0,
-        ShadowMode::Map => 1,
-        ShadowMode::Ray => 2,
+        ShadowMode::None => SHADOW_NONE,
+        ShadowMode::Map => SHADOW_MAP,
+        ShadowMode::Ray => SHADOW_RAY,
     };
     out
 }

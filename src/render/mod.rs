@@ -1,30 +1,42 @@
 //! World → picture: the frame, its passes and what it reports.
 
 pub mod aov;
-mod build;
+pub mod bindings;
 pub mod cause;
+pub mod constants;
 pub mod cull;
 pub mod debug_readback;
 pub mod download;
 pub mod error;
 pub mod frame;
+pub mod frame_pass;
+pub mod frame_uniforms;
 pub mod geometry;
 pub mod lights;
+pub mod measure;
 pub mod options;
 pub mod pass;
+pub mod pass_builder;
 pub mod passes;
 pub mod picture;
 pub mod plan;
 pub mod probe;
+pub mod ray_list;
 pub mod recorder;
 pub mod renderer;
+pub mod resources;
 pub mod scene;
+pub mod shaders;
+pub mod shadow_maps;
+pub mod shared_groups;
 pub mod stats;
+pub mod sub_frame;
 pub mod targets;
 pub mod textures;
 pub mod types;
 pub mod validate;
 pub mod view;
+pub mod world_key;
 
 pub use error::RenderError;
 pub use options::RenderOptions;

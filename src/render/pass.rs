@@ -1,15 +1,23 @@
 //! A compute pass: bound by name, sized by its shader, timed under its own name.
 
-use crate::gpu::{Gpu, GpuError, GroupLayout, Shader};
+use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Shader};
 
 /// Where the shader of a pass starts.
 pub const MAIN: &str = "main";
 /// Where it starts to do the same and to write down how much that was.
 pub const COUNTED: &str = "counted";
 
-use super::recorder::Recorder;
-use super::targets::{Target, Targets};
-use super::types::StructSpec;
+use super::{
+    options::RenderOptions,
+    plan::Plan,
+    recorder::Recorder,
+    shared_groups::{SharedGroups, is_used},
+    targets::{Target, Targets},
+    types::StructSpec,
+};
+
+/// The name of a pipeline override and its value.
+pub type Override = (&'static str, f64);
 
 /// What a pass is: its shader, what it reads and what it writes.
 #[derive(Clone, Copy, Debug)]
@@ -22,50 +30,35 @@ pub struct Pass {
     pub writes: &'static [Target],
     /// Layout of its `Params`, where it has them.
     pub params: Option<StructSpec>,
+    /// Whether a frame with this plan and these options records it.
+    pub needed: fn(&Plan, &RenderOptions) -> bool,
+    /// Whether one of the targets in `writes` is written with these options.
+    pub is_written: fn(&RenderOptions, Target) -> bool,
+    /// Values for overrides that only its shader declares.
+    pub overrides: fn(&RenderOptions) -> Vec<Override>,
+    /// Run-time checks of its shader.
+    pub checks: Checks,
+    /// Whether its shader has the entry point [`COUNTED`].
+    pub counted: bool,
+}
+
+impl Pass {
+    /// A pass that is always recorded and touches no target.
+    pub const DEFAULT: Self = Self {
+        name: "",
+        reads: &[],
+        writes: &[],
+        params: None,
+        needed: |_, _| true,
+        is_written: |_, _| true,
+        overrides: |_| Vec::new(),
+        checks: Checks::All,
+        counted: false,
+    };
 }
 
 /// A resource with its name in the shaders.
 pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
-
-/// The groups that all passes share.
-#[derive(Debug)]
-pub struct Shared {
-    /// Layouts of groups 0 and 1.
-    pub layouts: [GroupLayout; 2],
-    /// The groups themselves.
-    pub groups: [wgpu::BindGroup; 2],
-    /// For passes that use neither.
-    pub empty: (GroupLayout, wgpu::BindGroup),
-}
-
-impl Shared {
-    /// The layout of group 0 or 1 for a shader: the shared one if it uses it, else the empty one.
-    pub fn layout_for(&self, shader: &Shader, group: usize) -> &GroupLayout {
-        if uses(shader, group) {
-            &self.layouts[group]
-        } else {
-            &self.empty.0
-        }
-    }
-
-    /// The group that goes with [`Self::layout_for`].
-    pub fn group_for(&self, used: bool, group: usize) -> &wgpu::BindGroup {
-        if used {
-            &self.groups[group]
-        } else {
-            &self.empty.1
-        }
-    }
-}
-
-/// Whether any entry point of a shader uses this group.
-pub fn uses(shader: &Shader, group: usize) -> bool {
-    shader
-        .info
-        .bindings
-        .iter()
-        .any(|b| b.group as usize == group)
-}
 
 /// How many workgroups a pass runs.
 pub enum Dispatch<'a> {
@@ -90,7 +83,7 @@ pub struct ComputePass {
 }
 
 impl ComputePass {
-    /// Builds the pipeline from one entry point; `constants` may hold more than this shader
+    /// Builds the pipeline from one entry point; `overrides` may hold more than this shader
     /// overrides.
     ///
     /// # Errors
@@ -100,8 +93,8 @@ impl ComputePass {
         pass: &'static Pass,
         shader: &Shader,
         entry: &str,
-        shared: &Shared,
-        constants: &[(&'static str, f64)],
+        shared: &SharedGroups,
+        overrides: &[Override],
     ) -> Result<Self, GpuError> {
         let layout = GroupLayout::of_entry(gpu, &shader.info, entry, 2)?;
         let groups = [
@@ -109,8 +102,8 @@ impl ComputePass {
             shared.layout_for(shader, 1),
             &layout,
         ];
-        let constants = declared_overrides(shader, constants);
-        let pipeline = shader.compute_pipeline(gpu, entry, &groups, &constants)?;
+        let overrides = declared_overrides(shader, overrides);
+        let pipeline = shader.compute_pipeline(gpu, entry, &groups, &overrides)?;
         let tile = shader
             .info
             .entry_point(entry)
@@ -121,7 +114,7 @@ impl ComputePass {
         Ok(Self {
             pass,
             pipeline,
-            used: [uses(shader, 0), uses(shader, 1)],
+            used: [is_used(shader, 0), is_used(shader, 1)],
             layout,
             tile,
             params,
@@ -196,14 +189,11 @@ impl ComputePass {
     }
 }
 
-/// Those of `constants` that the shader overrides.
-pub fn declared_overrides<'a>(
-    shader: &Shader,
-    constants: &[(&'a str, f64)],
-) -> Vec<(&'a str, f64)> {
-    let overrides = &shader.info.overrides;
-    let is_known = |(name, _): &&(&str, f64)| overrides.iter().any(|o| o.name == *name);
-    constants.iter().filter(is_known).copied().collect()
+/// Those of `overrides` that the shader declares.
+pub fn declared_overrides(shader: &Shader, overrides: &[Override]) -> Vec<Override> {
+    let declared = &shader.info.overrides;
+    let is_declared = |(name, _): &&Override| declared.iter().any(|o| o.name == *name);
+    overrides.iter().filter(is_declared).copied().collect()
 }
 
 fn params_buffer(gpu: &Gpu, name: &str, size: usize) -> wgpu::Buffer {

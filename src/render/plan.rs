@@ -182,7 +182,7 @@ impl Plan {
     }
 
     /// Values for the shaders' overrides, by name.
-    pub fn constants(&self) -> Vec<(&'static str, f64)> {
+    pub fn overrides(&self) -> Vec<(&'static str, f64)> {
         let flag = |on: bool| f64::from(u8::from(on));
         vec![
             ("HAS_REFLECTIONS", flag(self.reflections)),

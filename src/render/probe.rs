@@ -1,25 +1,11 @@
-//! Probes: the frame rendered again with passes that measure it. What they do is counted, rays are
-//! followed without being shaded, or the march takes every crossing. No probe makes a picture, and
-//! none is part of a frame that is timed.
+//! Probes: passes that take the place of others to measure them. What they do is counted, rays are
+//! followed without being shaded, or the march takes every crossing.
 
 use serde::Serialize;
 
-use crate::{
-    gpu::{Gpu, GpuError, readback},
-    scene::desc::CameraDesc,
-    world::World,
-};
+use crate::gpu::{Gpu, GpuError, readback};
 
-use super::{
-    Plane, Renderer,
-    aov::Aov,
-    build::{Build, Passes, march_constant},
-    error::RenderError,
-    pass::{COUNTED, ComputePass, MAIN, Pass},
-    passes::{light, ssr, trace},
-    recorder::Timing,
-    view::View,
-};
+use super::pass::ComputePass;
 
 /// What is different in a frame that is rendered to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,20 +78,20 @@ pub struct PassCounts {
     pub counts: Counts,
 }
 
-/// The passes that count, in the order of the frame: all that march or trace.
-pub const COUNTED_PASSES: [&Pass; 3] = [&light::PASS, &ssr::PASS, &trace::PASS];
-
 /// Passes that exist only once a probe was asked for.
 #[derive(Debug, Default)]
-pub(super) struct Probes {
-    counted: Vec<Counted>,
-    traverse: Option<ComputePass>,
-    accept_all: Option<ComputePass>,
+pub struct Probes {
+    /// Which count.
+    pub counted: Vec<Counted>,
+    /// Follows the rays without shading.
+    pub traverse: Option<ComputePass>,
+    /// Marches and takes every crossing.
+    pub accept_all: Option<ComputePass>,
 }
 
 /// A pass that counts, and where each pixel's counts are.
 #[derive(Debug)]
-struct Counted {
+pub struct Counted {
     pass: ComputePass,
     counts: wgpu::Texture,
     view: wgpu::TextureView,
@@ -113,7 +99,10 @@ struct Counted {
 
 impl Counted {
     /// `make` builds the pass over the view that is named `counts` in its shader.
-    fn new(
+    ///
+    /// # Errors
+    /// What wgpu says about the texture, and the errors of `make`.
+    pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
         make: impl FnOnce(&wgpu::TextureView) -> Result<ComputePass, GpuError>,
@@ -161,7 +150,11 @@ impl Counted {
         });
     }
 
-    fn read(&self, gpu: &Gpu) -> Result<PassCounts, GpuError> {
+    /// Sums over all pixels.
+    ///
+    /// # Errors
+    /// What reading back says.
+    pub fn read(&self, gpu: &Gpu) -> Result<PassCounts, GpuError> {
         let pixels = readback::read_texture(gpu, &self.counts)?;
         Ok(PassCounts {
             pass: self.pass.name(),
@@ -172,7 +165,7 @@ impl Counted {
 
 impl Probes {
     /// The pass that this probe puts in the place of `pass`, or `pass` itself.
-    pub(super) fn replacement_for<'a>(
+    pub fn replacement_for<'a>(
         &'a self,
         pass: &'a ComputePass,
         probe: Option<Probe>,
@@ -189,168 +182,16 @@ impl Probes {
     }
 
     /// The pass that follows the rays of the trace pass once more, where this probe wants it.
-    pub(super) fn traverse(&self, probe: Option<Probe>) -> Option<&ComputePass> {
+    pub fn traverse(&self, probe: Option<Probe>) -> Option<&ComputePass> {
         self.traverse
             .as_ref()
             .filter(|_| probe == Some(Probe::Traverse))
     }
 
     /// Makes every pixel of every count 0.
-    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         self.counted
             .iter()
             .for_each(|counted| counted.clear(encoder));
     }
-}
-
-impl Renderer {
-    /// Renders the frame once more and counts what its passes do; a pass that did not run is not
-    /// listed. Sums over all sub-frames.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`], and shaders of one's own without the entry point `counted`.
-    pub fn counts(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-    ) -> Result<Vec<PassCounts>, RenderError> {
-        self.build_probe(gpu, Probe::Count)?;
-        let view = View::new(camera, self.options.image.size);
-        let mut sums: Vec<PassCounts> = Vec::new();
-        for sample in 0..self.options.image.samples {
-            let probe = Some(Probe::Count);
-            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
-                .submit()?;
-            for counted in &self.passes.probes.counted {
-                let new = counted.read(gpu)?;
-                match sums.iter_mut().find(|sum| sum.pass == new.pass) {
-                    Some(sum) => sum.counts = sum.counts.plus(new.counts),
-                    None => sums.push(new),
-                }
-            }
-        }
-        Ok(sums)
-    }
-
-    /// Milliseconds that the rays of the trace pass take without shading: the same rays, their
-    /// hits written; surfaces are looked up only where a path may go on. Measured right after the
-    /// trace pass, in a frame of its own. None where nothing is traced or nothing is timed.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`].
-    pub fn traversal_ms(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-    ) -> Result<Option<f64>, RenderError> {
-        self.build_probe(gpu, Probe::Traverse)?;
-        if self.passes.probes.traverse.is_none() {
-            return Ok(None);
-        }
-        let view = View::new(camera, self.options.image.size);
-        let mut sum_ms = None;
-        for sample in 0..self.options.image.samples {
-            let probe = Some(Probe::Traverse);
-            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
-            let times = recorder.finish()?;
-            let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
-            if let Some(ms) = times.iter().find_map(of) {
-                sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
-            }
-        }
-        Ok(sum_ms)
-    }
-
-    /// Marches without refusing anything, and gives planes of that: at every pixel whose cause is
-    /// `hit` the march crossed something, whether or not its rules take it.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`].
-    pub fn crossings(
-        &mut self,
-        gpu: &Gpu,
-        world: &World,
-        camera: &CameraDesc,
-        aovs: &[Aov],
-    ) -> Result<Vec<Plane>, RenderError> {
-        self.build_probe(gpu, Probe::AcceptAll)?;
-        let view = View::new(camera, self.options.image.size);
-        for sample in 0..self.options.image.samples {
-            let probe = Some(Probe::AcceptAll);
-            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
-                .submit()?;
-        }
-        let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
-        Ok(planes.collect::<Result<_, _>>()?)
-    }
-
-    /// Builds what a probe needs, the first time; it lasts until the passes are built again.
-    fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
-        let probes = &self.passes.probes;
-        let is_ready = match probe {
-            Probe::Count => !probes.counted.is_empty(),
-            Probe::Traverse => probes.traverse.is_some(),
-            Probe::AcceptAll => probes.accept_all.is_some(),
-        };
-        if is_ready {
-            return Ok(());
-        }
-        let mut constants = self.plan.constants();
-        constants.push(march_constant(self.options.reflection.method));
-        constants.push(match probe {
-            Probe::Count => ("COUNT", 1.0),
-            Probe::Traverse => ("SHADE", 0.0),
-            Probe::AcceptAll => ("REFUSE", 0.0),
-        });
-        let build = Build {
-            gpu,
-            shaders: &self.shaders,
-            shared: &self.passes.shared,
-            targets: &self.targets,
-            constants: &constants,
-        };
-        match probe {
-            Probe::Count => self.passes.probes.counted = counted(&build, &self.passes)?,
-            Probe::Traverse => self.passes.probes.traverse = traverse(&build, &self.passes)?,
-            Probe::AcceptAll if self.passes.reflections.is_some() => {
-                let shader = self.shaders.get(&ssr::PASS)?;
-                let accept_all = build.entry(&ssr::PASS, shader, MAIN, &[], &[])?;
-                self.passes.probes.accept_all = Some(accept_all);
-            }
-            Probe::AcceptAll => {}
-        }
-        Ok(())
-    }
-}
-
-/// The counting twins of the passes that the frame records.
-fn counted(build: &Build<'_>, passes: &Passes) -> Result<Vec<Counted>, GpuError> {
-    let reflections = passes.reflections.as_ref();
-    let list = reflections.map(|r| r.list.named());
-    let runs = |pass: &Pass| match pass.name {
-        name if name == ssr::PASS.name => reflections.is_some(),
-        name if name == trace::PASS.name => reflections.is_some_and(|r| r.trace.is_some()),
-        _ => true,
-    };
-    let make = |pass: &'static Pass| {
-        Counted::new(build.gpu, build.targets.size, |view| {
-            let mut extra = list.iter().flatten().cloned().collect::<Vec<_>>();
-            extra.push(("counts", wgpu::BindingResource::TextureView(view)));
-            build.entry(pass, build.shaders.get(pass)?, COUNTED, &[], &extra)
-        })
-    };
-    let running = COUNTED_PASSES.into_iter().filter(|pass| runs(pass));
-    running.map(make).collect()
-}
-
-/// The trace pass without shading, where there is one.
-fn traverse(build: &Build<'_>, passes: &Passes) -> Result<Option<ComputePass>, GpuError> {
-    let traced = passes.reflections.as_ref().filter(|r| r.trace.is_some());
-    let make = |list: &super::passes::compact::RayList| {
-        let shader = build.shaders.get(&trace::PASS)?;
-        build.entry(&trace::TRAVERSE, shader, MAIN, &[], &list.named())
-    };
-    traced.map(|r| make(&r.list)).transpose()
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 
-use super::pass::Shared;
+use super::shared_groups::SharedGroups;
 
 /// Whether passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub struct Recorder<'a> {
     /// The device.
     pub gpu: &'a Gpu,
     /// Groups 0 and 1.
-    pub shared: &'a Shared,
+    pub shared: &'a SharedGroups,
     /// Pixels of the picture.
     pub size: [u32; 2],
     /// `None` where nothing is timed, or where the recorder waits instead.
@@ -38,7 +38,7 @@ impl<'a> Recorder<'a> {
         gpu: &'a Gpu,
         timer: &'a Timer,
         timing: Timing,
-        shared: &'a Shared,
+        shared: &'a SharedGroups,
         size: [u32; 2],
     ) -> Self {
         let timed = timing == Timing::Passes;
@@ -123,7 +123,7 @@ impl<'a> Recorder<'a> {
 pub struct Recording<'a> {
     timer: Option<&'a Timer>,
     /// Groups 0 and 1.
-    pub shared: &'a Shared,
+    pub shared: &'a SharedGroups,
 }
 
 impl Recording<'_> {

@@ -10,16 +10,20 @@ use crate::{
 };
 
 use super::{
-    build::{Bound, Passes, Shaders, last_sub_frame, needed_passes, needs},
+    bindings::{BindingInputs, BindingKey, Bindings},
     error::RenderError,
+    frame_uniforms::FrameUniforms,
     lights::ShadowSizes,
     options::RenderOptions,
-    passes::{compose, shadow::ShadowMaps},
+    pass_builder::PassBuilder,
+    passes::needed_passes,
     plan::{Plan, traces_rays},
+    resources::Resources,
     scene::GpuScene,
+    shaders::Shaders,
     targets::{Target, Targets},
-    types::{Frame, LightBlock},
     validate::check_world,
+    world_key::WorldKey,
 };
 
 /// A scene ready to be rendered at one size with one set of options.
@@ -31,12 +35,11 @@ pub struct Renderer {
     pub(super) trees: Trees,
     pub(super) tree_ms: f64,
     pub(super) scene: GpuScene,
-    pub(super) maps: ShadowMaps,
-    pub(super) buffers: FrameBuffers,
-    pub(super) targets: Targets,
+    pub(super) uniforms: FrameUniforms,
+    pub(super) bindings: Bindings,
     pub(super) timer: Timer,
-    pub(super) shaders: Shaders,
-    pub(super) passes: Passes,
+    shaders: Shaders,
+    world_key: WorldKey,
 }
 
 /// Which parts of a renderer were made again.
@@ -55,6 +58,15 @@ pub struct RebuildSummary {
 }
 
 impl RebuildSummary {
+    /// Everything, for another scene.
+    pub const NEW: Self = Self {
+        upload: true,
+        trees: true,
+        poses: false,
+        materials: true,
+        passes: true,
+    };
+
     /// What was done by two changes together.
     pub fn merged(self, other: Self) -> Self {
         Self {
@@ -124,17 +136,18 @@ impl Renderer {
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
-        let maps = ShadowMaps::new(gpu, ShadowSizes::of(&world.lights))?;
-        let buffers = FrameBuffers::new(gpu);
-        let shaders = shaders.with(gpu, library, &needed_passes(&plan, options))?;
-        let targets = Targets::new(gpu, options.image.size, |t| needs(&plan, options, t))?;
-        let bound = Bound {
+        let needed = needed_passes(&plan, options);
+        let shaders = shaders.updated(gpu, library, &needed)?;
+        let uniforms = FrameUniforms::new(gpu);
+        let key = BindingKey::new(&plan, options, ShadowSizes::of(&world.lights), &needed);
+        let inputs = BindingInputs {
+            plan: &plan,
+            options,
+            shaders: &shaders,
             scene: &scene,
-            maps: &maps,
-            buffers: &buffers,
-            targets: &targets,
+            uniforms: &uniforms,
         };
-        let passes = Passes::new(gpu, &shaders, &plan, options, bound)?;
+        let bindings = Bindings::new(gpu, key, inputs, None)?;
         Ok(Self {
             unit_m: unit_of(world, options),
             options: *options,
@@ -143,16 +156,15 @@ impl Renderer {
             trees,
             tree_ms,
             scene,
-            maps,
-            buffers,
-            targets,
+            uniforms,
+            bindings,
             shaders,
-            passes,
+            world_key: WorldKey::of(world),
         })
     }
 
-    /// Makes ready for `world`, which has the same meshes and textures as `old`, and for other
-    /// options or shaders; only what that changes is done again. On an error nothing has changed.
+    /// Makes ready for another world, other options or shaders: compares what it was made for with
+    /// what is needed, and makes again only what differs. On an error nothing has changed.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -160,90 +172,90 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         library: &ShaderLibrary,
-        old: &World,
         world: &World,
         options: &RenderOptions,
     ) -> Result<RebuildSummary, RenderError> {
+        check_world(world)?;
+        let world_key = WorldKey::of(world);
+        if !world_key.has_same_uploads(&self.world_key) {
+            *self = self.with_world(gpu, library, world, options)?;
+            return Ok(RebuildSummary::NEW);
+        }
         // Trees that nothing follows any more are kept while they fit: a preview that compares two
         // methods would build them for each picture.
         let lacks_trees = !self.trees.is_built() && needs_trees(world, options);
-        let trees = lacks_trees || !same_trees(old, world);
+        let has_new_trees = lacks_trees || !world_key.has_same_trees(&self.world_key);
         let mut rebuilt = RebuildSummary {
-            trees,
-            poses: !trees && !same_poses(old, world),
-            ..RebuildSummary::default()
+            upload: false,
+            trees: has_new_trees,
+            poses: !has_new_trees && !world_key.has_same_poses(&self.world_key),
+            materials: has_new_trees || !world_key.has_same_materials(&self.world_key),
+            passes: false,
         };
-        rebuilt.materials =
-            rebuilt.trees || old.materials != world.materials || !same_materials(old, world);
-        let trees = if rebuilt.trees {
-            check_world(world)?;
-            Some(build_trees(gpu, world, options)?)
-        } else {
-            None
-        };
-        let new_trees = trees.as_ref().map(|(trees, _)| trees);
-        let scene = if rebuilt.materials {
-            let current = new_trees.unwrap_or(&self.trees);
-            Some((self.scene).with_materials(gpu, world, current, rebuilt.trees)?)
-        } else {
-            None
-        };
-        let plan = plan_of(
-            world,
-            new_trees.unwrap_or(&self.trees),
-            scene.as_ref().unwrap_or(&self.scene),
-            options,
-        );
-        let sizes = ShadowSizes::of(&world.lights);
-        let maps = if sizes == self.maps.sizes {
-            self.maps.clone()
-        } else {
-            ShadowMaps::new(gpu, sizes)?
-        };
+        let new_trees = (rebuilt.trees)
+            .then(|| build_trees(gpu, world, options))
+            .transpose()?;
+        let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
+        let new_scene = (rebuilt.materials)
+            .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
+            .transpose()?;
+        let scene = new_scene.as_ref().unwrap_or(&self.scene);
+        let plan = plan_of(world, trees, scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = self.shaders.with(gpu, library, &needed)?;
-        let same_targets = self.options.image.size == options.image.size
-            && Target::ALL
-                .iter()
-                .all(|t| needs(&plan, options, *t) == needs(&self.plan, &self.options, *t));
-        let targets = if same_targets {
-            self.targets.clone()
-        } else {
-            Targets::new(gpu, options.image.size, |t| needs(&plan, options, t))?
-        };
-        rebuilt.passes = scene.is_some()
-            || !same_targets
-            || sizes != self.maps.sizes
-            || plan.constants() != self.plan.constants()
-            || !shaders.same(&self.shaders, &needed)
-            || last_sub_frame(options) != last_sub_frame(&self.options)
-            || options.reflection.method != self.options.reflection.method;
+        let shaders = self.shaders.updated(gpu, library, &needed)?;
+        let key = BindingKey::new(&plan, options, ShadowSizes::of(&world.lights), &needed);
+        rebuilt.passes = rebuilt.materials
+            || key != self.bindings.key
+            || !shaders.are_same(&self.shaders, &needed);
         if rebuilt.passes {
-            let bound = Bound {
-                scene: scene.as_ref().unwrap_or(&self.scene),
-                maps: &maps,
-                buffers: &self.buffers,
-                targets: &targets,
+            let inputs = BindingInputs {
+                plan: &plan,
+                options,
+                shaders: &shaders,
+                scene,
+                uniforms: &self.uniforms,
             };
-            self.passes = Passes::new(gpu, &shaders, &plan, options, bound)?;
+            self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
         }
         // Nothing fails from here on.
-        if let Some((trees, tree_ms)) = trees {
+        if let Some((trees, tree_ms)) = new_trees {
             (self.trees, self.tree_ms) = (trees, tree_ms);
         }
-        if let Some(scene) = scene {
+        if let Some(scene) = new_scene {
             self.scene = scene;
         }
         self.unit_m = unit_of(world, options);
         self.options = *options;
         self.plan = plan;
-        self.maps = maps;
-        self.targets = targets;
         self.shaders = shaders;
+        self.world_key = world_key;
         if rebuilt.poses {
             self.update(gpu, world);
         }
         Ok(rebuilt)
+    }
+
+    /// What passes are bound to.
+    pub(super) fn resources(&self) -> Resources<'_> {
+        Resources {
+            scene: &self.scene,
+            maps: &self.bindings.maps,
+            uniforms: &self.uniforms,
+            targets: &self.bindings.targets,
+            ray_list: &self.bindings.ray_list,
+        }
+    }
+
+    /// Builds further passes for the same frame.
+    pub(super) fn builder<'a>(&'a self, gpu: &'a Gpu) -> PassBuilder<'a> {
+        PassBuilder {
+            gpu,
+            plan: &self.plan,
+            options: &self.options,
+            shaders: &self.shaders,
+            shared: &self.bindings.shared,
+            resources: self.resources(),
+        }
     }
 
     /// What the scene needs and what was left out.
@@ -268,12 +280,12 @@ impl Renderer {
 
     /// The intermediate textures, for AOVs.
     pub fn targets(&self) -> &Targets {
-        &self.targets
+        &self.bindings.targets
     }
 
     /// The texture that holds the sum of the sub-frames.
     pub fn color(&self) -> Target {
-        compose::ALIASES[last_sub_frame(&self.options)][0].1
+        Target::last_color(self.options.image.samples)
     }
 
     /// Takes over the settings that need no rebuilding: threshold, steps, ray length, bounces. The
@@ -297,6 +309,7 @@ impl Renderer {
         }
         self.scene.update(gpu, world, &self.trees);
         self.scene.update_materials(gpu, world);
+        self.world_key.update(world);
     }
 }
 
@@ -312,66 +325,4 @@ fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptio
 fn unit_of(world: &World, options: &RenderOptions) -> f32 {
     let unit_m = options.reflection.unit_m;
     unit_m.unwrap_or_else(|| world.unit_m())
-}
-
-/// Whether trees over one world serve the other once the top level is built again: what stands
-/// still stands where it stood, and everything is hit by the same rays.
-fn same_trees(a: &World, b: &World) -> bool {
-    let flags = |world: &World, material: usize| {
-        let material = &world.materials[material];
-        (material.alpha_cutoff.is_some(), material.double_sided)
-    };
-    a.instances.len() == b.instances.len()
-        && a.instances.iter().zip(&b.instances).all(|(x, y)| {
-            x.mesh == y.mesh
-                && x.dynamic == y.dynamic
-                && (x.dynamic || x.world_from_object == y.world_from_object)
-                && flags(a, x.material) == flags(b, y.material)
-        })
-}
-
-/// Whether every instance stands where it stood.
-fn same_poses(a: &World, b: &World) -> bool {
-    let instances = a.instances.iter().zip(&b.instances);
-    instances
-        .into_iter()
-        .all(|(x, y)| x.world_from_object == y.world_from_object)
-}
-
-/// Whether every instance has the material of the same index.
-fn same_materials(a: &World, b: &World) -> bool {
-    let of = |world: &World| -> Vec<usize> { world.instances.iter().map(|i| i.material).collect() };
-    of(a) == of(b)
-}
-
-/// The uniform blocks of group 0.
-#[derive(Debug)]
-pub(super) struct FrameBuffers {
-    pub(super) frame: wgpu::Buffer,
-    pub(super) lights: wgpu::Buffer,
-}
-
-impl FrameBuffers {
-    fn new(gpu: &Gpu) -> Self {
-        let make = |label, size: usize| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: size as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        Self {
-            frame: make("frame", size_of::<Frame>()),
-            lights: make("lights", size_of::<LightBlock>()),
-        }
-    }
-
-    /// Uploads both blocks.
-    pub(super) fn set(&self, gpu: &Gpu, frame: &Frame, lights: &LightBlock) {
-        gpu.queue
-            .write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
-        gpu.queue
-            .write_buffer(&self.lights, 0, bytemuck::bytes_of(lights));
-    }
 }

@@ -18,7 +18,11 @@ use super::{
     geometry::{MeshRange, buffer, geometry},
     plan::has_specular,
     textures::{PoolSlot, Pools},
-    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE},
+    types::{
+        FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST,
+        TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP,
+        WRAP_MIRROR, WRAP_REPEAT,
+    },
 };
 
 /// How a draw is rasterized.
@@ -219,6 +223,11 @@ impl GpuScene {
     }
 }
 
+/// `bit` where it is on.
+fn flag(on: bool, bit: u32) -> u32 {
+    if on { bit } else { 0 }
+}
+
 fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     let m = transform.matrix3;
     let t = transform.translation;
@@ -233,7 +242,6 @@ fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> 
                 &world.materials[instance.material],
                 &instance.world_from_object,
             );
-            let flag = |on: bool, bit: u32| if on { bit } else { 0 };
             GpuInstance {
                 world_from_object: rows(&instance.world_from_object),
                 object_from_world: traced.object_from_world,
@@ -341,20 +349,20 @@ fn texture_use(slot: &TextureRef, world: &World, slots: &[PoolSlot]) -> GpuTextu
     let texture = &world.textures[slot.texture];
     let pool_slot = slots[slot.texture];
     let wrap = |w: Wrap| match w {
-        Wrap::Repeat => 0,
-        Wrap::Clamp => 1,
-        Wrap::Mirror => 2,
+        Wrap::Repeat => WRAP_REPEAT,
+        Wrap::Clamp => WRAP_CLAMP,
+        Wrap::Mirror => WRAP_MIRROR,
     };
     GpuTextureUse {
         row_u: slot.transform[0].to_array(),
         layer: pool_slot.layer,
         row_v: slot.transform[1].to_array(),
         bits: pool_slot.pool
-            | u32::from(texture.srgb) << 2
-            | (slot.uv_set & 1) << 3
-            | wrap(slot.wrap[0]) << 4
-            | wrap(slot.wrap[1]) << 6
-            | u32::from(slot.nearest) << 8,
+            | flag(texture.srgb, TEXTURE_SRGB)
+            | flag(slot.uv_set & 1 == 1, TEXTURE_UV1)
+            | wrap(slot.wrap[0]) << TEXTURE_WRAP_U_SHIFT
+            | wrap(slot.wrap[1]) << TEXTURE_WRAP_V_SHIFT
+            | flag(slot.nearest, TEXTURE_NEAREST),
         texels: [texture.width as f32, texture.height as f32],
         pad: [0.0; 2],
     }

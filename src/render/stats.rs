@@ -6,7 +6,7 @@ use crate::scene::desc::Method;
 
 use super::{
     cause::{Cause, Source},
-    passes::compact,
+    ray_list::RAY_COUNTER,
 };
 
 /// Pixels by cause, and what follows from them.
@@ -110,7 +110,7 @@ impl FrameStats {
     pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
         if self.method != Method::Ssr {
-            self.rays = counters.get(compact::RAY_COUNTER).copied().unwrap_or(0);
+            self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
         }
     }
 

@@ -11,7 +11,7 @@ pub enum Target {
     RasterDepth,
     /// Instance and triangle.
     Ids,
-    /// Meters along the view direction; 1e30 is sky.
+    /// Meters along the view direction; [`FAR_M`] is sky.
     ViewDepth,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,
@@ -38,6 +38,9 @@ pub enum Target {
     /// Tone-mapped.
     Display,
 }
+
+/// View depth of pixels that show no surface, meters.
+pub const FAR_M: f32 = 1e30;
 
 use wgpu::TextureFormat as F;
 
@@ -106,6 +109,15 @@ impl Target {
         u64::from(self.format().block_copy_size(None).unwrap_or(4))
     }
 
+    /// Where sub-frames add up: even and odd ones take turns.
+    pub const fn last_color(samples: u32) -> Self {
+        if samples % 2 == 1 {
+            Self::ColorEven
+        } else {
+            Self::ColorOdd
+        }
+    }
+
     fn usage(self) -> wgpu::TextureUsages {
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         match self {
@@ -127,15 +139,12 @@ pub struct Targets {
 pub const MAX_TARGET_BYTES: u64 = 6 << 30;
 
 impl Targets {
-    /// Makes all textures; those that are not `needed` are one pixel, so that they can be bound.
+    /// Makes all textures; those that are not `written` are one pixel, so that they can be bound.
     ///
     /// # Errors
     /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
-    pub fn new(
-        gpu: &Gpu,
-        size: [u32; 2],
-        needed: impl Fn(Target) -> bool,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, size: [u32; 2], written: &[Target]) -> Result<Self, GpuError> {
+        let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let full = Target::ALL.into_iter().filter(|t| needed(*t));

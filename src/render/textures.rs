@@ -8,8 +8,12 @@ use crate::{
     world::{Texture, World, Wrap, texture::LARGEST_KEPT_PX},
 };
 
-/// Edge of each pool's images, pixels; `pool_px` in `shaders/lib/texture.wgsl` is the same series.
-pub const POOL_PX: [u32; 3] = [512, 1024, LARGEST_KEPT_PX];
+/// Edge of the smallest pool's images, pixels; each further pool doubles it.
+pub const SMALLEST_POOL_PX: u32 = 512;
+/// Edge of each pool's images, pixels.
+pub const POOL_PX: [u32; 3] = [SMALLEST_POOL_PX, 2 * SMALLEST_POOL_PX, 4 * SMALLEST_POOL_PX];
+
+const _: () = assert!(POOL_PX[2] == LARGEST_KEPT_PX);
 
 /// How the materials that use a texture sample it; where they differ, as the last one does.
 #[derive(Clone, Copy, Debug, Default)]

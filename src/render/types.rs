@@ -83,11 +83,11 @@ gpu_struct! {
     pub struct GpuLight = "Light" {
         /// Meters.
         position: [f32; 3],
-        /// 0 point, 1 spot, 2 directional.
+        /// `LIGHT_*`.
         kind: u32,
         /// In which it shines, unit length.
         direction: [f32; 3],
-        /// 0 none, 1 map, 2 ray.
+        /// `SHADOW_*`.
         shadow: u32,
         /// Candela or lux per channel.
         color: [f32; 3],
@@ -162,7 +162,7 @@ gpu_struct! {
         layer: u32,
         /// v' likewise.
         row_v: [f32; 3],
-        /// See the shader.
+        /// `TEXTURE_*`.
         bits: u32,
         /// Size of the source image.
         texels: [f32; 2],
@@ -170,6 +170,25 @@ gpu_struct! {
         pad: [f32; 2],
     }
 }
+
+/// [`GpuTextureUse::bits`]: the pool.
+pub const TEXTURE_POOL_MASK: u32 = 3;
+/// [`GpuTextureUse::bits`]: sampled as sRGB.
+pub const TEXTURE_SRGB: u32 = 1 << 2;
+/// [`GpuTextureUse::bits`]: by the second texture coordinates.
+pub const TEXTURE_UV1: u32 = 1 << 3;
+/// [`GpuTextureUse::bits`]: where the two bits of the wrap mode along u begin.
+pub const TEXTURE_WRAP_U_SHIFT: u32 = 4;
+/// [`GpuTextureUse::bits`]: where those along v begin.
+pub const TEXTURE_WRAP_V_SHIFT: u32 = 6;
+/// [`GpuTextureUse::bits`]: magnification takes the nearest texel.
+pub const TEXTURE_NEAREST: u32 = 1 << 8;
+/// Wrap mode in [`GpuTextureUse::bits`].
+pub const WRAP_REPEAT: u32 = 0;
+/// Wrap mode in [`GpuTextureUse::bits`].
+pub const WRAP_CLAMP: u32 = 1;
+/// Wrap mode in [`GpuTextureUse::bits`].
+pub const WRAP_MIRROR: u32 = 2;
 
 gpu_struct! {
     /// A material; see `shaders/lib/scene.wgsl`.

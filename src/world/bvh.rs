@@ -25,7 +25,7 @@ pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
 use super::{Instance, Mesh, World};
-use crate::scene::diagnostic::Diagnostic;
+use crate::{math::in_f64, scene::diagnostic::Diagnostic};
 
 mod gpu_layout;
 mod oracle;
@@ -237,7 +237,7 @@ fn corners(mesh: &Mesh, triangle: u32) -> [Vec3; 3] {
 /// vertex still share it.
 fn world_corners(world: &World, instance: u32, triangle: u32) -> [Vec3; 3] {
     let placed = &world.instances[instance as usize];
-    let transform = oracle::in_f64(&placed.world_from_object);
+    let transform = in_f64(&placed.world_from_object);
     corners(&world.meshes[placed.mesh], triangle)
         .map(|p| transform.transform_point3(p.as_dvec3()).as_vec3())
 }
@@ -314,7 +314,7 @@ fn static_tree(
         .instances
         .iter()
         .map(|i| {
-            let mirrors = oracle::in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
+            let mirrors = in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
             material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
         })
         .collect();

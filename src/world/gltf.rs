@@ -30,6 +30,7 @@ mod light;
 mod material;
 mod node;
 mod primitive;
+mod primitive_context;
 mod read_array;
 pub(super) mod repair;
 mod schema;

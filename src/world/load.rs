@@ -33,7 +33,6 @@ mod vertex_streams;
 
 pub use asset_cache::AssetCache;
 pub use preloaded_models::PreloadedModels;
-pub(super) use repeat::invertible;
 
 /// Where files are looked up and what loading may cost.
 #[derive(Clone, Debug)]
@@ -312,7 +311,7 @@ impl<'a> Loader<'a> {
         });
         let image_files: Vec<_> = image_files.collect();
         self.add_files(&image_files);
-        self.world.textures = texture::decode_all(&requests, &limits)?;
+        self.world.textures = texture::decode_all(&requests, &limits)?.into();
         self.warn_of_reduced(&requests);
         camera::add_default(&mut self.world, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());

@@ -19,18 +19,21 @@ pub mod load;
 pub mod pose;
 pub mod rig;
 pub mod shape;
+mod shared;
 pub mod texture;
 pub mod usd;
+
+pub use shared::Shared;
 
 /// A loaded scene: geometry in object space, placed by instances.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     /// Unique geometry; one material each.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Shared<Mesh>,
     /// Materials; instances refer to them by index.
     pub materials: Vec<Material>,
     /// Decoded images; materials refer to them by index.
-    pub textures: Vec<Texture>,
+    pub textures: Shared<Texture>,
     /// Placements of meshes.
     pub instances: Vec<Instance>,
     /// The scene's and the files' lights, at most [`MAX_LIGHTS`].

@@ -6,11 +6,10 @@ use glam::{Affine3A, Vec3};
 
 use super::{
     Instance, Material, World,
-    load::invertible,
     rig::{Player, PosedNode},
 };
 use crate::{
-    math::Bounds,
+    math::{Bounds, invertible},
     scene::{
         desc::{CameraDesc, LightDesc, LightKind, MaterialDesc, ReflectionMode},
         diagnostic::{Diagnostic, Span},

@@ -7,7 +7,10 @@ pub mod readme;
 
 use std::path::{Path, PathBuf};
 
-use reflet::gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary};
+use reflet::{
+    gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
+    render::constants::with_constants,
+};
 
 /// The GPU, or `None` after saying `SKIPPED` where there is no adapter.
 ///
@@ -47,10 +50,12 @@ pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
 /// The shaders under test: the built-in ones, or those of the folder that `REFLET_TEST_SHADERS`
 /// names, in which `tools/mutants.py` plants mistakes without a rebuild.
 pub fn shaders() -> ShaderLibrary {
-    let Some(folder) = std::env::var_os("REFLET_TEST_SHADERS") else {
-        return ShaderLibrary::embedded();
-    };
-    ShaderLibrary::from_dir(Path::new(&folder)).unwrap_or_else(|error| panic!("{error}"))
+    let library = std::env::var_os("REFLET_TEST_SHADERS").map_or_else(
+        || Ok(ShaderLibrary::embedded()),
+        |folder| ShaderLibrary::from_dir(Path::new(&folder)),
+    );
+    let library = library.and_then(|library| with_constants(&library));
+    library.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).

@@ -3,7 +3,7 @@
 use std::{fs, sync::Arc};
 
 use reflet::app::{
-    cli::SceneArgs,
+    args::SceneArgs,
     error::AppError,
     live::{Live, Origin, ViewOverrides},
     watch::Change,

@@ -13,7 +13,7 @@ use std::{
 
 use reflet::{
     app::{
-        cli::SceneArgs,
+        args::SceneArgs,
         live::{Live, Origin, Reload, Reuse, ViewOverrides},
         params::ParameterOverrides,
         watch::{Changes, News, WatchList, Watcher},

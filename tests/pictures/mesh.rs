@@ -41,7 +41,7 @@ fn the_normals_of_a_ball_point_away_from_its_center() {
         let set = format!("instance.0.scale={scale}");
         let (desc, mut world) = scene(BALL, &[&set]);
         if colored {
-            for mesh in &mut world.meshes {
+            for mesh in world.meshes.iter_mut() {
                 mesh.colors = vec![Vec4::ONE; mesh.positions.len()];
             }
         }

@@ -1,7 +1,10 @@
 //! The indirect dispatch reaches every ray, also beyond 65,535 workgroups in one dimension, where a
 //! one-dimensional dispatch would silently do nothing.
 
-use reflet::gpu::{Gpu, GroupLayout, Shader, pipeline::Checks, readback};
+use reflet::{
+    gpu::{Gpu, GroupLayout, Shader, pipeline::Checks, readback},
+    render::ray_list::{COUNTERS, RAY_COUNTER},
+};
 use wgpu::util::DeviceExt as _;
 
 use crate::{common::shaders, kit::gpu};
@@ -16,8 +19,8 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
     let pipeline = shader
         .compute_pipeline(gpu, "main", &[&empty, &empty, &layout], &[])
         .unwrap_or_else(|e| panic!("{e}"));
-    let mut counters = [0u32; 16];
-    counters[15] = rays;
+    let mut counters = [0u32; COUNTERS];
+    counters[RAY_COUNTER] = rays;
     let buffer = |contents: &[u8]| {
         gpu.device
             .create_buffer_init(&wgpu::util::BufferInitDescriptor {

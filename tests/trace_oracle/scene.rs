@@ -137,7 +137,7 @@ pub fn world(offset: Vec3) -> World {
         instance.world_from_object.translation += glam::Vec3A::from(offset);
     }
     World {
-        meshes,
+        meshes: meshes.into(),
         materials: materials.into(),
         instances,
         ..World::default()
@@ -207,7 +207,8 @@ pub fn closed_shape(offset: Vec3, dynamic: bool) -> World {
         meshes: vec![shape::mesh(&ShapeDesc::Sphere {
             radius: 3.0,
             segments: 256,
-        })],
+        })]
+        .into(),
         materials: vec![Material {
             double_sided: true,
             ..Material::default()

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::{
-    app::cli::{MethodArg, SceneArgs, parse_size},
+    app::args::{MethodArg, SceneArgs, parse_size},
     bench::{choose::Bound, parameter::Parameter},
 };
 

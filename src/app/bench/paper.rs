@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     app::{
-        cli::SceneArgs,
+        args::SceneArgs,
         error::AppError,
         scene::{ATRIUM, asset_folders, load_text},
     },

@@ -1,7 +1,7 @@
 //! Pictures for reports: what a setting shows, where its reflections come from, how it errs.
 
 use crate::{
-    app::{aov, error::AppError, output::encode_png, render::explain},
+    app::{aov, error::AppError, output::png::encode},
     bench::{
         compare::difference_picture,
         parameter::method_name,
@@ -92,7 +92,7 @@ impl<'a> RenderSession<'a> {
         Ok(Self {
             gpu,
             subject,
-            renderer: renderer.map_err(|e| explain(e, false))?,
+            renderer: renderer.map_err(|e| AppError::from_render(e, false))?,
         })
     }
 
@@ -100,7 +100,7 @@ impl<'a> RenderSession<'a> {
         let (world, camera) = (&self.subject.world, &self.subject.camera);
         self.renderer.set_reflection_parameters(settings);
         let picture = self.renderer.picture(self.gpu, world, camera, planes);
-        picture.map_err(|e| explain(e, false))
+        picture.map_err(|e| AppError::from_render(e, false))
     }
 
     fn view(&mut self, settings: &ReflectionDesc) -> Result<View, AppError> {
@@ -143,7 +143,7 @@ impl<'a> RenderSession<'a> {
                 (caption, size, opaque.collect())
             }
         };
-        let png = encode_png(size, &rgba, None).map_err(AppError::Internal)?;
+        let png = encode(size, &rgba, None).map_err(AppError::Internal)?;
         Ok(Figure { caption, png })
     }
 }

@@ -1,7 +1,11 @@
 //! Which frames of a scene `bench` measures, and how they are posed.
 
 use crate::{
-    app::{error::AppError, frames::FrameList, render::choose_camera, scene::LoadedScene},
+    app::{
+        error::AppError,
+        frames::FrameList,
+        scene::{LoadedScene, choose_camera},
+    },
     bench::run::{FrameSeries, Subject},
     scene::motion::Motion,
 };

@@ -81,17 +81,13 @@ impl Live {
         if edit.material >= self.world.materials.len() {
             return Ok(RebuildSummary::default()); // of a scene that is gone
         }
-        let old = World {
-            materials: self.world.materials.clone(),
-            instances: self.world.instances.clone(),
-            ..World::default()
-        };
+        let materials = self.world.materials.clone();
         edit.put(&mut self.world);
         let options = *self.renderer.options();
         let (library, world) = (&self.library, &self.world);
-        let done = (self.renderer).change(&self.gpu, library, &old, world, &options);
+        let done = (self.renderer).change(&self.gpu, library, world, &options);
         if done.is_err() {
-            self.world.materials = old.materials;
+            self.world.materials = materials;
         } else {
             self.edits.retain(|known| known.material != edit.material);
             self.edits.push(edit);

@@ -108,7 +108,7 @@ impl Live {
         let read = read_library(&self.origin).map_err(GpuError::Shader);
         reload.parse += started.elapsed();
         let built = read.map_err(RenderError::Gpu).and_then(|library| {
-            let redone = (self.renderer).change(&self.gpu, &library, world, world, &options)?;
+            let redone = (self.renderer).change(&self.gpu, &library, world, &options)?;
             Ok((library, redone))
         });
         self.problems.shader = None;
@@ -273,14 +273,11 @@ impl Live {
         mut world: World,
         options: &RenderOptions,
     ) -> Result<RebuildSummary, RenderError> {
-        world.meshes = std::mem::take(&mut self.world.meshes);
-        world.textures = std::mem::take(&mut self.world.textures);
-        let done = (self.renderer).change(&self.gpu, &self.library, &self.world, &world, options);
+        world.meshes.clone_from(&self.world.meshes);
+        world.textures.clone_from(&self.world.textures);
+        let done = (self.renderer).change(&self.gpu, &self.library, &world, options);
         if done.is_ok() {
             self.world = world;
-        } else {
-            self.world.meshes = world.meshes;
-            self.world.textures = world.textures;
         }
         done
     }

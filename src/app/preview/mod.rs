@@ -14,7 +14,7 @@ use eframe::{
 };
 
 use super::{
-    cli::PreviewArgs,
+    args::PreviewArgs,
     error::{AppError, print_diagnostics},
     live::{Live, Origin, ViewOverrides},
 };

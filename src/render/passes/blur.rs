@@ -1,6 +1,16 @@
 //! Blur: the paper's Gaussian over the combined reflection, one direction at a time.
 
-use crate::render::{pass::Pass, targets::Target, types::gpu_struct};
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
+};
 
 /// See `shaders/blur.wgsl`; `source` and `blurred` are reflection and blurred, then the reverse.
 pub const PASS: Pass = Pass {
@@ -13,10 +23,12 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Blurred],
     params: Some(Params::LAYOUT),
+    needed: |plan, options| plan.reflections && options.reflection.blur_px > 0.0,
+    ..Pass::DEFAULT
 };
 
 /// What `source` and `blurred` mean across, then down.
-pub const ALIASES: [[(&str, Target); 2]; 2] = [
+const ALIASES: [[(&str, Target); 2]; 2] = [
     [("source", Target::Reflection), ("blurred", Target::Blurred)],
     [("source", Target::Blurred), ("blurred", Target::Reflection)],
 ];
@@ -30,5 +42,28 @@ gpu_struct! {
         sigma_px: f32,
         /// Unused.
         pad: u32,
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Blur([ComputePass; 2]);
+
+impl FramePass for Blur {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let direction = |i: usize| builder.compute(&PASS, &ALIASES[i]);
+        Ok(Self([direction(0)?, direction(1)?]))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let sigma_px = frame.options.reflection.blur_px;
+        for (pass, direction) in self.0.iter().zip([[1, 0], [0, 1]]) {
+            let params = Params {
+                direction,
+                sigma_px,
+                pad: 0,
+            };
+            frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
+        }
     }
 }

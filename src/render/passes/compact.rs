@@ -1,79 +1,37 @@
-//! Compact: counts causes, lists the pixels to trace and sizes the dispatch that traces them.
+//! Compact: counts causes and lists the pixels to trace.
 
 use crate::{
-    gpu::{Gpu, GpuError},
+    gpu::GpuError,
     render::{
-        pass::{Named, Pass},
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
         targets::Target,
     },
 };
+
+use super::trace;
 
 /// See `shaders/compact.wgsl`.
 pub const PASS: Pass = Pass {
     name: "compact",
     reads: &[Target::Cause],
-    writes: &[],
-    params: None,
+    needed: |plan, _| plan.reflections,
+    overrides: |options| vec![("TRACE", f64::from(u8::from(trace::is_enabled(options))))],
+    ..Pass::DEFAULT
 };
 
-/// See `shaders/arguments.wgsl`.
-pub const ARGUMENTS: Pass = Pass {
-    name: "arguments",
-    reads: &[],
-    writes: &[],
-    params: None,
-};
-
-/// Index of the number of rays among the counters; those before it count causes.
-pub const RAY_COUNTER: usize = 15;
-
-/// The ray list and what counts it.
+/// The pass.
 #[derive(Debug)]
-pub struct RayList {
-    /// A pixel (x | y << 16) for each ray.
-    pub rays: wgpu::Buffer,
-    /// See [`RAY_COUNTER`].
-    pub counters: wgpu::Buffer,
-    /// Workgroups of the trace pass.
-    pub arguments: wgpu::Buffer,
-}
+pub struct Compact(ComputePass);
 
-impl RayList {
-    /// Room for a ray from every pixel, or for none where no ray is traced.
-    ///
-    /// # Errors
-    /// A picture whose list is past the adapter's buffer limit.
-    pub fn new(gpu: &Gpu, size: [u32; 2], traced: bool) -> Result<Self, GpuError> {
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let rays = if traced { pixels } else { 1 };
-        let bytes = (4 * rays).next_multiple_of(16);
-        gpu.check_buffer_size("the ray list of this picture size", bytes)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let make = |label, size, usage| {
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        gpu.scoped("ray list", || Self {
-            rays: make("rays", bytes, storage | wgpu::BufferUsages::COPY_SRC),
-            counters: make(
-                "counters",
-                64,
-                storage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            ),
-            arguments: make("arguments", 16, storage | wgpu::BufferUsages::INDIRECT),
-        })
+impl FramePass for Compact {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
     }
 
-    /// Its buffers by their names in the shaders.
-    pub fn named(&self) -> [Named<'_>; 3] {
-        [
-            ("rays", self.rays.as_entire_binding()),
-            ("counters", self.counters.as_entire_binding()),
-            ("arguments", self.arguments.as_entire_binding()),
-        ]
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
     }
 }

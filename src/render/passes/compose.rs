@@ -1,6 +1,16 @@
 //! Compose: puts the reflection in place of the mirror term and adds up the sub-frames.
 
-use crate::render::{pass::Pass, targets::Target, types::gpu_struct};
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
+};
 
 /// See `shaders/compose.wgsl`; `color` and `previous` take turns.
 pub const PASS: Pass = Pass {
@@ -18,10 +28,12 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::ColorEven, Target::ColorOdd],
     params: Some(Params::LAYOUT),
+    is_written: |options, target| target != Target::ColorOdd || options.image.samples > 1,
+    ..Pass::DEFAULT
 };
 
 /// What `color` and `previous` mean in even and odd sub-frames.
-pub const ALIASES: [[(&str, Target); 2]; 2] = [
+const ALIASES: [[(&str, Target); 2]; 2] = [
     [("color", Target::ColorEven), ("previous", Target::ColorOdd)],
     [("color", Target::ColorOdd), ("previous", Target::ColorEven)],
 ];
@@ -37,5 +49,27 @@ gpu_struct! {
         pad1: u32,
         /// Unused.
         pad2: u32,
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Compose([ComputePass; 2]);
+
+impl FramePass for Compose {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let parity = |i: usize| builder.compute(&PASS, &ALIASES[i]);
+        Ok(Self([parity(0)?, parity(1)?]))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params {
+            sample: frame.sample,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
+        };
+        let pass = &self.0[frame.sample as usize % 2];
+        frame.dispatch_with(pass, &params, &Dispatch::PerPixel);
     }
 }

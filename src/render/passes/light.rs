@@ -1,6 +1,15 @@
 //! Light: view-independent radiance, apart from the specular of this view.
 
-use crate::render::{pass::Pass, targets::Target};
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
 
 /// See `shaders/light.wgsl`.
 pub const PASS: Pass = Pass {
@@ -12,5 +21,20 @@ pub const PASS: Pass = Pass {
         Target::Emission,
     ],
     writes: &[Target::Radiance, Target::Specular],
-    params: None,
+    counted: true,
+    ..Pass::DEFAULT
 };
+
+/// The pass.
+#[derive(Debug)]
+pub struct Light(ComputePass);
+
+impl FramePass for Light {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
+    }
+}

@@ -1,5 +1,6 @@
 //! The passes, one file each, named like their shaders.
 
+pub mod arguments;
 pub mod blur;
 pub mod compact;
 pub mod compose;
@@ -11,19 +12,73 @@ pub mod tone;
 pub mod trace;
 pub mod visibility;
 
-use super::pass::Pass;
+use crate::gpu::GpuError;
 
-/// All passes in the order of the frame.
-pub const ALL: [&Pass; 11] = [
-    &shadow::PASS,
-    &visibility::PASS,
-    &surface::PASS,
-    &light::PASS,
-    &ssr::PASS,
-    &compact::PASS,
-    &compact::ARGUMENTS,
-    &trace::PASS,
-    &blur::PASS,
-    &compose::PASS,
-    &tone::PASS,
-];
+use super::{
+    frame_pass::FramePass, options::RenderOptions, pass::Pass, pass_builder::PassBuilder,
+    plan::Plan, targets::Target,
+};
+
+/// Lists the passes once: modules and their types.
+macro_rules! passes {
+    ($($module:ident: $type:ident,)*) => {
+        /// All passes in the order of the frame.
+        pub const ALL: [&Pass; [$(stringify!($module)),*].len()] = [$(&$module::PASS),*];
+
+        /// What a frame records; passes that its plan leaves out are `None`.
+        #[derive(Debug)]
+        pub struct Passes {
+            $(pub(super) $module: Option<$module::$type>,)*
+        }
+
+        impl Passes {
+            /// Builds every pass that the plan needs.
+            ///
+            /// # Errors
+            /// What a shader or wgpu refuses.
+            pub fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+                Ok(Self {
+                    $($module: needed(builder, &$module::PASS)?,)*
+                })
+            }
+        }
+    };
+}
+
+passes! {
+    shadow: Shadow,
+    visibility: Visibility,
+    surface: Surface,
+    light: Light,
+    ssr: Ssr,
+    compact: Compact,
+    arguments: Arguments,
+    trace: Trace,
+    blur: Blur,
+    compose: Compose,
+    tone: Tone,
+}
+
+fn needed<P: FramePass>(builder: &PassBuilder<'_>, pass: &Pass) -> Result<Option<P>, GpuError> {
+    builder.needs(pass).then(|| P::new(builder)).transpose()
+}
+
+/// The passes that a frame with this plan and these options records.
+pub fn needed_passes(plan: &Plan, options: &RenderOptions) -> Vec<&'static Pass> {
+    let is_needed = |pass: &&Pass| (pass.needed)(plan, options);
+    ALL.into_iter().filter(is_needed).collect()
+}
+
+/// The targets that these passes write.
+pub fn written_targets(passes: &[&'static Pass], options: &RenderOptions) -> Vec<Target> {
+    let is_written = |target: &Target| {
+        let mut writers = passes.iter().filter(|pass| pass.writes.contains(target));
+        writers.any(|pass| (pass.is_written)(options, *target))
+    };
+    Target::ALL.into_iter().filter(is_written).collect()
+}
+
+/// The passes that march or trace, and can count what they do.
+pub fn counted_passes() -> impl Iterator<Item = &'static Pass> {
+    ALL.into_iter().filter(|pass| pass.counted)
+}

@@ -1,14 +1,17 @@
 //! Shadow: depth cube maps for point lights, flat maps for spot and directional ones.
 
 use crate::{
-    gpu::{Gpu, GpuError, GroupLayout, Shader},
+    gpu::{GpuError, GroupLayout},
     render::{
         cull::is_outside,
-        lights::{ShadowSizes, ShadowView},
-        pass::{Pass, Shared, declared_overrides},
+        frame_pass::FramePass,
+        lights::ShadowView,
+        pass::{Pass, declared_overrides},
+        pass_builder::PassBuilder,
         passes::visibility::{cleared_depth, reversed_depth},
-        recorder::Recorder,
         scene::GpuScene,
+        shadow_maps::FORMAT,
+        sub_frame::SubFrame,
         types::{GpuVertex, gpu_struct},
     },
 };
@@ -16,9 +19,8 @@ use crate::{
 /// See `shaders/shadow.wgsl`.
 pub const PASS: Pass = Pass {
     name: "shadow",
-    reads: &[],
-    writes: &[],
     params: Some(Params::LAYOUT),
+    ..Pass::DEFAULT
 };
 
 gpu_struct! {
@@ -29,136 +31,8 @@ gpu_struct! {
     }
 }
 
-const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Most bytes of all cube maps, and of all flat maps.
-const MAX_MAP_BYTES: u64 = 4 << 30;
 /// Uniform offsets are multiples of this everywhere.
 const SLOT_BYTES: u64 = 256;
-
-/// The maps of a scene's lights; they exist (one texel large) even without any.
-#[derive(Clone, Debug)]
-pub struct ShadowMaps {
-    /// What they were made for.
-    pub sizes: ShadowSizes,
-    /// All cube maps, as the shaders sample them.
-    pub cubes: wgpu::TextureView,
-    /// All flat maps.
-    pub maps: wgpu::TextureView,
-    /// Compares reversed depth: lit where the receiver is not farther.
-    pub sampler: wgpu::Sampler,
-    /// Bytes of all maps.
-    pub bytes: u64,
-    cube_layers: Vec<wgpu::TextureView>,
-    map_layers: Vec<wgpu::TextureView>,
-}
-
-impl ShadowMaps {
-    /// Makes the maps.
-    ///
-    /// # Errors
-    /// More or larger maps than the adapter allows.
-    pub fn new(gpu: &Gpu, sizes: ShadowSizes) -> Result<Self, GpuError> {
-        let (cube_texture, cubes, cube_bytes) = array(
-            gpu,
-            sizes.cube_px,
-            6 * sizes.cubes,
-            wgpu::TextureViewDimension::CubeArray,
-        )?;
-        let (map_texture, maps, map_bytes) = array(
-            gpu,
-            sizes.map_px,
-            sizes.maps,
-            wgpu::TextureViewDimension::D2Array,
-        )?;
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("shadow sampler"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::GreaterEqual),
-            ..Default::default()
-        });
-        Ok(Self {
-            sizes,
-            cubes,
-            maps,
-            sampler,
-            bytes: cube_bytes + map_bytes,
-            cube_layers: layers(&cube_texture, 6 * sizes.cubes),
-            map_layers: layers(&map_texture, sizes.maps),
-        })
-    }
-}
-
-fn array(
-    gpu: &Gpu,
-    px: u32,
-    layers: u32,
-    dimension: wgpu::TextureViewDimension,
-) -> Result<(wgpu::Texture, wgpu::TextureView, u64), GpuError> {
-    let limit = gpu.limits.max_texture_array_layers;
-    if layers > limit {
-        return Err(GpuError::Limit {
-            what: "shadow = \"map\" (a point light takes six; use \"ray\" for some)".to_owned(),
-            wanted: layers.into(),
-            limit: limit.into(),
-            unit: "shadow maps",
-        });
-    }
-    let least = if dimension == wgpu::TextureViewDimension::CubeArray {
-        6
-    } else {
-        1
-    };
-    let (px, count) = (px.max(1), layers.max(least));
-    gpu.check_texture_size("a shadow map", px, px)?;
-    let bytes = 4 * u64::from(px) * u64::from(px) * u64::from(count);
-    if bytes > MAX_MAP_BYTES {
-        return Err(GpuError::Limit {
-            what: format!(
-                "{layers} shadow maps of {px}x{px} (lower shadow_px, or use shadow = \"ray\")"
-            ),
-            wanted: bytes,
-            limit: MAX_MAP_BYTES,
-            unit: "bytes",
-        });
-    }
-    let made = gpu.scoped("shadow maps", || {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("shadow maps"),
-            size: wgpu::Extent3d {
-                width: px,
-                height: px,
-                depth_or_array_layers: count,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(dimension),
-            ..Default::default()
-        });
-        (texture, view)
-    })?;
-    Ok((made.0, made.1, bytes))
-}
-
-fn layers(texture: &wgpu::Texture, count: u32) -> Vec<wgpu::TextureView> {
-    let layer = |base_array_layer| {
-        texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        })
-    };
-    (0..count).map(layer).collect()
-}
 
 /// The pass.
 #[derive(Debug)]
@@ -169,20 +43,11 @@ pub struct Shadow {
     groups: Vec<wgpu::BindGroup>,
 }
 
-impl Shadow {
-    /// Builds pipelines and a uniform slot for each map.
-    ///
-    /// # Errors
-    /// What the shader or wgpu refuses.
-    pub fn new(
-        gpu: &Gpu,
-        shader: &Shader,
-        shared: &Shared,
-        maps: &ShadowMaps,
-        has_cutouts: bool,
-        constants: &[(&'static str, f64)],
-    ) -> Result<Self, GpuError> {
-        let layout = GroupLayout::new(gpu, PASS.name, &[&shader.info], 2)?;
+impl FramePass for Shadow {
+    /// Two pipelines and a uniform slot for each map.
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let (gpu, maps) = (builder.gpu, builder.resources.maps);
+        let layout = GroupLayout::new(gpu, PASS.name, &[&builder.shader(&PASS)?.info], 2)?;
         let count = (maps.cube_layers.len() + maps.map_layers.len()).max(1) as u64;
         let slots = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("shadow params"),
@@ -199,24 +64,23 @@ impl Shadow {
             layout.bind(gpu, &[("params", binding)])
         };
         let groups = (0..count).map(slot).collect::<Result<_, _>>()?;
-        let make = |cutout| pipeline(gpu, shader, shared, &layout, cutout, constants);
+        let make = |cutout| pipeline(builder, &layout, cutout);
         Ok(Self {
             opaque: make(false)?,
-            cutout: has_cutouts.then(|| make(true)).transpose()?,
+            cutout: builder.plan.cutouts.then(|| make(true)).transpose()?,
             groups,
             slots,
         })
     }
 
-    /// Records one render pass per map.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        maps: &ShadowMaps,
-        scene: &GpuScene,
-        views: &[ShadowView],
-    ) {
-        for ((view, group), slot) in views.iter().zip(&self.groups).zip(0u64..) {
+    /// One render pass for each map, in the first sub-frame.
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        if frame.sample > 0 {
+            return;
+        }
+        let (scene, maps) = (frame.resources.scene, frame.resources.maps);
+        let recorder = &mut frame.recorder;
+        for ((view, group), slot) in frame.shadow_views.iter().zip(&self.groups).zip(0u64..) {
             let clip_from_world = view.clip_from_world.to_cols_array_2d();
             let params = Params { clip_from_world };
             let offset = SLOT_BYTES * slot;
@@ -246,7 +110,9 @@ impl Shadow {
             });
         }
     }
+}
 
+impl Shadow {
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
         let visible = || {
             let draws = scene.draws.iter();
@@ -274,15 +140,13 @@ impl Shadow {
 }
 
 fn pipeline(
-    gpu: &Gpu,
-    shader: &Shader,
-    shared: &Shared,
+    builder: &PassBuilder<'_>,
     layout: &GroupLayout,
     cutout: bool,
-    constants: &[(&'static str, f64)],
 ) -> Result<wgpu::RenderPipeline, GpuError> {
+    let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.empty.0, &shared.layouts[1], layout];
-    let constants = declared_overrides(shader, constants);
+    let constants = declared_overrides(shader, &builder.overrides(&PASS));
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,
         ..Default::default()

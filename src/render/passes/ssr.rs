@@ -2,8 +2,16 @@
 //! where that cannot answer; `compact.rs` lists those pixels for `trace.rs`.
 
 use crate::{
-    render::{pass::Pass, targets::Target, types::gpu_struct},
-    scene::desc::ReflectionDesc,
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
+    scene::desc::{Method, ReflectionDesc},
 };
 
 /// See `shaders/ssr.wgsl`.
@@ -19,6 +27,13 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
     params: Some(Params::LAYOUT),
+    needed: |plan, _| plan.reflections,
+    overrides: |options| {
+        let marches = options.reflection.method != Method::Rt;
+        vec![("MARCH", f64::from(u8::from(marches)))]
+    },
+    counted: true,
+    ..Pass::DEFAULT
 };
 
 gpu_struct! {
@@ -37,12 +52,27 @@ gpu_struct! {
 
 impl Params {
     /// Of the scene's settings with its unit.
-    pub fn new(settings: &ReflectionDesc, unit_m: f32) -> Self {
+    fn new(settings: &ReflectionDesc, unit_m: f32) -> Self {
         Self {
             threshold_m: settings.threshold_u * unit_m,
             steps: settings.steps,
             pad0: 0,
             pad1: 0,
         }
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Ssr(ComputePass);
+
+impl FramePass for Ssr {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params::new(&frame.options.reflection, frame.unit_m);
+        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
     }
 }

@@ -1,6 +1,15 @@
 //! Surface: resolves the G-buffer in compute from the ids of the visibility pass.
 
-use crate::render::{pass::Pass, targets::Target};
+use crate::{
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
 
 /// See `shaders/surface.wgsl`.
 pub const PASS: Pass = Pass {
@@ -12,5 +21,19 @@ pub const PASS: Pass = Pass {
         Target::BaseColor,
         Target::Emission,
     ],
-    params: None,
+    ..Pass::DEFAULT
 };
+
+/// The pass.
+#[derive(Debug)]
+pub struct Surface(ComputePass);
+
+impl FramePass for Surface {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
+    }
+}

@@ -1,7 +1,15 @@
 //! Tone: linear radiance to display color.
 
 use crate::{
-    render::{pass::Pass, targets::Target, types::gpu_struct},
+    gpu::GpuError,
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
     scene::desc::ImageDesc,
 };
 
@@ -11,6 +19,7 @@ pub const PASS: Pass = Pass {
     reads: &[Target::ColorEven, Target::ColorOdd],
     writes: &[Target::Display],
     params: Some(Params::LAYOUT),
+    ..Pass::DEFAULT
 };
 
 gpu_struct! {
@@ -29,12 +38,30 @@ gpu_struct! {
 
 impl Params {
     /// Of the scene's settings.
-    pub fn new(image: &ImageDesc) -> Self {
+    fn new(image: &ImageDesc) -> Self {
         Self {
             scale: image.exposure_ev.exp2() / image.samples as f32,
             curve: image.tone_map as u32,
             pad0: 0,
             pad1: 0,
+        }
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Tone(ComputePass);
+
+impl FramePass for Tone {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        let sum = Target::last_color(builder.options.image.samples);
+        Ok(Self(builder.compute(&PASS, &[("color", sum)])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let image = &frame.options.image;
+        if frame.sample + 1 == image.samples {
+            frame.dispatch_with(&self.0, &Params::new(image), &Dispatch::PerPixel);
         }
     }
 }

@@ -1,6 +1,17 @@
 //! Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
 
-use crate::render::{pass::Pass, targets::Target};
+use crate::{
+    gpu::{Checks, GpuError},
+    render::{
+        RenderOptions,
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+    scene::desc::Method,
+};
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
@@ -12,11 +23,38 @@ pub const PASS: Pass = Pass {
         Target::Emission,
     ],
     writes: &[Target::Reflection, Target::Hit],
-    params: None,
+    needed: |plan, options| plan.reflections && is_enabled(options),
+    // `check_world` and `Trees::build` validated every index that tracing follows.
+    checks: Checks::TrustedBuiltin,
+    counted: true,
+    ..Pass::DEFAULT
 };
+
+/// Whether the method traces what the march cannot answer.
+pub fn is_enabled(options: &RenderOptions) -> bool {
+    options.reflection.method != Method::Ssr
+}
 
 /// The same rays without shading, timed apart from the frame.
 pub const TRAVERSE: Pass = Pass {
     name: "traverse",
     ..PASS
 };
+
+/// The pass.
+#[derive(Debug)]
+pub struct Trace(ComputePass);
+
+impl FramePass for Trace {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let rays = Dispatch::Indirect(&frame.resources.ray_list.arguments);
+        frame.dispatch(&self.0, &rays);
+        if let Some(traverse) = frame.probes.traverse(frame.probe) {
+            frame.dispatch(traverse, &rays);
+        }
+    }
+}

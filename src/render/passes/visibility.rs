@@ -1,22 +1,23 @@
 //! Visibility: rasterizes depth and ids, nothing else.
 
 use crate::{
-    gpu::{Gpu, GpuError, Shader},
+    gpu::GpuError,
     render::{
         cull::is_outside,
-        pass::{Pass, Shared, declared_overrides},
-        recorder::Recorder,
-        scene::{Draw, DrawClass, GpuScene},
-        targets::{Target, Targets},
+        frame_pass::FramePass,
+        pass::{Pass, declared_overrides},
+        pass_builder::PassBuilder,
+        scene::DrawClass,
+        sub_frame::SubFrame,
+        targets::Target,
     },
 };
 
 /// See `shaders/visibility.wgsl`.
 pub const PASS: Pass = Pass {
     name: "visibility",
-    reads: &[],
     writes: &[Target::RasterDepth, Target::Ids],
-    params: None,
+    ..Pass::DEFAULT
 };
 
 /// The pass: a pipeline for each class of draws in use.
@@ -25,20 +26,11 @@ pub struct Visibility {
     pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
 }
 
-impl Visibility {
-    /// Builds the pipelines that `draws` need.
-    ///
-    /// # Errors
-    /// What the shader or wgpu refuses.
-    pub fn new(
-        gpu: &Gpu,
-        shader: &Shader,
-        shared: &Shared,
-        draws: &[Draw],
-        constants: &[(&'static str, f64)],
-    ) -> Result<Self, GpuError> {
+impl FramePass for Visibility {
+    /// The pipelines that the draws need.
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
-        for draw in draws {
+        for draw in &builder.resources.scene.draws {
             let mut needed = vec![draw.class];
             if draw.dynamic {
                 let mirrored = !draw.class.mirrored;
@@ -49,26 +41,21 @@ impl Visibility {
             }
             for class in needed {
                 if pipelines.iter().all(|(known, _)| *known != class) {
-                    pipelines.push((class, pipeline(gpu, shader, shared, class, constants)?));
+                    pipelines.push((class, pipeline(builder, class)?));
                 }
             }
         }
         Ok(Self { pipelines })
     }
 
-    /// Records the pass.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        targets: &Targets,
-        scene: &GpuScene,
-        clip_from_world: &glam::Mat4,
-    ) {
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let (scene, targets) = (frame.resources.scene, frame.resources.targets);
         let views = (targets.view(Target::Ids), targets.view(Target::RasterDepth));
         let (Some(ids), Some(depth)) = views else {
             return;
         };
-        recorder.pass(PASS.name, |encoder, recording| {
+        let clip_from_world = &frame.clip_from_world;
+        frame.recorder.pass(PASS.name, |encoder, recording| {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(PASS.name),
                 color_attachments: &[Some(cleared_ids(ids))],
@@ -137,15 +124,10 @@ const NO_IDS: wgpu::Color = wgpu::Color {
     a: 0.0,
 };
 
-fn pipeline(
-    gpu: &Gpu,
-    shader: &Shader,
-    shared: &Shared,
-    class: DrawClass,
-    constants: &[(&'static str, f64)],
-) -> Result<wgpu::RenderPipeline, GpuError> {
+fn pipeline(builder: &PassBuilder<'_>, class: DrawClass) -> Result<wgpu::RenderPipeline, GpuError> {
+    let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.layouts[0], &shared.layouts[1]];
-    let mut constants = declared_overrides(shader, constants);
+    let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
     constants.push(("CUTOUT", f64::from(u8::from(class.cutout))));
     let compilation_options = wgpu::PipelineCompilationOptions {
         constants: &constants,

@@ -3,8 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 
-use super::oracle;
-use crate::world::Material;
+use crate::{math::in_f64, world::Material};
 
 /// Flag: hits ask `alpha_passes` first.
 pub const ALPHA_TESTED: u32 = 1;
@@ -51,10 +50,7 @@ impl TraceInstance {
     /// The record of an instance that stands there.
     pub(super) fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
         // Inverted in f64, so that only its storage rounds.
-        let inverse = oracle::in_f64(world_from_object)
-            .matrix3
-            .inverse()
-            .as_mat3();
+        let inverse = in_f64(world_from_object).matrix3.inverse().as_mat3();
         let row = |k: usize| {
             inverse
                 .row(k)

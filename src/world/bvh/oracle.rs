@@ -4,13 +4,13 @@
 //! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha
 //! callback agrees. An interval is open: `t_min < t < t_max`.
 
-use glam::{Affine3A, DAffine3, DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use super::{
     ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
     Trees, corners, material_flags,
 };
-use crate::world::World;
+use crate::{math::in_f64, world::World};
 
 /// A ray; hits are at `origin + t * direction`.
 #[derive(Clone, Copy, Debug)]
@@ -36,18 +36,6 @@ pub struct RayHit {
     pub triangle: u32,
     /// Weights of vertex 1 and vertex 2.
     pub bary: DVec2,
-}
-
-/// The same transform in f64.
-pub(super) fn in_f64(transform: &Affine3A) -> DAffine3 {
-    DAffine3 {
-        matrix3: DMat3::from_cols(
-            transform.matrix3.x_axis.as_dvec3(),
-            transform.matrix3.y_axis.as_dvec3(),
-            transform.matrix3.z_axis.as_dvec3(),
-        ),
-        translation: transform.translation.as_dvec3(),
-    }
 }
 
 struct Corner {

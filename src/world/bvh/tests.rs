@@ -31,7 +31,7 @@ fn unit_triangle() -> [Vec3; 3] {
 
 fn world(meshes: Vec<Mesh>, placements: &[(usize, Affine3A, bool)]) -> World {
     World {
-        meshes,
+        meshes: meshes.into(),
         materials: vec![Material::default()],
         instances: placements
             .iter()
@@ -68,19 +68,6 @@ fn structs_are_what_the_shader_reads() {
     assert_eq!(size_of::<TraceTriangle>(), 3 * 16);
     assert_eq!(size_of::<TraceInstance>(), 4 * 16);
     assert_eq!(std::mem::offset_of!(TraceInstance, tree_root), 48);
-    let shader = include_str!("../../../shaders/lib/bvh.wgsl");
-    for line in [
-        format!("const STATIC_ROOT = {STATIC_ROOT}u;"),
-        format!("const TOP_ROOT = {TOP_ROOT}u;"),
-        format!("const TOP_LEVEL = {TOP_LEVEL:#x}u;"),
-        format!("const NO_INSTANCE = {NONE:#x}u;"),
-        format!("const ALPHA_TESTED = {ALPHA_TESTED}u;"),
-        format!("const DOUBLE_SIDED = {DOUBLE_SIDED}u;"),
-        format!("const FLIPPED = {FLIPPED}u;"),
-        format!("const STACK_SIZE = {STACK_SIZE}u;"),
-    ] {
-        assert!(shader.contains(&line), "{line}");
-    }
 }
 
 #[test]

@@ -8,17 +8,12 @@ use super::{
     Fault, Model, Notes,
     accessor::Data,
     label,
-    node::Visit,
-    primitive::{self, Context},
+    node::{MeshUse, Primitives, Visit},
+    primitive,
+    primitive_context::Context,
     schema::Root,
     skin,
 };
-
-/// A mesh of the file, and the skin that poses it.
-pub type MeshUse = (usize, Option<usize>);
-
-/// Which model mesh and material the shown primitives of a mesh became.
-pub type Primitives = HashMap<MeshUse, Vec<(usize, usize)>>;
 
 /// Reads every mesh that the walk placed, once for each skin that it is used with.
 ///

@@ -1,16 +1,17 @@
 //! The node tree: checked to be a tree, walked with an explicit stack, flattened into placements,
 //! lights and cameras.
 
-use std::{collections::HashSet, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::Affine3A;
 
 use super::{
     Attached, Clip, Fault, Model, Notes, Placement,
     accessor::Data,
-    camera,
-    geometry::{MeshUse, Primitives},
-    label, light,
+    camera, label, light,
     schema::{Node, Root},
     transform,
     uri::shorten,
@@ -29,6 +30,12 @@ const MAX_DEPTH: usize = 256;
 
 /// Most placements of one file.
 const MAX_PLACEMENTS: usize = 1 << 20;
+
+/// A mesh of the file, and the skin that poses it.
+pub type MeshUse = (usize, Option<usize>);
+
+/// Which model mesh and material the shown primitives of a mesh became.
+pub type Primitives = HashMap<MeshUse, Vec<(usize, usize)>>;
 
 /// What the walk found.
 #[derive(Default)]

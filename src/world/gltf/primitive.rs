@@ -1,43 +1,17 @@
 //! One glTF primitive becomes one [`Mesh`]: attributes checked against each other, strips and fans
 //! cut into triangles, broken geometry repaired or dropped with a note.
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{
     Fault, Notes,
     accessor::{self, Data},
+    primitive_context::Context,
     repair,
     schema::Primitive,
     skin,
 };
 use crate::world::Mesh;
-
-/// A primitive and what its reading depends on.
-pub struct Context<'a> {
-    /// Its document's accessors.
-    pub data: &'a Data<'a>,
-    /// The primitive.
-    pub primitive: &'a Primitive,
-    /// Whether KHR_mesh_quantization is in use.
-    pub quantized: bool,
-    /// For skinned meshes: model from bind pose, for each joint.
-    pub pose: Option<&'a [Affine3A]>,
-}
-
-impl Context<'_> {
-    /// The accessor of an attribute, which must have `count` elements.
-    pub fn attribute(&self, name: &str, count: usize) -> Result<Option<usize>, Fault> {
-        let Some(&index) = self.primitive.attributes.get(name) else {
-            return Ok(None);
-        };
-        let own = self.data.count(index).map_err(|f| f.at(name))?;
-        if own != count {
-            let text = format!("{name} has {own} elements, POSITION has {count}");
-            return Err(Fault::new("gltf-attribute", text));
-        }
-        Ok(Some(index))
-    }
-}
 
 /// Reads a primitive; `None` where it has nothing to show (points, lines, no positions).
 ///

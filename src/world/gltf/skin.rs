@@ -6,7 +6,7 @@ use super::{
     Fault,
     accessor::{self, Component, Data},
     node::Visit,
-    primitive::Context,
+    primitive_context::Context,
     schema::Root,
 };
 use crate::world::Mesh;

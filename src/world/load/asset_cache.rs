@@ -14,7 +14,7 @@ use crate::{
         desc::{ModelSource, SceneDesc, ShapeDesc},
         diagnostic::Diagnostic,
     },
-    world::{Mesh, World, gltf::Model, usd},
+    world::{Mesh, Shared, World, gltf::Model, usd},
 };
 
 /// A model's name and what it is made from.
@@ -83,7 +83,7 @@ impl AssetCache {
             camera::add_default(&mut loader.world, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
-            loader.world.meshes = Vec::new();
+            loader.world.meshes = Shared::default();
             Ok(Some(loader.world))
         } else {
             Ok(None)

@@ -8,9 +8,10 @@ use super::{
     Loader, Source, error_at,
     lights_and_cameras::Extras,
     model_instance::{ModelInstance, Place},
-    repeat::{copies, invertible},
+    repeat::copies,
 };
 use crate::{
+    math::invertible,
     scene::{
         desc::{InstanceDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},

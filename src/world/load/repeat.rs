@@ -1,6 +1,6 @@
-//! Where the copies of an instance stand, and which transforms can be used at all.
+//! The copies of an instance: their names and transforms.
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, Vec3};
 
 use crate::scene::{desc::InstanceDesc, motion::transform};
 
@@ -35,14 +35,4 @@ pub fn copies(instance: Option<&InstanceDesc>) -> impl Iterator<Item = Copy> + u
             world_from_model: Affine3A::from_translation(offset) * base,
         }
     })
-}
-
-/// Whether rays can be brought into object space without losing all digits: the columns must span
-/// a volume that is not negligible against their lengths.
-pub fn invertible(transform: &Affine3A) -> bool {
-    const LEAST_VOLUME: f64 = 1e-7; // f32 carries about seven digits
-    let linear = Mat3::from(transform.matrix3).as_dmat3();
-    let lengths = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
-    let volume = linear.determinant().abs();
-    transform.is_finite() && volume > lengths * LEAST_VOLUME && transform.inverse().is_finite()
 }

@@ -9,7 +9,7 @@ use std::{
 
 use crate::{
     app::{
-        cli::SceneArgs,
+        args::SceneArgs,
         error::AppError,
         live::Origin,
         scene::{asset_folders, load_options, source},

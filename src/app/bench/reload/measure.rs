@@ -13,7 +13,6 @@ use crate::{
         bench::progress::Progress,
         error::AppError,
         live::Live,
-        render::explain,
         watch::{News, Watcher},
     },
     bench::run::Watch as _,
@@ -108,7 +107,7 @@ pub fn saves(
         let started = Instant::now();
         let camera = live.world().cameras[0].value.clone();
         let own_shaders = live.origin().shaders.is_some();
-        (live.render(&camera)).map_err(|error| explain(error, own_shaders))?;
+        (live.render(&camera)).map_err(|error| AppError::from_render(error, own_shaders))?;
         let frame = started.elapsed();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         let build = reload.took.saturating_sub(reload.parse + reload.driver);

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     app::{
-        output,
+        output::png,
         preview::protocol::{Report, Screenshot, Side, View},
     },
     files::write_whole,
@@ -55,7 +55,7 @@ impl State {
                 wiped(&left, &right, shot.wipe_at, size)
             }
         };
-        output::encode_png(whole.size, &whole.rgba, None)
+        png::encode(whole.size, &whole.rgba, None)
     }
 
     fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {

@@ -1,10 +1,21 @@
-//! Tests of `output.rs`: what is in the files, and that no broken one is ever left.
+//! Picture files: what is in them, and that no broken one is ever left.
 
-use std::fs;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
-use super::*;
+use ::exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
+
+use super::picture_file::PictureFile;
 use crate::{
-    render::stats::{FrameStats, Shares},
+    app::error::AppError,
+    files::Temporary,
+    render::{
+        Picture, Plane, PlaneData,
+        aov::Aov,
+        stats::{FrameStats, Shares},
+    },
     scene::desc::Method,
 };
 
@@ -55,7 +66,7 @@ fn picture() -> Picture {
 }
 
 fn refusal(path: &Path) -> String {
-    match Output::new(path) {
+    match PictureFile::new(path) {
         Err(AppError::Usage(text)) => text,
         other => panic!("{}: {other:?}", path.display()),
     }
@@ -64,7 +75,7 @@ fn refusal(path: &Path) -> String {
 #[test]
 fn a_png_and_its_planes_are_written_whole() {
     let folder = folder("png");
-    let output = Output::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
     assert!(names(&folder).is_empty(), "checking leaves nothing");
     output.write(&picture()).expect("written");
     output.write(&picture()).expect("written over");
@@ -80,7 +91,7 @@ fn a_png_and_its_planes_are_written_whole() {
 fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
     let folder = folder("beside");
     fs::create_dir_all(folder.join("out.source.png")).expect("a folder in the way");
-    let output = Output::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
     assert!(output.check_beside(&[Aov::Normal]).is_ok());
     match output.check_beside(&[Aov::Normal, Aov::Source]) {
         Err(AppError::Usage(text)) => {
@@ -95,11 +106,11 @@ fn a_folder_where_a_plane_would_go_is_refused_before_rendering() {
 fn an_exr_keeps_floats_and_codes() {
     let folder = folder("exr");
     let path = folder.join("out.EXR");
-    Output::new(&path)
+    PictureFile::new(&path)
         .and_then(|output| output.write(&picture()))
         .expect("written");
     assert_eq!(names(&folder), ["out.EXR"]);
-    let read = exr::prelude::read_first_flat_layer_from_file(&path).expect("an EXR");
+    let read = read_first_flat_layer_from_file(&path).expect("an EXR");
     let channels = &read.layer_data.channel_data.list;
     let found: Vec<_> = channels.iter().map(|c| c.name.to_string()).collect();
     assert_eq!(found, ["A", "B", "G", "R", "cause.cause"]);
@@ -113,7 +124,7 @@ fn an_exr_keeps_floats_and_codes() {
 fn an_exr_that_was_cut_or_changed_is_not_done() {
     let folder = folder("exr-broken");
     let path = folder.join("out.exr");
-    let output = Output::new(&path).expect("writable");
+    let output = PictureFile::new(&path).expect("writable");
     let side = 64;
     let texels = (side * side) as usize;
     let picture = Picture {
@@ -151,7 +162,7 @@ fn paths_that_cannot_work_are_refused_before_rendering() {
     let longest = folder.join(format!("{}.png", "a".repeat(251)));
     let mut bare = picture();
     bare.planes.clear();
-    Output::new(&longest)
+    PictureFile::new(&longest)
         .and_then(|output| output.write(&bare))
         .expect("the longest name that there is");
     assert!(refusal(&folder.join("out.jpg")).contains("must end in .png or .exr"));
@@ -165,7 +176,7 @@ fn paths_that_cannot_work_are_refused_before_rendering() {
 #[test]
 fn when_one_file_fails_none_is_left() {
     let folder = folder("none-left");
-    let output = Output::new(&folder.join("out.png")).expect("writable");
+    let output = PictureFile::new(&folder.join("out.png")).expect("writable");
     // A folder under the second file's temporary name: the first file is done when that fails.
     let hidden = Temporary::create(&folder.join("out.cause.png"));
     let obstacle = hidden.expect("creatable").path().to_owned();

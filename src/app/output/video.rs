@@ -9,22 +9,11 @@ use std::{
     thread::{self, JoinHandle},
 };
 
-use super::{
-    error::AppError,
-    output::{check_writable, rgb},
-};
-use crate::files::Temporary;
-
-/// What a film's name says about it: its ending, ffmpeg's container and encoder.
-const CONTAINERS: [(&str, &str, &str); 4] = [
-    ("mp4", "mp4", "libx264"),
-    ("mov", "mov", "libx264"),
-    ("mkv", "matroska", "libx264"),
-    ("webm", "webm", "libvpx-vp9"),
-];
+use super::{format::FilmFormat, png::rgb, writable::check_writable};
+use crate::{app::error::AppError, files::Temporary};
 
 /// Most of what ffmpeg says that a message repeats, bytes: the last of it.
-const WORDS: usize = 600;
+const MAX_MESSAGE_BYTES: usize = 600;
 
 /// A film that is being written.
 pub struct Film {
@@ -46,39 +35,27 @@ struct Pipe {
     words: Option<JoinHandle<String>>,
 }
 
-/// Whether a name is that of a film.
-pub fn is_film(path: &Path) -> bool {
-    let ending = ending(path);
-    ending == "apng" || CONTAINERS.iter().any(|c| c.0 == ending)
-}
-
-/// What names of films end in, in words.
-pub fn endings() -> String {
-    let others: Vec<_> = CONTAINERS.iter().map(|c| format!(".{}", c.0)).collect();
-    format!(".apng, or with ffmpeg in {}", others.join(", "))
-}
-
-fn ending(path: &Path) -> String {
-    let ending = path.extension().and_then(|e| e.to_str());
-    ending.unwrap_or_default().to_ascii_lowercase()
-}
-
 impl Film {
     /// Checks the path and starts the encoder.
     ///
     /// # Errors
     /// [`AppError::Usage`] for a path that cannot be written, a size or rate that the format cannot
     /// have, or a missing ffmpeg.
-    pub fn new(path: &Path, size: [u32; 2], fps: f32, frames: usize) -> Result<Self, AppError> {
+    pub fn new(
+        path: &Path,
+        format: &FilmFormat,
+        size: [u32; 2],
+        fps: f32,
+        frames: usize,
+    ) -> Result<Self, AppError> {
         check_writable(path)?;
         let shown = path.display();
         let usage = |why: String| AppError::Usage(format!("--output {shown}: {why}"));
-        check_rate(&ending(path), fps).map_err(usage)?;
+        format.check_rate(fps).map_err(usage)?;
         let temporary = Temporary::create(path).map_err(|e| usage(e.to_string()))?;
-        let container = CONTAINERS.iter().find(|c| c.0 == ending(path));
-        let encoder = match container {
+        let encoder = match format.ffmpeg {
             None => apng(&temporary, size, fps, frames).map_err(usage)?,
-            Some((_, container, codec)) => {
+            Some((container, codec)) => {
                 ffmpeg(temporary.path(), size, fps, container, codec).map_err(usage)?
             }
         };
@@ -201,15 +178,15 @@ impl Pipe {
 }
 
 /// The last of what is said until the end.
-fn last_words(mut from: impl Read) -> String {
+fn end_of(mut from: impl Read) -> String {
     let (mut said, mut part) = (Vec::new(), [0; 4096]);
     while let Ok(length @ 1..) = from.read(&mut part) {
         said.extend_from_slice(&part[..length]);
-        if said.len() > WORDS {
-            said.drain(..said.len() - WORDS);
+        if said.len() > MAX_MESSAGE_BYTES {
+            said.drain(..said.len() - MAX_MESSAGE_BYTES);
         }
     }
-    let cut = said.len() == WORDS;
+    let cut = said.len() == MAX_MESSAGE_BYTES;
     let text = String::from_utf8_lossy(&said);
     let text = text.trim();
     // The first line may have lost its beginning.
@@ -238,22 +215,6 @@ fn apng(temporary: &Temporary, size: [u32; 2], fps: f32, frames: usize) -> Resul
         .and_then(|()| encoder.write_header())
         .map(|writer| Encoder::Apng(Box::new(writer)))
         .map_err(|e| e.to_string())
-}
-
-/// Refuses a rate, frames a second, that the format would change.
-fn check_rate(ending: &str, fps: f32) -> Result<(), String> {
-    let (least, most) = match ending {
-        "apng" => (1.0 / 65535.0, 65535.0), // 16-bit numbers
-        "webm" => (1.0, 1000.0),            // it counts milliseconds; slower ones play at 1000
-        _ => (0.001, 1000.0),
-    };
-    if (least..=most).contains(&fps) {
-        return Ok(());
-    }
-    Err(format!(
-        "timeline.fps is {fps}, and .{ending} can have {least} to {most}; change it with --set \
-         timeline.fps=24, or write frames (film.####.png)"
-    ))
 }
 
 /// Seconds of a frame as a fraction of 16-bit numbers.
@@ -339,33 +300,21 @@ fn ffmpeg(
     Ok(Encoder::Ffmpeg(Pipe {
         child,
         pixels: Some(pixels),
-        words: Some(thread::spawn(move || last_words(errors))),
+        words: Some(thread::spawn(move || end_of(errors))),
     }))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{CONTAINERS, WORDS, check_rate, delay, last_words};
-
-    #[test]
-    fn rates_that_a_format_cannot_have_are_refused() {
-        for ending in CONTAINERS.map(|c| c.0).into_iter().chain(["apng"]) {
-            assert_eq!(check_rate(ending, 23.976), Ok(()), "{ending}");
-            for fps in [1e-9, 1e6] {
-                let why = check_rate(ending, fps).expect_err(ending);
-                assert!(why.contains("timeline.fps"), "{why}");
-            }
-        }
-        assert!(check_rate("webm", 0.5).is_err() && check_rate("mp4", 0.5).is_ok());
-    }
+    use super::{MAX_MESSAGE_BYTES, delay, end_of};
 
     #[test]
     fn of_what_an_encoder_says_the_last_is_told() {
-        assert_eq!(last_words(&b"one\ntwo \n"[..]), "one; two");
+        assert_eq!(end_of(&b"one\ntwo \n"[..]), "one; two");
         let long = "noise\n".repeat(9000) + "No space left\n";
-        let told = last_words(long.as_bytes());
+        let told = end_of(long.as_bytes());
         assert!(
-            told.len() < 2 * WORDS && told.starts_with("noise; "),
+            told.len() < 2 * MAX_MESSAGE_BYTES && told.starts_with("noise; "),
             "{told}"
         );
         assert!(told.ends_with("; No space left"), "{told}");

@@ -1,0 +1,136 @@
+//! The formats of pictures and films, by the ending of a file's name.
+
+use std::{ops::RangeInclusive, path::Path};
+
+use crate::app::error::AppError;
+
+/// Name of the text in PNG files and of the attribute in EXR files that holds a frame's fingerprint.
+pub const FINGERPRINT_KEY: &str = "reflet-fingerprint";
+
+/// What an output file holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Format {
+    /// One picture.
+    Picture(PictureFormat),
+    /// All frames.
+    Film(&'static FilmFormat),
+}
+
+/// The format of one picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// 8 bits, tone-mapped.
+    Png,
+    /// Linear 32-bit floats, with AOVs as channels.
+    Exr,
+}
+
+/// The format of a film in one file.
+#[derive(Debug, PartialEq)]
+pub struct FilmFormat {
+    /// Ending of the name, without its dot.
+    pub ending: &'static str,
+    /// ffmpeg's container and encoder; none for APNG, which is built in.
+    pub ffmpeg: Option<(&'static str, &'static str)>,
+    /// Frames a second that it can have.
+    pub fps: RangeInclusive<f32>,
+}
+
+/// All formats of films.
+pub const FILMS: [FilmFormat; 5] = [
+    // A frame's duration is a fraction of 16-bit numbers.
+    film("apng", None, 1.0 / 65535.0, 65535.0),
+    film("mp4", Some(("mp4", "libx264")), 0.001, 1000.0),
+    film("mov", Some(("mov", "libx264")), 0.001, 1000.0),
+    film("mkv", Some(("matroska", "libx264")), 0.001, 1000.0),
+    // Times are whole milliseconds; slower films play at 1000 frames a second.
+    film("webm", Some(("webm", "libvpx-vp9")), 1.0, 1000.0),
+];
+
+const fn film(
+    ending: &'static str,
+    ffmpeg: Option<(&'static str, &'static str)>,
+    least_fps: f32,
+    most_fps: f32,
+) -> FilmFormat {
+    FilmFormat {
+        ending,
+        ffmpeg,
+        fps: least_fps..=most_fps,
+    }
+}
+
+impl Format {
+    /// What a name's ending says.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        match ending.as_str() {
+            "png" => Some(Self::Picture(PictureFormat::Png)),
+            "exr" => Some(Self::Picture(PictureFormat::Exr)),
+            other => FILMS.iter().find(|f| f.ending == other).map(Self::Film),
+        }
+    }
+
+    /// The same for a name that must have a known ending.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] with the endings that there are.
+    pub fn expect(path: &Path) -> Result<Self, AppError> {
+        Self::of(path).ok_or_else(|| unknown(path))
+    }
+
+    /// Whether a name is that of a film.
+    pub fn is_film(path: &Path) -> bool {
+        matches!(Self::of(path), Some(Self::Film(_)))
+    }
+}
+
+/// An ending that no picture has.
+pub fn unknown(path: &Path) -> AppError {
+    let of = |is_external: bool| {
+        let some = FILMS.iter().filter(|f| f.ffmpeg.is_some() == is_external);
+        let endings: Vec<_> = some.map(|f| format!(".{}", f.ending)).collect();
+        endings.join(", ")
+    };
+    AppError::Usage(format!(
+        "--output {}: the name must end in .png or .exr, or for a film in {}, or with ffmpeg in {}",
+        path.display(),
+        of(false),
+        of(true)
+    ))
+}
+
+impl FilmFormat {
+    /// Refuses a rate, frames a second, that the format would change.
+    ///
+    /// # Errors
+    /// The rates that it can have, and what to do.
+    pub fn check_rate(&self, fps: f32) -> Result<(), String> {
+        if self.fps.contains(&fps) {
+            return Ok(());
+        }
+        let (least, most) = (self.fps.start(), self.fps.end());
+        Err(format!(
+            "timeline.fps is {fps}, and .{} can have {least} to {most}; change it with --set \
+             timeline.fps=24, or write frames (film.####.png)",
+            self.ending
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_that_a_format_cannot_have_are_refused() {
+        for film in &FILMS {
+            assert_eq!(film.check_rate(23.976), Ok(()), "{}", film.ending);
+            for fps in [1e-9, 1e6] {
+                let why = film.check_rate(fps).expect_err(film.ending);
+                assert!(why.contains("timeline.fps"), "{why}");
+            }
+            assert_eq!(film.check_rate(0.5).is_err(), film.ending == "webm");
+        }
+    }
+}

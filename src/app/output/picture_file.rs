@@ -1,0 +1,136 @@
+//! A picture's file, with the PNG files of its AOVs beside it: there whole or not at all.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    exr,
+    format::{Format, PictureFormat, unknown},
+    png,
+    writable::check_writable,
+};
+use crate::{
+    app::{aov, error::AppError},
+    files::write_together,
+    render::{Picture, aov::Aov},
+};
+
+/// An output path that looked writable when the command began.
+#[derive(Clone, Debug)]
+pub struct PictureFile {
+    path: PathBuf,
+    format: PictureFormat,
+}
+
+impl PictureFile {
+    /// Checks extension and folder before any time is spent on rendering.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] saying which part of the path is wrong.
+    pub fn new(path: &Path) -> Result<Self, AppError> {
+        let Format::Picture(format) = Format::expect(path)? else {
+            return Err(unknown(path));
+        };
+        check_writable(path)?;
+        Ok(Self {
+            path: path.to_owned(),
+            format,
+        })
+    }
+
+    /// Whether it holds linear color.
+    pub fn has_color(&self) -> bool {
+        self.format == PictureFormat::Exr
+    }
+
+    /// Checks the files beside a PNG too, one for each of these AOVs.
+    ///
+    /// # Errors
+    /// As [`PictureFile::new`].
+    pub fn check_beside(&self, aovs: &[Aov]) -> Result<(), AppError> {
+        match self.format {
+            PictureFormat::Png => aovs
+                .iter()
+                .try_for_each(|aov| check_writable(&self.beside(aov.name()))),
+            PictureFormat::Exr => Ok(()),
+        }
+    }
+
+    /// Writes the picture and its planes; no file gets its name before all are complete and on
+    /// disk. Returns what was written.
+    ///
+    /// # Errors
+    /// [`AppError::Disk`] or [`AppError::Internal`] naming the file; nothing new is left behind.
+    pub fn write(&self, picture: &Picture) -> Result<Vec<PathBuf>, AppError> {
+        self.write_marked(picture, None)
+    }
+
+    /// The same with a fingerprint in every file.
+    ///
+    /// # Errors
+    /// As [`PictureFile::write`].
+    pub fn write_marked(
+        &self,
+        picture: &Picture,
+        mark: Option<&str>,
+    ) -> Result<Vec<PathBuf>, AppError> {
+        let mut files = Vec::new();
+        match self.format {
+            PictureFormat::Exr => files.push((self.path.clone(), exr::encode(picture, mark))),
+            PictureFormat::Png => {
+                files.push((
+                    self.path.clone(),
+                    png::encode(picture.size, &picture.display, mark),
+                ));
+                for plane in &picture.planes {
+                    let png = png::encode(picture.size, &aov::view(plane), mark);
+                    files.push((self.beside(plane.name), png));
+                }
+            }
+        }
+        let encoded = files.into_iter().map(|(path, bytes)| match bytes {
+            Ok(bytes) => Ok((path, bytes)),
+            Err(error) => Err(AppError::Internal(format!(
+                "cannot write {}: {error}",
+                path.display()
+            ))),
+        });
+        let encoded = encoded.collect::<Result<Vec<_>, _>>()?;
+        write_together(&encoded).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
+        Ok(encoded.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// The same kind of file under another name beside it, which is not checked again.
+    pub fn renamed(&self, path: PathBuf) -> Self {
+        Self {
+            path,
+            format: self.format,
+        }
+    }
+
+    /// The files of a picture with these planes.
+    pub fn files(&self, planes: &[&str]) -> Vec<PathBuf> {
+        let beside = match self.format {
+            PictureFormat::Png => planes,
+            PictureFormat::Exr => &[],
+        };
+        let beside = beside.iter().map(|name| self.beside(name));
+        std::iter::once(self.path.clone()).chain(beside).collect()
+    }
+
+    /// Whether all of them are there, whole and with this fingerprint.
+    pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
+        let found = match self.format {
+            PictureFormat::Png => png::fingerprint,
+            PictureFormat::Exr => exr::fingerprint,
+        };
+        let files = self.files(planes);
+        files
+            .iter()
+            .all(|path| found(path).as_deref() == Some(mark))
+    }
+
+    /// `out.png` and `depth` make `out.depth.png`.
+    fn beside(&self, name: &str) -> PathBuf {
+        self.path.with_extension(format!("{name}.png"))
+    }
+}

@@ -1,0 +1,46 @@
+//! PNG pictures, with the fingerprint of a frame as text.
+
+use std::{fs::File, io::BufReader, path::Path};
+
+use super::format::FINGERPRINT_KEY;
+
+/// RGBA to an opaque PNG; `mark` is kept in it as text.
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, size[0], size[1]);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_compression(::png::Compression::Fast);
+    let written = mark
+        .map_or(Ok(()), |mark| {
+            encoder.add_text_chunk(FINGERPRINT_KEY.to_owned(), mark.to_owned())
+        })
+        .and_then(|()| encoder.write_header())
+        .and_then(|mut writer| {
+            writer.write_image_data(&rgb(rgba))?;
+            writer.finish()
+        });
+    written.map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+/// Without alpha, which display colors do not have.
+pub fn rgb(rgba: &[u8]) -> Vec<u8> {
+    let texels = rgba.chunks_exact(4);
+    texels.flat_map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+/// The fingerprint in a PNG that ends as PNGs do.
+pub fn fingerprint(path: &Path) -> Option<String> {
+    let file = BufReader::new(File::open(path).ok()?);
+    let mut reader = ::png::Decoder::new(file).read_info().ok()?;
+    let mut pixels = vec![0; reader.output_buffer_size()?];
+    reader.next_frame(&mut pixels).ok()?;
+    reader.finish().ok()?;
+    let texts = &reader.info().uncompressed_latin1_text;
+    let found = texts.iter().find(|chunk| chunk.keyword == FINGERPRINT_KEY);
+    found.map(|chunk| chunk.text.clone())
+}

@@ -1,0 +1,98 @@
+//! A loaded scene with its device and renderer, for one picture or many.
+
+use std::{sync::Arc, time::SystemTime};
+
+use super::{args::RenderArgs, error::AppError, scene::LoadedScene};
+use crate::{
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::{
+        PendingPicture, Picture, PictureRequest, RenderError, RenderOptions, Renderer, aov::Aov,
+        probe::PassCounts,
+    },
+};
+
+/// Everything that pictures of one scene are made with.
+pub struct RenderSession {
+    /// The device, which the encoders of a film share.
+    pub gpu: Arc<Gpu>,
+    /// The scene, posed for the next picture.
+    pub loaded: LoadedScene,
+    /// Further pictures of every frame.
+    pub aovs: Vec<Aov>,
+    /// When the first of its files was opened, or before.
+    pub opened: SystemTime,
+    /// Whether the shaders come from the user.
+    pub own_shaders: bool,
+    renderer: Renderer,
+    camera: usize,
+}
+
+impl RenderSession {
+    /// Opens the device and makes the scene ready for its first picture.
+    ///
+    /// # Errors
+    /// No usable adapter, a scene past its limits, a shader that does not build.
+    pub fn new(
+        args: &RenderArgs,
+        loaded: LoadedScene,
+        camera: usize,
+        aovs: Vec<Aov>,
+        library: &ShaderLibrary,
+        opened: SystemTime,
+    ) -> Result<Self, AppError> {
+        let gpu = Gpu::new(&GpuOptions {
+            adapter_filter: args.adapter.clone(),
+        })?;
+        let options = RenderOptions {
+            reflection: loaded.desc.reflection,
+            image: loaded.desc.image,
+            general: false,
+        };
+        let own_shaders = args.shaders.is_some();
+        let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
+            .map_err(|error| AppError::from_render(error, own_shaders))?;
+        Ok(Self {
+            gpu: Arc::new(gpu),
+            loaded,
+            aovs,
+            opened,
+            own_shaders,
+            renderer,
+            camera,
+        })
+    }
+
+    /// Renders the scene as it is posed.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn picture(&mut self) -> Result<Picture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world);
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.picture(&self.gpu, world, camera, &self.aovs)
+    }
+
+    /// Starts a picture of the scene as it is posed, with linear color or without.
+    ///
+    /// # Errors
+    /// As [`Renderer::begin`].
+    pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world);
+        let camera = &world.cameras[self.camera].value;
+        let aovs = &self.aovs;
+        self.renderer
+            .begin_picture(&self.gpu, world, camera, PictureRequest { color, aovs })
+    }
+
+    /// Counts what the passes do, in a frame that is rendered for it.
+    ///
+    /// # Errors
+    /// As [`Renderer::counts`].
+    pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
+        let world = &self.loaded.world;
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.counts(&self.gpu, world, camera)
+    }
+}

@@ -1,0 +1,147 @@
+//! The passes of a frame and what they are bound to, beside the scene.
+
+use crate::gpu::{Gpu, GpuError};
+
+use super::{
+    frame_uniforms::FrameUniforms,
+    lights::ShadowSizes,
+    options::RenderOptions,
+    pass::{Override, Pass},
+    pass_builder::PassBuilder,
+    passes::{Passes, needed_passes, trace, written_targets},
+    plan::Plan,
+    probe::Probes,
+    ray_list::RayList,
+    resources::Resources,
+    scene::GpuScene,
+    shaders::Shaders,
+    shadow_maps::ShadowMaps,
+    shared_groups::SharedGroups,
+    targets::{Target, Targets},
+};
+
+/// What passes are made for; where it differs they are bound again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BindingKey {
+    size: [u32; 2],
+    targets: Vec<Target>,
+    shadows: ShadowSizes,
+    has_rays: bool,
+    color: Target,
+    overrides: Vec<Override>,
+}
+
+impl BindingKey {
+    /// Of a frame that records these passes.
+    pub fn new(
+        plan: &Plan,
+        options: &RenderOptions,
+        shadows: ShadowSizes,
+        passes: &[&'static Pass],
+    ) -> Self {
+        let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
+        Self {
+            size: options.image.size,
+            targets: written_targets(passes, options),
+            shadows,
+            has_rays: (trace::PASS.needed)(plan, options),
+            color: Target::last_color(options.image.samples),
+            overrides: plan.overrides().into_iter().chain(own).collect(),
+        }
+    }
+}
+
+/// What passes are built from.
+#[derive(Clone, Copy)]
+pub struct BindingInputs<'a> {
+    /// What the frame contains.
+    pub plan: &'a Plan,
+    /// What it is rendered with.
+    pub options: &'a RenderOptions,
+    /// Of the passes that are needed.
+    pub shaders: &'a Shaders,
+    /// Group 1.
+    pub scene: &'a GpuScene,
+    /// Of group 0.
+    pub uniforms: &'a FrameUniforms,
+}
+
+/// The passes of a frame and what they are bound to.
+#[derive(Debug)]
+pub struct Bindings {
+    /// What they are made for.
+    pub key: BindingKey,
+    /// Of group 0.
+    pub maps: ShadowMaps,
+    /// Intermediate textures.
+    pub targets: Targets,
+    /// Pixels to trace.
+    pub ray_list: RayList,
+    /// Groups 0 and 1.
+    pub shared: SharedGroups,
+    /// What a frame records.
+    pub passes: Passes,
+    /// Passes that measure; built when they are first asked for.
+    pub probes: Probes,
+}
+
+impl Bindings {
+    /// Builds and binds every pass that is needed; textures and buffers of `old` that fit are used
+    /// again.
+    ///
+    /// # Errors
+    /// A picture or shadow maps past the adapter's limits, what a shader or wgpu refuses.
+    pub fn new(
+        gpu: &Gpu,
+        key: BindingKey,
+        inputs: BindingInputs<'_>,
+        old: Option<&Self>,
+    ) -> Result<Self, GpuError> {
+        let fits = |same: fn(&BindingKey, &BindingKey) -> bool| old.filter(|o| same(&o.key, &key));
+        let maps = match fits(|a, b| a.shadows == b.shadows) {
+            Some(old) => old.maps.clone(),
+            None => ShadowMaps::new(gpu, key.shadows)?,
+        };
+        let targets = match fits(|a, b| a.size == b.size && a.targets == b.targets) {
+            Some(old) => old.targets.clone(),
+            None => Targets::new(gpu, key.size, &key.targets)?,
+        };
+        let ray_list = match fits(|a, b| a.size == b.size && a.has_rays == b.has_rays) {
+            Some(old) => old.ray_list.clone(),
+            None => RayList::new(gpu, key.size, key.has_rays)?,
+        };
+        let BindingInputs {
+            plan,
+            options,
+            shaders,
+            scene,
+            uniforms,
+        } = inputs;
+        let resources = Resources {
+            scene,
+            maps: &maps,
+            uniforms,
+            targets: &targets,
+            ray_list: &ray_list,
+        };
+        let infos = shaders.infos(&needed_passes(plan, options))?;
+        let shared = SharedGroups::new(gpu, &infos, resources)?;
+        let passes = Passes::new(&PassBuilder {
+            gpu,
+            plan,
+            options,
+            shaders,
+            shared: &shared,
+            resources,
+        })?;
+        Ok(Self {
+            key,
+            maps,
+            targets,
+            ray_list,
+            shared,
+            passes,
+            probes: Probes::default(),
+        })
+    }
+}

@@ -1,0 +1,84 @@
+//! The uniform blocks of group 0: the frame and its lights.
+
+use glam::Vec2;
+
+use crate::{gpu::Gpu, scene::desc::ReflectionDesc, world::World};
+
+use super::{
+    types::{Frame, LightBlock},
+    view::View,
+};
+
+/// The uniform blocks of group 0.
+#[derive(Debug)]
+pub struct FrameUniforms {
+    frame: wgpu::Buffer,
+    lights: wgpu::Buffer,
+}
+
+impl FrameUniforms {
+    /// Empty blocks.
+    pub fn new(gpu: &Gpu) -> Self {
+        let make = |label, size: usize| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            frame: make("frame", size_of::<Frame>()),
+            lights: make("lights", size_of::<LightBlock>()),
+        }
+    }
+
+    /// Uploads both blocks.
+    pub fn set(&self, gpu: &Gpu, frame: &Frame, lights: &LightBlock) {
+        gpu.queue
+            .write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
+        gpu.queue
+            .write_buffer(&self.lights, 0, bytemuck::bytes_of(lights));
+    }
+
+    /// The block with this name in group 0, if there is one.
+    pub fn resource(&self, name: &str) -> Option<wgpu::BindingResource<'_>> {
+        match name {
+            "frame" => Some(self.frame.as_entire_binding()),
+            "lights" => Some(self.lights.as_entire_binding()),
+            _ => None,
+        }
+    }
+}
+
+impl Frame {
+    /// The block of one sub-frame; `bounces` are the plan's.
+    pub fn new(
+        world: &World,
+        view: &View,
+        jitter: Vec2,
+        settings: &ReflectionDesc,
+        (unit_m, bounces): (f32, u32),
+    ) -> Self {
+        let environment = &world.environment;
+        Self {
+            clip_from_world: view.clip_from_world(jitter).to_cols_array_2d(),
+            eye: view.eye.to_array(),
+            near_m: view.near_m,
+            forward: view.forward.to_array(),
+            pixel_spread: view.pixel_spread(),
+            right: view.right.to_array(),
+            ray_length_m: settings.ray_length_u * unit_m,
+            up: view.up.to_array(),
+            roughness_cutoff: settings.roughness_cutoff,
+            size: view.size.map(|v| v as f32),
+            jitter: jitter.to_array(),
+            zenith: environment.zenith.to_array(),
+            light_count: world.lights.len() as u32,
+            horizon: environment.horizon.to_array(),
+            bounces,
+            ground: environment.ground.to_array(),
+            fade: u32::from(settings.fade),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Measures a frame by rendering it again with probes: no probe makes a picture, and none is part
+//! of a frame that is timed.
+
+use crate::{
+    gpu::{Gpu, GpuError},
+    scene::desc::CameraDesc,
+    world::World,
+};
+
+use super::{
+    aov::Aov,
+    error::RenderError,
+    pass::{COUNTED, MAIN, Pass},
+    pass_builder::PassBuilder,
+    passes::{counted_passes, ssr, trace},
+    picture::Plane,
+    probe::{Counted, PassCounts, Probe},
+    recorder::Timing,
+    renderer::Renderer,
+    view::View,
+};
+
+impl Renderer {
+    /// Renders the frame once more and counts what its passes do; a pass that did not run is not
+    /// listed. Sums over all sub-frames.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`], and shaders of one's own without the entry point `counted`.
+    pub fn counts(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<Vec<PassCounts>, RenderError> {
+        self.build_probe(gpu, Probe::Count)?;
+        let view = View::new(camera, self.options.image.size);
+        let mut sums: Vec<PassCounts> = Vec::new();
+        for sample in 0..self.options.image.samples {
+            let probe = Some(Probe::Count);
+            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
+                .submit()?;
+            for counted in &self.bindings.probes.counted {
+                let new = counted.read(gpu)?;
+                match sums.iter_mut().find(|sum| sum.pass == new.pass) {
+                    Some(sum) => sum.counts = sum.counts.plus(new.counts),
+                    None => sums.push(new),
+                }
+            }
+        }
+        Ok(sums)
+    }
+
+    /// Milliseconds that the rays of the trace pass take without shading: the same rays, their
+    /// hits written; surfaces are looked up only where a path may go on. Measured right after the
+    /// trace pass, in a frame of its own. None where nothing is traced or nothing is timed.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn traversal_ms(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+    ) -> Result<Option<f64>, RenderError> {
+        self.build_probe(gpu, Probe::Traverse)?;
+        if self.bindings.probes.traverse.is_none() {
+            return Ok(None);
+        }
+        let view = View::new(camera, self.options.image.size);
+        let mut sum_ms = None;
+        for sample in 0..self.options.image.samples {
+            let probe = Some(Probe::Traverse);
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
+            let times = recorder.finish()?;
+            let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
+            if let Some(ms) = times.iter().find_map(of) {
+                sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
+            }
+        }
+        Ok(sum_ms)
+    }
+
+    /// Marches without refusing anything, and gives planes of that: at every pixel whose cause is
+    /// `hit` the march crossed something, whether or not its rules take it.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn crossings(
+        &mut self,
+        gpu: &Gpu,
+        world: &World,
+        camera: &CameraDesc,
+        aovs: &[Aov],
+    ) -> Result<Vec<Plane>, RenderError> {
+        self.build_probe(gpu, Probe::AcceptAll)?;
+        let view = View::new(camera, self.options.image.size);
+        for sample in 0..self.options.image.samples {
+            let probe = Some(Probe::AcceptAll);
+            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
+                .submit()?;
+        }
+        let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
+        Ok(planes.collect::<Result<_, _>>()?)
+    }
+
+    /// Builds what a probe needs, the first time; it lasts until the passes are built again.
+    fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
+        let is_ready = match probe {
+            Probe::Count => !self.bindings.probes.counted.is_empty(),
+            Probe::Traverse => self.bindings.probes.traverse.is_some(),
+            Probe::AcceptAll => self.bindings.probes.accept_all.is_some(),
+        };
+        if is_ready {
+            return Ok(());
+        }
+        let builder = self.builder(gpu);
+        match probe {
+            Probe::Count => self.bindings.probes.counted = counted(&builder)?,
+            Probe::Traverse if builder.needs(&trace::PASS) => {
+                let shade = ("SHADE", 0.0);
+                let pass = &trace::TRAVERSE;
+                let built = builder.variant(pass, &trace::PASS, MAIN, shade, &[]);
+                self.bindings.probes.traverse = Some(built?);
+            }
+            Probe::AcceptAll if builder.needs(&ssr::PASS) => {
+                let refuse = ("REFUSE", 0.0);
+                let built = builder.variant(&ssr::PASS, &ssr::PASS, MAIN, refuse, &[]);
+                self.bindings.probes.accept_all = Some(built?);
+            }
+            Probe::Traverse | Probe::AcceptAll => {}
+        }
+        Ok(())
+    }
+}
+
+/// The counting twins of the passes that the frame records.
+fn counted(builder: &PassBuilder<'_>) -> Result<Vec<Counted>, GpuError> {
+    let size = builder.resources.targets.size;
+    let make = |pass: &'static Pass| {
+        Counted::new(builder.gpu, size, |view| {
+            let counts = ("counts", wgpu::BindingResource::TextureView(view));
+            builder.variant(pass, pass, COUNTED, ("COUNT", 1.0), &[counts])
+        })
+    };
+    let running = counted_passes().filter(|pass| builder.needs(pass));
+    running.map(make).collect()
+}

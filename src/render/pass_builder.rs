@@ -1,0 +1,97 @@
+//! Builds the pipelines of passes and binds them.
+
+use crate::gpu::{Gpu, GpuError, Shader};
+
+use super::{
+    options::RenderOptions,
+    pass::{ComputePass, MAIN, Named, Override, Pass},
+    plan::Plan,
+    resources::Resources,
+    shaders::Shaders,
+    shared_groups::SharedGroups,
+    targets::Target,
+};
+
+/// What building a pass takes.
+pub struct PassBuilder<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// What the frame contains.
+    pub plan: &'a Plan,
+    /// What it is rendered with.
+    pub options: &'a RenderOptions,
+    /// Of the passes that are needed.
+    pub shaders: &'a Shaders,
+    /// Groups 0 and 1.
+    pub shared: &'a SharedGroups,
+    /// What passes are bound to.
+    pub resources: Resources<'a>,
+}
+
+impl PassBuilder<'_> {
+    /// Whether the frame records a pass.
+    pub fn needs(&self, pass: &Pass) -> bool {
+        (pass.needed)(self.plan, self.options)
+    }
+
+    /// The shader of a pass.
+    ///
+    /// # Errors
+    /// As [`Shaders::get`].
+    pub fn shader(&self, pass: &Pass) -> Result<&Shader, GpuError> {
+        self.shaders.get(pass)
+    }
+
+    /// Values for the overrides of a pass; its shader may declare fewer.
+    pub fn overrides(&self, pass: &Pass) -> Vec<Override> {
+        let own = (pass.overrides)(self.options);
+        self.plan.overrides().into_iter().chain(own).collect()
+    }
+
+    /// A compute pass; `aliases` give targets other names in its shader.
+    ///
+    /// # Errors
+    /// What the shader or wgpu refuses, by file and name.
+    pub fn compute(
+        &self,
+        pass: &'static Pass,
+        aliases: &[(&str, Target)],
+    ) -> Result<ComputePass, GpuError> {
+        self.bound(pass, pass, MAIN, &self.overrides(pass), aliases, &[])
+    }
+
+    /// A compute pass named `pass` that starts at `entry` of the shader of `original`, with one
+    /// further override and further bindings.
+    ///
+    /// # Errors
+    /// As [`PassBuilder::compute`].
+    pub fn variant(
+        &self,
+        pass: &'static Pass,
+        original: &Pass,
+        entry: &str,
+        further: Override,
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        let mut overrides = self.overrides(original);
+        overrides.push(further);
+        self.bound(pass, original, entry, &overrides, &[], extra)
+    }
+
+    fn bound(
+        &self,
+        pass: &'static Pass,
+        original: &Pass,
+        entry: &str,
+        overrides: &[Override],
+        aliases: &[(&str, Target)],
+        extra: &[Named<'_>],
+    ) -> Result<ComputePass, GpuError> {
+        let shader = self.shader(original)?;
+        let mut built = ComputePass::new(self.gpu, pass, shader, entry, self.shared, overrides)?;
+        let mut named = self.resources.ray_list.named().to_vec();
+        named.extend_from_slice(extra);
+        built.bind(self.gpu, self.resources.targets, aliases, &named)?;
+        Ok(built)
+    }
+}

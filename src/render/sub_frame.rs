@@ -1,0 +1,64 @@
+//! One sub-frame while its passes are recorded.
+
+use bytemuck::Pod;
+use glam::Mat4;
+
+use super::{
+    lights::ShadowView,
+    options::RenderOptions,
+    pass::{ComputePass, Dispatch},
+    probe::{Probe, Probes},
+    recorder::Recorder,
+    resources::Resources,
+};
+
+/// What passes know while they are recorded.
+pub struct SubFrame<'a> {
+    /// Where commands go.
+    pub recorder: Recorder<'a>,
+    /// What is rendered with.
+    pub options: &'a RenderOptions,
+    /// The length U in meters.
+    pub unit_m: f32,
+    /// From 0.
+    pub sample: u32,
+    /// World to clip, with this sub-frame's jitter.
+    pub clip_from_world: Mat4,
+    /// Of the shadow maps, in the order of the lights.
+    pub shadow_views: Vec<ShadowView>,
+    /// What passes are bound to.
+    pub resources: Resources<'a>,
+    /// Passes that measure.
+    pub probes: &'a Probes,
+    /// What is measured, if anything.
+    pub probe: Option<Probe>,
+}
+
+impl SubFrame<'_> {
+    /// Makes all counters 0.
+    pub fn clear(&mut self) {
+        let encoder = self.recorder.encoder();
+        encoder.clear_buffer(&self.resources.ray_list.counters, 0, None);
+        if self.probe == Some(Probe::Count) {
+            self.probes.clear(encoder);
+        }
+    }
+
+    /// Records a pass, or what measures in its place.
+    pub fn dispatch(&mut self, pass: &ComputePass, dispatch: &Dispatch<'_>) {
+        let pass = self.probes.replacement_for(pass, self.probe);
+        pass.record(&mut self.recorder, dispatch);
+    }
+
+    /// Records a pass with these values of its `Params`.
+    pub fn dispatch_with(
+        &mut self,
+        pass: &ComputePass,
+        params: &impl Pod,
+        dispatch: &Dispatch<'_>,
+    ) {
+        let replacement = self.probes.replacement_for(pass, self.probe);
+        replacement.set_params(self.recorder.gpu, params);
+        replacement.record(&mut self.recorder, dispatch);
+    }
+}

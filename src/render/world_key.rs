@@ -1,0 +1,82 @@
+//! What of a world is on the GPU, so that a change uploads and builds only what differs.
+
+use glam::Affine3A;
+
+use crate::world::{Instance, Material, Mesh, Shared, Texture, World};
+
+/// What of a world is on the GPU.
+#[derive(Clone, Debug)]
+pub struct WorldKey {
+    /// Held, so that no other list can take their place in memory.
+    upload: (Shared<Mesh>, Shared<Texture>),
+    trees: Vec<TreeInstance>,
+    materials: (Vec<Material>, Vec<usize>),
+    poses: Vec<Affine3A>,
+}
+
+/// What of an instance the static tree and the records of the trees depend on.
+#[derive(Clone, Debug, PartialEq)]
+struct TreeInstance {
+    mesh: usize,
+    /// Of what stands still.
+    static_pose: Option<Affine3A>,
+    is_cutout: bool,
+    is_double_sided: bool,
+}
+
+impl WorldKey {
+    /// Of a world that [`super::check_world`] accepts.
+    pub fn of(world: &World) -> Self {
+        let tree = |i: &Instance| {
+            let material = &world.materials[i.material];
+            TreeInstance {
+                mesh: i.mesh,
+                static_pose: (!i.dynamic).then_some(i.world_from_object),
+                is_cutout: material.alpha_cutoff.is_some(),
+                is_double_sided: material.double_sided,
+            }
+        };
+        let instances = &world.instances;
+        Self {
+            upload: (world.meshes.clone(), world.textures.clone()),
+            trees: instances.iter().map(tree).collect(),
+            materials: (
+                world.materials.clone(),
+                instances.iter().map(|i| i.material).collect(),
+            ),
+            poses: instances.iter().map(|i| i.world_from_object).collect(),
+        }
+    }
+
+    /// Whether both have the very same meshes and textures.
+    pub fn has_same_uploads(&self, other: &Self) -> bool {
+        self.upload.0.is_same(&other.upload.0) && self.upload.1.is_same(&other.upload.1)
+    }
+
+    /// Whether trees over one serve the other once the top level is built again: what stands still
+    /// stands where it stood, and everything is hit by the same rays.
+    pub fn has_same_trees(&self, other: &Self) -> bool {
+        self.trees == other.trees
+    }
+
+    /// Whether materials are the same, and every instance has the same one.
+    pub fn has_same_materials(&self, other: &Self) -> bool {
+        self.materials == other.materials
+    }
+
+    /// Whether every instance stands where it stood.
+    pub fn has_same_poses(&self, other: &Self) -> bool {
+        self.poses == other.poses
+    }
+
+    /// Takes over poses and the materials that move.
+    pub fn update(&mut self, world: &World) {
+        for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {
+            *pose = instance.world_from_object;
+        }
+        for moving in &world.moving.materials {
+            let index = moving.material;
+            self.materials.0[index].clone_from(&world.materials[index]);
+        }
+    }
+}

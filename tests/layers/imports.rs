@@ -1,0 +1,235 @@
+//! Which files of a crate name which others: `use` trees and paths in the code, resolved to files.
+
+use std::{
+    collections::{BTreeMap, BTreeSet, HashMap},
+    path::{Path, PathBuf},
+};
+
+/// A module by the names on the way to it: `src/a/b.rs` is `["a", "b"]`, the crate's root is empty.
+pub type Module = Vec<String>;
+
+/// The modules of a crate, and what each names.
+pub struct Crate {
+    texts: BTreeMap<Module, String>,
+    /// What a module's `use` items call by another path: name to full path.
+    aliases: HashMap<Module, HashMap<String, Module>>,
+}
+
+impl Crate {
+    /// From files below `root`, with their texts; tests are left out.
+    pub fn new(root: &Path, files: Vec<(PathBuf, String)>) -> Self {
+        let mut texts = BTreeMap::new();
+        for (path, text) in files {
+            let module = module_of(path.strip_prefix(root).expect("below the root"));
+            let is_test = |name: &String| name == "tests" || name.ends_with("_tests");
+            if !module.iter().any(is_test) {
+                texts.insert(module, code_of(&text));
+            }
+        }
+        let mut all = Self {
+            texts,
+            aliases: HashMap::new(),
+        };
+        for (module, text) in &all.texts {
+            let used = use_items(text).into_iter().filter_map(|(name, path)| {
+                let path = all.absolute(module, &path)?;
+                Some((name, path))
+            });
+            let used = used.collect();
+            all.aliases.insert(module.clone(), used);
+        }
+        all
+    }
+
+    /// All pairs of modules of which the first names the second.
+    pub fn edges(&self) -> BTreeSet<(Module, Module)> {
+        let mut edges = BTreeSet::new();
+        for (module, text) in &self.texts {
+            let used = use_items(text).into_iter().map(|(_, path)| path);
+            for path in used.chain(inline_paths(text)) {
+                let Some(path) = self.absolute(module, &path) else {
+                    continue;
+                };
+                let target = self.resolve(&path, 0);
+                if target != *module {
+                    edges.insert((module.clone(), target));
+                }
+            }
+        }
+        edges
+    }
+
+    /// The path from the crate's root; none for other crates.
+    fn absolute(&self, module: &Module, path: &[String]) -> Option<Module> {
+        let (first, rest) = path.split_first()?;
+        let mut base = match first.as_str() {
+            "crate" => Module::new(),
+            "self" => module.clone(),
+            "super" => module[..module.len().checked_sub(1)?].to_vec(),
+            child => {
+                let below: Module = module.iter().cloned().chain([child.to_owned()]).collect();
+                self.texts.contains_key(&below).then_some(below)?
+            }
+        };
+        for name in rest {
+            if name == "super" {
+                base.pop()?;
+            } else {
+                base.push(name.clone());
+            }
+        }
+        Some(base)
+    }
+
+    /// The module that defines what a full path names, through `use` items on the way.
+    fn resolve(&self, path: &Module, depth: usize) -> Module {
+        let known = (0..=path.len())
+            .rev()
+            .find(|n| self.texts.contains_key(&path[..*n]));
+        let (module, rest) = path.split_at(known.unwrap_or(0));
+        let module = module.to_vec();
+        let alias = rest
+            .first()
+            .and_then(|name| self.aliases.get(&module)?.get(name));
+        match alias {
+            // A `use` of itself does not end.
+            Some(alias) if depth < 8 && alias != path => {
+                let path: Module = alias.iter().chain(&rest[1..]).cloned().collect();
+                self.resolve(&path, depth + 1)
+            }
+            _ => module,
+        }
+    }
+}
+
+/// `a/b.rs` and `a/b/mod.rs` are both `["a", "b"]`.
+fn module_of(file: &Path) -> Module {
+    let names = file.with_extension("");
+    let mut module: Module = names
+        .iter()
+        .map(|name| name.to_string_lossy().into_owned())
+        .collect();
+    if module
+        .last()
+        .is_some_and(|name| name == "mod" || name == "lib")
+    {
+        module.pop();
+    }
+    module
+}
+
+/// The text without comments, strings and the tests at its end.
+fn code_of(text: &str) -> String {
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
+    let mut code = String::new();
+    for line in text.lines() {
+        let mut in_string = false;
+        let mut chars = line.chars().peekable();
+        while let Some(c) = chars.next() {
+            match c {
+                '\\' if in_string => {
+                    chars.next();
+                }
+                '"' => in_string = !in_string,
+                '/' if !in_string && chars.peek() == Some(&'/') => break,
+                c if !in_string => code.push(c),
+                _ => {}
+            }
+        }
+        code.push('\n');
+    }
+    code
+}
+
+/// Every name that a `use` item brings in, with its path.
+fn use_items(code: &str) -> Vec<(String, Vec<String>)> {
+    let mut items = Vec::new();
+    let is_start = |before: &str| before.is_empty() || before.ends_with([' ', '\n', ')', ';', '{']);
+    for (at, _) in code.match_indices("use ") {
+        if !is_start(&code[..at]) {
+            continue;
+        }
+        let tree = code[at + 4..].split(';').next().unwrap_or("");
+        let tree: String = tree.split_whitespace().collect::<Vec<_>>().join(" ");
+        expand(&tree, &[], &mut items);
+    }
+    items
+}
+
+fn expand(tree: &str, before: &[String], items: &mut Vec<(String, Vec<String>)>) {
+    let tree = tree.trim();
+    if let Some((head, list)) = tree.split_once('{') {
+        let names = head
+            .split("::")
+            .map(str::trim)
+            .filter(|name| !name.is_empty());
+        let before: Vec<String> = before
+            .iter()
+            .cloned()
+            .chain(names.map(str::to_owned))
+            .collect();
+        let list = list.trim_end().strip_suffix('}').unwrap_or(list);
+        for part in split_list(list) {
+            expand(part, &before, items);
+        }
+        return;
+    }
+    let (path, name) = tree
+        .split_once(" as ")
+        .map_or((tree, None), |(p, n)| (p, Some(n)));
+    let names = path
+        .split("::")
+        .map(str::trim)
+        .filter(|name| !name.is_empty());
+    let mut path: Vec<String> = before
+        .iter()
+        .cloned()
+        .chain(names.map(str::to_owned))
+        .collect();
+    if path.len() > 1
+        && path
+            .last()
+            .is_some_and(|last| last == "self" || last == "*")
+    {
+        path.pop();
+    }
+    if let Some(last) = path.last() {
+        items.push((name.unwrap_or(last).trim().to_owned(), path.clone()));
+    }
+}
+
+/// The parts between commas that are in no inner list.
+fn split_list(list: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
+    for (at, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(&list[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&list[start..]);
+    parts
+        .into_iter()
+        .filter(|part| !part.trim().is_empty())
+        .collect()
+}
+
+/// Paths in the code that begin at the crate, here, above or at a lower-case name.
+fn inline_paths(code: &str) -> Vec<Vec<String>> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
+    let words = code.split(|c: char| !is_part(c));
+    words
+        .filter(|word| word.contains("::") && word.starts_with(|c: char| c.is_ascii_lowercase()))
+        .map(|word| {
+            word.split("::")
+                .filter(|name| !name.is_empty())
+                .map(str::to_owned)
+                .collect()
+        })
+        .collect()
+}
