@@ -47,8 +47,8 @@ impl FrameTexture {
     /// # Errors
     /// Exhausted memory.
     pub fn of_size(gpu: &Gpu, old: Option<Self>, size: [u32; 2]) -> Result<Self, GpuError> {
-        match old.filter(|canvas| canvas.size == size) {
-            Some(canvas) => Ok(canvas),
+        match old.filter(|texture| texture.size == size) {
+            Some(texture) => Ok(texture),
             None => Self::new(gpu, size),
         }
     }

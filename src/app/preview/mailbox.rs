@@ -27,19 +27,21 @@ impl Mailbox {
     }
 
     /// Asks for a view in place of any before.
-    pub fn show(&self, view: View) {
+    pub fn post_view(&self, view: View) {
         self.change(|inbox| inbox.view = Some(view));
     }
 
     /// Asks for a task; of edits of one material, and of parameters, only the last is done.
-    pub fn ask(&self, task: Task) {
+    pub fn post(&self, task: Task) {
         self.change(|inbox| {
             if let Task::Edit(new) = &task {
                 let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
                 inbox.tasks.retain(|old| !same(old));
             }
-            if matches!(task, Task::Tune(_)) {
-                inbox.tasks.retain(|old| !matches!(old, Task::Tune(_)));
+            if matches!(task, Task::SetParameters(_)) {
+                inbox
+                    .tasks
+                    .retain(|old| !matches!(old, Task::SetParameters(_)));
             }
             inbox.tasks.push_back(task);
         });
@@ -64,8 +66,8 @@ impl Mailbox {
             }
             let left = until.map(|until| until.saturating_duration_since(Instant::now()));
             let is_time = left.is_some_and(|left| left.is_zero());
-            let woken = std::mem::take(&mut inbox.wakes) || is_time;
-            if woken || inbox.view.is_some() || !inbox.tasks.is_empty() {
+            let on_report = std::mem::take(&mut inbox.wakes) || is_time;
+            if on_report || inbox.view.is_some() || !inbox.tasks.is_empty() {
                 return Some((inbox.view.take(), std::mem::take(&mut inbox.tasks)));
             }
             let waits = &self.0.1;
@@ -106,16 +108,16 @@ mod tests {
             edit.values[2] = Some(Vec3::splat(roughness));
             Task::Edit(edit)
         };
-        mailbox.ask(Task::Reload([Change::Scene].into(), Instant::now()));
+        mailbox.post(Task::Reload([Change::Scene].into(), Instant::now()));
         for roughness in [0.1, 0.2, 0.3] {
-            mailbox.ask(edit(4, roughness));
-            mailbox.ask(edit(5, 1.0 - roughness));
+            mailbox.post(edit(4, roughness));
+            mailbox.post(edit(5, 1.0 - roughness));
         }
-        mailbox.ask(Task::Unpick);
+        mailbox.post(Task::Unpick);
         for count in [5, 6, 7] {
-            let mut tuned = ParameterOverrides::default();
-            tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
-            mailbox.ask(Task::Tune(tuned));
+            let mut overrides = ParameterOverrides::default();
+            overrides.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
+            mailbox.post(Task::SetParameters(overrides));
         }
         let (view, tasks) = mailbox.take(None).expect("something to do");
         assert!(view.is_none() && mailbox.is_empty());

@@ -37,7 +37,7 @@ use scene_summary::SceneSummary;
 use ui::window::Window;
 
 /// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
-const PATIENCE: Duration = Duration::from_secs(1);
+const SCRIPT_WAIT: Duration = Duration::from_secs(1);
 
 /// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
 fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
@@ -55,7 +55,7 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
 /// # Errors
 /// A scene that is not there, a camera that it does not have, no usable GPU, no display.
 pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
-    let shots = match &args.screenshots {
+    let screenshot_folder = match &args.screenshots {
         Some(folder) if folder.is_dir() => folder.clone(),
         Some(folder) => {
             let text = format!(
@@ -82,9 +82,9 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let (live, is_waiting) = open(&gpu, origin, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
-    let facts = SceneSummary::of(&live);
-    let method = args.method.map_or(facts.method, Method::from);
-    let camera = choose_camera(&facts, args.camera.as_deref())?;
+    let summary = SceneSummary::of(&live);
+    let method = args.method.map_or(summary.method, Method::from);
+    let camera = choose_camera(&summary, args.camera.as_deref())?;
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
     let stem = stem.map_or("atrium".to_owned(), |stem| {
         stem.to_string_lossy().into_owned()
@@ -123,7 +123,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         });
         let repaint = context.egui_ctx.clone();
         let worker = RenderThread::start(gpu, live, is_waiting, move || repaint.request_repaint());
-        let window = Window::new(worker, facts, method, camera, (shots, stem));
+        let window = Window::new(worker, summary, method, camera, (screenshot_folder, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     eframe::run_native(&title, options, Box::new(create))
@@ -146,7 +146,7 @@ pub fn open(
     if waits {
         let halt = halt.clone();
         thread::spawn(move || {
-            thread::sleep(PATIENCE);
+            thread::sleep(SCRIPT_WAIT);
             halt.halt();
         });
     }
@@ -164,12 +164,12 @@ pub fn open(
 }
 
 /// Index of the named camera; without a name `main`, else the first.
-fn choose_camera(facts: &SceneSummary, name: Option<&str>) -> Result<usize, AppError> {
-    let place = |name: &str| facts.cameras.iter().position(|(known, _)| known == name);
+fn choose_camera(summary: &SceneSummary, name: Option<&str>) -> Result<usize, AppError> {
+    let place = |name: &str| summary.cameras.iter().position(|(known, _)| known == name);
     match name {
         None => Ok(place("main").unwrap_or(0)),
         Some(name) => place(name).ok_or_else(|| {
-            let known: Vec<&str> = facts
+            let known: Vec<&str> = summary
                 .cameras
                 .iter()
                 .map(|(name, _)| name.as_str())

@@ -21,7 +21,7 @@ pub struct Side {
     /// How reflections are found.
     pub method: Method,
     /// What of the frame.
-    pub look: ViewChannel,
+    pub channel: ViewChannel,
 }
 
 /// From where a picture is taken.
@@ -37,7 +37,7 @@ pub enum ViewCamera {
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// From where.
-    pub eye: ViewCamera,
+    pub camera: ViewCamera,
     /// When: a frame of the timeline.
     pub frame: u32,
     /// Whether frames follow each other by themselves.
@@ -55,7 +55,7 @@ pub struct View {
 
 impl View {
     /// Whether the same frame is another picture in it.
-    pub fn looks_other(&self, other: &Self) -> bool {
+    pub fn differs_from(&self, other: &Self) -> bool {
         let of = |view: &Self| Self {
             frame: 0,
             plays: false,
@@ -65,8 +65,8 @@ impl View {
     }
 
     /// Whether it shows the same of the scene as another, in whatever size.
-    pub fn shows_what(&self, other: &Self) -> bool {
-        (&self.eye, self.frame, self.a) == (&other.eye, other.frame, other.a)
+    pub fn shows_same_content(&self, other: &Self) -> bool {
+        (&self.camera, self.frame, self.a) == (&other.camera, other.frame, other.a)
     }
 }
 
@@ -80,9 +80,9 @@ pub enum Task {
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(ParameterOverrides),
-    /// ViewChannel closer at a frame, once it is posed.
-    Inspect(Inspection),
+    SetParameters(ParameterOverrides),
+    /// Pick in, compare or save a frame, once it is posed.
+    Frame(FrameRequest),
     /// Select no instance.
     Unpick,
 }
@@ -97,23 +97,23 @@ pub struct Screenshot {
     /// Where the line of the wipe is, 0 to 1, if the view has two sides.
     pub wipe_at: f32,
     /// Whether the error map is shown in place of the left side.
-    pub heat: bool,
+    pub error_map: bool,
 }
 
 /// What is done on demand with the left side of a view, in its frame.
 #[derive(Clone, Debug)]
-pub struct Inspection {
+pub struct FrameRequest {
     /// Of what.
     pub view: View,
     /// What is done.
-    pub with: Inspect,
+    pub action: FrameAction,
 }
 
 /// What can be done with a frame on demand.
 #[derive(Clone, Debug)]
-pub enum Inspect {
+pub enum FrameAction {
     /// Compare its method with `rt`; the number comes back with the answer.
-    Judge(u64),
+    Compare(u64),
     /// Write what is shown of it.
     Screenshot(Screenshot),
     /// Select the instance at this part of the picture, from the top left.
@@ -122,7 +122,7 @@ pub enum Inspect {
 
 /// A finished frame.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct FinishedFrame {
     /// Counts pictures that were drawn.
     pub number: u64,
     /// Frame of the timeline.
@@ -156,9 +156,9 @@ pub struct Picked {
 #[derive(Clone, Debug)]
 pub struct Visualization {
     /// What it shows.
-    pub look: ViewChannel,
+    pub channel: ViewChannel,
     /// The picture.
-    pub canvas: FrameTexture,
+    pub texture: FrameTexture,
     /// Of its frame.
     pub stats: FrameStats,
     /// What its colors mean, or why there is nothing; empty for finished pictures.
@@ -167,7 +167,7 @@ pub struct Visualization {
 
 /// The left side's method against `rt`.
 #[derive(Clone, Debug)]
-pub struct Judged {
+pub struct Comparison {
     /// Of what.
     pub view: View,
     /// The number that its task had.
@@ -175,7 +175,7 @@ pub struct Judged {
     /// Whole frame.
     pub scores: Scores,
     /// FLIP per pixel.
-    pub heat: FrameTexture,
+    pub error_map: FrameTexture,
 }
 
 /// What the rendering thread has to say.
@@ -184,17 +184,17 @@ pub enum Report {
     /// The scene is another.
     SceneSummary(Box<SceneSummary>),
     /// What other parameters did.
-    ParameterOverrides(Reload),
+    ParametersApplied(Reload),
     /// Parameters that do not work.
     Refused(Box<Refusal>),
     /// A reload, and from the first word of it to the new picture, milliseconds.
     Reloaded(Reload, f64),
     /// Since when a script runs that pictures do not wait for; `None` when it has ended.
-    Script(Option<Instant>),
+    ScriptRunning(Option<Instant>),
     /// A frame.
-    Shown(Box<Shown>),
+    Frame(Box<FinishedFrame>),
     /// An error map.
-    Judged(Box<Judged>),
+    Compared(Box<Comparison>),
     /// What was clicked.
     Picked(Option<Picked>),
     /// No instance is selected any more.
@@ -202,7 +202,7 @@ pub enum Report {
     /// Why saves are seen only now and then, and what to do; `None` when that is over.
     Unwatched(Option<String>),
     /// Something to tell in the status line.
-    Note(String),
+    Message(String),
     /// Nothing is left to do.
     Idle,
 }

@@ -1,6 +1,6 @@
 //! What the window knows of the scene: values in place of the world that the rendering thread owns.
 
-use super::view_channel::ShadowCaster;
+use super::view_channel::ShadowLight;
 use crate::{
     app::{
         live::{Edit, Live, Problems},
@@ -17,7 +17,7 @@ use crate::{
 
 /// A material as the panel lists it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct MaterialRow {
     /// Name in the scene or file, with a number where others have it too.
     pub name: String,
     /// Its numbers in the frame that is shown.
@@ -42,9 +42,9 @@ pub struct SceneSummary {
     /// Name and value of each camera, in the frame that is shown.
     pub cameras: Vec<(String, CameraDesc)>,
     /// Parallel to the world's.
-    pub materials: Vec<Row>,
+    pub materials: Vec<MaterialRow>,
     /// Lights with shadow maps.
-    pub casters: Vec<ShadowCaster>,
+    pub shadow_lights: Vec<ShadowLight>,
     /// ReportContext everything.
     pub bounds: Bounds,
     /// The scene's own method.
@@ -69,14 +69,14 @@ impl SceneSummary {
     pub fn of(live: &Live) -> Self {
         let world = live.world();
         let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
-        let row = |(material, m): (usize, &crate::world::Material)| Row {
+        let row = |(material, m): (usize, &crate::world::Material)| MaterialRow {
             name: names[material].clone(),
             numbers: *m.numbers(),
             edit: live.edit_of(material),
             uses: 0,
             bounds: Bounds::EMPTY,
         };
-        let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
+        let mut materials: Vec<MaterialRow> = world.materials.iter().enumerate().map(row).collect();
         let mut bounds = Bounds::EMPTY;
         for instance in &world.instances {
             let around = world.bounds_of(instance);
@@ -95,13 +95,13 @@ impl SceneSummary {
                 .map(|entry| (entry.name.clone(), entry.value.clone()))
                 .collect(),
             materials,
-            casters: (world.lights.iter().enumerate())
-                .map(|(light, lamp)| ShadowCaster {
+            shadow_lights: (world.lights.iter().enumerate())
+                .map(|(light, lamp)| ShadowLight {
                     light,
                     name: lights[light].clone(),
                     faces: shadow_faces(lamp),
                 })
-                .filter(|caster| caster.faces > 0)
+                .filter(|shadow_light| shadow_light.faces > 0)
                 .collect(),
             bounds,
             method: live.desc().reflection.method,

@@ -3,9 +3,9 @@
 use crate::render::aov::Aov;
 
 /// Where the faces of an unfolded cube stand, in faces from the top left: neighbors share an edge.
-pub const CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
+pub const CUBE_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 /// Beside a picture of another shape.
-pub const NOTHING: u8 = 16;
+pub const BACKGROUND_GRAY: u8 = 16;
 
 /// What of a frame is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,25 +46,30 @@ impl ViewChannel {
     }
 
     /// Whether it is a cube with all its faces.
-    pub fn is_cross(self, casters: &[ShadowCaster]) -> bool {
+    pub fn is_cross(self, shadow_lights: &[ShadowLight]) -> bool {
         let Self::Shadow(ShadowMapChoice { light, face: None }) = self else {
             return false;
         };
-        let mut of = casters.iter().filter(|caster| caster.light == light);
-        of.any(|caster| caster.faces > 1)
+        let mut of = shadow_lights
+            .iter()
+            .filter(|shadow_light| shadow_light.light == light);
+        of.any(|shadow_light| shadow_light.faces > 1)
     }
 
     /// The same in another scene, by the light's name; the picture where that has no map now.
-    pub fn after(self, old: &[ShadowCaster], new: &[ShadowCaster]) -> Self {
-        let Self::Shadow(cast) = self else {
+    pub fn after(self, old: &[ShadowLight], new: &[ShadowLight]) -> Self {
+        let Self::Shadow(shadow_map) = self else {
             return self;
         };
-        let name = old.iter().find(|c| c.light == cast.light).map(|c| &c.name);
+        let name = old
+            .iter()
+            .find(|c| c.light == shadow_map.light)
+            .map(|c| &c.name);
         let found = new.iter().find(|c| Some(&c.name) == name);
-        found.map_or(Self::Picture, |caster| {
+        found.map_or(Self::Picture, |shadow_light| {
             Self::Shadow(ShadowMapChoice {
-                light: caster.light,
-                face: cast.face.filter(|face| *face < caster.faces),
+                light: shadow_light.light,
+                face: shadow_map.face.filter(|face| *face < shadow_light.faces),
             })
         })
     }
@@ -72,7 +77,7 @@ impl ViewChannel {
 
 /// A light whose shadow maps can be looked at.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ShadowCaster {
+pub struct ShadowLight {
     /// Index into the world's lights.
     pub light: usize,
     /// Its name.
@@ -85,8 +90,8 @@ pub struct ShadowCaster {
 mod tests {
     use super::*;
 
-    fn caster(light: usize, name: &str, faces: usize) -> ShadowCaster {
-        ShadowCaster {
+    fn shadow_light(light: usize, name: &str, faces: usize) -> ShadowLight {
+        ShadowLight {
             light,
             name: name.to_owned(),
             faces,
@@ -99,11 +104,11 @@ mod tests {
 
     #[test]
     fn a_shadow_map_is_kept_by_the_name_of_its_light() {
-        let old = [caster(0, "sun", 1), caster(1, "lamp", 6)];
-        let new = [caster(0, "lamp", 6), caster(1, "moon", 1)];
+        let old = [shadow_light(0, "sun", 1), shadow_light(1, "lamp", 6)];
+        let new = [shadow_light(0, "lamp", 6), shadow_light(1, "moon", 1)];
         assert_eq!(shadow(1, Some(4)).after(&old, &new), shadow(0, Some(4)));
         assert_eq!(shadow(0, None).after(&old, &new), ViewChannel::Picture);
-        let spot = [caster(3, "lamp", 1)];
+        let spot = [shadow_light(3, "lamp", 1)];
         assert_eq!(shadow(1, Some(4)).after(&old, &spot), shadow(3, None));
         assert_eq!(ViewChannel::Rays.after(&old, &new), ViewChannel::Rays);
         assert!(shadow(1, None).is_cross(&old) && !shadow(1, None).is_cross(&new));

@@ -25,7 +25,7 @@ impl Default for FrameCost {
 
 impl FrameCost {
     /// Learns from a picture of so many pixels, sub-frames counted.
-    pub fn learn(&mut self, pixels: f64, ms: f64) {
+    pub fn record(&mut self, pixels: f64, ms: f64) {
         if let Some(last) = self.last
             && (last.0 > 1.5 * pixels || pixels > 1.5 * last.0)
         {
@@ -41,14 +41,14 @@ impl FrameCost {
     }
 
     /// Of a picture of so many pixels, milliseconds.
-    pub fn ms(&self, pixels: f64) -> f64 {
+    pub fn predict_ms(&self, pixels: f64) -> f64 {
         self.fixed_ms + self.pixel_ms * pixels
     }
 
     /// Whether a picture takes too long and fewer pixels would mend it: what is the same at any
     /// size is no reason for fewer.
     pub fn is_too_large(&self, pixels: f64, most_ms: f64) -> bool {
-        self.ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
+        self.predict_ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
     }
 }
 
@@ -61,10 +61,10 @@ mod tests {
         let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
         let mut cost = FrameCost::default();
         for pixels in [270_000.0, 67_500.0, 67_500.0] {
-            cost.learn(pixels, truth(pixels));
+            cost.record(pixels, truth(pixels));
         }
         for pixels in [1e4, 1e6] {
-            assert!((cost.ms(pixels) - truth(pixels)).abs() < 1e-6);
+            assert!((cost.predict_ms(pixels) - truth(pixels)).abs() < 1e-6);
         }
         // Shadow maps alone are over the limit: a smaller picture would be no faster.
         assert!(!cost.is_too_large(270_000.0, 40.0));
@@ -75,15 +75,15 @@ mod tests {
     fn a_scene_that_changes_is_learned_anew() {
         let mut cost = FrameCost::default();
         for pixels in [1e5, 2.5e4, 1e5] {
-            cost.learn(pixels, 10.0 + 1e-3 * pixels);
+            cost.record(pixels, 10.0 + 1e-3 * pixels);
         }
         // From here on pixels cost four times as much, at every size.
         for pixels in [1e5, 2.5e4, 1e5] {
-            cost.learn(pixels, 10.0 + 4e-3 * pixels);
+            cost.record(pixels, 10.0 + 4e-3 * pixels);
         }
-        assert!((cost.ms(5e4) - 210.0).abs() < 1e-6);
+        assert!((cost.predict_ms(5e4) - 210.0).abs() < 1e-6);
         // Noise may not give pixels that cost less than nothing.
-        cost.learn(2.5e4, 500.0);
-        assert!(cost.ms(1e6) >= cost.ms(1e4));
+        cost.record(2.5e4, 500.0);
+        assert!(cost.predict_ms(1e6) >= cost.predict_ms(1e4));
     }
 }

@@ -3,13 +3,13 @@
 
 use std::time::Duration;
 
-use super::worker::State;
+use super::worker::Worker;
 use crate::{
     app::{
         live::Edit,
         preview::{
             mailbox::Mailbox,
-            protocol::{Report, Shown, Task, View, Visualization},
+            protocol::{FinishedFrame, Report, Task, View, Visualization},
         },
         watch::Watcher,
     },
@@ -17,15 +17,15 @@ use crate::{
 };
 
 /// While frames follow each other, their numbers are told this often: they are read, not seen.
-const TELL: Duration = Duration::from_millis(250);
+const SUMMARY_INTERVAL: Duration = Duration::from_millis(250);
 
-impl State {
+impl Worker {
     pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
-        self.tell_facts();
-        while let Some((view, tasks)) = mailbox.take(self.until()) {
+        self.send_summary();
+        while let Some((view, tasks)) = mailbox.take(self.next_wakeup()) {
             let mut redraw = false;
             if let Some(view) = view {
-                redraw = self.view.as_ref().is_none_or(|old| view.looks_other(old));
+                redraw = self.view.as_ref().is_none_or(|old| view.differs_from(old));
                 self.view = Some(view);
             }
             for task in tasks {
@@ -35,39 +35,39 @@ impl State {
                         redraw = true;
                         self.edit(edit);
                     }
-                    Task::Tune(tuned) => self.tune(tuned),
-                    Task::Unwatched(why) => self.tell(Report::Unwatched(why)),
-                    Task::Inspect(inspection) => self.inspections.push_back(inspection),
+                    Task::SetParameters(overrides) => self.set_parameters(overrides),
+                    Task::Unwatched(why) => self.send(Report::Unwatched(why)),
+                    Task::Frame(request) => self.frame_requests.push_back(request),
                     Task::Unpick => self.unpick(),
                 }
             }
-            redraw |= self.reload_jobs(mailbox, watcher);
+            redraw |= self.run_jobs(mailbox, watcher);
             redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
-            if redraw && !self.is_aside() {
+            if redraw && !self.renders_other_frame() {
                 self.draw();
             }
             for (reload, since) in std::mem::take(&mut self.reloads) {
                 let ms = since.elapsed().as_secs_f64() * 1e3;
-                self.tell(Report::Reloaded(reload, ms));
+                self.send(Report::Reloaded(reload, ms));
             }
-            self.inspect();
-            if mailbox.is_empty() && self.inspections.is_empty() {
-                self.tell(Report::Idle);
+            self.handle_frame_requests();
+            if mailbox.is_empty() && self.frame_requests.is_empty() {
+                self.send(Report::Idle);
             }
         }
     }
 
     /// Whether the posed frame is not the view's, but that of something on demand.
-    fn is_aside(&self) -> bool {
+    fn renders_other_frame(&self) -> bool {
         let posed = self.live.posed_frame();
         let is_posed = |frame: u32| frame == posed;
-        (self.inspections.front()).is_some_and(|of| is_posed(of.view.frame))
+        (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
             && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
     }
 
     fn edit(&mut self, edit: Edit) {
         match self.live.edit(edit) {
-            Ok(_) => self.tell_facts(),
+            Ok(_) => self.send_summary(),
             Err(error) => self.refuse(&error),
         }
     }
@@ -78,23 +78,24 @@ impl State {
         };
         match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
             Ok((sides, picked)) => {
-                self.drawn = Some(view.clone());
+                self.rendered_view = Some(view.clone());
                 self.number += 1;
                 let had_problem = self.live.problems.refused.take().is_some();
                 let number = self.number;
-                self.tell(Report::Shown(Box::new(Shown {
+                self.send(Report::Frame(Box::new(FinishedFrame {
                     number,
                     frame: self.live.posed_frame(),
-                    camera: self.camera(&view.eye),
+                    camera: self.camera(&view.camera),
                     size: view.size,
                     sides,
                     picked,
                 })));
                 // Numbers that move are told now and then, and when they rest.
-                let is_new = self.told_frame != self.live.posed_frame();
-                let is_time = view.draft_ms.is_none() || self.told_at.elapsed() >= TELL;
+                let is_new = self.summary_frame != self.live.posed_frame();
+                let is_time =
+                    view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
                 if had_problem || (is_new && is_time) {
-                    self.tell_facts();
+                    self.send_summary();
                 }
             }
             Err(error) => self.refuse(&error),
@@ -109,11 +110,11 @@ impl State {
                 Some(last) => last.stats.clone(),
                 None => self.render(view, side.method)?,
             };
-            let old = self.canvases.get(index).cloned();
-            let drawn = self.drawn(side, view, stats, old)?;
-            self.canvases.truncate(index);
-            self.canvases.push(drawn.canvas.clone());
-            sides.push(drawn);
+            let old = self.textures.get(index).cloned();
+            let visualization = self.visualize(side, view, stats, old)?;
+            self.textures.truncate(index);
+            self.textures.push(visualization.texture.clone());
+            sides.push(visualization);
         }
         Ok(sides)
     }

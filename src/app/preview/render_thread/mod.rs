@@ -2,8 +2,8 @@
 
 mod dynamic_resolution;
 mod event_loop;
-mod instance_mark;
-mod on_demand;
+mod frame_requests;
+mod instance_key;
 mod picking;
 mod pixels;
 mod reload;
@@ -32,7 +32,7 @@ use crate::{
     },
     gpu::Gpu,
 };
-use worker::State;
+use worker::Worker;
 
 /// The thread; ends when it is dropped.
 pub struct RenderThread {
@@ -50,7 +50,7 @@ impl RenderThread {
         gpu: Arc<Gpu>,
         live: Live,
         is_waiting: bool,
-        woken: impl Fn() + Send + 'static,
+        on_report: impl Fn() + Send + 'static,
     ) -> Self {
         let mailbox = Mailbox::default();
         let (sender, reports) = mpsc::channel();
@@ -58,19 +58,19 @@ impl RenderThread {
         let body = move || {
             let mailbox = inbox.clone();
             let watcher = Watcher::new(move |news| {
-                mailbox.ask(match news {
+                mailbox.post(match news {
                     News::Changed(changes, since) => Task::Reload(changes, since),
                     News::Trouble(why) => Task::Unwatched(why),
                 });
             });
-            let mut state = State::new(gpu, live, sender, Box::new(woken));
+            let mut state = Worker::new(gpu, live, sender, Box::new(on_report));
             state.watch(watcher.as_ref().ok());
             if let Err(why) = &watcher {
-                state.tell(Report::Unwatched(Some(why.clone())));
+                state.send(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
                 // What the scene imports is not watched yet either.
-                inbox.ask(Task::Reload(
+                inbox.post(Task::Reload(
                     [Change::Scene, Change::Asset].into(),
                     Instant::now(),
                 ));

@@ -1,7 +1,7 @@
 //! The selected instance: which one a click means, what it is called, and the line around what is
 //! seen of it.
 
-use super::{instance_mark::Mark, worker::State};
+use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
     app::preview::{
         frame_texture::FrameTexture,
@@ -16,11 +16,11 @@ const RADIUS_PX: f32 = 2.0;
 const ORANGE: [f32; 3] = [255.0, 150.0, 30.0];
 const RIM: f32 = 0.5;
 
-impl State {
+impl Worker {
     /// Selects what is at this part of a view's picture, which is drawn again if another is there.
     pub(super) fn pick(&mut self, view: &View, at: [f32; 2]) -> Result<(), RenderError> {
-        let is_drawn = (self.drawn.as_ref())
-            .is_some_and(|drawn| !drawn.looks_other(view) && drawn.frame == view.frame);
+        let is_drawn = (self.rendered_view.as_ref())
+            .is_some_and(|drawn| !drawn.differs_from(view) && drawn.frame == view.frame);
         if !is_drawn {
             self.render(view, view.a.method)?;
         }
@@ -28,21 +28,21 @@ impl State {
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
         let index = pixel(at[1], height) * width + pixel(at[0], width);
-        self.mark = Mark::of(self.live.world(), ids[index as usize][0] as usize);
+        self.selected = InstanceKey::of(self.live.world(), ids[index as usize][0] as usize);
         let picked = self.picked_among(&ids)?;
-        self.tell(Report::Picked(picked));
+        self.send(Report::Picked(picked));
         Ok(())
     }
 
     /// Selects nothing.
     pub(super) fn unpick(&mut self) {
-        self.mark = None;
-        self.tell(Report::Unpicked);
+        self.selected = None;
+        self.send(Report::Unpicked);
     }
 
     /// The selected instance in the picture that was drawn last.
     pub(super) fn picked(&mut self) -> Result<Option<Picked>, RenderError> {
-        if self.mark.is_none() {
+        if self.selected.is_none() {
             return Ok(None);
         }
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
@@ -51,13 +51,13 @@ impl State {
 
     fn picked_among(&mut self, ids: &[[u32; 2]]) -> Result<Option<Picked>, RenderError> {
         let world = self.live.world();
-        let found = (self.mark.as_ref()).and_then(|mark| Some((mark, mark.find(world)?)));
-        let Some((mark, (index, count))) = found else {
-            self.mark = None;
+        let found = (self.selected.as_ref()).and_then(|key| Some((key, key.find(world)?)));
+        let Some((key, (index, count))) = found else {
+            self.selected = None;
             return Ok(None);
         };
         let instance = &world.instances[index];
-        let label = mark.label(count);
+        let label = key.label(count);
         let (material, bounds) = (instance.material, world.bounds_of(instance));
         let triangles = world.meshes[instance.mesh].triangles.len();
         let size = self.live.renderer().targets().size;
@@ -66,10 +66,10 @@ impl State {
         let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
         let outline = match outline(&inside, size, radius) {
             Some(rgba) => {
-                let canvas = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
-                canvas.write(&self.gpu, &rgba);
-                self.outline = Some(canvas.clone());
-                Some(canvas)
+                let texture = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
+                texture.write(&self.gpu, &rgba);
+                self.outline = Some(texture.clone());
+                Some(texture)
             }
             None => None,
         };

@@ -1,6 +1,6 @@
 //! A picture in memory, and two of them side by side.
 
-use crate::app::preview::view_channel::NOTHING;
+use crate::app::preview::view_channel::BACKGROUND_GRAY;
 
 /// Width of the line between the sides, pixels.
 const LINE_PX: u32 = 2;
@@ -13,7 +13,7 @@ pub struct Pixels {
 }
 
 /// The left side up to the line, the right one from there; each as large as fits with its own shape.
-pub(super) fn wiped(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
+pub(super) fn compose_wipe(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
     let line = (at.clamp(0.0, 1.0) * size[0] as f32).round() as u32;
     let line_x = line.saturating_sub(LINE_PX / 2)..line + LINE_PX / 2;
     let texel = |x: u32, y: u32| {
@@ -43,9 +43,10 @@ fn sample(of: &Pixels, pixel: [u32; 2], size: [u32; 2]) -> [u8; 4] {
     let is_there = x >= 0.0 && y >= 0.0 && x < of.size[0] as f32 && y < of.size[1] as f32;
     let at = 4 * (y as usize * of.size[0] as usize + x as usize);
     let texel = of.rgba.get(at..at + 4).filter(|_| is_there);
-    texel.map_or([NOTHING, NOTHING, NOTHING, 255], |texel| {
-        [texel[0], texel[1], texel[2], texel[3]]
-    })
+    texel.map_or(
+        [BACKGROUND_GRAY, BACKGROUND_GRAY, BACKGROUND_GRAY, 255],
+        |texel| [texel[0], texel[1], texel[2], texel[3]],
+    )
 }
 
 #[cfg(test)]
@@ -68,17 +69,23 @@ mod tests {
     #[test]
     fn both_sides_and_the_line_are_written() {
         let (left, right) = (plain([8, 2], 10), plain([8, 2], 90));
-        let whole = wiped(&left, &right, 0.5, [8, 2]);
+        let whole = compose_wipe(&left, &right, 0.5, [8, 2]);
         assert_eq!(reds(&whole, 1), [10, 10, 10, 255, 255, 90, 90, 90]);
-        assert_eq!(reds(&wiped(&left, &right, 0.0, [8, 2]), 0)[1..], [90; 7]);
-        assert_eq!(reds(&wiped(&left, &right, 1.0, [8, 2]), 0)[..7], [10; 7]);
+        assert_eq!(
+            reds(&compose_wipe(&left, &right, 0.0, [8, 2]), 0)[1..],
+            [90; 7]
+        );
+        assert_eq!(
+            reds(&compose_wipe(&left, &right, 1.0, [8, 2]), 0)[..7],
+            [10; 7]
+        );
     }
 
     #[test]
     fn a_side_of_another_shape_keeps_it() {
         let mut left = plain([2, 2], 10);
         left.rgba[..4].copy_from_slice(&[77; 4]);
-        let whole = wiped(&left, &plain([8, 4], 90), 0.999, [8, 4]);
+        let whole = compose_wipe(&left, &plain([8, 4], 90), 0.999, [8, 4]);
         // Four pixels wide in the middle, twice as large.
         assert_eq!(reds(&whole, 0)[..7], [16, 16, 77, 77, 10, 10, 16]);
         assert_eq!(reds(&whole, 3)[..7], [16, 16, 10, 10, 10, 10, 16]);

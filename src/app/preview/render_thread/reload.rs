@@ -4,8 +4,8 @@
 use std::time::Instant;
 
 use super::{
-    reload_jobs::{GRACE, ReloadJobs, Running, Wanted},
-    worker::State,
+    reload_jobs::{GRACE_PERIOD, PendingRead, ReloadJobs, RunningJob},
+    worker::Worker,
 };
 use crate::app::{
     live::{Live, Reload, ReloadJob, Reuse},
@@ -14,27 +14,27 @@ use crate::app::{
     watch::{Changes, Watcher},
 };
 
-impl State {
+impl Worker {
     /// Takes over shaders; what else changed is read in [`State::errands`].
     pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
         let before = self.live.reload_shaders(changes);
         match Live::after(changes) {
-            Some(keeps) => self.reload_jobs.want(Wanted {
+            Some(keeps) => self.reload_jobs.queue(PendingRead {
                 keeps,
                 saved: Some(since),
                 before,
             }),
             None => {
                 self.reloads.push((before, since));
-                self.tell_facts();
+                self.send_summary();
             }
         }
     }
 
     /// Has the scene read with other parameters.
-    pub(super) fn tune(&mut self, tuned: ParameterOverrides) {
-        self.live.tune(tuned);
-        self.reload_jobs.want(Wanted {
+    pub(super) fn set_parameters(&mut self, overrides: ParameterOverrides) {
+        self.live.tune(overrides);
+        self.reload_jobs.queue(PendingRead {
             keeps: Reuse {
                 files: true,
                 edits: true,
@@ -48,19 +48,21 @@ impl State {
     }
 
     /// When there is something to do though nobody asks for anything.
-    pub(super) fn until(&self) -> Option<Instant> {
+    pub(super) fn next_wakeup(&self) -> Option<Instant> {
         let is_behind = self.reload_jobs.posing.is_none()
-            && (self.wanted()).is_some_and(|(frame, _)| self.live.posing(frame).is_some());
+            && self
+                .wanted_frame()
+                .is_some_and(|(frame, _)| self.live.posing(frame).is_some());
         if is_behind {
             Some(Instant::now())
         } else {
-            self.reload_jobs.look
+            self.reload_jobs.next_check
         }
     }
 
     /// Starts what is wanted and takes over what is done; whether there is something new to see.
-    pub(super) fn reload_jobs(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
-        self.reload_jobs.look = None;
+    pub(super) fn run_jobs(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
+        self.reload_jobs.next_check = None;
         let mut is_new = false;
         while let Some(is_shown) = self.read_scene(mailbox, watcher) {
             is_new |= is_shown;
@@ -74,24 +76,24 @@ impl State {
         let since = since.into_iter().flatten().min();
         if reading.is_some() {
             // What it imports may be mended while it runs, and is looked for one by one.
-            self.reload_jobs.look_at(Instant::now() + GRACE);
+            self.reload_jobs.check_at(Instant::now() + GRACE_PERIOD);
             if self.live.watch_list().0 != self.watched {
                 self.watch(watcher);
             }
         }
         if since != self.reload_jobs.told {
             self.reload_jobs.told = since;
-            self.tell(Report::Script(since));
+            self.send(Report::ScriptRunning(since));
         }
         is_new
     }
 
     /// Whether a scene that was read is shown; `None` while there is none.
     fn read_scene(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> Option<bool> {
-        let (frame, plays) = self.wanted().unwrap_or((0, false));
+        let (frame, plays) = self.wanted_frame().unwrap_or((0, false));
         if let Some((running, of)) = self.reload_jobs.reading.take() {
-            let is_left = !plays && running.poses_other(frame);
-            if is_left && !self.reload_jobs.has_grace(&running) {
+            let is_left = !plays && running.poses_other_frame(frame);
+            if is_left && !self.reload_jobs.in_grace_period(&running) {
                 let wanted = self.reload_jobs.wanted.take();
                 self.reload_jobs.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
             } else {
@@ -102,7 +104,7 @@ impl State {
             let old = self.reload_jobs.reading.take();
             match old {
                 Some((running, of))
-                    if wanted.saved.is_none() && self.reload_jobs.has_grace(&running) =>
+                    if wanted.saved.is_none() && self.reload_jobs.in_grace_period(&running) =>
                 {
                     self.reload_jobs.reading = Some((running, of));
                     self.reload_jobs.wanted = Some(wanted);
@@ -110,7 +112,8 @@ impl State {
                 old => {
                     let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
                     let reload_job = self.live.reading(wanted.keeps, frame);
-                    self.reload_jobs.reading = Some((Running::start(reload_job, mailbox), wanted));
+                    self.reload_jobs.reading =
+                        Some((RunningJob::start(reload_job, mailbox), wanted));
                 }
             }
         }
@@ -120,47 +123,54 @@ impl State {
         self.reload_jobs.posing = None; // of the scene before
         let reload = wanted.before.and(self.live.take(done));
         if self.live.reads_again() {
-            self.reload_jobs.want(wanted);
+            self.reload_jobs.queue(wanted);
             return Some(false);
         }
         self.watch(watcher);
         let refusal = self.live.refusal();
         match (&refusal, wanted.saved) {
             (_, Some(since)) => self.reloads.push((reload, since)),
-            (None, None) => self.tell(Report::ParameterOverrides(reload)),
+            (None, None) => self.send(Report::ParametersApplied(reload)),
             (Some(_), None) => {}
         }
         if let Some(refusal) = refusal {
-            self.tell(Report::Refused(Box::new(refusal)));
+            self.send(Report::Refused(Box::new(refusal)));
         }
-        self.tell_facts();
+        self.send_summary();
         Some(reload.ok)
     }
 
     /// The frame that is wanted now, and whether others follow it by themselves: that of what is asked
     /// for on demand, else the view's.
-    fn wanted(&self) -> Option<(u32, bool)> {
-        let on_demand = self.inspections.front().map(|of| (of.view.frame, false));
+    fn wanted_frame(&self) -> Option<(u32, bool)> {
+        let on_demand = self.frame_requests.front().map(|of| (of.view.frame, false));
         on_demand.or_else(|| self.view.as_ref().map(|view| (view.frame, view.plays)))
     }
 
     /// Goes to the wanted frame; what is wrong there is told, and told again when it is over.
     /// Whether another frame is shown.
     fn pose(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
-        let Some((frame, plays)) = self.wanted() else {
+        let Some((frame, plays)) = self.wanted_frame() else {
             return false;
         };
         let reload_job = self.live.posing(frame);
         let wanted = reload_job.as_ref().map(ReloadJob::frame);
         let old = self.reload_jobs.posing.take();
         // What plays shows each frame that is ready, however late.
-        let goes_on = |old: &Running, reload_jobs: &mut ReloadJobs| {
-            plays || wanted == Some(old.frame) || (wanted.is_some() && reload_jobs.has_grace(old))
+        let goes_on = |old: &RunningJob, reload_jobs: &mut ReloadJobs| {
+            plays
+                || wanted == Some(old.frame)
+                || (wanted.is_some() && reload_jobs.in_grace_period(old))
         };
         let old = old.filter(|old| goes_on(old, &mut self.reload_jobs));
-        let new = |reload_job| Running::start(reload_job, mailbox);
+        let new = |reload_job| RunningJob::start(reload_job, mailbox);
         self.reload_jobs.posing = old.or_else(|| reload_job.map(new));
-        let Some(done) = self.reload_jobs.posing.as_ref().and_then(Running::answer) else {
+        let Some(done) = self
+            .reload_jobs
+            .posing
+            .as_ref()
+            .and_then(RunningJob::answer)
+        else {
             return false;
         };
         self.reload_jobs.posing = None;
@@ -169,7 +179,7 @@ impl State {
         if self.live.problems != before {
             // A saved scene may only now have been taken over.
             self.watch(watcher);
-            self.tell_facts();
+            self.send_summary();
         }
         is_shown
     }

@@ -19,14 +19,14 @@ use crate::{
 };
 
 /// So long a picture waits for a script: most are done by then, and no picture is drawn twice.
-const PATIENCE: Duration = Duration::from_millis(30);
+const SCRIPT_WAIT: Duration = Duration::from_millis(30);
 /// So long a script goes on though another frame or other parameters are wanted by now: something
 /// is seen while a slider moves.
-pub(super) const GRACE: Duration = Duration::from_millis(300);
+pub(super) const GRACE_PERIOD: Duration = Duration::from_millis(300);
 
 /// Why the scene is read anew.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
+pub(super) struct PendingRead {
     pub(super) keeps: Reuse,
     /// Since when a save is known; `None` for parameters.
     pub(super) saved: Option<Instant>,
@@ -35,7 +35,7 @@ pub(super) struct Wanted {
 }
 
 /// An errand on its thread; dropping it halts its scripts.
-pub(super) struct Running {
+pub(super) struct RunningJob {
     halt: Halt,
     answer: Receiver<Done>,
     pub(super) started: Instant,
@@ -43,7 +43,7 @@ pub(super) struct Running {
     poses: Arc<AtomicBool>,
 }
 
-impl Running {
+impl RunningJob {
     pub(super) fn start(reload_job: ReloadJob, mailbox: &Mailbox) -> Self {
         let (frame, poses) = (reload_job.frame(), reload_job.poses.clone());
         let (sender, answer) = mpsc::channel();
@@ -74,19 +74,19 @@ impl Running {
     }
 
     /// Whether it poses another frame than this.
-    pub(super) fn poses_other(&self, frame: u32) -> bool {
+    pub(super) fn poses_other_frame(&self, frame: u32) -> bool {
         self.frame != frame && self.poses.load(Ordering::Relaxed)
     }
 
     /// What came of it, if it is done or soon will be.
     pub(super) fn answer(&self) -> Option<Done> {
-        let patience = PATIENCE.saturating_sub(self.started.elapsed());
+        let patience = SCRIPT_WAIT.saturating_sub(self.started.elapsed());
         // What panics in an errand is caught there, so that an answer comes.
         self.answer.recv_timeout(patience).ok()
     }
 }
 
-impl Drop for Running {
+impl Drop for RunningJob {
     fn drop(&mut self) {
         self.halt.halt();
     }
@@ -95,17 +95,17 @@ impl Drop for Running {
 /// What runs, and what waits for it.
 #[derive(Default)]
 pub(super) struct ReloadJobs {
-    pub(super) wanted: Option<Wanted>,
-    pub(super) reading: Option<(Running, Wanted)>,
-    pub(super) posing: Option<Running>,
+    pub(super) wanted: Option<PendingRead>,
+    pub(super) reading: Option<(RunningJob, PendingRead)>,
+    pub(super) posing: Option<RunningJob>,
     /// Since when something runs, as it was told.
     pub(super) told: Option<Instant>,
     /// When what runs must be looked at again.
-    pub(super) look: Option<Instant>,
+    pub(super) next_check: Option<Instant>,
 }
 
 impl ReloadJobs {
-    pub(super) fn want(&mut self, new: Wanted) {
+    pub(super) fn queue(&mut self, new: PendingRead) {
         self.wanted = Some(match self.wanted.take() {
             Some(old) => old.then(new),
             None => new,
@@ -113,21 +113,21 @@ impl ReloadJobs {
     }
 
     /// Whether something may go on; if so, only for a while.
-    pub(super) fn has_grace(&mut self, running: &Running) -> bool {
-        let end = running.started + GRACE;
-        let has_grace = Instant::now() < end;
-        if has_grace {
-            self.look_at(end);
+    pub(super) fn in_grace_period(&mut self, running: &RunningJob) -> bool {
+        let end = running.started + GRACE_PERIOD;
+        let in_grace_period = Instant::now() < end;
+        if in_grace_period {
+            self.check_at(end);
         }
-        has_grace
+        in_grace_period
     }
 
-    pub(super) fn look_at(&mut self, time: Instant) {
-        self.look = Some(self.look.map_or(time, |look| look.min(time)));
+    pub(super) fn check_at(&mut self, time: Instant) {
+        self.next_check = Some(self.next_check.map_or(time, |next| next.min(time)));
     }
 }
 
-impl Wanted {
+impl PendingRead {
     pub(super) fn then(self, new: Self) -> Self {
         Self {
             keeps: self.keeps.and(new.keeps),

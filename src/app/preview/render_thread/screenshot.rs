@@ -7,8 +7,8 @@ use std::{
 };
 
 use super::{
-    pixels::{Pixels, wiped},
-    worker::State,
+    pixels::{Pixels, compose_wipe},
+    worker::Worker,
 };
 use crate::{
     app::{
@@ -18,28 +18,32 @@ use crate::{
     files::write_whole,
 };
 
-impl State {
+impl Worker {
     /// Writes what is shown and says where.
-    pub(super) fn shoot(&mut self, view: &View, shot: &Screenshot) {
-        let path = free_name(&shot.folder, &shot.stem);
-        let said = match self.shot(view, shot) {
+    pub(super) fn write_screenshot(&mut self, view: &View, screenshot: &Screenshot) {
+        let path = free_name(&screenshot.folder, &screenshot.stem);
+        let said = match self.render_screenshot(view, screenshot) {
             Ok(png) => match write_whole(&path, &png) {
                 Ok(()) => format!("wrote {}", path.display()),
                 Err(error) => format!("cannot write {}: {error}", path.display()),
             },
             Err(error) => format!("no screenshot: {error}"),
         };
-        self.tell(Report::Note(said));
+        self.send(Report::Message(said));
     }
 
     /// Everything at full size, also while something moves.
-    fn shot(&mut self, view: &View, shot: &Screenshot) -> Result<Vec<u8>, String> {
+    fn render_screenshot(
+        &mut self,
+        view: &View,
+        screenshot: &Screenshot,
+    ) -> Result<Vec<u8>, String> {
         let view = View {
             draft_ms: None,
             ..view.clone()
         };
-        let heat = self.heat.as_ref().filter(|_| shot.heat);
-        let left = match heat.map(|(_, pixels)| pixels.clone()) {
+        let error_map = self.error_map.as_ref().filter(|_| screenshot.error_map);
+        let left = match error_map.map(|(_, pixels)| pixels.clone()) {
             Some(pixels) => pixels,
             None => self.side(view.a, &view)?,
         };
@@ -52,7 +56,7 @@ impl State {
                 } else {
                     self.live.renderer().targets().size
                 };
-                wiped(&left, &right, shot.wipe_at, size)
+                compose_wipe(&left, &right, screenshot.wipe_at, size)
             }
         };
         png::encode(whole.size, &whole.rgba, None)
@@ -61,7 +65,7 @@ impl State {
     fn side(&mut self, side: Side, view: &View) -> Result<Pixels, String> {
         let rendered = self.render(view, side.method);
         rendered.map_err(|error| error.to_string())?;
-        let (pixels, _) = (self.pixels(side.look, view)).map_err(|error| error.to_string())?;
+        let (pixels, _) = (self.pixels(side.channel, view)).map_err(|error| error.to_string())?;
         Ok(pixels)
     }
 }

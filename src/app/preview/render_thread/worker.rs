@@ -7,14 +7,15 @@ use std::{
 };
 
 use super::{
-    dynamic_resolution::FrameCost, instance_mark::Mark, pixels::Pixels, reload_jobs::ReloadJobs,
+    dynamic_resolution::FrameCost, instance_key::InstanceKey, pixels::Pixels,
+    reload_jobs::ReloadJobs,
 };
 use crate::{
     app::{
         live::{Live, Reload, ViewOverrides},
         preview::{
             frame_texture::FrameTexture,
-            protocol::{Inspection, Report, View, ViewCamera},
+            protocol::{FrameRequest, Report, View, ViewCamera},
             scene_summary::SceneSummary,
         },
         watch::{WatchList, Watcher},
@@ -27,72 +28,72 @@ use crate::{
 /// A still picture may take this long before sub-frames are left out, milliseconds.
 const STILL_MS: f64 = 1000.0;
 /// What the thread works with.
-pub(super) struct State {
+pub(super) struct Worker {
     pub(super) gpu: Arc<Gpu>,
     pub(super) live: Live,
     pub(super) view: Option<View>,
-    pub(super) canvases: Vec<FrameTexture>,
-    pub(super) heat: Option<(FrameTexture, Pixels)>,
+    pub(super) textures: Vec<FrameTexture>,
+    pub(super) error_map: Option<(FrameTexture, Pixels)>,
     /// The selected instance.
-    pub(super) mark: Option<Mark>,
+    pub(super) selected: Option<InstanceKey>,
     pub(super) outline: Option<FrameTexture>,
     /// Scripts that run.
     pub(super) reload_jobs: ReloadJobs,
     /// What is in the targets, if it is a view of its posed frame.
-    pub(super) drawn: Option<View>,
+    pub(super) rendered_view: Option<View>,
     /// What waits for its frame.
-    pub(super) inspections: VecDeque<Inspection>,
+    pub(super) frame_requests: VecDeque<FrameRequest>,
     /// What was reloaded since the last picture, and when that was saved.
     pub(super) reloads: Vec<(Reload, Instant)>,
     /// What was last said to be watched.
     pub(super) watched: WatchList,
     /// The frame of the facts that were told last.
-    pub(super) told_frame: u32,
-    pub(super) told_at: Instant,
+    pub(super) summary_frame: u32,
+    pub(super) summary_sent_at: Instant,
     pub(super) number: u64,
-    cost: FrameCost,
+    frame_cost: FrameCost,
     sender: Sender<Report>,
-    woken: Box<dyn Fn() + Send>,
+    on_report: Box<dyn Fn() + Send>,
 }
 
-impl State {
+impl Worker {
     pub(super) fn new(
         gpu: Arc<Gpu>,
         live: Live,
         sender: Sender<Report>,
-        woken: Box<dyn Fn() + Send>,
+        on_report: Box<dyn Fn() + Send>,
     ) -> Self {
         Self {
             gpu,
             live,
             view: None,
-            canvases: Vec::new(),
-            heat: None,
-            mark: None,
+            textures: Vec::new(),
+            error_map: None,
+            selected: None,
             outline: None,
             reload_jobs: ReloadJobs::default(),
-            drawn: None,
-            inspections: VecDeque::new(),
+            rendered_view: None,
+            frame_requests: VecDeque::new(),
             reloads: Vec::new(),
             watched: WatchList::default(),
-            told_frame: 0,
-            told_at: Instant::now(),
+            summary_frame: 0,
+            summary_sent_at: Instant::now(),
             number: 0,
-            cost: FrameCost::default(),
+            frame_cost: FrameCost::default(),
             sender,
-            woken,
+            on_report,
         }
     }
 
-    pub(super) fn tell(&self, report: Report) {
+    pub(super) fn send(&self, report: Report) {
         // The window may be closed already.
         let _ = self.sender.send(report);
-        (self.woken)();
+        (self.on_report)();
     }
 
-    pub(super) fn tell_facts(&mut self) {
-        (self.told_frame, self.told_at) = (self.live.posed_frame(), Instant::now());
-        self.tell(Report::SceneSummary(Box::new(SceneSummary::of(&self.live))));
+    pub(super) fn send_summary(&mut self) {
+        (self.summary_frame, self.summary_sent_at) = (self.live.posed_frame(), Instant::now());
+        self.send(Report::SceneSummary(Box::new(SceneSummary::of(&self.live))));
     }
 
     pub(super) fn watch(&mut self, watcher: Option<&Watcher>) {
@@ -106,7 +107,7 @@ impl State {
     /// Shows an error; the last picture stays.
     pub(super) fn refuse(&mut self, error: &RenderError) {
         self.live.problems.refused = Some(error.to_string());
-        self.tell_facts();
+        self.send_summary();
     }
 
     /// Where a view is taken from in the posed scene.
@@ -128,7 +129,7 @@ impl State {
         view: &View,
         method: Method,
     ) -> Result<FrameStats, RenderError> {
-        self.drawn = None;
+        self.rendered_view = None;
         let most = self.gpu.limits.max_texture_dimension_2d;
         let pixels = |size: [u32; 2]| f64::from(size[0]) * f64::from(size[1]);
         let mut size = view.size.map(|side| side.clamp(1, most));
@@ -136,12 +137,17 @@ impl State {
         if let Some(draft_ms) = view.draft_ms {
             samples = 1;
             for _ in 0..3 {
-                if self.cost.is_too_large(pixels(size), draft_ms) {
+                if self.frame_cost.is_too_large(pixels(size), draft_ms) {
                     size = size.map(|side| side.div_ceil(2));
                 }
             }
         }
-        while samples > 1 && self.cost.ms(pixels(size) * f64::from(samples)) > STILL_MS {
+        while samples > 1
+            && self
+                .frame_cost
+                .predict_ms(pixels(size) * f64::from(samples))
+                > STILL_MS
+        {
             samples /= 2;
         }
         self.live.set_overrides(ViewOverrides {
@@ -149,9 +155,9 @@ impl State {
             method: Some(method),
             samples: Some(samples),
         })?;
-        let stats = self.live.render(&self.camera(&view.eye))?;
-        self.cost
-            .learn(pixels(size) * f64::from(samples), stats.frame_ms);
+        let stats = self.live.render(&self.camera(&view.camera))?;
+        self.frame_cost
+            .record(pixels(size) * f64::from(samples), stats.frame_ms);
         Ok(stats)
     }
 }

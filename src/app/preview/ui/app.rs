@@ -8,11 +8,11 @@ use eframe::egui::{self, Key, Ui};
 use super::{
     channel_menu::METHODS,
     panels::{self, ViewRequest},
-    status_bar::{self, Doing},
+    status_bar::{self, Activity},
     timeline::{self, Timeline},
     window::Window,
 };
-use crate::app::preview::protocol::{Inspect, Screenshot, Task, View, ViewCamera};
+use crate::app::preview::protocol::{FrameAction, Screenshot, Task, View, ViewCamera};
 
 /// How long the camera must rest before the full picture is drawn, seconds.
 const SETTLE_S: f64 = 0.15;
@@ -30,11 +30,11 @@ const TOLD_EVERY_S: f32 = 1.0;
 const PLAYING_SHARE: f64 = 0.8;
 
 impl Window {
-    fn keys(&mut self, ui: &Ui, overrides: &mut Vec<ViewRequest>) {
+    fn keys(&mut self, ui: &Ui, requests: &mut Vec<ViewRequest>) {
         if ui.ctx().egui_wants_keyboard_input() {
             // It writes no text.
             if ui.input(|i| i.key_pressed(Key::F12)) {
-                overrides.push(ViewRequest::Screenshot);
+                requests.push(ViewRequest::Screenshot);
             }
             return;
         }
@@ -57,78 +57,78 @@ impl Window {
         }
         for (key, method) in [Key::Num1, Key::Num2, Key::Num3].into_iter().zip(METHODS) {
             if pressed(key) {
-                self.choice.a.method = method;
+                self.settings.a.method = method;
             }
         }
-        for (key, set_overrides) in [
+        for (key, request) in [
             (Key::F, ViewRequest::Frame),
             (Key::C, ViewRequest::Copy),
-            (Key::X, ViewRequest::Judge),
+            (Key::X, ViewRequest::Compare),
             (Key::F12, ViewRequest::Screenshot),
-            (Key::R, ViewRequest::Through(self.choice.home)),
+            (Key::R, ViewRequest::Through(self.settings.home)),
         ] {
             if pressed(key) {
-                overrides.push(set_overrides);
+                requests.push(request);
             }
         }
         if pressed(Key::B) {
-            self.choice.wipe = !self.choice.wipe;
+            self.settings.wipe = !self.settings.wipe;
         }
         if pressed(Key::H) {
-            self.choice.help = !self.choice.help;
+            self.settings.help = !self.settings.help;
         }
         if pressed(Key::Escape) {
-            if self.choice.help || self.choice.heat {
-                (self.choice.help, self.choice.heat) = (false, false);
+            if self.settings.help || self.settings.error_map {
+                (self.settings.help, self.settings.error_map) = (false, false);
             } else {
                 self.unselect();
             }
         }
     }
 
-    fn grant(&mut self, ui: &Ui, overrides: Vec<ViewRequest>) {
-        for set_overrides in overrides {
-            match set_overrides {
+    fn handle_requests(&mut self, ui: &Ui, requests: Vec<ViewRequest>) {
+        for request in requests {
+            match request {
                 ViewRequest::Through(index) => {
-                    if let Some((_, camera)) = self.facts.cameras.get(index) {
-                        self.navigator.camera = camera.clone();
-                        (self.choice.through, self.choice.home) = (Some(index), index);
+                    if let Some((_, camera)) = self.summary.cameras.get(index) {
+                        self.camera_controls.camera = camera.clone();
+                        (self.settings.through, self.settings.home) = (Some(index), index);
                     }
                 }
                 ViewRequest::Frame => self.frame_selection(),
                 ViewRequest::Copy => {
                     ui.ctx().copy_text(self.camera_text());
-                    (self.note).say("the camera is in the clipboard, as scene text");
+                    (self.message).set("the camera is in the clipboard, as scene text");
                 }
-                ViewRequest::Judge => self.inspect(Inspect::Judge(self.edits)),
+                ViewRequest::Compare => self.request_frame(FrameAction::Compare(self.edits)),
                 ViewRequest::Screenshot => {
-                    self.inspect(Inspect::Screenshot(Screenshot {
-                        folder: self.shots.clone(),
+                    self.request_frame(FrameAction::Screenshot(Screenshot {
+                        folder: self.screenshot_folder.clone(),
                         stem: self.stem.clone(),
-                        wipe_at: self.choice.wipe_at,
-                        heat: self.heat().is_some(),
+                        wipe_at: self.settings.wipe_at,
+                        error_map: self.error_map().is_some(),
                     }));
                 }
                 ViewRequest::Edit(edit) => {
-                    if let Some(row) = self.facts.materials.get_mut(edit.material) {
+                    if let Some(row) = self.summary.materials.get_mut(edit.material) {
                         row.edit = edit;
                     }
-                    self.judged = None;
+                    self.comparison = None;
                     self.edits += 1;
-                    self.ask(Task::Edit(edit));
+                    self.send(Task::Edit(edit));
                 }
-                ViewRequest::Tune(tuned) => self.ask(Task::Tune(tuned)),
+                ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
             }
         }
     }
 
     /// Asks for the view, if it is another than before.
-    fn ask_view(&mut self, ui: &Ui, moved: bool) {
+    fn request_view(&mut self, ui: &Ui, moved: bool) {
         let now = ui.input(|i| i.time);
         if moved {
             self.moved_at = now;
-            self.choice.through = None;
-            self.choice.heat = false;
+            self.settings.through = None;
+            self.settings.error_map = false;
         }
         let rests = now - self.moved_at >= SETTLE_S;
         if !rests {
@@ -136,31 +136,34 @@ impl Window {
             ui.ctx().request_repaint_after_secs(wait as f32);
         }
         let frame = self.tick(ui, now);
-        let through = self.choice.through.and_then(|i| self.facts.cameras.get(i));
+        let through = self
+            .settings
+            .through
+            .and_then(|i| self.summary.cameras.get(i));
         let view = View {
-            eye: match through {
+            camera: match through {
                 Some((name, _)) => ViewCamera::Through(name.clone()),
-                None => ViewCamera::Free(self.navigator.camera.clone()),
+                None => ViewCamera::Free(self.camera_controls.camera.clone()),
             },
             frame,
             plays: self.timeline.as_ref().is_some_and(Timeline::is_playing),
             size: self.viewport,
-            a: self.choice.a,
-            b: self.choice.wipe.then_some(self.choice.b),
+            a: self.settings.a,
+            b: self.settings.wipe.then_some(self.settings.b),
             draft_ms: self.draft_ms(rests),
         };
         if self
-            .asked
+            .requested
             .as_ref()
-            .is_some_and(|asked| asked.frame != frame)
+            .is_some_and(|requested| requested.frame != frame)
         {
-            self.choice.heat = false;
+            self.settings.error_map = false;
         }
         // A minimized window has no pixels: nothing is asked for.
-        if view.size.iter().all(|side| *side > 0) && self.asked.as_ref() != Some(&view) {
+        if view.size.iter().all(|side| *side > 0) && self.requested.as_ref() != Some(&view) {
             self.is_busy = true;
-            self.worker.mailbox.show(view.clone());
-            self.asked = Some(view);
+            self.render_thread.mailbox.post_view(view.clone());
+            self.requested = Some(view);
         }
     }
 
@@ -197,14 +200,14 @@ impl Window {
     fn status(&mut self, ui: &mut Ui) {
         let picture = self.shown.as_ref().map_or(0, |shown| shown.number);
         let doing = if self.timeline.as_ref().is_some_and(Timeline::is_playing) {
-            Doing::Plays(self.reduced())
+            Activity::Playing(self.reduced())
         } else if self.is_busy {
-            Doing::Draws
+            Activity::Drawing
         } else {
-            Doing::Rests
+            Activity::Idle
         };
         let script_s = self.script_s();
-        status_bar::status(ui, picture, &doing, script_s, &mut self.note);
+        status_bar::status(ui, picture, &doing, script_s, &mut self.message);
     }
 
     /// How long a script has been running, once that is worth telling, seconds.
@@ -217,13 +220,13 @@ impl Window {
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let now_s = ui.input(|i| i.time);
-        self.note.give_way(ui, now_s);
-        self.receive(now_s);
-        let mut overrides = Vec::new();
-        self.keys(ui, &mut overrides);
+        self.message.expire_on_input(ui, now_s);
+        self.handle_reports(now_s);
+        let mut requests = Vec::new();
+        self.keys(ui, &mut requests);
         egui::Panel::top("bar").show(ui, |ui| {
             ui.add_space(3.0);
-            panels::bar(ui, &mut self.choice, &self.facts, &mut overrides);
+            panels::bar(ui, &mut self.settings, &self.summary, &mut requests);
             ui.add_space(2.0);
         });
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
@@ -238,7 +241,7 @@ impl eframe::App for Window {
             egui::Panel::bottom("timeline").show(ui, |ui| {
                 ui.add_space(2.0);
                 let shown = self.shown.as_ref().map(|shown| shown.frame);
-                let is_stuck = !self.facts.problems.pose.is_empty() || is_slow;
+                let is_stuck = !self.summary.problems.pose.is_empty() || is_slow;
                 timeline::panel(ui, timeline, shown, is_stuck, now_s);
                 ui.add_space(1.0);
             });
@@ -249,14 +252,14 @@ impl eframe::App for Window {
             egui::Panel::right("side")
                 .resizable(false)
                 .exact_size(side)
-                .show(ui, |ui| self.side_panel(ui, &mut overrides));
+                .show(ui, |ui| self.side_panel(ui, &mut requests));
         }
         let central = egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui, frame));
-        let mut is_open = self.choice.help;
+        let mut is_open = self.settings.help;
         status_bar::help(ui, &mut is_open);
-        self.choice.help &= is_open;
-        self.grant(ui, overrides);
-        self.ask_view(ui, central.inner);
-        self.note.tick(ui, now_s);
+        self.settings.help &= is_open;
+        self.handle_requests(ui, requests);
+        self.request_view(ui, central.inner);
+        self.message.tick(ui, now_s);
     }
 }

@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use crate::scene::parse;
 
-    fn navigator() -> CameraControls {
+    fn camera_controls() -> CameraControls {
         let bounds = Bounds {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn orbiting_keeps_the_distance_and_never_tips_over() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let distance = nav.distance();
         for i in 0..200 {
             nav.orbit(Vec2::new(0.03, if i % 70 < 40 { 0.05 } else { -0.05 }));
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn looking_keeps_the_eye_and_panning_the_direction() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.look(Vec2::new(0.25, -0.1));
         assert_eq!(nav.camera.eye, eye);
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn the_wheel_comes_close_but_not_through() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let forward = nav.forward();
         nav.dolly(1000.0);
         assert!(nav.distance() > 0.0 && nav.forward().distance(forward) < 1e-3);
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn flying_goes_at_its_speed_whatever_the_keys() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.fly(Vec3::new(1.0, 0.0, 1.0), 0.5);
         assert!((nav.camera.eye.distance(eye) - 0.5 * nav.speed_m).abs() < 1e-4);
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn framing_sees_all_corners() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let bounds = Bounds {
             min: Vec3::new(3.0, -2.0, 1.0),
             max: Vec3::new(4.0, 5.0, 9.0),

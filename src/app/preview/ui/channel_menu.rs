@@ -5,7 +5,7 @@ use eframe::egui::{self, Ui};
 use crate::{
     app::preview::{
         protocol::Side,
-        view_channel::{ShadowCaster, ShadowMapChoice, ViewChannel},
+        view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
     },
     bench::parameter::method_name,
     render::{aov::Aov, debug_readback::CUBE_FACES},
@@ -19,34 +19,34 @@ pub const METHODS: [Method; 3] = [Method::Hybrid, Method::Ssr, Method::Rt];
 pub const MENU: f32 = 96.0;
 
 /// Method and texture of one side.
-pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, casters: &[ShadowCaster]) {
+pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
     for method in METHODS {
         ui.selectable_value(&mut side.method, method, method_name(method));
     }
     egui::ComboBox::from_id_salt(id)
-        .selected_text(side.look.name())
+        .selected_text(side.channel.name())
         .width(MENU)
         .truncate()
         .height(400.0)
-        .show_ui(ui, |ui| textures(ui, &mut side.look, casters))
+        .show_ui(ui, |ui| textures(ui, &mut side.channel, shadow_lights))
         .response
         .on_hover_text("the picture, or a texture that it was made from");
-    if let ViewChannel::Shadow(cast) = &mut side.look {
-        shadow_menu(ui, id, cast, casters);
+    if let ViewChannel::Shadow(shadow_map) = &mut side.channel {
+        shadow_menu(ui, id, shadow_map, shadow_lights);
     }
 }
 
 /// The list of everything that can be looked at.
-fn textures(ui: &mut Ui, look: &mut ViewChannel, casters: &[ShadowCaster]) {
+fn textures(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
     let all =
         std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));
     for other in all.chain([ViewChannel::Rays]) {
-        ui.selectable_value(look, other, other.name());
+        ui.selectable_value(channel, other, other.name());
     }
-    let is_shadow = matches!(look, ViewChannel::Shadow(_));
-    let first = casters.first().map(|caster| {
+    let is_shadow = matches!(channel, ViewChannel::Shadow(_));
+    let first = shadow_lights.first().map(|shadow_light| {
         ViewChannel::Shadow(ShadowMapChoice {
-            light: caster.light,
+            light: shadow_light.light,
             face: None,
         })
     });
@@ -54,38 +54,45 @@ fn textures(ui: &mut Ui, look: &mut ViewChannel, casters: &[ShadowCaster]) {
         let row = ui.selectable_label(is_shadow, "shadow_map");
         let row = row.on_disabled_hover_text("no light has shadow = \"map\"");
         if let (true, false, Some(first)) = (row.clicked(), is_shadow, first) {
-            *look = first;
+            *channel = first;
         }
     });
 }
 
 /// Which light, and which face of its cube.
-fn shadow_menu(ui: &mut Ui, id: &str, cast: &mut ShadowMapChoice, casters: &[ShadowCaster]) {
-    let now = casters.iter().find(|caster| caster.light == cast.light);
+fn shadow_menu(
+    ui: &mut Ui,
+    id: &str,
+    shadow_map: &mut ShadowMapChoice,
+    shadow_lights: &[ShadowLight],
+) {
+    let now = shadow_lights
+        .iter()
+        .find(|shadow_light| shadow_light.light == shadow_map.light);
     let label = ui.weak("of");
     let menu = egui::ComboBox::from_id_salt((id, "light"))
-        .selected_text(now.map_or("?", |caster| &caster.name))
+        .selected_text(now.map_or("?", |shadow_light| &shadow_light.name))
         .show_ui(ui, |ui| {
-            for caster in casters {
-                let is_now = caster.light == cast.light;
-                if ui.selectable_label(is_now, &caster.name).clicked() {
-                    *cast = ShadowMapChoice {
-                        light: caster.light,
-                        face: cast.face.filter(|face| *face < caster.faces),
+            for shadow_light in shadow_lights {
+                let is_now = shadow_light.light == shadow_map.light;
+                if ui.selectable_label(is_now, &shadow_light.name).clicked() {
+                    *shadow_map = ShadowMapChoice {
+                        light: shadow_light.light,
+                        face: shadow_map.face.filter(|face| *face < shadow_light.faces),
                     };
                 }
             }
         });
     menu.response.labelled_by(label.id);
-    if now.is_some_and(|caster| caster.faces > 1) {
+    if now.is_some_and(|shadow_light| shadow_light.faces > 1) {
         let label = ui.weak("face");
         let menu = egui::ComboBox::from_id_salt((id, "face"))
-            .selected_text(cast.face.map_or("all", |face| CUBE_FACES[face]))
+            .selected_text(shadow_map.face.map_or("all", |face| CUBE_FACES[face]))
             .width(48.0)
             .show_ui(ui, |ui| {
-                ui.selectable_value(&mut cast.face, None, "all");
+                ui.selectable_value(&mut shadow_map.face, None, "all");
                 for (face, name) in CUBE_FACES.into_iter().enumerate() {
-                    ui.selectable_value(&mut cast.face, Some(face), name);
+                    ui.selectable_value(&mut shadow_map.face, Some(face), name);
                 }
             });
         menu.response.labelled_by(label.id);
@@ -99,8 +106,8 @@ mod tests {
 
     use super::*;
 
-    fn caster(light: usize, name: &str, faces: usize) -> ShadowCaster {
-        ShadowCaster {
+    fn shadow_light(light: usize, name: &str, faces: usize) -> ShadowLight {
+        ShadowLight {
             light,
             name: name.to_owned(),
             faces,
@@ -111,16 +118,16 @@ mod tests {
         ViewChannel::Shadow(ShadowMapChoice { light, face })
     }
 
-    fn harness<'a>(casters: Vec<ShadowCaster>) -> Harness<'a, Side> {
+    fn harness<'a>(shadow_lights: Vec<ShadowLight>) -> Harness<'a, Side> {
         let side = Side {
             method: Method::Hybrid,
-            look: ViewChannel::Picture,
+            channel: ViewChannel::Picture,
         };
         Harness::builder()
             .with_size(egui::vec2(900.0, 600.0))
             .build_ui_state(
                 move |ui, side| {
-                    ui.horizontal(|ui| side_menu(ui, "texture", side, &casters));
+                    ui.horizontal(|ui| side_menu(ui, "texture", side, &shadow_lights));
                 },
                 side,
             )
@@ -139,23 +146,23 @@ mod tests {
 
     #[test]
     fn shadow_maps_are_chosen_by_light_and_face() {
-        let mut harness = harness(vec![caster(0, "sun", 1), caster(2, "lamp", 6)]);
+        let mut harness = harness(vec![shadow_light(0, "sun", 1), shadow_light(2, "lamp", 6)]);
         choose(&mut harness, 0, "shadow_map");
-        assert_eq!(harness.state().look, shadow(0, None));
+        assert_eq!(harness.state().channel, shadow(0, None));
         assert!(harness.query_by_label("face").is_none(), "the sun has one");
         choose(&mut harness, 1, "lamp");
         choose(&mut harness, 2, "-Y");
-        assert_eq!(harness.state().look, shadow(2, Some(3)));
+        assert_eq!(harness.state().channel, shadow(2, Some(3)));
         choose(&mut harness, 1, "sun");
-        assert_eq!(harness.state().look, shadow(0, None));
+        assert_eq!(harness.state().channel, shadow(0, None));
         choose(&mut harness, 0, "ray_list");
-        assert_eq!(harness.state().look, ViewChannel::Rays);
+        assert_eq!(harness.state().channel, ViewChannel::Rays);
     }
 
     #[test]
     fn without_maps_there_is_nothing_to_choose() {
         let mut harness = harness(Vec::new());
         choose(&mut harness, 0, "shadow_map");
-        assert_eq!(harness.state().look, ViewChannel::Picture);
+        assert_eq!(harness.state().channel, ViewChannel::Picture);
     }
 }

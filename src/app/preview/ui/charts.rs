@@ -122,7 +122,7 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
 }
 
 /// The scale of a FLIP map: its colors from 0 to 1, and what the ends mean.
-pub fn heat_scale(ui: &mut Ui) {
+pub fn flip_scale(ui: &mut Ui) {
     const STEPS: usize = 128;
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 12.0), Sense::hover());

@@ -11,14 +11,14 @@ use crate::{
 
 /// The list is at most so wide and high, points, and covers at most this part of the picture's
 /// height.
-const MOST: egui::Vec2 = vec2(860.0, 220.0);
-const MOST_PART: f32 = 0.4;
+const MAX_SIZE: egui::Vec2 = vec2(860.0, 220.0);
+const MAX_HEIGHT_FRACTION: f32 = 0.4;
 /// ReportContext the list, and inside of its frame, points.
 const MARGIN: f32 = 8.0;
 
 /// A mistake for people.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mistake {
+pub struct DiagnosticEntry {
     /// What is wrong and what was expected.
     pub message: String,
     /// Where: `file:line:column`, a file, or what else can be said.
@@ -29,23 +29,23 @@ pub struct Mistake {
 
 /// Whether the list is folded.
 #[derive(Clone, Debug, Default)]
-pub struct Fold(Option<BTreeSet<String>>);
+pub struct FoldState(Option<BTreeSet<String>>);
 
-impl Fold {
+impl FoldState {
     /// Folded until there is a mistake that is not among these.
-    fn fold(&mut self, mistakes: &[Mistake]) {
-        self.0 = Some(mistakes.iter().map(Mistake::kind).collect());
+    fn fold(&mut self, entries: &[DiagnosticEntry]) {
+        self.0 = Some(entries.iter().map(DiagnosticEntry::kind).collect());
     }
 
     /// Unfolds for a new mistake; whether it is folded.
-    fn stays(&mut self, mistakes: &[Mistake]) -> bool {
-        let is_known = |known: &BTreeSet<_>| mistakes.iter().all(|m| known.contains(&m.kind()));
+    fn update(&mut self, entries: &[DiagnosticEntry]) -> bool {
+        let is_known = |known: &BTreeSet<_>| entries.iter().all(|m| known.contains(&m.kind()));
         self.0 = self.0.take().filter(is_known);
         self.0.is_some()
     }
 }
 
-impl Mistake {
+impl DiagnosticEntry {
     fn of(diagnostic: &Diagnostic) -> Self {
         let help = diagnostic.help.iter().map(|help| ("help", help.clone()));
         let related = diagnostic.related.iter().map(|(span, note)| {
@@ -123,13 +123,13 @@ pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
 
 /// The list, at the bottom of the picture and over it: were it beside, a mistake would change the
 /// picture's size.
-pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut Fold) {
+pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut FoldState) {
     if problems.is_empty() {
         return;
     }
     let room = picture.size() - egui::Vec2::splat(4.0 * MARGIN);
-    let size = MOST
-        .min(vec2(room.x, room.y * MOST_PART))
+    let size = MAX_SIZE
+        .min(vec2(room.x, room.y * MAX_HEIGHT_FRACTION))
         .max(vec2(40.0, 24.0));
     egui::Area::new(egui::Id::unique("reflet problems"))
         .pivot(egui::Align2::LEFT_BOTTOM)
@@ -139,18 +139,18 @@ pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut Fold) {
             let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
             frame.show(ui, |ui| {
                 ui.set_width(size.x);
-                list(ui, &Mistake::all(problems), fold, size.y);
+                list(ui, &DiagnosticEntry::all(problems), fold, size.y);
             });
         });
 }
 
 /// The list and its fold, at most so high but for its first line, points.
-pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
-    let is_folded = fold.stays(mistakes);
-    let title = match (is_folded, mistakes) {
+pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, height: f32) {
+    let is_folded = fold.update(entries);
+    let title = match (is_folded, entries) {
         (true, [only]) => only.message.clone(),
         // First what must not be cut off.
-        (true, [first, ..]) => format!("{} mistakes: {}", mistakes.len(), first.message),
+        (true, [first, ..]) => format!("{} mistakes: {}", entries.len(), first.message),
         (false, [_]) => "Not taken over, the picture stays".to_owned(),
         (_, all) => format!("Not taken over, the picture stays: {} mistakes", all.len()),
     };
@@ -159,13 +159,13 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
         ui.with_layout(right, |ui| {
             if is_folded {
                 if ui.button("unfold").on_hover_text("all of it").clicked() {
-                    *fold = Fold::default();
+                    *fold = FoldState::default();
                 }
             } else if (ui.button("fold"))
                 .on_hover_text("to one line, until there is another mistake")
                 .clicked()
             {
-                fold.fold(mistakes);
+                fold.fold(entries);
             }
             let left = egui::Layout::left_to_right(egui::Align::Center);
             ui.with_layout(left.with_main_align(egui::Align::Min), |ui| {
@@ -184,12 +184,12 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
         .show(ui, |ui| {
             // Beside the scroll bar.
             ui.set_width(ui.available_width() - MARGIN);
-            for (index, mistake) in mistakes.iter().enumerate() {
+            for (index, entry) in entries.iter().enumerate() {
                 if index > 0 {
                     ui.add_space(2.0);
                     ui.separator();
                 }
-                ui.scope(|ui| mistake.show(ui));
+                ui.scope(|ui| entry.show(ui));
             }
         });
 }
@@ -205,14 +205,14 @@ mod tests {
 
     struct State {
         problems: Problems,
-        fold: Fold,
+        fold: FoldState,
         picture: Rect,
     }
 
     fn harness<'a>(text: &str) -> Harness<'a, State> {
         let state = State {
             problems: problems(text),
-            fold: Fold::default(),
+            fold: FoldState::default(),
             picture: Rect::from_min_size(egui::pos2(0.0, 30.0), vec2(300.0, 340.0)),
         };
         let draw = |ui: &mut Ui, state: &mut State| {
@@ -236,12 +236,12 @@ mod tests {
     #[test]
     fn message_place_and_help_are_apart() {
         let mut harness = harness(ONE);
-        let mistake = Mistake::all(&harness.state().problems).remove(0);
-        let place = mistake.place.expect("has a place");
+        let entry = DiagnosticEntry::all(&harness.state().problems).remove(0);
+        let place = entry.place.expect("has a place");
         assert_eq!(place, "my.toml:3:1");
-        let help = format!("help: {}", mistake.more[0].1);
+        let help = format!("help: {}", entry.more[0].1);
         let top = |label: &str| harness.get_by_label(label).rect().top();
-        let tops = [top(&mistake.message), top(&place), top(&help)];
+        let tops = [top(&entry.message), top(&place), top(&help)];
         assert!(tops.is_sorted_by(|a, b| a + 10.0 < *b), "{tops:?}");
         harness.get_by_label("copy").click();
         harness.step();
@@ -260,7 +260,7 @@ mod tests {
         );
         let covered = picture.bottom() - title.rect().top();
         assert!(covered < 0.6 * picture.height(), "{covered}");
-        let all = Mistake::all(&harness.state().problems);
+        let all = DiagnosticEntry::all(&harness.state().problems);
         let last = all.last().expect("many").place.clone().expect("a place");
         let is_seen = |harness: &Harness<'_, State>| {
             picture.contains_rect(harness.get_by_label(&last).rect())
@@ -277,7 +277,9 @@ mod tests {
     #[test]
     fn it_folds_to_a_line_until_there_is_another_mistake() {
         let mut harness = harness(ONE);
-        let message = Mistake::all(&harness.state().problems)[0].message.clone();
+        let message = DiagnosticEntry::all(&harness.state().problems)[0]
+            .message
+            .clone();
         harness.get_by_label("fold").click();
         harness.run();
         assert!(harness.query_by_label("my.toml:3:1").is_none());
@@ -300,8 +302,8 @@ mod tests {
         harness.get_by_label_contains("2 mistakes: ");
         harness.get_by_label("unfold").click();
         harness.run();
-        for mistake in Mistake::all(&harness.state().problems) {
-            harness.get_by_label(&mistake.place.expect("a place"));
+        for entry in DiagnosticEntry::all(&harness.state().problems) {
+            harness.get_by_label(&entry.place.expect("a place"));
         }
     }
 }

@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
-use super::panels::{Choice, ViewRequest, named};
+use super::panels::{ViewRequest, ViewSettings, named};
 use crate::{
     app::{
         live::Edit,
         preview::{
             protocol::Picked,
-            scene_summary::{Row, SceneSummary},
+            scene_summary::{MaterialRow, SceneSummary},
         },
     },
     scene::{
@@ -27,52 +27,54 @@ const SPEED: f32 = 0.01;
 /// The list of materials, and the numbers of the selected one; with the instance that was clicked.
 pub fn panel(
     ui: &mut Ui,
-    choice: &mut Choice,
-    facts: &SceneSummary,
+    settings: &mut ViewSettings,
+    summary: &SceneSummary,
     picked: Option<&Picked>,
-    overrides: &mut Vec<ViewRequest>,
+    requests: &mut Vec<ViewRequest>,
 ) {
     let header = egui::CollapsingHeader::new("Materials").default_open(true);
-    let shown = (header.open(choice.reveals.then_some(true))).show(ui, |ui| {
-        list(ui, choice, facts);
+    let shown = (header.open(settings.reveals.then_some(true))).show(ui, |ui| {
+        list(ui, settings, summary);
         if let Some(picked) = picked {
             instance(ui, picked);
         }
-        let selected = choice.material.and_then(|index| facts.materials.get(index));
+        let selected = settings
+            .material
+            .and_then(|index| summary.materials.get(index));
         let Some(row) = selected else {
             ui.weak("click one here or in the picture");
             return;
         };
         let edit = numbers(ui, row);
         if edit != row.edit {
-            overrides.push(ViewRequest::Edit(edit));
+            requests.push(ViewRequest::Edit(edit));
         }
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
         }
         ui.weak("until the scene is saved again; it wins over motion");
     });
-    if choice.reveals {
+    if settings.reveals {
         let is_open = shown.fully_open();
         let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
         ui.scroll_to_rect(shown.header_response.rect.union(body), None);
         // It unfolds over several frames.
-        choice.reveals = !is_open;
+        settings.reveals = !is_open;
     }
 }
 
-fn list(ui: &mut Ui, choice: &mut Choice, facts: &SceneSummary) {
+fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
     let area = egui::ScrollArea::vertical().id_salt("materials");
     area.max_height(110.0).show(ui, |ui| {
-        for row in &facts.materials {
+        for row in &summary.materials {
             let index = row.edit.material;
             let text = format!("{}  ×{}", row.name, row.uses);
-            let is_selected = choice.material == Some(index);
+            let is_selected = settings.material == Some(index);
             let label = ui.selectable_label(is_selected, text);
             if label.clicked() {
-                choice.material = (!is_selected).then_some(index);
+                settings.material = (!is_selected).then_some(index);
             }
-            if is_selected && choice.reveals {
+            if is_selected && settings.reveals {
                 label.scroll_to_me(None);
             }
         }
@@ -95,7 +97,7 @@ fn instance(ui: &mut Ui, picked: &Picked) {
 }
 
 /// Every number that the material has; the edit with what was moved.
-fn numbers(ui: &mut Ui, row: &Row) -> Edit {
+fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     let now = row.edit.over(&row.numbers);
     let mut edit = row.edit;
     for (index, field) in MATERIAL.iter().enumerate() {

@@ -30,18 +30,18 @@ pub enum ViewRequest {
     /// Copy the camera.
     Copy,
     /// Compare with `rt`.
-    Judge,
+    Compare,
     /// Write a picture.
     Screenshot,
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(ParameterOverrides),
+    SetParameters(ParameterOverrides),
 }
 
 /// What a person has chosen.
 #[derive(Clone, Debug)]
-pub struct Choice {
+pub struct ViewSettings {
     /// The left side.
     pub a: Side,
     /// The right side.
@@ -61,15 +61,15 @@ pub struct Choice {
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
-    pub heat: bool,
+    pub error_map: bool,
 }
 
-impl Choice {
+impl ViewSettings {
     /// At first: the picture by one method.
     pub fn new(method: Method) -> Self {
         let side = |method| Side {
             method,
-            look: ViewChannel::Picture,
+            channel: ViewChannel::Picture,
         };
         Self {
             a: side(method),
@@ -85,7 +85,7 @@ impl Choice {
             through: None,
             home: 0,
             help: false,
-            heat: false,
+            error_map: false,
         }
     }
 }
@@ -122,42 +122,42 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 /// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
 pub fn bar(
     ui: &mut Ui,
-    choice: &mut Choice,
-    facts: &SceneSummary,
-    overrides: &mut Vec<ViewRequest>,
+    settings: &mut ViewSettings,
+    summary: &SceneSummary,
+    requests: &mut Vec<ViewRequest>,
 ) {
     ui.horizontal_wrapped(|ui| {
         group(ui, "a", |ui| {
-            side_menu(ui, "texture", &mut choice.a, &facts.casters);
+            side_menu(ui, "texture", &mut settings.a, &summary.shadow_lights);
         });
         group(ui, "b", |ui| {
-            ui.checkbox(&mut choice.wipe, "wipe")
+            ui.checkbox(&mut settings.wipe, "wipe")
                 .on_hover_text("B: compare with another method or texture");
-            ui.add_enabled_ui(choice.wipe, |ui| {
+            ui.add_enabled_ui(settings.wipe, |ui| {
                 side_menu(
                     ui,
                     "texture of the right side",
-                    &mut choice.b,
-                    &facts.casters,
+                    &mut settings.b,
+                    &summary.shadow_lights,
                 );
             });
         });
-        group(ui, "camera", |ui| cameras(ui, choice, facts, overrides));
+        group(ui, "camera", |ui| cameras(ui, settings, summary, requests));
         let button = |ui: &mut Ui,
-                      overrides: &mut Vec<ViewRequest>,
+                      requests: &mut Vec<ViewRequest>,
                       text: &str,
                       hover: &str,
-                      set_overrides: ViewRequest| {
+                      request: ViewRequest| {
             if ui.button(text).on_hover_text(hover).clicked() {
-                overrides.push(set_overrides);
+                requests.push(request);
             }
         };
         group(ui, "of the camera", |ui| {
             let hover = "F: show the selection, or the scene";
-            button(ui, overrides, "frame", hover, ViewRequest::Frame);
+            button(ui, requests, "frame", hover, ViewRequest::Frame);
             button(
                 ui,
-                overrides,
+                requests,
                 "copy camera",
                 "C: as scene text",
                 ViewRequest::Copy,
@@ -166,38 +166,43 @@ pub fn bar(
         group(ui, "of the picture", |ui| {
             button(
                 ui,
-                overrides,
+                requests,
                 "error",
                 "X: this method against rt",
-                ViewRequest::Judge,
+                ViewRequest::Compare,
             );
             button(
                 ui,
-                overrides,
+                requests,
                 "screenshot",
                 "F12: write a PNG file",
                 ViewRequest::Screenshot,
             );
             if ui.button("keys").on_hover_text("H").clicked() {
-                choice.help = !choice.help;
+                settings.help = !settings.help;
             }
         });
     });
 }
 
 /// The menu of the scene's cameras.
-fn cameras(ui: &mut Ui, choice: &Choice, facts: &SceneSummary, overrides: &mut Vec<ViewRequest>) {
-    let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
+fn cameras(
+    ui: &mut Ui,
+    settings: &ViewSettings,
+    summary: &SceneSummary,
+    requests: &mut Vec<ViewRequest>,
+) {
+    let name = |index: usize| summary.cameras.get(index).map(|(name, _)| name.as_str());
     let label = ui.weak("camera");
     let menu = egui::ComboBox::from_id_salt("camera")
-        .selected_text(choice.through.and_then(name).unwrap_or("free camera"))
+        .selected_text(settings.through.and_then(name).unwrap_or("free camera"))
         .width(MENU)
         .truncate()
         .show_ui(ui, |ui| {
-            for (index, (name, _)) in facts.cameras.iter().enumerate() {
-                let is_shown = choice.through == Some(index);
+            for (index, (name, _)) in summary.cameras.iter().enumerate() {
+                let is_shown = settings.through == Some(index);
                 if ui.selectable_label(is_shown, name).clicked() {
-                    overrides.push(ViewRequest::Through(index));
+                    requests.push(ViewRequest::Through(index));
                 }
             }
         });
@@ -310,9 +315,14 @@ fn over_time(
 
 /// The last comparison of a method with `rt`. It has the same height with and without one: what is below stays
 /// where it is when the numbers come.
-pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choice: &mut Choice) {
+pub fn comparison(
+    ui: &mut Ui,
+    comparison: Option<(Method, &Scores)>,
+    is_old: bool,
+    settings: &mut ViewSettings,
+) {
     let number = |of: &dyn Fn(&Scores) -> Option<String>| {
-        let text = judged.and_then(|(_, scores)| of(scores));
+        let text = comparison.and_then(|(_, scores)| of(scores));
         text.unwrap_or("–".to_owned())
     };
     egui::CollapsingHeader::new("Error against rt")
@@ -337,7 +347,7 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
                     ui.end_row();
                 }
             });
-            let method = judged.map(|(method, _)| method_name(method));
+            let method = comparison.map(|(method, _)| method_name(method));
             let of_what = match method {
                 None => "X compares this method with rt".to_owned(),
                 Some(method) if is_old => {
@@ -347,12 +357,12 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
             };
             let of_what = egui::RichText::new(of_what).weak();
             ui.add(egui::Label::new(of_what).truncate());
-            let mut shows = choice.heat && judged.is_some();
+            let mut shows = settings.error_map && comparison.is_some();
             let switch = egui::Checkbox::new(&mut shows, "show where (FLIP)");
-            if ui.add_enabled(judged.is_some(), switch).changed() {
-                choice.heat = shows;
+            if ui.add_enabled(comparison.is_some(), switch).changed() {
+                settings.error_map = shows;
             }
-            charts::heat_scale(ui);
+            charts::flip_scale(ui);
         });
 }
 

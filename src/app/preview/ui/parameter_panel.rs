@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::{diagnostics_panel::Mistake, panels::named};
+use super::{diagnostics_panel::DiagnosticEntry, panels::named};
 use crate::{
     app::{
         live::Refusal,
@@ -17,7 +17,7 @@ use crate::{
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// Laid over the scene's own values.
-    pub tuned: ParameterOverrides,
+    pub overrides: ParameterOverrides,
     /// Values that do not work: their controls show them, but the picture has what `tuned` has.
     refused: Vec<Refused>,
 }
@@ -26,7 +26,7 @@ pub struct Parameters {
 #[derive(Clone, Debug, PartialEq)]
 struct Refused {
     values: Vec<(String, ParamValue)>,
-    why: Vec<Mistake>,
+    why: Vec<DiagnosticEntry>,
 }
 
 impl Parameters {
@@ -37,13 +37,13 @@ impl Parameters {
 
     /// What the control shows of a parameter.
     fn shown<'a>(&'a self, name: &str, own: &'a ParamValue) -> &'a ParamValue {
-        let value = self.refused(name).or_else(|| self.tuned.get(name));
+        let value = self.refused(name).or_else(|| self.overrides.get(name));
         value.unwrap_or(own)
     }
 
     fn set(&mut self, name: &str, value: ParamValue, own: &ParamValue) {
         self.forget_refused(|known, _| known == name);
-        self.tuned.set(name, value, own);
+        self.overrides.set(name, value, own);
     }
 
     fn forget_refused(&mut self, is_over: impl Fn(&str, &ParamValue) -> bool) {
@@ -69,20 +69,20 @@ impl Parameters {
         if !marked.is_empty() {
             self.refused.push(Refused {
                 values: marked,
-                why: Mistake::all(&why),
+                why: DiagnosticEntry::all(&why),
             });
         }
     }
 
     /// Forgets what the parameters of a scene that was read again no longer leave room for.
     pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
-        self.tuned.keep_what_fits(declared);
-        let tuned = self.tuned.clone();
+        self.overrides.keep_what_fits(declared);
+        let overrides = self.overrides.clone();
         self.forget_refused(|name, value| {
             let own = declared.iter().find(|(known, _)| known == name);
             // What is in force was not refused.
             own.is_none_or(|(_, own)| {
-                !same_kind(own, value) || tuned.get(name).unwrap_or(own) == value
+                !same_kind(own, value) || overrides.get(name).unwrap_or(own) == value
             })
         });
     }
@@ -93,7 +93,7 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
     if declared.is_empty() {
         return false;
     }
-    let before = parameters.tuned.clone();
+    let before = parameters.overrides.clone();
     egui::CollapsingHeader::new("Script parameters")
         .default_open(true)
         .show(ui, |ui| {
@@ -106,14 +106,14 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                 }
             }
             ui.horizontal(|ui| {
-                let is_own = parameters.tuned.is_empty() && parameters.refused.is_empty();
+                let is_own = parameters.overrides.is_empty() && parameters.refused.is_empty();
                 let reset = ui.add_enabled(!is_own, egui::Button::new("reset"));
                 if reset.on_hover_text("the values of the scene").clicked() {
                     *parameters = Parameters::default();
                 }
                 let copy = ui.button("copy as text");
                 if copy.on_hover_text("the values in force").clicked() {
-                    ui.ctx().copy_text(parameters.tuned.as_text(declared));
+                    ui.ctx().copy_text(parameters.overrides.as_text(declared));
                 }
             });
             // Below the controls: none moves when a value is refused.
@@ -123,14 +123,14 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                 }
             }
         });
-    parameters.tuned != before
+    parameters.overrides != before
 }
 
 /// Values that differ from the scene's stand out, and more so those that do not work.
 fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> RichText {
     if parameters.refused(name).is_some() {
         RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
-    } else if parameters.tuned.get(name).unwrap_or(own) == own {
+    } else if parameters.overrides.get(name).unwrap_or(own) == own {
         RichText::new(name)
     } else {
         RichText::new(name).strong()
@@ -152,7 +152,7 @@ fn refused(
     let in_force: Vec<_> = (all.values.iter())
         .filter_map(|(name, _)| {
             let own = declared.iter().find(|(known, _)| known == name);
-            let now = parameters.tuned.get(name).or(own.map(|(_, own)| own));
+            let now = parameters.overrides.get(name).or(own.map(|(_, own)| own));
             now.map(|now| (name.clone(), now.clone()))
         })
         .collect();

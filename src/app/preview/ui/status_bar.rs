@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::{diagnostics_panel::place_of, status_message::Note};
+use super::{diagnostics_panel::place_of, status_message::StatusMessage};
 use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
@@ -43,17 +43,23 @@ pub const KEYS: [(&str, &str); 20] = [
 
 /// What the window is busy with.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Doing {
+pub enum Activity {
     /// Frame after frame; with what it leaves out for that.
-    Plays(String),
+    Playing(String),
     /// Another picture.
-    Draws,
+    Drawing,
     /// Nothing: nothing has changed.
-    Rests,
+    Idle,
 }
 
 /// The status line. `script_s` is how long a script has been running that pictures do not wait for.
-pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, note: &mut Note) {
+pub fn status(
+    ui: &mut Ui,
+    picture: u64,
+    doing: &Activity,
+    script_s: Option<f64>,
+    message: &mut StatusMessage,
+) {
     ui.horizontal(|ui| {
         if let Some(script_s) = script_s {
             let most_s = DEADLINE.as_secs();
@@ -67,18 +73,18 @@ pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, n
         // What is too long is whole in its tooltip.
         ui.add(
             Label::new(match (doing, script_s) {
-                (Doing::Plays(less), _) => format!("playing: picture {picture}{less}"),
-                (Doing::Draws, _) => format!("drawing after picture {picture} …"),
-                (Doing::Rests, Some(_)) => format!("picture {picture} stays meanwhile"),
-                (Doing::Rests, None) => format!("still: nothing changed since picture {picture}"),
+                (Activity::Playing(less), _) => format!("playing: picture {picture}{less}"),
+                (Activity::Drawing, _) => format!("drawing after picture {picture} …"),
+                (Activity::Idle, Some(_)) => format!("picture {picture} stays meanwhile"),
+                (Activity::Idle, None) => format!("still: nothing changed since picture {picture}"),
             })
             .truncate(),
         );
-        if !note.text().is_empty() {
+        if !message.text().is_empty() {
             ui.separator();
-            let shown = ui.add(Label::new(RichText::new(note.text()).weak()).truncate());
+            let shown = ui.add(Label::new(RichText::new(message.text()).weak()).truncate());
             if shown.hovered() {
-                note.linger();
+                message.extend();
             }
         }
     });
@@ -91,8 +97,8 @@ pub fn unwatched(ui: &mut Ui, why: &str) {
 }
 
 /// SceneSummary and warnings about the scene.
-pub fn scene(ui: &mut Ui, facts: &SceneSummary) {
-    let title = match facts.warnings.len() {
+pub fn scene(ui: &mut Ui, summary: &SceneSummary) {
+    let title = match summary.warnings.len() {
         0 => "Scene".to_owned(),
         1 => "Scene (1 warning)".to_owned(),
         n => format!("Scene ({n} warnings)"),
@@ -100,17 +106,17 @@ pub fn scene(ui: &mut Ui, facts: &SceneSummary) {
     egui::CollapsingHeader::new(title)
         .id_salt("scene")
         .show(ui, |ui| {
-            let size = facts.bounds.max - facts.bounds.min;
-            if !facts.bounds.is_empty() {
+            let size = summary.bounds.max - summary.bounds.min;
+            if !summary.bounds.is_empty() {
                 ui.label(format!(
                     "{:.2} × {:.2} × {:.2} m, U = {:.3} m",
-                    size.x, size.y, size.z, facts.unit_m
+                    size.x, size.y, size.z, summary.unit_m
                 ));
             }
-            for dropped in &facts.dropped {
+            for dropped in &summary.dropped {
                 ui.weak(format!("left out: {dropped}"));
             }
-            for warning in &facts.warnings {
+            for warning in &summary.warnings {
                 let place = place_of(warning).map_or(String::new(), |place| format!("{place}: "));
                 ui.label(format!("{place}{}", warning.message));
             }

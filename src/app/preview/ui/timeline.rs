@@ -158,18 +158,20 @@ impl Timeline {
 /// pause and loop are as they were when it comes back.
 pub fn follow(
     shown: &mut Option<Timeline>,
-    put_away: &mut Option<Timeline>,
+    hidden_timeline: &mut Option<Timeline>,
     desc: Option<&TimelineDesc>,
     now_s: f64,
 ) {
     match (desc, &mut *shown) {
         (Some(desc), Some(timeline)) => timeline.replace(desc, now_s),
         (Some(desc), None) => {
-            let mut timeline = put_away.take().unwrap_or_else(|| Timeline::new(desc));
+            let mut timeline = hidden_timeline
+                .take()
+                .unwrap_or_else(|| Timeline::new(desc));
             timeline.resume(desc, now_s);
             *shown = Some(timeline);
         }
-        (None, Some(_)) => *put_away = shown.take(),
+        (None, Some(_)) => *hidden_timeline = shown.take(),
         (None, None) => {}
     }
 }
@@ -344,23 +346,23 @@ mod tests {
             start: 0,
             end,
         };
-        let (mut shown, mut put_away) = (Some(timeline(24.0, 0, 100)), None);
+        let (mut shown, mut hidden_timeline) = (Some(timeline(24.0, 0, 100)), None);
         let time = shown.as_mut().expect("is there");
         time.repeats = false;
         time.seek(40, 0.0);
         time.toggle(0.0);
         time.tick(0.5);
-        follow(&mut shown, &mut put_away, None, 0.5);
-        follow(&mut shown, &mut put_away, None, 5.0);
+        follow(&mut shown, &mut hidden_timeline, None, 0.5);
+        follow(&mut shown, &mut hidden_timeline, None, 5.0);
         assert!(shown.is_none());
         // The seconds between do not count.
-        follow(&mut shown, &mut put_away, Some(&desc(100)), 90.0);
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(100)), 90.0);
         let time = shown.as_mut().expect("is back");
         time.tick(90.0);
         assert!(time.frame() == 52 && time.is_playing() && !time.repeats);
         time.toggle(90.0);
-        follow(&mut shown, &mut put_away, None, 91.0);
-        follow(&mut shown, &mut put_away, Some(&desc(30)), 92.0);
+        follow(&mut shown, &mut hidden_timeline, None, 91.0);
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(30)), 92.0);
         let time = shown.as_ref().expect("is back");
         assert!(time.frame() == 30 && !time.is_playing() && !time.repeats);
     }

@@ -9,7 +9,7 @@ use super::{
     viewport_paint::{self, fit},
     window::Window,
 };
-use crate::app::preview::protocol::{Inspect, Picked, Task};
+use crate::app::preview::protocol::{FrameAction, Picked, Task};
 
 impl Window {
     /// Shows the picture; whether the camera was moved.
@@ -20,12 +20,12 @@ impl Window {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.paint(ui, frame, rect);
         self.captions(ui, rect);
-        let is_known = self.facts.problems.is_empty() && self.script.is_none();
-        if self.facts.is_nothing() && is_known {
-            viewport_paint::nothing(ui, rect, &self.facts.warnings);
+        let is_known = self.summary.problems.is_empty() && self.script.is_none();
+        if self.summary.is_nothing() && is_known {
+            viewport_paint::nothing(ui, rect, &self.summary.warnings);
         }
-        diagnostics_panel::over(ui, rect, &self.facts.problems, &mut self.fold);
-        let grabbed = self.choice.wipe && self.wipe_line(ui, rect);
+        diagnostics_panel::over(ui, rect, &self.summary.problems, &mut self.fold);
+        let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed
             && let Some(at) = response.interact_pointer_pos()
@@ -46,7 +46,7 @@ impl Window {
         }
         if place.contains(at) {
             let part = (at - place.min) / place.size();
-            self.inspect(Inspect::Pick([part.x, part.y]));
+            self.request_frame(FrameAction::Pick([part.x, part.y]));
         } else {
             self.unselect();
         }
@@ -54,54 +54,54 @@ impl Window {
 
     /// Selects neither an instance nor a material.
     pub(super) fn unselect(&mut self) {
-        self.choice.material = None;
-        self.ask(Task::Unpick);
+        self.settings.material = None;
+        self.send(Task::Unpick);
     }
 
     /// Takes over what was clicked.
     pub(super) fn take_picked(&mut self, picked: Option<Picked>) {
-        self.choice.material = picked.as_ref().map(|picked| picked.material);
-        self.choice.reveals = picked.is_some();
+        self.settings.material = picked.as_ref().map(|picked| picked.material);
+        self.settings.reveals = picked.is_some();
         self.picked = picked;
     }
 
     /// Shows all of the selected instance, else of the selected material, else of the scene.
     pub(super) fn frame_selection(&mut self) {
-        let rows = &self.facts.materials;
-        let row = self.choice.material.and_then(|index| rows.get(index));
+        let rows = &self.summary.materials;
+        let row = self.settings.material.and_then(|index| rows.get(index));
         let bounds = match (&self.picked, row) {
             (Some(picked), _) => picked.bounds,
             (None, Some(row)) => row.bounds,
-            (None, None) => self.facts.bounds,
+            (None, None) => self.summary.bounds,
         };
         if bounds.is_empty() {
             let is_selected = self.picked.is_some() || row.is_some();
-            self.note.say(match is_selected {
+            self.message.set(match is_selected {
                 true => "nothing to frame: the selection is not there in this frame",
                 false => "nothing to frame: nothing stands in the scene",
             });
             return;
         }
         let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-        self.navigator.frame(&bounds, width / height);
-        self.choice.through = None;
+        self.camera_controls.frame(&bounds, width / height);
+        self.settings.through = None;
     }
 
     /// Moves the camera; whether it moved.
     fn navigate(&mut self, ui: &Ui, picture: &Response) -> bool {
-        let before = self.navigator.camera.clone();
+        let before = self.camera_controls.camera.clone();
         let height = picture.rect.height().max(1.0);
         let drag = picture.drag_delta() / height;
         let drag = Vec2::new(drag.x, drag.y);
         if picture.dragged_by(PointerButton::Primary) {
-            self.navigator.orbit(drag);
+            self.camera_controls.orbit(drag);
         }
         if picture.dragged_by(PointerButton::Middle) {
-            self.navigator.pan(drag);
+            self.camera_controls.pan(drag);
         }
         let flies = ui.input(|i| i.pointer.secondary_down()) && picture.contains_pointer();
         if picture.dragged_by(PointerButton::Secondary) {
-            self.navigator.look(drag);
+            self.camera_controls.look(drag);
         }
         if flies || picture.dragged_by(PointerButton::Secondary) {
             self.fly(ui);
@@ -109,14 +109,14 @@ impl Window {
         if picture.hovered() {
             let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
             if notches != 0.0 && flies {
-                self.navigator.change_speed(notches);
-                let speed_m = self.navigator.speed_m;
-                self.note.say(format!("flying at {speed_m:.2} m/s"));
+                self.camera_controls.change_speed(notches);
+                let speed_m = self.camera_controls.speed_m;
+                self.message.set(format!("flying at {speed_m:.2} m/s"));
             } else if notches != 0.0 {
-                self.navigator.dolly(notches);
+                self.camera_controls.dolly(notches);
             }
         }
-        self.navigator.camera != before
+        self.camera_controls.camera != before
     }
 
     fn fly(&mut self, ui: &Ui) {
@@ -133,7 +133,7 @@ impl Window {
         if direction != Vec3::ZERO {
             let (seconds, fast) = ui.input(|i| (i.stable_dt.min(0.1), i.modifiers.shift));
             let factor = if fast { 4.0 } else { 1.0 };
-            self.navigator.fly(direction, seconds * factor);
+            self.camera_controls.fly(direction, seconds * factor);
             ui.ctx().request_repaint();
         }
     }

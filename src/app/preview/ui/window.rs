@@ -9,12 +9,12 @@ use std::{
 use eframe::egui;
 
 use super::{
-    camera_controls::CameraControls, diagnostics_panel::Fold, panels::Choice,
-    parameter_panel::Parameters, status_message::Note, timeline::Timeline,
+    camera_controls::CameraControls, diagnostics_panel::FoldState, panels::ViewSettings,
+    parameter_panel::Parameters, status_message::StatusMessage, timeline::Timeline,
 };
 use crate::{
     app::preview::{
-        protocol::{Inspect, Inspection, Judged, Picked, Shown, Task, View},
+        protocol::{Comparison, FinishedFrame, FrameAction, FrameRequest, Picked, Task, View},
         render_thread::RenderThread,
         scene_summary::SceneSummary,
     },
@@ -24,19 +24,19 @@ use crate::{
 
 /// The application.
 pub struct Window {
-    pub(super) worker: RenderThread,
-    pub(super) facts: SceneSummary,
-    pub(super) choice: Choice,
-    pub(super) navigator: CameraControls,
+    pub(super) render_thread: RenderThread,
+    pub(super) summary: SceneSummary,
+    pub(super) settings: ViewSettings,
+    pub(super) camera_controls: CameraControls,
     /// Where time is, if the scene has frames.
     pub(super) timeline: Option<Timeline>,
     /// Where time was when the scene last had some.
-    pub(super) put_away: Option<Timeline>,
+    pub(super) hidden_timeline: Option<Timeline>,
     pub(super) parameters: Parameters,
     /// Whether the list of mistakes is folded.
-    pub(super) fold: Fold,
-    pub(super) shown: Option<Shown>,
-    pub(super) judged: Option<Judged>,
+    pub(super) fold: FoldState,
+    pub(super) shown: Option<FinishedFrame>,
+    pub(super) comparison: Option<Comparison>,
     /// The selected instance.
     pub(super) picked: Option<Picked>,
     /// How often the scene has changed: what was compared before is of another.
@@ -46,17 +46,17 @@ pub struct Window {
     /// Registered textures by the number of their canvas.
     pub(super) textures: HashMap<u64, egui::TextureId>,
     /// The view that was last asked for.
-    pub(super) asked: Option<View>,
+    pub(super) requested: Option<View>,
     /// When the camera moved last, seconds.
     pub(super) moved_at: f64,
-    pub(super) note: Note,
+    pub(super) message: StatusMessage,
     /// Since when a script runs that the picture does not wait for.
     pub(super) script: Option<Instant>,
     /// Why saves are seen only now and then, and what to do.
     pub(super) unwatched: Option<String>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
-    pub(super) shots: PathBuf,
+    pub(super) screenshot_folder: PathBuf,
     pub(super) stem: String,
 }
 
@@ -64,57 +64,57 @@ impl Window {
     /// A window over a scene that shows `method` through the scene's camera of this index at first,
     /// and writes pictures of this stem into this folder.
     pub fn new(
-        worker: RenderThread,
-        facts: SceneSummary,
+        render_thread: RenderThread,
+        summary: SceneSummary,
         method: Method,
         camera: usize,
-        (shots, stem): (PathBuf, String),
+        (screenshot_folder, stem): (PathBuf, String),
     ) -> Self {
-        let mut choice = Choice::new(method);
-        (choice.through, choice.home) = (Some(camera), camera);
-        let start = facts.cameras.get(camera);
+        let mut settings = ViewSettings::new(method);
+        (settings.through, settings.home) = (Some(camera), camera);
+        let start = summary.cameras.get(camera);
         let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
         Self {
-            navigator: CameraControls::new(start, &facts.bounds),
-            timeline: facts.timeline.as_ref().map(Timeline::new),
-            put_away: None,
+            camera_controls: CameraControls::new(start, &summary.bounds),
+            timeline: summary.timeline.as_ref().map(Timeline::new),
+            hidden_timeline: None,
             parameters: Parameters::default(),
-            fold: Fold::default(),
-            worker,
-            facts,
-            choice,
+            fold: FoldState::default(),
+            render_thread,
+            summary,
+            settings,
             shown: None,
-            judged: None,
+            comparison: None,
             picked: None,
             edits: 0,
             history: VecDeque::new(),
             textures: HashMap::new(),
-            asked: None,
+            requested: None,
             moved_at: f64::NEG_INFINITY,
-            note: Note::default(),
+            message: StatusMessage::default(),
             script: None,
             unwatched: None,
             is_busy: false,
             viewport: [0, 0],
-            shots,
+            screenshot_folder,
             stem,
         }
     }
 
-    pub(super) fn ask(&mut self, task: Task) {
+    pub(super) fn send(&mut self, task: Task) {
         self.is_busy = true;
-        self.worker.mailbox.ask(task);
+        self.render_thread.mailbox.post(task);
     }
 
     /// Asks for something of the view's frame; while time runs, of the one that is seen.
-    pub(super) fn inspect(&mut self, with: Inspect) {
-        let Some(mut view) = self.asked.clone() else {
-            self.note.say("nothing is shown yet");
+    pub(super) fn request_frame(&mut self, action: FrameAction) {
+        let Some(mut view) = self.requested.clone() else {
+            self.message.set("nothing is shown yet");
             return;
         };
         if let (true, Some(shown)) = (view.plays, &self.shown) {
             view.frame = shown.frame;
         }
-        self.ask(Task::Inspect(Inspection { view, with }));
+        self.send(Task::Frame(FrameRequest { view, action }));
     }
 }

@@ -4,13 +4,13 @@ use crate::world::World;
 
 /// What finds an instance again in a scene that was read anew.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mark {
+pub struct InstanceKey {
     name: String,
     /// How many of the same name come before it.
     number: usize,
 }
 
-impl Mark {
+impl InstanceKey {
     /// Of the world's instance of this index.
     pub(super) fn of(world: &World, index: usize) -> Option<Self> {
         let name = &world.instances.get(index)?.name;
@@ -63,14 +63,14 @@ mod tests {
     #[test]
     fn a_mark_finds_its_instance_in_another_scene() {
         let old = world(&["ball", "floor", "ball", "ball"]);
-        let mark = Mark::of(&old, 2).expect("is there");
-        assert_eq!(mark.find(&old), Some((2, 3)));
-        assert_eq!(mark.label(3), "ball (2 of 3)");
-        assert_eq!(mark.find(&world(&["ball", "lamp", "ball"])), Some((2, 2)));
-        assert_eq!(mark.find(&world(&["floor", "ball"])), None);
-        let floor = Mark::of(&old, 1).expect("is there");
+        let key = InstanceKey::of(&old, 2).expect("is there");
+        assert_eq!(key.find(&old), Some((2, 3)));
+        assert_eq!(key.label(3), "ball (2 of 3)");
+        assert_eq!(key.find(&world(&["ball", "lamp", "ball"])), Some((2, 2)));
+        assert_eq!(key.find(&world(&["floor", "ball"])), None);
+        let floor = InstanceKey::of(&old, 1).expect("is there");
         assert_eq!(floor.find(&world(&["a", "b", "floor"])), Some((2, 1)));
         assert_eq!(floor.label(1), "floor");
-        assert_eq!(Mark::of(&old, u32::MAX as usize), None, "the sky");
+        assert_eq!(InstanceKey::of(&old, u32::MAX as usize), None, "the sky");
     }
 }
