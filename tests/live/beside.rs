@@ -74,7 +74,7 @@ impl Watched {
             worker: RenderThread::start(gpu, live, is_waiting, || ()),
             folder,
             view: View {
-                camera: ViewCamera::Through("main".to_owned()),
+                camera: ViewCamera::Scene("main".to_owned()),
                 frame: 0,
                 plays: false,
                 size: [24, 16],

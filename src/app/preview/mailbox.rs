@@ -1,4 +1,4 @@
-//! Where the window and the watcher leave what the rendering thread should do.
+//! Queue of views and tasks for the rendering thread, filled by the window and the file watcher.
 
 use std::{
     collections::VecDeque,
@@ -16,7 +16,7 @@ struct Inbox {
     ends: bool,
 }
 
-/// Where tasks are left for the thread.
+/// Queue for the rendering thread.
 #[derive(Clone, Default)]
 pub struct Mailbox(Arc<(Mutex<Inbox>, Condvar)>);
 
@@ -26,12 +26,12 @@ impl Mailbox {
         self.0.1.notify_one();
     }
 
-    /// Asks for a view in place of any before.
+    /// Requests a view; it replaces a pending one.
     pub fn post_view(&self, view: View) {
         self.change(|inbox| inbox.view = Some(view));
     }
 
-    /// Asks for a task; of edits of one material, and of parameters, only the last is done.
+    /// Posts a task; a new edit of the same material, or of parameters, replaces a pending one.
     pub fn post(&self, task: Task) {
         self.change(|inbox| {
             if let Task::Edit(new) = &task {
@@ -47,17 +47,17 @@ impl Mailbox {
         });
     }
 
-    /// Tells the thread to end; what was left is not done.
+    /// Posts a shutdown request; pending tasks are dropped.
     pub fn end(&self) {
         self.change(|inbox| inbox.ends = true);
     }
 
-    /// Has the thread look around, though nothing is asked for.
+    /// Wakes the render thread.
     pub fn wake(&self) {
         self.change(|inbox| inbox.wakes = true);
     }
 
-    /// Waits for something to do, or until then; `None` at the end.
+    /// Waits for a view, a task, a wake-up or the deadline; `None` after a shutdown request.
     pub fn take(&self, until: Option<Instant>) -> Option<(Option<View>, VecDeque<Task>)> {
         let mut inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -81,7 +81,7 @@ impl Mailbox {
         }
     }
 
-    /// Whether nothing is left to do.
+    /// Whether no view and no task is pending.
     pub fn is_empty(&self) -> bool {
         let inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         inbox.view.is_none() && inbox.tasks.is_empty()

@@ -36,10 +36,10 @@ use render_thread::RenderThread;
 use scene_summary::SceneSummary;
 use ui::window::Window;
 
-/// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
+/// The window opens after this time even if the scene's scripts have not ended.
 const SCRIPT_WAIT: Duration = Duration::from_secs(1);
 
-/// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
+/// Action for a missing surface: wait while the window is hidden, else configure it again.
 fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
     match status {
         wgpu::CurrentSurfaceTexture::Occluded | wgpu::CurrentSurfaceTexture::Timeout => {
@@ -117,7 +117,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let create = move |context: &eframe::CreationContext<'_>| {
         context.egui_ctx.set_theme(egui::Theme::Dark);
         (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
-            // Units and hints are read too.
+            // Units and hints must be readable.
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
             style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
         });
@@ -130,11 +130,11 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         .map_err(|error| display_errors::refused(&error))
 }
 
-/// The scene, and whether it must be read anew: where its text is there but has mistakes, they are
-/// shown and mended in the window, unless that is not to wait. Nor does it wait for a slow script.
+/// The scene, and whether it must be reloaded: errors in an existing scene file are shown in the
+/// window, which waits for a fix if `waits`. The same holds for a slow script.
 ///
 /// # Errors
-/// As [`Live::open`], where nothing can wait.
+/// As [`Live::open`], without `waits`.
 pub fn open(
     gpu: &Arc<Gpu>,
     origin: Origin,

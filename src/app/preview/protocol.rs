@@ -1,4 +1,4 @@
-//! What the window and the rendering thread tell each other.
+//! Messages between the window and the rendering thread.
 
 use std::{path::PathBuf, time::Instant};
 
@@ -15,46 +15,46 @@ use crate::{
     scene::desc::{CameraDesc, Method},
 };
 
-/// One side of the wipe.
+/// Contents of one side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
-    /// How reflections are found.
+    /// Reflection method.
     pub method: Method,
-    /// What of the frame.
+    /// Displayed channel.
     pub channel: ViewChannel,
 }
 
-/// From where a picture is taken.
+/// Camera of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewCamera {
-    /// The scene's camera of this name, where it is in the view's frame.
-    Through(String),
-    /// One that a person moves.
+    /// The scene's camera of this name, posed for the view's frame.
+    Scene(String),
+    /// Free camera, moved by the user.
     Free(CameraDesc),
 }
 
-/// What the window wants to see.
+/// A requested picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// From where.
+    /// Camera.
     pub camera: ViewCamera,
-    /// When: a frame of the timeline.
+    /// Frame of the timeline.
     pub frame: u32,
-    /// Whether frames follow each other by themselves.
+    /// Whether the timeline is playing.
     pub plays: bool,
-    /// Pixels of the viewport.
+    /// Viewport size, pixels.
     pub size: [u32; 2],
-    /// The left side, or all of it.
+    /// Left side, or the whole picture.
     pub a: Side,
-    /// The right side of a wipe.
+    /// Right side of a wipe.
     pub b: Option<Side>,
-    /// While something moves: one sub-frame, and so few pixels that it takes about this long,
+    /// Time budget while something moves: one sub-frame, and the resolution is reduced to meet it,
     /// milliseconds.
     pub draft_ms: Option<f64>,
 }
 
 impl View {
-    /// Whether the same frame is another picture in it.
+    /// Whether anything but the time differs.
     pub fn differs_from(&self, other: &Self) -> bool {
         let of = |view: &Self| Self {
             frame: 0,
@@ -64,18 +64,18 @@ impl View {
         of(self) != of(other)
     }
 
-    /// Whether it shows the same of the scene as another, in whatever size.
+    /// Whether camera, frame and left side are equal, at any size.
     pub fn shows_same_content(&self, other: &Self) -> bool {
         (&self.camera, self.frame, self.a) == (&other.camera, other.frame, other.a)
     }
 }
 
-/// Something to do once.
+/// A one-time task for the rendering thread.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// Files changed; since when that is known.
+    /// Files changed; with the time of the first event.
     Reload(Changes, Instant),
-    /// Tell why saves are seen only now and then; `None` when that is over.
+    /// File watching is limited, and why; `None` once it works again.
     Unwatched(Option<String>),
     /// Change a material.
     Edit(Edit),
@@ -83,126 +83,126 @@ pub enum Task {
     SetParameters(ParameterOverrides),
     /// Pick in, compare or save a frame, once it is posed.
     Frame(FrameRequest),
-    /// Select no instance.
+    /// Clear the selection.
     Unpick,
 }
 
-/// A picture to write.
+/// A screenshot to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Screenshot {
-    /// Where its file goes.
+    /// Destination folder.
     pub folder: PathBuf,
-    /// What the file's name begins with.
+    /// Prefix of the file name.
     pub stem: String,
-    /// Where the line of the wipe is, 0 to 1, if the view has two sides.
+    /// Position of the wipe line, 0 to 1, if the view has two sides.
     pub wipe_at: f32,
-    /// Whether the error map is shown in place of the left side.
+    /// Whether the error map replaces the left side.
     pub error_map: bool,
 }
 
-/// What is done on demand with the left side of a view, in its frame.
+/// An action on the left side of a view, in its frame.
 #[derive(Clone, Debug)]
 pub struct FrameRequest {
-    /// Of what.
+    /// The view.
     pub view: View,
-    /// What is done.
+    /// The action.
     pub action: FrameAction,
 }
 
-/// What can be done with a frame on demand.
+/// An action on a rendered frame.
 #[derive(Clone, Debug)]
 pub enum FrameAction {
-    /// Compare its method with `rt`; the number comes back with the answer.
+    /// Compare its method with `rt`; the revision number is returned with the result.
     Compare(u64),
-    /// Write what is shown of it.
+    /// Write a screenshot.
     Screenshot(Screenshot),
-    /// Select the instance at this part of the picture, from the top left.
+    /// Select the instance at this position, 0 to 1 from the top left.
     Pick([f32; 2]),
 }
 
 /// A finished frame.
 #[derive(Clone, Debug)]
 pub struct FinishedFrame {
-    /// Counts pictures that were drawn.
+    /// Running number of rendered pictures.
     pub number: u64,
     /// Frame of the timeline.
     pub frame: u32,
-    /// From where it was taken.
+    /// Camera that it was rendered with.
     pub camera: CameraDesc,
-    /// The viewport that it was drawn for, pixels.
+    /// Viewport size that it was rendered for, pixels.
     pub size: [u32; 2],
-    /// The left side, and the right one of a wipe.
+    /// Left side, and the right side of a wipe.
     pub sides: Vec<Visualization>,
-    /// The selected instance, if it is still there.
+    /// The selected instance, if it still exists.
     pub picked: Option<Picked>,
 }
 
-/// The selected instance in the frame that is shown.
+/// The selected instance in the displayed frame.
 #[derive(Clone, Debug)]
 pub struct Picked {
-    /// Its name; of several with the same one, also which.
+    /// Its name, with a number where several share it.
     pub label: String,
     /// Index into the world's materials.
     pub material: usize,
-    /// ReportContext it in world space; empty while it is hidden.
+    /// World-space bounds; empty while it is hidden.
     pub bounds: Bounds,
-    /// Of its mesh.
+    /// Triangle count of its mesh.
     pub triangles: usize,
-    /// The line around what is seen of it, as large as the picture; `None` where nothing is.
+    /// Outline of its visible part, at the picture's size; `None` where it is not visible.
     pub outline: Option<FrameTexture>,
 }
 
-/// One side, drawn.
+/// One side, rendered.
 #[derive(Clone, Debug)]
 pub struct Visualization {
-    /// What it shows.
+    /// Displayed channel.
     pub channel: ViewChannel,
     /// The picture.
     pub texture: FrameTexture,
-    /// Of its frame.
+    /// Statistics of its frame.
     pub stats: FrameStats,
-    /// What its colors mean, or why there is nothing; empty for finished pictures.
+    /// Legend of its colors, or why it is empty; empty text for finished pictures.
     pub legend: String,
 }
 
-/// The left side's method against `rt`.
+/// Comparison of the left side's method with `rt`.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Of what.
+    /// The view.
     pub view: View,
-    /// The number that its task had.
+    /// Revision number of the request.
     pub edits: u64,
-    /// Whole frame.
+    /// Scores of the whole frame.
     pub scores: Scores,
-    /// FLIP per pixel.
+    /// FLIP per pixel, as colors.
     pub error_map: FrameTexture,
 }
 
-/// What the rendering thread has to say.
+/// A report of the rendering thread.
 #[derive(Clone, Debug)]
 pub enum Report {
-    /// The scene is another.
+    /// The scene changed.
     SceneSummary(Box<SceneSummary>),
-    /// What other parameters did.
+    /// Result of new script parameters.
     ParametersApplied(Reload),
-    /// Parameters that do not work.
+    /// Script parameters were rejected.
     Refused(Box<Refusal>),
-    /// A reload, and from the first word of it to the new picture, milliseconds.
+    /// A reload, and the time from the file event to the new picture, milliseconds.
     Reloaded(Reload, f64),
-    /// Since when a script runs that pictures do not wait for; `None` when it has ended.
+    /// Start of a script that runs in the background; `None` once it has ended.
     ScriptRunning(Option<Instant>),
-    /// A frame.
+    /// A finished frame.
     Frame(Box<FinishedFrame>),
-    /// An error map.
+    /// A finished comparison.
     Compared(Box<Comparison>),
-    /// What was clicked.
+    /// Result of a pick.
     Picked(Option<Picked>),
-    /// No instance is selected any more.
+    /// The selection was cleared.
     Unpicked,
-    /// Why saves are seen only now and then, and what to do; `None` when that is over.
+    /// File watching is limited, why, and what to do; `None` once it works again.
     Unwatched(Option<String>),
-    /// Something to tell in the status line.
+    /// A message for the status line.
     Message(String),
-    /// Nothing is left to do.
+    /// The queue is empty.
     Idle,
 }

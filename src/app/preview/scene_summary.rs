@@ -1,4 +1,4 @@
-//! What the window knows of the scene: values in place of the world that the rendering thread owns.
+//! Scene summary for the window: plain values, while the rendering thread owns the world.
 
 use super::view_channel::ShadowLight;
 use crate::{
@@ -15,57 +15,57 @@ use crate::{
     },
 };
 
-/// A material as the panel lists it.
+/// One material of the material panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialRow {
-    /// Name in the scene or file, with a number where others have it too.
+    /// Name in the scene or file, numbered where it is not unique.
     pub name: String,
-    /// Its numbers in the frame that is shown.
+    /// Its values in the displayed frame.
     pub numbers: MaterialDesc,
-    /// What of them is changed by hand.
+    /// Values changed in the panel.
     pub edit: Edit,
-    /// How many instances have it.
+    /// Number of instances that use it.
     pub uses: usize,
-    /// ReportContext those instances.
+    /// Bounds of those instances.
     pub bounds: Bounds,
 }
 
-/// What is known of the scene.
+/// Everything that the window shows about the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSummary {
-    /// The frames, where the scene has some.
+    /// Timeline, if the scene has one.
     pub timeline: Option<TimelineDesc>,
     /// The script's parameters.
     pub declared: DeclaredParameters,
     /// What the script printed.
     pub log: Vec<String>,
-    /// Name and value of each camera, in the frame that is shown.
+    /// Name and value of each camera, in the displayed frame.
     pub cameras: Vec<(String, CameraDesc)>,
-    /// Parallel to the world's.
+    /// Indexed like the world's materials.
     pub materials: Vec<MaterialRow>,
     /// Lights with shadow maps.
     pub shadow_lights: Vec<ShadowLight>,
-    /// ReportContext everything.
+    /// Bounds of the scene.
     pub bounds: Bounds,
-    /// The scene's own method.
+    /// Method set in the scene.
     pub method: Method,
     /// The length U, meters.
     pub unit_m: f32,
-    /// What the frame leaves out.
+    /// Features that the plan drops, and why.
     pub dropped: Vec<String>,
-    /// What keeps the newest content from being shown.
+    /// Errors that keep the newest content from being shown.
     pub problems: Problems,
-    /// About what is shown.
+    /// Warnings about the displayed scene.
     pub warnings: Vec<Diagnostic>,
 }
 
 impl SceneSummary {
-    /// Whether nothing stands in the scene.
+    /// Whether the scene has no instances.
     pub fn is_nothing(&self) -> bool {
         self.materials.iter().all(|row| row.uses == 0)
     }
 
-    /// Those of a live scene.
+    /// Summary of a live scene.
     pub fn of(live: &Live) -> Self {
         let world = live.world();
         let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));

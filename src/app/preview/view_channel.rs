@@ -1,26 +1,26 @@
-//! What of a frame can be looked at.
+//! Channels of a frame that the preview can display.
 
 use crate::render::aov::Aov;
 
-/// Where the faces of an unfolded cube stand, in faces from the top left: neighbors share an edge.
+/// Face positions in an unfolded cube map, in faces from the top left; neighbors share an edge.
 pub const CUBE_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
-/// Beside a picture of another shape.
+/// Gray around a picture of another aspect ratio, 0 to 255.
 pub const BACKGROUND_GRAY: u8 = 16;
 
-/// What of a frame is looked at.
+/// Displayed channel of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ViewChannel {
     /// The finished picture.
     Picture,
-    /// An intermediate one.
+    /// An AOV.
     Aov(Aov),
     /// The shadow map of a light.
     Shadow(ShadowMapChoice),
-    /// The pixels that were traced, by their place in the list.
+    /// Traced pixels, colored by their index in the ray list.
     Rays,
 }
 
-/// Which shadow map.
+/// One light's shadow map, or a face of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShadowMapChoice {
     /// Index into the world's lights.
@@ -40,12 +40,12 @@ impl ViewChannel {
         }
     }
 
-    /// Whether its pixels are the camera's, so that a click on one means what is there.
+    /// Whether its pixels are the camera's, so that a click can pick an instance.
     pub fn is_of_camera(self) -> bool {
         !matches!(self, Self::Shadow(_))
     }
 
-    /// Whether it is a cube with all its faces.
+    /// Whether it is an unfolded cube map.
     pub fn is_cross(self, shadow_lights: &[ShadowLight]) -> bool {
         let Self::Shadow(ShadowMapChoice { light, face: None }) = self else {
             return false;
@@ -56,7 +56,7 @@ impl ViewChannel {
         of.any(|shadow_light| shadow_light.faces > 1)
     }
 
-    /// The same in another scene, by the light's name; the picture where that has no map now.
+    /// The same channel in a reloaded scene, by the light's name; the picture if it has no map now.
     pub fn after(self, old: &[ShadowLight], new: &[ShadowLight]) -> Self {
         let Self::Shadow(shadow_map) = self else {
             return self;
@@ -75,14 +75,14 @@ impl ViewChannel {
     }
 }
 
-/// A light whose shadow maps can be looked at.
+/// A light with shadow maps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShadowLight {
     /// Index into the world's lights.
     pub light: usize,
     /// Its name.
     pub name: String,
-    /// Maps: six for a point light.
+    /// Number of maps: six for a point light.
     pub faces: usize,
 }
 

@@ -1,7 +1,7 @@
-//! What a picture takes: a part that is the same at any size, such as shadow maps and posing, and
-//! a part for each pixel.
+//! Dynamic resolution: a linear cost model of a picture, with a fixed part, such as shadow maps and
+//! posing, and a part per pixel.
 
-/// Of pictures so far.
+/// Cost model from past pictures.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameCost {
     fixed_ms: f64,
@@ -12,7 +12,7 @@ pub struct FrameCost {
 }
 
 impl Default for FrameCost {
-    /// A guess for the first picture.
+    /// An initial guess.
     fn default() -> Self {
         Self {
             fixed_ms: 0.0,
@@ -24,7 +24,7 @@ impl Default for FrameCost {
 }
 
 impl FrameCost {
-    /// Learns from a picture of so many pixels, sub-frames counted.
+    /// Updates the model with a picture of so many pixels, summed over sub-frames.
     pub fn record(&mut self, pixels: f64, ms: f64) {
         if let Some(last) = self.last
             && (last.0 > 1.5 * pixels || pixels > 1.5 * last.0)
@@ -32,7 +32,7 @@ impl FrameCost {
             self.other = Some(last);
         }
         self.last = Some((pixels, ms));
-        // Two sizes tell both parts; one tells their sum.
+        // Two sizes determine both parts; one determines their sum.
         self.pixel_ms = match self.other {
             Some((others, others_ms)) => ((ms - others_ms) / (pixels - others)).max(0.0),
             None => ms / pixels,
@@ -40,13 +40,13 @@ impl FrameCost {
         self.fixed_ms = (ms - self.pixel_ms * pixels).max(0.0);
     }
 
-    /// Of a picture of so many pixels, milliseconds.
+    /// Predicted time of a picture of so many pixels, milliseconds.
     pub fn predict_ms(&self, pixels: f64) -> f64 {
         self.fixed_ms + self.pixel_ms * pixels
     }
 
-    /// Whether a picture takes too long and fewer pixels would mend it: what is the same at any
-    /// size is no reason for fewer.
+    /// Whether a picture exceeds the budget and a lower resolution would help: a dominating fixed
+    /// part is no reason to reduce it.
     pub fn is_too_large(&self, pixels: f64, most_ms: f64) -> bool {
         self.predict_ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
     }

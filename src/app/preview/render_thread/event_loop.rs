@@ -1,4 +1,4 @@
-//! The loop of the rendering thread: takes the newest view and every task, draws, reports, and
+//! Event loop of the rendering thread: takes the newest view and every task, draws, reports, and
 //! sleeps when nothing changed.
 
 use std::time::Duration;
@@ -16,7 +16,7 @@ use crate::{
     render::RenderError,
 };
 
-/// While frames follow each other, their numbers are told this often: they are read, not seen.
+/// Minimum interval of summaries while playing.
 const SUMMARY_INTERVAL: Duration = Duration::from_millis(250);
 
 impl Worker {
@@ -57,7 +57,7 @@ impl Worker {
         }
     }
 
-    /// Whether the posed frame is not the view's, but that of something on demand.
+    /// Whether the posed frame is that of a pending request, not the view's.
     fn renders_other_frame(&self) -> bool {
         let posed = self.live.posed_frame();
         let is_posed = |frame: u32| frame == posed;
@@ -68,7 +68,7 @@ impl Worker {
     fn edit(&mut self, edit: Edit) {
         match self.live.edit(edit) {
             Ok(_) => self.send_summary(),
-            Err(error) => self.refuse(&error),
+            Err(error) => self.report_error(&error),
         }
     }
 
@@ -76,7 +76,10 @@ impl Worker {
         let Some(view) = self.view.clone() else {
             return;
         };
-        match self.sides(&view).and_then(|s| Ok((s, self.picked()?))) {
+        match self
+            .render_sides(&view)
+            .and_then(|s| Ok((s, self.picked()?)))
+        {
             Ok((sides, picked)) => {
                 self.rendered_view = Some(view.clone());
                 self.number += 1;
@@ -90,7 +93,7 @@ impl Worker {
                     sides,
                     picked,
                 })));
-                // Numbers that move are told now and then, and when they rest.
+                // Animated values are sent at intervals, and once they rest.
                 let is_new = self.summary_frame != self.live.posed_frame();
                 let is_time =
                     view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
@@ -98,11 +101,11 @@ impl Worker {
                     self.send_summary();
                 }
             }
-            Err(error) => self.refuse(&error),
+            Err(error) => self.report_error(&error),
         }
     }
 
-    fn sides(&mut self, view: &View) -> Result<Vec<Visualization>, RenderError> {
+    fn render_sides(&mut self, view: &View) -> Result<Vec<Visualization>, RenderError> {
         let mut sides: Vec<Visualization> = Vec::new();
         for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
             let last = sides.last().filter(|_| view.a.method == side.method);

@@ -1,5 +1,5 @@
-//! What the rendering thread does on demand with the frame that is looked at, and how it compares
-//! the left side's method with `rt`.
+//! Frame requests: picks, screenshots, and the comparison of the left side's method with
+//! `rt`.
 
 use super::{pixels::Pixels, worker::Worker};
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
 };
 
 impl Worker {
-    /// Does what was asked for of frames, as far as these are posed.
+    /// Handles requests whose frames are posed.
     pub(super) fn handle_frame_requests(&mut self) {
         while let Some(first) = self.frame_requests.front() {
             if self.live.posing(first.view.frame).is_some() {
@@ -39,7 +39,7 @@ impl Worker {
                 }
             };
             if let Err(error) = done {
-                self.refuse(&error);
+                self.report_error(&error);
             }
         }
     }

@@ -1,17 +1,17 @@
-//! What finds the selected instance again in a scene that was read anew, and what it is called.
+//! Identity of the selected instance across reloads of its scene.
 
 use crate::world::World;
 
-/// What finds an instance again in a scene that was read anew.
+/// Name and number that find an instance again in a reloaded scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InstanceKey {
     name: String,
-    /// How many of the same name come before it.
+    /// Number of earlier instances with the same name.
     number: usize,
 }
 
 impl InstanceKey {
-    /// Of the world's instance of this index.
+    /// Key of the instance of this index.
     pub(super) fn of(world: &World, index: usize) -> Option<Self> {
         let name = &world.instances.get(index)?.name;
         let before = world.instances[..index].iter();
@@ -21,7 +21,7 @@ impl InstanceKey {
         })
     }
 
-    /// The instance, as an index into the world's, and how many have its name.
+    /// Index of the instance, and the number of instances with its name.
     pub(super) fn find(&self, world: &World) -> Option<(usize, usize)> {
         let named = || {
             let all = world.instances.iter().enumerate();

@@ -34,18 +34,18 @@ use crate::{
 };
 use worker::Worker;
 
-/// The thread; ends when it is dropped.
+/// Handle of the thread, which ends when it is dropped.
 pub struct RenderThread {
-    /// Where it gets its tasks.
+    /// Its queue.
     pub mailbox: Mailbox,
-    /// What it has to say.
+    /// Its reports.
     pub reports: Receiver<Report>,
     thread: Option<thread::JoinHandle<()>>,
 }
 
 impl RenderThread {
-    /// Starts rendering; `woken` is called after each report. One that is waiting for its scene has
-    /// that read at once.
+    /// Starts the thread; `on_report` is called after each report. If `is_waiting`, the scene is
+    /// reloaded at once.
     pub fn start(
         gpu: Arc<Gpu>,
         live: Live,
@@ -69,7 +69,7 @@ impl RenderThread {
                 state.send(Report::Unwatched(Some(why.clone())));
             }
             if is_waiting {
-                // What the scene imports is not watched yet either.
+                // The scene's imports are not watched yet.
                 inbox.post(Task::Reload(
                     [Change::Scene, Change::Asset].into(),
                     Instant::now(),

@@ -1,5 +1,5 @@
-//! The selected instance: which one a click means, what it is called, and the line around what is
-//! seen of it.
+//! Picking: finds the clicked instance in the ids, and draws the outline of the selected
+//! one.
 
 use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
@@ -10,14 +10,14 @@ use crate::{
     render::{RenderError, targets::Target},
 };
 
-/// Half the width of the line, pixels of a picture that is drawn at full size.
+/// Half the width of the outline, pixels at full resolution.
 const RADIUS_PX: f32 = 2.0;
-/// Its color, and how dark its rim is, which makes it seen on bright things too.
+/// Outline color, and opacity of its dark rim, which keeps it visible on bright surfaces.
 const ORANGE: [f32; 3] = [255.0, 150.0, 30.0];
 const RIM: f32 = 0.5;
 
 impl Worker {
-    /// Selects what is at this part of a view's picture, which is drawn again if another is there.
+    /// Selects the instance at this position of a view, which is rendered first if necessary.
     pub(super) fn pick(&mut self, view: &View, at: [f32; 2]) -> Result<(), RenderError> {
         let is_drawn = (self.rendered_view.as_ref())
             .is_some_and(|drawn| !drawn.differs_from(view) && drawn.frame == view.frame);
@@ -34,13 +34,13 @@ impl Worker {
         Ok(())
     }
 
-    /// Selects nothing.
+    /// Clears the selection.
     pub(super) fn unpick(&mut self) {
         self.selected = None;
         self.send(Report::Unpicked);
     }
 
-    /// The selected instance in the picture that was drawn last.
+    /// The selected instance in the last rendered picture.
     pub(super) fn picked(&mut self) -> Result<Option<Picked>, RenderError> {
         if self.selected.is_none() {
             return Ok(None);
@@ -83,8 +83,8 @@ impl Worker {
     }
 }
 
-/// A line along the outside of what is `inside`, as RGBA with its alpha multiplied in; `None` where
-/// nothing is inside.
+/// Outline of the `inside` mask as RGBA with premultiplied alpha; `None` where the mask is
+/// empty.
 fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Vec<u8>> {
     let (width, height) = (width as i32, height as i32);
     let place = |x: i32, y: i32| {
@@ -126,7 +126,7 @@ fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Ve
 mod tests {
     use super::*;
 
-    /// ReportContext a square: the square stays free, the line follows it at its distance, and far away
+    /// Around a square: the square stays free, the line follows it at its distance, and far away
     /// there is nothing.
     #[test]
     fn the_outline_runs_around_and_covers_nothing_of_it() {

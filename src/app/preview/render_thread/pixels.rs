@@ -1,8 +1,8 @@
-//! A picture in memory, and two of them side by side.
+//! A picture in memory, and the wipe of two.
 
 use crate::app::preview::view_channel::BACKGROUND_GRAY;
 
-/// Width of the line between the sides, pixels.
+/// Width of the wipe line, pixels.
 const LINE_PX: u32 = 2;
 
 /// A picture in memory: RGBA, 8 bits a channel, rows from the top.
@@ -12,7 +12,7 @@ pub struct Pixels {
     pub rgba: Vec<u8>,
 }
 
-/// The left side up to the line, the right one from there; each as large as fits with its own shape.
+/// The left side up to the line, the right one from there; each as large as fits its aspect ratio.
 pub(super) fn compose_wipe(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2]) -> Pixels {
     let line = (at.clamp(0.0, 1.0) * size[0] as f32).round() as u32;
     let line_x = line.saturating_sub(LINE_PX / 2)..line + LINE_PX / 2;
@@ -30,7 +30,7 @@ pub(super) fn compose_wipe(left: &Pixels, right: &Pixels, at: f32, size: [u32; 2
     }
 }
 
-/// The texel that is nearest to a pixel of a picture of this size that `of` fills as far as it can.
+/// The nearest texel for a pixel of a picture of this size into which `of` is fitted.
 fn sample(of: &Pixels, pixel: [u32; 2], size: [u32; 2]) -> [u8; 4] {
     let scale = [0, 1]
         .map(|axis| size[axis] as f32 / of.size[axis].max(1) as f32)

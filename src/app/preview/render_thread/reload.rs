@@ -1,5 +1,5 @@
-//! Reloads: which scene and frame are read or posed beside the rendering thread, and when their
-//! results are taken over.
+//! Reloads: starts the jobs that read or pose the requested scene and frame, and adopts their
+//! results.
 
 use std::time::Instant;
 
@@ -15,13 +15,13 @@ use crate::app::{
 };
 
 impl Worker {
-    /// Takes over shaders; what else changed is read in [`State::errands`].
+    /// Reloads shaders; queues a read of the scene for all other changes.
     pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
         let before = self.live.reload_shaders(changes);
         match Live::after(changes) {
-            Some(keeps) => self.reload_jobs.queue(PendingRead {
-                keeps,
-                saved: Some(since),
+            Some(reuse) => self.reload_jobs.queue(PendingRead {
+                reuse,
+                saved_at: Some(since),
                 before,
             }),
             None => {
@@ -31,15 +31,15 @@ impl Worker {
         }
     }
 
-    /// Has the scene read with other parameters.
+    /// Queues a read of the scene with other parameters.
     pub(super) fn set_parameters(&mut self, overrides: ParameterOverrides) {
         self.live.tune(overrides);
         self.reload_jobs.queue(PendingRead {
-            keeps: Reuse {
+            reuse: Reuse {
                 files: true,
                 edits: true,
             },
-            saved: None,
+            saved_at: None,
             before: Reload {
                 ok: true,
                 ..Reload::default()
@@ -47,7 +47,7 @@ impl Worker {
         });
     }
 
-    /// When there is something to do though nobody asks for anything.
+    /// When the loop must run again without a new view or task.
     pub(super) fn next_wakeup(&self) -> Option<Instant> {
         let is_behind = self.reload_jobs.posing.is_none()
             && self
@@ -60,7 +60,7 @@ impl Worker {
         }
     }
 
-    /// Starts what is wanted and takes over what is done; whether there is something new to see.
+    /// Starts requested jobs and adopts finished ones; returns whether the picture changes.
     pub(super) fn run_jobs(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
         self.reload_jobs.next_check = None;
         let mut is_new = false;
@@ -75,7 +75,7 @@ impl Worker {
         ];
         let since = since.into_iter().flatten().min();
         if reading.is_some() {
-            // What it imports may be mended while it runs, and is looked for one by one.
+            // Its imports are found one by one, and may be edited while it runs.
             self.reload_jobs.check_at(Instant::now() + GRACE_PERIOD);
             if self.live.watch_list().0 != self.watched {
                 self.watch(watcher);
@@ -88,7 +88,7 @@ impl Worker {
         is_new
     }
 
-    /// Whether a scene that was read is shown; `None` while there is none.
+    /// Reads the scene; returns whether a new one is shown, `None` while none is ready.
     fn read_scene(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> Option<bool> {
         let (frame, plays) = self.wanted_frame().unwrap_or((0, false));
         if let Some((running, of)) = self.reload_jobs.reading.take() {
@@ -104,14 +104,14 @@ impl Worker {
             let old = self.reload_jobs.reading.take();
             match old {
                 Some((running, of))
-                    if wanted.saved.is_none() && self.reload_jobs.in_grace_period(&running) =>
+                    if wanted.saved_at.is_none() && self.reload_jobs.in_grace_period(&running) =>
                 {
                     self.reload_jobs.reading = Some((running, of));
                     self.reload_jobs.wanted = Some(wanted);
                 }
                 old => {
                     let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
-                    let reload_job = self.live.reading(wanted.keeps, frame);
+                    let reload_job = self.live.reading(wanted.reuse, frame);
                     self.reload_jobs.reading =
                         Some((RunningJob::start(reload_job, mailbox), wanted));
                 }
@@ -128,7 +128,7 @@ impl Worker {
         }
         self.watch(watcher);
         let refusal = self.live.refusal();
-        match (&refusal, wanted.saved) {
+        match (&refusal, wanted.saved_at) {
             (_, Some(since)) => self.reloads.push((reload, since)),
             (None, None) => self.send(Report::ParametersApplied(reload)),
             (Some(_), None) => {}
@@ -140,15 +140,15 @@ impl Worker {
         Some(reload.ok)
     }
 
-    /// The frame that is wanted now, and whether others follow it by themselves: that of what is asked
-    /// for on demand, else the view's.
+    /// The requested frame, and whether the timeline is playing: of the first frame request, else
+    /// of the view.
     fn wanted_frame(&self) -> Option<(u32, bool)> {
         let on_demand = self.frame_requests.front().map(|of| (of.view.frame, false));
         on_demand.or_else(|| self.view.as_ref().map(|view| (view.frame, view.plays)))
     }
 
-    /// Goes to the wanted frame; what is wrong there is told, and told again when it is over.
-    /// Whether another frame is shown.
+    /// Poses the requested frame, and reports problems with it and their end.
+    /// Returns whether the picture changes.
     fn pose(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
         let Some((frame, plays)) = self.wanted_frame() else {
             return false;
@@ -156,7 +156,7 @@ impl Worker {
         let reload_job = self.live.posing(frame);
         let wanted = reload_job.as_ref().map(ReloadJob::frame);
         let old = self.reload_jobs.posing.take();
-        // What plays shows each frame that is ready, however late.
+        // Playback shows each finished frame, however late.
         let goes_on = |old: &RunningJob, reload_jobs: &mut ReloadJobs| {
             plays
                 || wanted == Some(old.frame)
@@ -177,7 +177,7 @@ impl Worker {
         let before = self.live.problems.clone();
         let is_shown = self.live.take(done).ok;
         if self.live.problems != before {
-            // A saved scene may only now have been taken over.
+            // The job may have adopted a saved scene.
             self.watch(watcher);
             self.send_summary();
         }

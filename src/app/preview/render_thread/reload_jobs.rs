@@ -1,4 +1,4 @@
-//! Scripts run beside the rendering thread, which goes on with the last good scene meanwhile.
+//! Reload jobs: scripts run on threads of their own; meanwhile the last good scene is rendered.
 
 use std::{
     sync::{
@@ -18,23 +18,23 @@ use crate::{
     scene::script::Halt,
 };
 
-/// So long a picture waits for a script: most are done by then, and no picture is drawn twice.
+/// How long a picture waits for a script: most end in time, which saves rendering twice.
 const SCRIPT_WAIT: Duration = Duration::from_millis(30);
-/// So long a script goes on though another frame or other parameters are wanted by now: something
-/// is seen while a slider moves.
+/// How long an outdated job may continue after a newer request, so that pictures appear while a
+/// slider moves.
 pub(super) const GRACE_PERIOD: Duration = Duration::from_millis(300);
 
-/// Why the scene is read anew.
+/// A pending read of the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PendingRead {
-    pub(super) keeps: Reuse,
-    /// Since when a save is known; `None` for parameters.
-    pub(super) saved: Option<Instant>,
-    /// What was done for the same changes already.
+    pub(super) reuse: Reuse,
+    /// Time of the file event; `None` for parameters.
+    pub(super) saved_at: Option<Instant>,
+    /// Result of the shader reload for the same changes.
     pub(super) before: Reload,
 }
 
-/// An errand on its thread; dropping it halts its scripts.
+/// A reload job on its thread; dropping it halts its scripts.
 pub(super) struct RunningJob {
     halt: Halt,
     answer: Receiver<Done>,
@@ -54,13 +54,13 @@ impl RunningJob {
         let work = move || {
             let reload_job = shared.lock().unwrap_or_else(PoisonError::into_inner).take();
             let done = reload_job.map(|reload_job| own.over(|| reload_job.run()));
-            // Nobody waits for one that was halted.
+            // Sending fails for a halted job.
             if done.is_some_and(|done| sender.send(done).is_ok()) {
                 mailbox.wake();
             }
         };
         let thread = thread::Builder::new().name("errand".into());
-        // Where the system has no thread left, pictures wait for the script.
+        // Without a free thread, pictures wait for the script.
         if thread.spawn(work.clone()).is_err() {
             work();
         }
@@ -73,15 +73,15 @@ impl RunningJob {
         }
     }
 
-    /// Whether it poses another frame than this.
+    /// Whether it poses a frame other than this.
     pub(super) fn poses_other_frame(&self, frame: u32) -> bool {
         self.frame != frame && self.poses.load(Ordering::Relaxed)
     }
 
-    /// What came of it, if it is done or soon will be.
+    /// Its result, if it ends within `SCRIPT_WAIT` of its start.
     pub(super) fn answer(&self) -> Option<Done> {
         let patience = SCRIPT_WAIT.saturating_sub(self.started.elapsed());
-        // What panics in an errand is caught there, so that an answer comes.
+        // A job catches its own panics, so that a result always comes.
         self.answer.recv_timeout(patience).ok()
     }
 }
@@ -92,15 +92,15 @@ impl Drop for RunningJob {
     }
 }
 
-/// What runs, and what waits for it.
+/// Running and pending jobs.
 #[derive(Default)]
 pub(super) struct ReloadJobs {
     pub(super) wanted: Option<PendingRead>,
     pub(super) reading: Option<(RunningJob, PendingRead)>,
     pub(super) posing: Option<RunningJob>,
-    /// Since when something runs, as it was told.
+    /// Start of the oldest running job, as reported last.
     pub(super) told: Option<Instant>,
-    /// When what runs must be looked at again.
+    /// When to check the running jobs again.
     pub(super) next_check: Option<Instant>,
 }
 
@@ -112,7 +112,7 @@ impl ReloadJobs {
         });
     }
 
-    /// Whether something may go on; if so, only for a while.
+    /// Whether an outdated job is in its grace period; schedules the check at its end.
     pub(super) fn in_grace_period(&mut self, running: &RunningJob) -> bool {
         let end = running.started + GRACE_PERIOD;
         let in_grace_period = Instant::now() < end;
@@ -130,8 +130,8 @@ impl ReloadJobs {
 impl PendingRead {
     pub(super) fn then(self, new: Self) -> Self {
         Self {
-            keeps: self.keeps.and(new.keeps),
-            saved: new.saved.or(self.saved),
+            reuse: self.reuse.and(new.reuse),
+            saved_at: new.saved_at.or(self.saved_at),
             before: self.before.and(new.before),
         }
     }

@@ -1,4 +1,4 @@
-//! F12: what is shown as a file: both sides of a wipe with its line, the error map. Labels and the
+//! Screenshots: both sides of a wipe with its line, or the error map, as a file. Labels and the
 //! outline of the selection belong to the window and are left out.
 
 use std::{
@@ -19,7 +19,7 @@ use crate::{
 };
 
 impl Worker {
-    /// Writes what is shown and says where.
+    /// Writes a screenshot and reports its path.
     pub(super) fn write_screenshot(&mut self, view: &View, screenshot: &Screenshot) {
         let path = free_name(&screenshot.folder, &screenshot.stem);
         let said = match self.render_screenshot(view, screenshot) {
@@ -32,7 +32,7 @@ impl Worker {
         self.send(Report::Message(said));
     }
 
-    /// Everything at full size, also while something moves.
+    /// Renders at full size, also while something moves.
     fn render_screenshot(
         &mut self,
         view: &View,
@@ -70,7 +70,7 @@ impl Worker {
     }
 }
 
-/// The first name that no file has yet: `scene-001.png`.
+/// The first unused file name: `scene-001.png`.
 fn free_name(folder: &Path, stem: &str) -> PathBuf {
     let name = |number: u32| folder.join(format!("{stem}-{number:03}.png"));
     let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();

@@ -1,4 +1,4 @@
-//! How each texture that can be looked at becomes a picture, and what its colors mean.
+//! Conversion of each view channel to a picture, with the legend of its colors.
 
 use super::{pixels::Pixels, worker::Worker};
 use crate::{
@@ -19,17 +19,17 @@ use crate::{
     scene::desc::LightKind,
 };
 
-/// Longest edge of a cube's face where all six are shown, pixels.
+/// Longest edge of a face in an unfolded cube map, pixels.
 const FACE_PX: u32 = 512;
-/// How much of the picture is left where no ray starts.
+/// Brightness of pixels without a traced ray, as a fraction.
 const DIMMED: f32 = 0.3;
-/// The darkest color of the first ray, as a value of the map of colors.
+/// Value of the first ray in the color map.
 const FIRST_RAY_VALUE: f32 = 0.35;
-/// Where a shadow map holds nothing.
+/// Color of empty texels of a shadow map.
 const EMPTY_SHADOW: [u8; 4] = [24, 36, 84, 255];
 
 impl Worker {
-    /// Draws a side of the frame that was rendered last, with a canvas to draw it into if it fits.
+    /// Visualizes a side of the last rendered frame; `old` is reused where its size fits.
     pub(super) fn visualize(
         &self,
         side: Side,
@@ -59,7 +59,7 @@ impl Worker {
         })
     }
 
-    /// What of the frame that was rendered last is looked at, and what its colors mean.
+    /// A channel of the last rendered frame, and its legend.
     pub(super) fn pixels(
         &self,
         channel: ViewChannel,
@@ -136,7 +136,7 @@ impl Worker {
     }
 }
 
-/// What the colors of an AOV mean.
+/// Legend of an AOV.
 fn aov_legend(aov: Aov, plane: &Plane) -> String {
     let text = match (aov, &plane.data) {
         (Aov::Depth | Aov::HitDistance, PlaneData::F32(distances)) => {
@@ -152,7 +152,7 @@ fn aov_legend(aov: Aov, plane: &Plane) -> String {
     text.to_owned()
 }
 
-/// What the ends of a gray scale of distances are, and the color of nothing.
+/// Legend of a gray scale of distances: its ends, and the color of nothing.
 fn distance_legend(distances: &[f32], nothing: &str) -> String {
     let finite = distances.iter().filter(|distance| distance.is_finite());
     let (least, most) = finite.fold((f32::INFINITY, 0.0_f32), |(least, most), distance| {
@@ -164,7 +164,7 @@ fn distance_legend(distances: &[f32], nothing: &str) -> String {
     format!("white: {least:.2} m, black: {most:.2} m; nothing is {nothing}")
 }
 
-/// A square map no larger than [`FACE_PX`]: of each block the nearest.
+/// Downsamples a square map to at most [`FACE_PX`]: the minimum of each block.
 fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
     let step = edge.div_ceil(FACE_PX).max(1);
     let small = edge / step;
@@ -177,7 +177,7 @@ fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
     (small, texels.map(|(x, y)| nearest(x, y)).collect())
 }
 
-/// The faces of a cube side by side as a cross, and its size; `None` is beside them.
+/// The faces of a cube map unfolded to a cross, and its size; `None` outside of the faces.
 fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
     let edge = faces.first().map_or(1, |(edge, _)| *edge);
     let size = [4 * edge, 3 * edge];
@@ -193,7 +193,7 @@ fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
     (size, cross)
 }
 
-/// The picture, dim and gray, with the pixels that are traced in the order of the list.
+/// The picture, dim and gray, with the traced pixels colored by their index in the list.
 fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
     let dim = |texel: &[u8]| {
         let [r, g, b] = [0, 1, 2].map(|i| f32::from(texel[i]));

@@ -1,4 +1,4 @@
-//! What the rendering thread works with, and one rendering of a view.
+//! State of the rendering thread, and the rendering of a view.
 
 use std::{
     collections::VecDeque,
@@ -25,9 +25,9 @@ use crate::{
     scene::desc::{CameraDesc, Method},
 };
 
-/// A still picture may take this long before sub-frames are left out, milliseconds.
+/// Time budget of a still picture; beyond it sub-frames are dropped, milliseconds.
 const STILL_MS: f64 = 1000.0;
-/// What the thread works with.
+/// State of the rendering thread.
 pub(super) struct Worker {
     pub(super) gpu: Arc<Gpu>,
     pub(super) live: Live,
@@ -37,17 +37,17 @@ pub(super) struct Worker {
     /// The selected instance.
     pub(super) selected: Option<InstanceKey>,
     pub(super) outline: Option<FrameTexture>,
-    /// Scripts that run.
+    /// Running and pending scripts.
     pub(super) reload_jobs: ReloadJobs,
-    /// What is in the targets, if it is a view of its posed frame.
+    /// The view in the targets, if they hold one of the posed frame.
     pub(super) rendered_view: Option<View>,
-    /// What waits for its frame.
+    /// Requests that wait for their frame.
     pub(super) frame_requests: VecDeque<FrameRequest>,
-    /// What was reloaded since the last picture, and when that was saved.
+    /// Reloads since the last picture, each with the time of its file event.
     pub(super) reloads: Vec<(Reload, Instant)>,
-    /// What was last said to be watched.
+    /// The last list given to the watcher.
     pub(super) watched: WatchList,
-    /// The frame of the facts that were told last.
+    /// Frame of the summary that was sent last.
     pub(super) summary_frame: u32,
     pub(super) summary_sent_at: Instant,
     pub(super) number: u64,
@@ -105,17 +105,17 @@ impl Worker {
     }
 
     /// Shows an error; the last picture stays.
-    pub(super) fn refuse(&mut self, error: &RenderError) {
+    pub(super) fn report_error(&mut self, error: &RenderError) {
         self.live.problems.refused = Some(error.to_string());
         self.send_summary();
     }
 
-    /// Where a view is taken from in the posed scene.
+    /// A view's camera in the posed scene.
     pub(super) fn camera(&self, eye: &ViewCamera) -> CameraDesc {
         let cameras = &self.live.world().cameras;
         match eye {
             ViewCamera::Free(camera) => camera.clone(),
-            ViewCamera::Through(name) => {
+            ViewCamera::Scene(name) => {
                 let found = cameras.iter().find(|camera| camera.name == *name);
                 let found = found.or(cameras.first());
                 found.map_or_else(CameraDesc::default, |camera| camera.value.clone())
@@ -123,7 +123,7 @@ impl Worker {
         }
     }
 
-    /// Renders into the targets with as many pixels and sub-frames as there is time for.
+    /// Renders into the targets, with resolution and sub-frames reduced to the time budget.
     pub(super) fn render(
         &mut self,
         view: &View,

@@ -14,25 +14,25 @@ use super::{
 };
 use crate::app::preview::protocol::{FrameAction, Screenshot, Task, View, ViewCamera};
 
-/// How long the camera must rest before the full picture is drawn, seconds.
+/// Rest time of the camera before the full-resolution picture is rendered, seconds.
 const SETTLE_S: f64 = 0.15;
-/// Longest that a picture should take while the camera moves, milliseconds.
+/// Time budget of a picture while the camera moves, milliseconds.
 const MOVING_MS: f64 = 50.0;
-/// Width of the panel beside the picture, points: this part of the window, in this range; and of the
-/// narrowest window that has one.
+/// Sidebar width: fraction of the window, limits in points, and the narrowest window with a
+/// sidebar, points.
 const SIDE_PART: f32 = 0.36;
 const SIDE: RangeInclusive<f32> = 250.0..=320.0;
 const HAS_SIDE: f32 = 560.0;
-/// How long a script runs before that is told, seconds, and how often from then on.
+/// Delay before a running script is shown, seconds, and the refresh interval from then on.
 const LONG_S: f64 = 0.3;
 const TOLD_EVERY_S: f32 = 1.0;
-/// Part of a frame's time that its picture may take while time runs.
+/// Fraction of a frame's duration that its picture may take while playing.
 const PLAYING_SHARE: f64 = 0.8;
 
 impl Window {
     fn keys(&mut self, ui: &Ui, requests: &mut Vec<ViewRequest>) {
         if ui.ctx().egui_wants_keyboard_input() {
-            // It writes no text.
+            // F12 is no text input.
             if ui.input(|i| i.key_pressed(Key::F12)) {
                 requests.push(ViewRequest::Screenshot);
             }
@@ -65,7 +65,7 @@ impl Window {
             (Key::C, ViewRequest::Copy),
             (Key::X, ViewRequest::Compare),
             (Key::F12, ViewRequest::Screenshot),
-            (Key::R, ViewRequest::Through(self.settings.home)),
+            (Key::R, ViewRequest::SceneCamera(self.settings.last_camera)),
         ] {
             if pressed(key) {
                 requests.push(request);
@@ -89,10 +89,11 @@ impl Window {
     fn handle_requests(&mut self, ui: &Ui, requests: Vec<ViewRequest>) {
         for request in requests {
             match request {
-                ViewRequest::Through(index) => {
+                ViewRequest::SceneCamera(index) => {
                     if let Some((_, camera)) = self.summary.cameras.get(index) {
                         self.camera_controls.camera = camera.clone();
-                        (self.settings.through, self.settings.home) = (Some(index), index);
+                        (self.settings.scene_camera, self.settings.last_camera) =
+                            (Some(index), index);
                     }
                 }
                 ViewRequest::Frame => self.frame_selection(),
@@ -122,12 +123,12 @@ impl Window {
         }
     }
 
-    /// Asks for the view, if it is another than before.
+    /// Requests the view, if it changed.
     fn request_view(&mut self, ui: &Ui, moved: bool) {
         let now = ui.input(|i| i.time);
         if moved {
             self.moved_at = now;
-            self.settings.through = None;
+            self.settings.scene_camera = None;
             self.settings.error_map = false;
         }
         let rests = now - self.moved_at >= SETTLE_S;
@@ -136,13 +137,13 @@ impl Window {
             ui.ctx().request_repaint_after_secs(wait as f32);
         }
         let frame = self.tick(ui, now);
-        let through = self
+        let scene_camera = self
             .settings
-            .through
+            .scene_camera
             .and_then(|i| self.summary.cameras.get(i));
         let view = View {
-            camera: match through {
-                Some((name, _)) => ViewCamera::Through(name.clone()),
+            camera: match scene_camera {
+                Some((name, _)) => ViewCamera::Scene(name.clone()),
                 None => ViewCamera::Free(self.camera_controls.camera.clone()),
             },
             frame,
@@ -159,7 +160,7 @@ impl Window {
         {
             self.settings.error_map = false;
         }
-        // A minimized window has no pixels: nothing is asked for.
+        // A minimized window has no pixels.
         if view.size.iter().all(|side| *side > 0) && self.requested.as_ref() != Some(&view) {
             self.is_busy = true;
             self.render_thread.mailbox.post_view(view.clone());
@@ -167,7 +168,7 @@ impl Window {
         }
     }
 
-    /// The frame that the clock wants now; the next one is waited for.
+    /// The timeline's frame now; schedules a repaint for the next one.
     fn tick(&mut self, ui: &Ui, now_s: f64) -> u32 {
         let Some(timeline) = &mut self.timeline else {
             return 0;
@@ -178,7 +179,7 @@ impl Window {
         timeline.frame()
     }
 
-    /// How long a picture may take while something moves.
+    /// Time budget of a picture while something moves.
     fn draft_ms(&self, rests: bool) -> Option<f64> {
         let moving = (!rests).then_some(MOVING_MS);
         let playing = self.timeline.as_ref().filter(|time| time.is_playing());
@@ -186,7 +187,7 @@ impl Window {
         moving.into_iter().chain(playing).reduce(f64::min)
     }
 
-    /// How much smaller the shown picture was drawn than its place is, in words.
+    /// Text about reduced resolution; empty at full resolution.
     fn reduced(&self) -> String {
         let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
         match sides.map(|side| side.stats.size) {
@@ -210,7 +211,7 @@ impl Window {
         status_bar::status(ui, picture, &doing, script_s, &mut self.message);
     }
 
-    /// How long a script has been running, once that is worth telling, seconds.
+    /// Run time of a background script once it exceeds `LONG_S`, seconds.
     fn script_s(&self) -> Option<f64> {
         let ran_s = self.script.map(|since| since.elapsed().as_secs_f64());
         ran_s.filter(|ran_s| *ran_s >= LONG_S)

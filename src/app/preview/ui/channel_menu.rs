@@ -15,10 +15,10 @@ use crate::{
 /// In the order of the keys 1, 2, 3.
 pub const METHODS: [Method; 3] = [Method::Hybrid, Method::Ssr, Method::Rt];
 
-/// Width of the menu of textures, points; longer names are cut off.
+/// Width of a menu, points; longer names are truncated.
 pub const MENU: f32 = 96.0;
 
-/// Method and texture of one side.
+/// Method and channel of one side.
 pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[ShadowLight]) {
     for method in METHODS {
         ui.selectable_value(&mut side.method, method, method_name(method));
@@ -36,7 +36,7 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
     }
 }
 
-/// The list of everything that can be looked at.
+/// The list of channels.
 fn textures(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
     let all =
         std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));

@@ -17,7 +17,7 @@ const SMALL: f32 = 10.0;
 /// Columns of a chart over time.
 pub const HISTORY: usize = 120;
 
-/// Of the passes in the order of the frame: neighbors differ in hue and brightness.
+/// Pass colors in the order of the frame: neighbors differ in hue and brightness.
 const PASSES: [Color32; passes::ALL.len()] = [
     Color32::from_rgb(120, 120, 140),
     Color32::from_rgb(66, 133, 180),
@@ -32,7 +32,7 @@ const PASSES: [Color32; passes::ALL.len()] = [
     Color32::from_rgb(205, 180, 230),
 ];
 
-/// What is not colored by its meaning.
+/// Color of bars without a meaning of their own.
 pub const ACCENT: Color32 = Color32::from_rgb(90, 150, 220);
 
 /// A cause's color, as in its AOV.
@@ -97,7 +97,7 @@ pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str
     painter.galley(rect.min + vec2(3.0, 2.0), text, Color32::WHITE);
 }
 
-/// Parts of a whole in their colors, and what they are.
+/// A stacked bar of shares, with its legend.
 pub fn shares(ui: &mut Ui, shares: &[Share]) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 16.0), Sense::hover());
     let mut left = rect.left();

@@ -1,4 +1,4 @@
-//! Mistakes with their places: the list over the picture, which folds to a line.
+//! The diagnostics panel: errors with their places, over the picture, foldable to a line.
 
 use std::collections::BTreeSet;
 
@@ -9,21 +9,21 @@ use crate::{
     scene::diagnostic::{Diagnostic, Severity, Span},
 };
 
-/// The list is at most so wide and high, points, and covers at most this part of the picture's
-/// height.
+/// Maximum size of the list, points, and the largest fraction of the picture's height that it
+/// covers.
 const MAX_SIZE: egui::Vec2 = vec2(860.0, 220.0);
 const MAX_HEIGHT_FRACTION: f32 = 0.4;
-/// ReportContext the list, and inside of its frame, points.
+/// Margin around the list, and inside of its frame, points.
 const MARGIN: f32 = 8.0;
 
-/// A mistake for people.
+/// One entry of the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DiagnosticEntry {
     /// What is wrong and what was expected.
     pub message: String,
     /// Where: `file:line:column`, a file, or what else can be said.
     pub place: Option<String>,
-    /// What to do, and what else there is to say, each with what it is.
+    /// Help and notes, each with its kind.
     pub more: Vec<(&'static str, String)>,
 }
 
@@ -32,12 +32,12 @@ pub struct DiagnosticEntry {
 pub struct FoldState(Option<BTreeSet<String>>);
 
 impl FoldState {
-    /// Folded until there is a mistake that is not among these.
+    /// Folds the list until there is an entry that is not among these.
     fn fold(&mut self, entries: &[DiagnosticEntry]) {
         self.0 = Some(entries.iter().map(DiagnosticEntry::kind).collect());
     }
 
-    /// Unfolds for a new mistake; whether it is folded.
+    /// Unfolds for a new entry; returns whether the list is folded.
     fn update(&mut self, entries: &[DiagnosticEntry]) -> bool {
         let is_known = |known: &BTreeSet<_>| entries.iter().all(|m| known.contains(&m.kind()));
         self.0 = self.0.take().filter(is_known);
@@ -59,7 +59,7 @@ impl DiagnosticEntry {
         }
     }
 
-    /// All that keep the newest content from being shown.
+    /// All errors that keep the newest content from being shown.
     pub fn all(problems: &Problems) -> Vec<Self> {
         let of_scene = problems.scene.iter().chain(&problems.pose);
         let errors = of_scene.filter(|diagnostic| diagnostic.severity == Severity::Error);
@@ -81,7 +81,7 @@ impl DiagnosticEntry {
         all
     }
 
-    /// The same for the same mistake in another line or frame.
+    /// Identity of an error, independent of line and frame.
     fn kind(&self) -> String {
         let place = self.place.iter().flat_map(|place| place.chars());
         let all = self.message.chars().chain(place);
@@ -115,15 +115,21 @@ fn place_in(span: &Span) -> Option<String> {
     Some(format!("{path}:{}:{}", place.line, place.column))
 }
 
-/// Where a message points: `file:line:column`, or the file.
-pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
+/// Place of a diagnostic: `file:line:column`, or the file.
+fn place_of(diagnostic: &Diagnostic) -> Option<String> {
     let file = || diagnostic.file.as_ref();
     place_in(&diagnostic.span).or_else(|| file().map(|file| file.display().to_string()))
 }
 
-/// The list, at the bottom of the picture and over it: were it beside, a mistake would change the
+/// The message of a diagnostic after its place.
+pub fn located(diagnostic: &Diagnostic) -> String {
+    let place = place_of(diagnostic).map_or(String::new(), |place| format!("{place}: "));
+    format!("{place}{}", diagnostic.message)
+}
+
+/// The list, at the bottom of the picture and over it: beside it, an error would change the
 /// picture's size.
-pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut FoldState) {
+pub fn overlay(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut FoldState) {
     if problems.is_empty() {
         return;
     }
@@ -144,12 +150,12 @@ pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut FoldState) {
         });
 }
 
-/// The list and its fold, at most so high but for its first line, points.
+/// The list with its fold button; `height` limits all but its first line, points.
 pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, height: f32) {
     let is_folded = fold.update(entries);
     let title = match (is_folded, entries) {
         (true, [only]) => only.message.clone(),
-        // First what must not be cut off.
+        // The button first: it must not be cut off.
         (true, [first, ..]) => format!("{} mistakes: {}", entries.len(), first.message),
         (false, [_]) => "Not taken over, the picture stays".to_owned(),
         (_, all) => format!("Not taken over, the picture stays: {} mistakes", all.len()),
@@ -182,7 +188,7 @@ pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, heig
         .id_salt("problems")
         .max_height(height)
         .show(ui, |ui| {
-            // Beside the scroll bar.
+            // Space for the scroll bar.
             ui.set_width(ui.available_width() - MARGIN);
             for (index, entry) in entries.iter().enumerate() {
                 if index > 0 {
@@ -216,7 +222,7 @@ mod tests {
             picture: Rect::from_min_size(egui::pos2(0.0, 30.0), vec2(300.0, 340.0)),
         };
         let draw = |ui: &mut Ui, state: &mut State| {
-            over(ui, state.picture, &state.problems, &mut state.fold);
+            overlay(ui, state.picture, &state.problems, &mut state.fold);
         };
         let builder = Harness::builder().with_size(vec2(620.0, 420.0));
         let mut harness = builder.build_ui_state(draw, state);

@@ -1,4 +1,4 @@
-//! What the window does with what the rendering thread says.
+//! Applies the reports of the rendering thread to the window.
 
 use std::sync::mpsc::TryRecvError;
 
@@ -9,13 +9,13 @@ use crate::app::preview::{
 };
 
 impl Window {
-    /// Takes over everything that was said since the last time.
+    /// Applies all pending reports.
     pub(super) fn handle_reports(&mut self, now_s: f64) {
         loop {
             match self.render_thread.reports.try_recv() {
-                Ok(Report::SceneSummary(summary)) => self.take_summary(*summary, now_s),
+                Ok(Report::SceneSummary(summary)) => self.apply_summary(*summary, now_s),
                 Ok(Report::ScriptRunning(since)) => self.script = since,
-                Ok(Report::Frame(shown)) => self.take_shown(*shown, now_s),
+                Ok(Report::Frame(shown)) => self.apply_frame(*shown, now_s),
                 Ok(Report::ParametersApplied(reload)) => {
                     let ms = reload.took.as_secs_f64() * 1e3;
                     self.message.set(if reload.ok {
@@ -33,7 +33,7 @@ impl Window {
                 Ok(Report::Reloaded(reload, ms)) => {
                     let cpu = reload.took.as_secs_f64() * 1e3;
                     self.message.set(if reload.ok {
-                        // Its map would hide what the save has changed.
+                        // The old error map would hide the change.
                         self.comparison = None;
                         self.edits += 1;
                         format!(
@@ -51,7 +51,7 @@ impl Window {
                         (self.message).set("the scene has changed meanwhile; compare again");
                     }
                 }
-                Ok(Report::Picked(picked)) => self.take_picked(picked),
+                Ok(Report::Picked(picked)) => self.apply_pick(picked),
                 Ok(Report::Unpicked) => self.picked = None,
                 Ok(Report::Message(message)) => self.message.set(message),
                 Ok(Report::Unwatched(why)) => self.unwatched = why,
@@ -66,9 +66,9 @@ impl Window {
         }
     }
 
-    fn take_shown(&mut self, shown: FinishedFrame, now_s: f64) {
-        if self.settings.through.is_some() {
-            // The scene's camera may move with time; who takes it over starts from there.
+    fn apply_frame(&mut self, shown: FinishedFrame, now_s: f64) {
+        if self.settings.scene_camera.is_some() {
+            // The scene's camera may be animated; manual control starts from its current pose.
             self.camera_controls.camera = shown.camera.clone();
         }
         let stats = shown.sides.first().map(|side| side.stats.clone());
@@ -84,8 +84,8 @@ impl Window {
         self.shown = Some(shown);
     }
 
-    /// Takes over a scene that was read again: camera, time and selection stay, by name.
-    fn take_summary(&mut self, summary: SceneSummary, now_s: f64) {
+    /// Adopts a reloaded scene: camera, time and selection stay, by name.
+    fn apply_summary(&mut self, summary: SceneSummary, now_s: f64) {
         timeline::follow(
             &mut self.timeline,
             &mut self.hidden_timeline,
@@ -103,21 +103,19 @@ impl Window {
                 .iter()
                 .position(|new| new.name == old.name)
         });
-        let camera = self
-            .settings
-            .through
-            .and_then(|i| self.summary.cameras.get(i));
-        let camera =
-            camera.and_then(|(old, _)| summary.cameras.iter().position(|(new, _)| new == old));
-        // Before the first scene without mistakes there is nothing.
+        let camera_again = |index: usize| {
+            let (old, _) = self.summary.cameras.get(index)?;
+            summary.cameras.iter().position(|(new, _)| new == old)
+        };
+        let camera = self.settings.scene_camera.and_then(camera_again);
+        let last_camera = camera_again(self.settings.last_camera);
+        // Before the first valid scene there are no materials.
         let is_first = self.summary.materials.is_empty() && !summary.cameras.is_empty();
-        let home = self.summary.cameras.get(self.settings.home);
-        let home = home.and_then(|(old, _)| summary.cameras.iter().position(|(new, _)| new == old));
-        self.settings.home = home.unwrap_or(0);
-        let camera = camera.or(is_first.then_some(self.settings.home));
-        self.settings.through = camera;
+        self.settings.last_camera = last_camera.unwrap_or(0);
+        let camera = camera.or(is_first.then_some(self.settings.last_camera));
+        self.settings.scene_camera = camera;
         if let Some(index) = camera {
-            // One that was not moved by hand follows the scene.
+            // An unmoved camera follows the scene.
             self.camera_controls.camera = summary.cameras[index].1.clone();
         }
         self.camera_controls.rescale(&summary.bounds);

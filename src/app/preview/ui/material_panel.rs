@@ -21,10 +21,10 @@ use crate::{
     },
 };
 
-/// What a pixel of dragging changes where a number has no upper end.
+/// Change per pixel of dragging where a number has no upper limit.
 const SPEED: f32 = 0.01;
 
-/// The list of materials, and the numbers of the selected one; with the instance that was clicked.
+/// The list of materials, the picked instance, and the values of the selected material.
 pub fn panel(
     ui: &mut Ui,
     settings: &mut ViewSettings,
@@ -33,7 +33,7 @@ pub fn panel(
     requests: &mut Vec<ViewRequest>,
 ) {
     let header = egui::CollapsingHeader::new("Materials").default_open(true);
-    let shown = (header.open(settings.reveals.then_some(true))).show(ui, |ui| {
+    let shown = (header.open(settings.scrolls_to_material.then_some(true))).show(ui, |ui| {
         list(ui, settings, summary);
         if let Some(picked) = picked {
             instance(ui, picked);
@@ -54,12 +54,12 @@ pub fn panel(
         }
         ui.weak("until the scene is saved again; it wins over motion");
     });
-    if settings.reveals {
+    if settings.scrolls_to_material {
         let is_open = shown.fully_open();
         let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
         ui.scroll_to_rect(shown.header_response.rect.union(body), None);
         // It unfolds over several frames.
-        settings.reveals = !is_open;
+        settings.scrolls_to_material = !is_open;
     }
 }
 
@@ -74,7 +74,7 @@ fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
             if label.clicked() {
                 settings.material = (!is_selected).then_some(index);
             }
-            if is_selected && settings.reveals {
+            if is_selected && settings.scrolls_to_material {
                 label.scroll_to_me(None);
             }
         }
@@ -96,7 +96,7 @@ fn instance(ui: &mut Ui, picked: &Picked) {
     });
 }
 
-/// Every number that the material has; the edit with what was moved.
+/// Controls for all values of the material; returns the resulting edit.
 fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     let now = row.edit.over(&row.numbers);
     let mut edit = row.edit;
@@ -121,7 +121,7 @@ fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     edit
 }
 
-/// Whether a value was moved.
+/// The control of a value; returns whether it changed.
 fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     let [least, most] = [f32::MIN, f32::MAX].map(|end| field.range.clamp(end));
     let range = least..=most;
@@ -134,7 +134,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
         }
         form => {
             ui.horizontal(|ui| {
-                // Three numbers and a name must find room.
+                // Space for three numbers and a label.
                 ui.spacing_mut().item_spacing.x = 4.0;
                 let mut changed = false;
                 let lanes = match form {
@@ -167,7 +167,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     }
 }
 
-/// A color picker, which keeps how far a color is above 1; whether it was used.
+/// A color picker that preserves intensities above 1; returns whether the color changed.
 fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
     let above = color.max_element().max(1.0);
     let mut rgb = (*color / above).to_array();
@@ -178,7 +178,7 @@ fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
     changed
 }
 
-/// What a material has that a table does not leave open, as keys of that table.
+/// A material's non-default values, as keys of its scene table.
 fn scene_text(material: &MaterialDesc) -> String {
     let list = |lanes: &[f32]| {
         let texts: Vec<_> = lanes.iter().map(ToString::to_string).collect();

@@ -103,7 +103,7 @@ fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
     select(&mut harness, "Materials");
     assert!(harness.query_by_label("chrome  ×2").is_none(), "folded");
     let state = harness.state_mut();
-    (state.settings.material, state.settings.reveals) = (Some(1), true);
+    (state.settings.material, state.settings.scrolls_to_material) = (Some(1), true);
     state.picked = Some(Picked {
         label: "ball (2 of 3)".to_owned(),
         material: 1,
@@ -119,7 +119,7 @@ fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
         harness.get_by_label(label);
     }
     assert!(harness.query_all_by_label("reflectivity").count() > 0);
-    assert!(!harness.state().settings.reveals, "once");
+    assert!(!harness.state().settings.scrolls_to_material, "once");
     select(&mut harness, "Materials");
     assert!(harness.query_by_label("ball (2 of 3)").is_none(), "by hand");
 }

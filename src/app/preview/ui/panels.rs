@@ -1,5 +1,5 @@
-//! The panels: what can be chosen, what a frame cost, where its reflections came from, materials.
-//! They draw what they are given and say what was asked for.
+//! Toolbar and statistics panels: channels, cameras, pass times, reflection sources, error scores.
+//! They draw what they are given and return requests.
 
 use std::collections::VecDeque;
 
@@ -20,18 +20,18 @@ use crate::{
     scene::desc::Method,
 };
 
-/// What was asked for.
+/// A user request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewRequest {
-    /// ViewChannel through the scene's camera of this index.
-    Through(usize),
+    /// View through the scene's camera of this index.
+    SceneCamera(usize),
     /// Frame the selection or the scene.
     Frame,
     /// Copy the camera.
     Copy,
     /// Compare with `rt`.
     Compare,
-    /// Write a picture.
+    /// Write a screenshot.
     Screenshot,
     /// Change a material.
     Edit(Edit),
@@ -39,25 +39,25 @@ pub enum ViewRequest {
     SetParameters(ParameterOverrides),
 }
 
-/// What a person has chosen.
+/// User settings of the view.
 #[derive(Clone, Debug)]
 pub struct ViewSettings {
     /// The left side.
     pub a: Side,
     /// The right side.
     pub b: Side,
-    /// Whether there are two sides.
+    /// Whether the wipe is on.
     pub wipe: bool,
-    /// Where the line between them is, 0 to 1.
+    /// Position of the wipe line, 0 to 1.
     pub wipe_at: f32,
     /// Index of the selected material.
     pub material: Option<usize>,
-    /// Whether its numbers are to be scrolled to.
-    pub reveals: bool,
-    /// Index of the scene's camera that is looked through; `None` once it was moved.
-    pub through: Option<usize>,
-    /// Index of the one that was looked through last.
-    pub home: usize,
+    /// Whether to scroll to its values.
+    pub scrolls_to_material: bool,
+    /// Index of the scene's camera in use; `None` for the free camera.
+    pub scene_camera: Option<usize>,
+    /// Index of the scene's camera that was used last.
+    pub last_camera: usize,
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
@@ -65,7 +65,7 @@ pub struct ViewSettings {
 }
 
 impl ViewSettings {
-    /// At first: the picture by one method.
+    /// Initial settings: the picture by one method.
     pub fn new(method: Method) -> Self {
         let side = |method| Side {
             method,
@@ -81,16 +81,16 @@ impl ViewSettings {
             wipe: false,
             wipe_at: 0.5,
             material: None,
-            reveals: false,
-            through: None,
-            home: 0,
+            scrolls_to_material: false,
+            scene_camera: None,
+            last_camera: 0,
             help: false,
             error_map: false,
         }
     }
 }
 
-/// A control with its name beside it, which is cut off where it is too long.
+/// A control with its label beside it, truncated where it is too long.
 pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> Response {
     ui.horizontal(|ui| {
         let control = ui.add(control);
@@ -100,10 +100,10 @@ pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> 
     .inner
 }
 
-/// After each group of the bar, points.
+/// Space after each group of the toolbar, points.
 const GAP: f32 = 8.0;
 
-/// Things that stay side by side where a narrow window breaks the row.
+/// Controls that stay together where a narrow window wraps the toolbar.
 fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let id = ui.scope_id().with(name);
     let known: Option<f32> = ui.data(|data| data.get_temp(id));
@@ -119,7 +119,7 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     ui.add_space(GAP);
 }
 
-/// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
+/// The toolbar. Its groups keep their widths, so that no setting moves the picture.
 pub fn bar(
     ui: &mut Ui,
     settings: &mut ViewSettings,
@@ -195,21 +195,26 @@ fn cameras(
     let name = |index: usize| summary.cameras.get(index).map(|(name, _)| name.as_str());
     let label = ui.weak("camera");
     let menu = egui::ComboBox::from_id_salt("camera")
-        .selected_text(settings.through.and_then(name).unwrap_or("free camera"))
+        .selected_text(
+            settings
+                .scene_camera
+                .and_then(name)
+                .unwrap_or("free camera"),
+        )
         .width(MENU)
         .truncate()
         .show_ui(ui, |ui| {
             for (index, (name, _)) in summary.cameras.iter().enumerate() {
-                let is_shown = settings.through == Some(index);
+                let is_shown = settings.scene_camera == Some(index);
                 if ui.selectable_label(is_shown, name).clicked() {
-                    requests.push(ViewRequest::Through(index));
+                    requests.push(ViewRequest::SceneCamera(index));
                 }
             }
         });
     menu.response.labelled_by(label.id);
 }
 
-/// Times of the passes: now as bars, lately as stacks below the time of the frame.
+/// Pass times: of the last frame as bars, of the history as stacked columns.
 pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Passes")
         .default_open(true)
@@ -258,7 +263,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Where reflections came from, and why.
+/// Reflection sources and causes.
 pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Reflections")
         .default_open(true)
@@ -297,7 +302,7 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Shares of the reflective pixels, picture by picture.
+/// Shares of the reflective pixels over the history.
 fn over_time(
     ui: &mut Ui,
     history: &VecDeque<FrameStats>,

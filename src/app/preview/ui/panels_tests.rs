@@ -140,7 +140,7 @@ fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
         }
         let before = harness.state().now_s;
         click(&mut harness, "wipe");
-        harness.state_mut().settings.through = Some(1);
+        harness.state_mut().settings.scene_camera = Some(1);
         harness.run();
         assert_eq!(harness.state().now_s, before, "{width}: the picture moves");
     }

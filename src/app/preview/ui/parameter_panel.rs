@@ -16,13 +16,13 @@ use crate::{
 /// What the controls show.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters {
-    /// Laid over the scene's own values.
+    /// Overrides of the scene's own values.
     pub overrides: ParameterOverrides,
-    /// Values that do not work: their controls show them, but the picture has what `tuned` has.
+    /// Rejected values: their controls show them, but the picture uses `overrides`.
     refused: Vec<Refused>,
 }
 
-/// Values that were refused together, and why.
+/// Values that were rejected together, and why.
 #[derive(Clone, Debug, PartialEq)]
 struct Refused {
     values: Vec<(String, ParamValue)>,
@@ -35,7 +35,7 @@ impl Parameters {
         all.find(|(known, _)| known == name).map(|(_, value)| value)
     }
 
-    /// What the control shows of a parameter.
+    /// Value that the control of a parameter shows.
     fn shown<'a>(&'a self, name: &str, own: &'a ParamValue) -> &'a ParamValue {
         let value = self.refused(name).or_else(|| self.overrides.get(name));
         value.unwrap_or(own)
@@ -53,7 +53,7 @@ impl Parameters {
         self.refused.retain(|refused| !refused.values.is_empty());
     }
 
-    /// Marks values that were refused, where no others were chosen since.
+    /// Marks rejected values, unless they were changed since.
     pub fn refuse(&mut self, refusal: Refusal, declared: &DeclaredParameters) {
         let Refusal { values, stays, why } = refusal;
         let mut marked = Vec::new();
@@ -74,13 +74,13 @@ impl Parameters {
         }
     }
 
-    /// Forgets what the parameters of a scene that was read again no longer leave room for.
+    /// Drops overrides that do not fit the parameters of a reloaded scene.
     pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
         self.overrides.keep_what_fits(declared);
         let overrides = self.overrides.clone();
         self.forget_refused(|name, value| {
             let own = declared.iter().find(|(known, _)| known == name);
-            // What is in force was not refused.
+            // A value in force was not rejected.
             own.is_none_or(|(_, own)| {
                 !same_kind(own, value) || overrides.get(name).unwrap_or(own) == value
             })
@@ -88,7 +88,7 @@ impl Parameters {
     }
 }
 
-/// The panel; whether other values are to be laid over the scene's.
+/// The panel; returns whether the overrides changed.
 pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Parameters) -> bool {
     if declared.is_empty() {
         return false;
@@ -116,7 +116,7 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                     ui.ctx().copy_text(parameters.overrides.as_text(declared));
                 }
             });
-            // Below the controls: none moves when a value is refused.
+            // Below the controls: none moves when a value is rejected.
             for index in 0..parameters.refused.len() {
                 if refused(ui, index, declared, parameters) {
                     break; // it is over
@@ -126,7 +126,7 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
     parameters.overrides != before
 }
 
-/// Values that differ from the scene's stand out, and more so those that do not work.
+/// Label of a parameter: highlights overridden values, and rejected ones more strongly.
 fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> RichText {
     if parameters.refused(name).is_some() {
         RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
@@ -137,7 +137,7 @@ fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> Rich
     }
 }
 
-/// Values that do not work, why, and what the picture has; whether somebody decided about them.
+/// Rejected values, why, and the values in force; returns whether the user resolved them.
 fn refused(
     ui: &mut Ui,
     index: usize,
@@ -193,7 +193,7 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
         (ParamValue::Integer(now), ParamValue::Integer(own)) => {
             let (least, most) = range(*own as f64, 10.0).into_inner();
             let range = (least as i64).min(*now)..=(most as i64).max(*now);
-            // A typed number may lie beyond the guess.
+            // A typed number may lie outside the slider's range.
             let slider = Slider::new(now, range).clamping(SliderClamping::Never);
             named(ui, slider.update_while_editing(false), label);
             *now = (*now).clamp(-(LIMIT as i64), LIMIT as i64);
@@ -226,12 +226,12 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
                 }
             });
         }
-        // What was laid over has the kind of what is declared.
+        // An override has the kind of its declaration.
         _ => {}
     }
 }
 
-/// Where a value may sensibly go: from zero to twice as far; around zero for zero itself.
+/// Slider range for a value: from zero to twice the value; around zero for zero itself.
 fn range(own: f64, around: f64) -> RangeInclusive<f64> {
     if own > 0.0 {
         0.0..=(own * 2.0).max(around)

@@ -1,4 +1,4 @@
-//! The column beside the picture: everything about the scene and its last picture, below each other.
+//! The sidebar: parameters, materials, scores, statistics and scene facts.
 
 use std::iter;
 
@@ -25,9 +25,9 @@ impl Window {
     pub(super) fn side_panel(&mut self, ui: &mut Ui, requests: &mut Vec<ViewRequest>) {
         let area = egui::ScrollArea::vertical().auto_shrink([false, true]);
         area.show(ui, |ui| {
-            // Beside the scroll bar.
+            // Space for the scroll bar.
             ui.set_max_width(ui.available_width() - 8.0);
-            // First what is dragged: nothing above it changes its height by itself.
+            // Draggable controls first: nothing above them changes its height by itself.
             if parameter_panel::params(ui, &self.summary.declared, &mut self.parameters) {
                 requests.push(ViewRequest::SetParameters(
                     self.parameters.overrides.clone(),

@@ -1,8 +1,8 @@
-//! The status line, facts about the scene, and the list of keys.
+//! The status line, scene facts, and the list of keys.
 
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::{diagnostics_panel::place_of, status_message::StatusMessage};
+use super::{diagnostics_panel::located, status_message::StatusMessage};
 use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
@@ -41,18 +41,18 @@ pub const KEYS: [(&str, &str); 20] = [
     ("Ctrl Q", "close"),
 ];
 
-/// What the window is busy with.
+/// Current activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Activity {
-    /// Frame after frame; with what it leaves out for that.
+    /// Playing; with the text about reduced resolution.
     Playing(String),
-    /// Another picture.
+    /// Rendering a picture.
     Drawing,
-    /// Nothing: nothing has changed.
+    /// Nothing changed.
     Idle,
 }
 
-/// The status line. `script_s` is how long a script has been running that pictures do not wait for.
+/// The status line. `script_s` is the run time of a background script, seconds.
 pub fn status(
     ui: &mut Ui,
     picture: u64,
@@ -70,7 +70,7 @@ pub fn status(
                 ));
             ui.separator();
         }
-        // What is too long is whole in its tooltip.
+        // The tooltip shows truncated text in full.
         ui.add(
             Label::new(match (doing, script_s) {
                 (Activity::Playing(less), _) => format!("playing: picture {picture}{less}"),
@@ -90,13 +90,13 @@ pub fn status(
     });
 }
 
-/// Why saves are seen late or not at all, and what to do: it stays until that is over.
+/// Why file watching is limited, and what to do.
 pub fn unwatched(ui: &mut Ui, why: &str) {
     let text = format!("Saves: {why}");
     ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
 }
 
-/// SceneSummary and warnings about the scene.
+/// Facts and warnings about the scene.
 pub fn scene(ui: &mut Ui, summary: &SceneSummary) {
     let title = match summary.warnings.len() {
         0 => "Scene".to_owned(),
@@ -117,13 +117,12 @@ pub fn scene(ui: &mut Ui, summary: &SceneSummary) {
                 ui.weak(format!("left out: {dropped}"));
             }
             for warning in &summary.warnings {
-                let place = place_of(warning).map_or(String::new(), |place| format!("{place}: "));
-                ui.label(format!("{place}{}", warning.message));
+                ui.label(located(warning));
             }
         });
 }
 
-/// What the script printed.
+/// Output of the script.
 pub fn log(ui: &mut Ui, log: &[String]) {
     if log.is_empty() {
         return;
@@ -142,7 +141,7 @@ pub fn log(ui: &mut Ui, log: &[String]) {
         });
 }
 
-/// The list of keys in a window of its own, which scrolls where there is no room for all of it.
+/// The list of keys in a scrollable egui window.
 pub fn help(ui: &Ui, is_open: &mut bool) {
     let room = ui.ctx().content_rect().shrink(8.0);
     egui::Window::new("Keys")

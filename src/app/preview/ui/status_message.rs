@@ -1,34 +1,34 @@
-//! The last word about what was done, in the status line: it leaves after a while, or at the next
+//! The message of the status line: it disappears after a while, or at the next user
 //! action.
 
 use eframe::egui::{Event, InputState, Ui};
 
-/// How long a note is shown, seconds.
+/// Display time of a message, seconds.
 const DURATION_S: f64 = 12.0;
 
-/// What is said, if anything.
+/// The current message, if any.
 #[derive(Clone, Debug, Default)]
 pub struct StatusMessage {
     text: String,
-    /// Since when it is shown, seconds; `None` before its first picture.
+    /// When it was first shown, seconds; `None` before.
     since: Option<f64>,
-    /// What is said where there is nothing else.
+    /// Shown where there is no other message.
     permanent: String,
 }
 
 impl StatusMessage {
-    /// Says something in place of what was said.
+    /// Replaces the message.
     pub fn set(&mut self, text: impl Into<String>) {
         (self.text, self.since) = (text.into(), None);
     }
 
-    /// Says something that stays true: it is there whenever there is nothing newer.
+    /// Sets the message that is shown whenever there is no newer one.
     pub fn set_permanent(&mut self, text: impl Into<String>) {
         self.permanent = text.into();
         self.set("");
     }
 
-    /// What is said.
+    /// The text to show; empty for none.
     pub fn text(&self) -> &str {
         if self.text.is_empty() {
             &self.permanent
@@ -37,8 +37,8 @@ impl StatusMessage {
         }
     }
 
-    /// Forgets what is over: it was shown long enough, or somebody `acts` on another thing. Seconds
-    /// until it must be looked at again; `None` where it can stay as it is.
+    /// Clears a message that was shown long enough, or when the user `acts` again. Returns the
+    /// seconds until the next check; `None` where there is nothing to expire.
     fn expire(&mut self, acts: bool, now_s: f64) -> Option<f64> {
         if self.text.is_empty() {
             return None;
@@ -51,7 +51,7 @@ impl StatusMessage {
         (!is_over).then_some(left_s)
     }
 
-    /// Makes room where somebody does the next thing.
+    /// Clears the message at the next key or click.
     pub fn expire_on_input(&mut self, ui: &Ui, now_s: f64) {
         let is_pressed = |event: &Event| matches!(event, Event::Key { pressed, repeat, .. } if *pressed && !*repeat);
         let acts = |i: &InputState| i.pointer.any_pressed() || i.events.iter().any(is_pressed);
@@ -60,14 +60,14 @@ impl StatusMessage {
         }
     }
 
-    /// Lets it leave when it is time, and has the window drawn then, not before.
+    /// Clears the message when its time is over, and schedules the repaint for that.
     pub fn tick(&mut self, ui: &Ui, now_s: f64) {
         if let Some(left_s) = self.expire(false, now_s) {
             ui.ctx().request_repaint_after_secs(left_s as f32 + 0.01);
         }
     }
 
-    /// Reuse it for a while longer: somebody reads it.
+    /// Restarts the display time, for a hovered message.
     pub fn extend(&mut self) {
         self.since = None;
     }

@@ -12,7 +12,7 @@ use super::{
 use crate::app::preview::protocol::{FrameAction, Picked, Task};
 
 impl Window {
-    /// Shows the picture; whether the camera was moved.
+    /// Shows the picture; returns whether the camera was moved.
     pub(super) fn picture(&mut self, ui: &mut Ui, frame: &eframe::Frame) -> bool {
         let rect = ui.available_rect_before_wrap();
         let pixels = rect.size() * ui.ctx().pixels_per_point();
@@ -22,9 +22,9 @@ impl Window {
         self.captions(ui, rect);
         let is_known = self.summary.problems.is_empty() && self.script.is_none();
         if self.summary.is_nothing() && is_known {
-            viewport_paint::nothing(ui, rect, &self.summary.warnings);
+            viewport_paint::empty_scene(ui, rect, &self.summary.warnings);
         }
-        diagnostics_panel::over(ui, rect, &self.summary.problems, &mut self.fold);
+        diagnostics_panel::overlay(ui, rect, &self.summary.problems, &mut self.fold);
         let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed
@@ -35,7 +35,7 @@ impl Window {
         !grabbed && self.navigate(ui, &response)
     }
 
-    /// Selects what was clicked; beside everything, nothing.
+    /// Picks at the click; outside of the picture it clears the selection.
     fn click(&mut self, at: Pos2, rect: Rect) {
         let (is_of_camera, place) = match self.layer_at(at, rect) {
             Some(layer) => (layer.is_of_camera, fit(rect, layer.shape)),
@@ -52,20 +52,20 @@ impl Window {
         }
     }
 
-    /// Selects neither an instance nor a material.
+    /// Clears the selected instance and material.
     pub(super) fn unselect(&mut self) {
         self.settings.material = None;
         self.send(Task::Unpick);
     }
 
-    /// Takes over what was clicked.
-    pub(super) fn take_picked(&mut self, picked: Option<Picked>) {
+    /// Adopts the result of a pick.
+    pub(super) fn apply_pick(&mut self, picked: Option<Picked>) {
         self.settings.material = picked.as_ref().map(|picked| picked.material);
-        self.settings.reveals = picked.is_some();
+        self.settings.scrolls_to_material = picked.is_some();
         self.picked = picked;
     }
 
-    /// Shows all of the selected instance, else of the selected material, else of the scene.
+    /// Frames the selected instance, else the selected material, else the scene.
     pub(super) fn frame_selection(&mut self) {
         let rows = &self.summary.materials;
         let row = self.settings.material.and_then(|index| rows.get(index));
@@ -84,10 +84,10 @@ impl Window {
         }
         let [width, height] = self.viewport.map(|side| side.max(1) as f32);
         self.camera_controls.frame(&bounds, width / height);
-        self.settings.through = None;
+        self.settings.scene_camera = None;
     }
 
-    /// Moves the camera; whether it moved.
+    /// Moves the camera; returns whether it moved.
     fn navigate(&mut self, ui: &Ui, picture: &Response) -> bool {
         let before = self.camera_controls.camera.clone();
         let height = picture.rect.height().max(1.0);

@@ -5,7 +5,7 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Ui, UiBuilder, pos2, vec2,
 };
 
-use super::{charts, diagnostics_panel::place_of, window::Window};
+use super::{charts, diagnostics_panel::located, window::Window};
 use crate::{
     app::preview::{
         frame_texture::FrameTexture,
@@ -17,25 +17,25 @@ use crate::{
     scene::{desc::Method, diagnostic::Diagnostic},
 };
 
-/// Widest that something written over the picture may be, points.
+/// Maximum width of text over the picture, points.
 const CHIP: f32 = 360.0;
-/// Below the names of a wipe's sides.
+/// Top margin below the labels of the wipe, points.
 const BELOW_NAMES: f32 = 44.0;
 
-/// Something painted, in a part of the picture area.
+/// A texture in a part of the picture area.
 pub(super) struct Layer {
     texture: FrameTexture,
-    /// Its width and height, or those that a draft stands for.
+    /// Aspect ratio as width and height, pixels; of a draft, those of the full picture.
     pub(super) shape: [u32; 2],
     /// Whether its pixels are the camera's.
     pub(super) is_of_camera: bool,
-    /// Whether it is an unfolded cube.
+    /// Whether it is an unfolded cube map.
     is_cross: bool,
     clip: Rect,
 }
 
-/// Where a picture of this shape is shown: as large as fits. What was drawn for this area fills it,
-/// though pictures have whole pixels.
+/// Largest centered rectangle of this aspect ratio. A picture rendered for this area fills it,
+/// although its size is rounded to whole pixels.
 pub(super) fn fit(rect: Rect, size: [u32; 2]) -> Rect {
     let size = vec2(size[0].max(1) as f32, size[1].max(1) as f32);
     let pixels_per_point = (size / rect.size()).max_elem();
@@ -48,17 +48,21 @@ pub(super) fn fit(rect: Rect, size: [u32; 2]) -> Rect {
     Rect::from_center_size(rect.center(), size * scale)
 }
 
-/// Writes on the faces of an unfolded cube where they look.
+/// Labels the faces of an unfolded cube map.
 fn name_faces(painter: &Painter, place: Rect) {
     let face = place.size() / vec2(4.0, 3.0);
     for (name, [left, top]) in CUBE_FACES.into_iter().zip(CUBE_CROSS) {
         let at = place.min + face * vec2(left as f32 + 0.5, top as f32 + 1.0) - vec2(0.0, 4.0);
-        let font = FontId::proportional(13.0);
-        let text = painter.layout_no_wrap(name.to_owned(), font, Color32::WHITE);
-        let back = Align2::CENTER_BOTTOM.anchor_size(at, text.size());
-        painter.rect_filled(back.expand(2.0), 3.0, Color32::from_black_alpha(140));
-        painter.galley(back.min, text, Color32::WHITE);
+        label(painter, at, Align2::CENTER_BOTTOM, 2.0, name.to_owned());
     }
+}
+
+/// A label on a dark plate that is larger by `margin`, points.
+fn label(painter: &Painter, at: Pos2, anchor: Align2, margin: f32, text: String) {
+    let text = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
+    let plate = anchor.anchor_size(at, text.size());
+    painter.rect_filled(plate.expand(margin), 3.0, Color32::from_black_alpha(140));
+    painter.galley(plate.min, text, Color32::WHITE);
 }
 
 impl Window {
@@ -67,7 +71,7 @@ impl Window {
         self.comparison.as_ref().filter(|_| self.settings.error_map)
     }
 
-    /// What is shown, from left to right.
+    /// Displayed layers, from left to right.
     fn layers(&self, rect: Rect) -> Vec<Layer> {
         let Some(shown) = &self.shown else {
             return Vec::new();
@@ -99,7 +103,7 @@ impl Window {
         layers
     }
 
-    /// What is shown at a point.
+    /// The layer at a point.
     pub(super) fn layer_at(&self, at: Pos2, rect: Rect) -> Option<Layer> {
         let mut layers = self.layers(rect).into_iter();
         layers.find(|layer| layer.clip.contains(at))
@@ -129,7 +133,7 @@ impl Window {
         }
     }
 
-    /// Makes the window's renderer know exactly these canvases.
+    /// Registers exactly these textures with egui's renderer.
     fn register(&mut self, frame: &eframe::Frame, textures: &[FrameTexture]) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
@@ -153,7 +157,7 @@ impl Window {
         }
     }
 
-    /// The line between the two sides; whether it is being dragged.
+    /// The wipe line; returns whether it is hovered or dragged.
     pub(super) fn wipe_line(&mut self, ui: &Ui, rect: Rect) -> bool {
         let x = rect.left() + rect.width() * self.settings.wipe_at;
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
@@ -172,22 +176,22 @@ impl Window {
             Some(_) => "error map".to_owned(),
             None => name(&self.settings.a),
         };
-        for (label, anchor, dx) in [
+        for (text, anchor, dx) in [
             (left, Align2::RIGHT_TOP, -8.0),
             (name(&self.settings.b), Align2::LEFT_TOP, 8.0),
         ] {
-            let at = pos2(x + dx, rect.top() + 8.0);
-            let font = FontId::proportional(13.0);
-            let painter = ui.painter();
-            let text = painter.layout_no_wrap(label, font, Color32::WHITE);
-            let place = anchor.anchor_size(at, text.size());
-            painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(140));
-            painter.galley(place.min, text, Color32::WHITE);
+            label(
+                ui.painter(),
+                pos2(x + dx, rect.top() + 8.0),
+                anchor,
+                3.0,
+                text,
+            );
         }
         is_held
     }
 
-    /// What the colors of the picture mean, and what is selected.
+    /// Legends of the picture, and the selection.
     pub(super) fn captions(&self, ui: &mut Ui, rect: Rect) {
         let shown = self.shown.iter().flat_map(|shown| &shown.sides);
         let first = usize::from(self.error_map().is_some());
@@ -222,7 +226,7 @@ impl Window {
     }
 }
 
-/// What is selected.
+/// Caption of the selection.
 fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.strong(label);
     ui.label(format!("material {material}"));
@@ -232,7 +236,7 @@ fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.weak("F frames it, Esc lets go");
 }
 
-/// What the error map shows: metric, scale and number.
+/// Caption of the error map: metric, scores and scale.
 fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
     let method = method_name(method);
     ui.strong(format!("error map: FLIP of {method} against rt"));
@@ -248,7 +252,7 @@ fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
 }
 
 /// Why the picture is empty.
-pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
+pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
     egui::Area::new(egui::Id::unique("reflet nothing"))
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(rect.center())
@@ -257,8 +261,7 @@ pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
                 ui.set_max_width((rect.width() - 32.0).clamp(40.0, 1.25 * CHIP));
                 ui.strong("Nothing stands in this scene");
                 for warning in warnings {
-                    let place = place_of(warning).map_or(String::new(), |p| format!("{p}: "));
-                    ui.label(format!("{place}{}", warning.message));
+                    ui.label(located(warning));
                     if let Some(help) = &warning.help {
                         ui.weak(help);
                     }

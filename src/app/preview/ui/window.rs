@@ -1,4 +1,4 @@
-//! The state of the window, and how it asks the rendering thread for something.
+//! State of the window and its requests to the rendering thread.
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -28,31 +28,31 @@ pub struct Window {
     pub(super) summary: SceneSummary,
     pub(super) settings: ViewSettings,
     pub(super) camera_controls: CameraControls,
-    /// Where time is, if the scene has frames.
+    /// Timeline, if the scene has one.
     pub(super) timeline: Option<Timeline>,
-    /// Where time was when the scene last had some.
+    /// Timeline of the last scene that had one.
     pub(super) hidden_timeline: Option<Timeline>,
     pub(super) parameters: Parameters,
-    /// Whether the list of mistakes is folded.
+    /// Whether the diagnostics panel is folded.
     pub(super) fold: FoldState,
     pub(super) shown: Option<FinishedFrame>,
     pub(super) comparison: Option<Comparison>,
     /// The selected instance.
     pub(super) picked: Option<Picked>,
-    /// How often the scene has changed: what was compared before is of another.
+    /// Revision of the scene; comparisons of earlier revisions are stale.
     pub(super) edits: u64,
-    /// Of the last pictures, newest last.
+    /// Statistics of the last pictures, newest last.
     pub(super) history: VecDeque<FrameStats>,
-    /// Registered textures by the number of their canvas.
+    /// Registered egui textures by the number of their `FrameTexture`.
     pub(super) textures: HashMap<u64, egui::TextureId>,
-    /// The view that was last asked for.
+    /// The view that was requested last.
     pub(super) requested: Option<View>,
-    /// When the camera moved last, seconds.
+    /// Time of the last camera move, seconds.
     pub(super) moved_at: f64,
     pub(super) message: StatusMessage,
-    /// Since when a script runs that the picture does not wait for.
+    /// Start of a script that runs in the background.
     pub(super) script: Option<Instant>,
-    /// Why saves are seen only now and then, and what to do.
+    /// Why file watching is limited, and what to do.
     pub(super) unwatched: Option<String>,
     pub(super) is_busy: bool,
     pub(super) viewport: [u32; 2],
@@ -61,8 +61,8 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window over a scene that shows `method` through the scene's camera of this index at first,
-    /// and writes pictures of this stem into this folder.
+    /// A window that first shows `method` through the scene's camera of this index, and writes
+    /// screenshots into this folder with this file name prefix.
     pub fn new(
         render_thread: RenderThread,
         summary: SceneSummary,
@@ -71,7 +71,7 @@ impl Window {
         (screenshot_folder, stem): (PathBuf, String),
     ) -> Self {
         let mut settings = ViewSettings::new(method);
-        (settings.through, settings.home) = (Some(camera), camera);
+        (settings.scene_camera, settings.last_camera) = (Some(camera), camera);
         let start = summary.cameras.get(camera);
         let start = start.map(|(_, camera)| camera.clone()).unwrap_or_default();
         Self {
@@ -106,7 +106,7 @@ impl Window {
         self.render_thread.mailbox.post(task);
     }
 
-    /// Asks for something of the view's frame; while time runs, of the one that is seen.
+    /// Requests an action on the view's frame; while playing, on the displayed one.
     pub(super) fn request_frame(&mut self, action: FrameAction) {
         let Some(mut view) = self.requested.clone() else {
             self.message.set("nothing is shown yet");
