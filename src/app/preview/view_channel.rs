@@ -57,21 +57,13 @@ impl ViewChannel {
     }
 
     /// The same channel in a reloaded scene, by the light's name; the picture if it has no map now.
-    pub fn after(self, old: &[ShadowLight], new: &[ShadowLight]) -> Self {
+    pub fn after_reload(self, old: &[ShadowLight], new: &[ShadowLight]) -> Self {
         let Self::Shadow(shadow_map) = self else {
             return self;
         };
-        let name = old
-            .iter()
-            .find(|c| c.light == shadow_map.light)
-            .map(|c| &c.name);
-        let found = new.iter().find(|c| Some(&c.name) == name);
-        found.map_or(Self::Picture, |shadow_light| {
-            Self::Shadow(ShadowMapChoice {
-                light: shadow_light.light,
-                face: shadow_map.face.filter(|face| *face < shadow_light.faces),
-            })
-        })
+        let light = old.iter().find(|old| old.light == shadow_map.light);
+        let found = light.and_then(|old| new.iter().find(|new| new.name == old.name));
+        found.map_or(Self::Picture, |new| Self::Shadow(new.map(shadow_map.face)))
     }
 }
 
@@ -84,6 +76,16 @@ pub struct ShadowLight {
     pub name: String,
     /// Number of maps: six for a point light.
     pub faces: usize,
+}
+
+impl ShadowLight {
+    /// Its map of this face, where it has that face; else the whole map.
+    pub fn map(&self, face: Option<usize>) -> ShadowMapChoice {
+        ShadowMapChoice {
+            light: self.light,
+            face: face.filter(|face| *face < self.faces),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -106,11 +108,23 @@ mod tests {
     fn a_shadow_map_is_kept_by_the_name_of_its_light() {
         let old = [shadow_light(0, "sun", 1), shadow_light(1, "lamp", 6)];
         let new = [shadow_light(0, "lamp", 6), shadow_light(1, "moon", 1)];
-        assert_eq!(shadow(1, Some(4)).after(&old, &new), shadow(0, Some(4)));
-        assert_eq!(shadow(0, None).after(&old, &new), ViewChannel::Picture);
+        assert_eq!(
+            shadow(1, Some(4)).after_reload(&old, &new),
+            shadow(0, Some(4))
+        );
+        assert_eq!(
+            shadow(0, None).after_reload(&old, &new),
+            ViewChannel::Picture
+        );
         let spot = [shadow_light(3, "lamp", 1)];
-        assert_eq!(shadow(1, Some(4)).after(&old, &spot), shadow(3, None));
-        assert_eq!(ViewChannel::Rays.after(&old, &new), ViewChannel::Rays);
+        assert_eq!(
+            shadow(1, Some(4)).after_reload(&old, &spot),
+            shadow(3, None)
+        );
+        assert_eq!(
+            ViewChannel::Rays.after_reload(&old, &new),
+            ViewChannel::Rays
+        );
         assert!(shadow(1, None).is_cross(&old) && !shadow(1, None).is_cross(&new));
         assert!(!shadow(1, Some(0)).is_cross(&old));
     }

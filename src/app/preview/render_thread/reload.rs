@@ -81,8 +81,8 @@ impl Worker {
                 self.watch(watcher);
             }
         }
-        if since != self.reload_jobs.told {
-            self.reload_jobs.told = since;
+        if since != self.reload_jobs.reported_start {
+            self.reload_jobs.reported_start = since;
             self.send(Report::ScriptRunning(since));
         }
         is_new

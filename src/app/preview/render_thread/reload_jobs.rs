@@ -99,7 +99,7 @@ pub(super) struct ReloadJobs {
     pub(super) reading: Option<(RunningJob, PendingRead)>,
     pub(super) posing: Option<RunningJob>,
     /// Start of the oldest running job, as reported last.
-    pub(super) told: Option<Instant>,
+    pub(super) reported_start: Option<Instant>,
     /// When to check the running jobs again.
     pub(super) next_check: Option<Instant>,
 }

@@ -28,7 +28,7 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
         .width(MENU)
         .truncate()
         .height(400.0)
-        .show_ui(ui, |ui| textures(ui, &mut side.channel, shadow_lights))
+        .show_ui(ui, |ui| channels(ui, &mut side.channel, shadow_lights))
         .response
         .on_hover_text("the picture, or a texture that it was made from");
     if let ViewChannel::Shadow(shadow_map) = &mut side.channel {
@@ -37,24 +37,19 @@ pub fn side_menu(ui: &mut Ui, id: &str, side: &mut Side, shadow_lights: &[Shadow
 }
 
 /// The list of channels.
-fn textures(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
+fn channels(ui: &mut Ui, channel: &mut ViewChannel, shadow_lights: &[ShadowLight]) {
     let all =
         std::iter::once(ViewChannel::Picture).chain(Aov::ALL.into_iter().map(ViewChannel::Aov));
     for other in all.chain([ViewChannel::Rays]) {
         ui.selectable_value(channel, other, other.name());
     }
     let is_shadow = matches!(channel, ViewChannel::Shadow(_));
-    let first = shadow_lights.first().map(|shadow_light| {
-        ViewChannel::Shadow(ShadowMapChoice {
-            light: shadow_light.light,
-            face: None,
-        })
-    });
+    let first = shadow_lights.first();
     ui.add_enabled_ui(first.is_some(), |ui| {
         let row = ui.selectable_label(is_shadow, "shadow_map");
         let row = row.on_disabled_hover_text("no light has shadow = \"map\"");
         if let (true, false, Some(first)) = (row.clicked(), is_shadow, first) {
-            *channel = first;
+            *channel = ViewChannel::Shadow(first.map(None));
         }
     });
 }
@@ -76,10 +71,7 @@ fn shadow_menu(
             for shadow_light in shadow_lights {
                 let is_now = shadow_light.light == shadow_map.light;
                 if ui.selectable_label(is_now, &shadow_light.name).clicked() {
-                    *shadow_map = ShadowMapChoice {
-                        light: shadow_light.light,
-                        face: shadow_map.face.filter(|face| *face < shadow_light.faces),
-                    };
+                    *shadow_map = shadow_light.map(shadow_map.face);
                 }
             }
         });

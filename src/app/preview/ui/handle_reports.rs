@@ -122,7 +122,7 @@ impl Window {
         for side in [&mut self.settings.a, &mut self.settings.b] {
             side.channel = side
                 .channel
-                .after(&self.summary.shadow_lights, &summary.shadow_lights);
+                .after_reload(&self.summary.shadow_lights, &summary.shadow_lights);
         }
         if summary.method != self.summary.method {
             self.settings.a.method = summary.method;
