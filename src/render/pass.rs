@@ -1,6 +1,6 @@
 //! A compute pass: bound by name, sized by its shader, timed under its own name.
 
-use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Shader};
+use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
 /// Where the shader of a pass starts.
 pub const MAIN: &str = "main";
@@ -56,9 +56,6 @@ impl Pass {
         counted: false,
     };
 }
-
-/// A resource with its name in the shaders.
-pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
 
 /// How many workgroups a pass runs.
 pub enum Dispatch<'a> {

@@ -3,8 +3,8 @@
 use crate::{
     gpu::{Checks, GpuError},
     render::{
-        RenderOptions,
         frame_pass::FramePass,
+        options::RenderOptions,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
