@@ -16,6 +16,7 @@ use crate::{
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace",
+    color: [215, 95, 80],
     reads: &[
         Target::ViewDepth,
         Target::Surface,
