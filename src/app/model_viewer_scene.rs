@@ -7,11 +7,7 @@ use std::{
 };
 
 use crate::{
-    scene::{
-        desc::is_stage,
-        diagnostic::Diagnostic,
-        parse::{parse, toml_text},
-    },
+    scene::{desc::is_stage, diagnostic::Diagnostic, parse::parse, toml_text::toml_text},
     world::{
         gltf::{Fault, Playable, Sandbox},
         load::LoadOptions,

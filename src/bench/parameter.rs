@@ -2,7 +2,7 @@
 
 use crate::scene::{
     desc::{Method, ReflectionDesc},
-    parse::range::{BOUNCES, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
+    range::{BOUNCES, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
 };
 
 /// Most steps that a scene may ask for.

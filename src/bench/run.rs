@@ -14,7 +14,7 @@ use crate::{
     scene::{
         desc::{CameraDesc, ImageDesc, Method, ReflectionDesc},
         diagnostic::Diagnostic,
-        parse::range::BOUNCES,
+        range::BOUNCES,
     },
     world::World,
 };

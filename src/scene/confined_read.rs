@@ -6,7 +6,7 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use super::{dependencies::Dependencies, diagnostic::Span, parse::suggest};
+use super::{dependencies::Dependencies, diagnostic::Span, suggest};
 use crate::files::{open_regular, read_at_most};
 
 /// What messages say about files of a kind.

@@ -2,8 +2,10 @@
 
 mod json;
 mod render;
+mod setup_locations;
 
 pub use render::{printable, render_all};
+pub use setup_locations::{Returned, TABLES};
 
 use std::{
     ops::Range,
@@ -11,8 +13,6 @@ use std::{
     string::FromUtf8Error,
     sync::Arc,
 };
-
-use super::script::Returned;
 
 /// A text file that messages point into.
 #[derive(Debug, PartialEq, Eq)]

@@ -7,5 +7,8 @@ pub mod diagnostic;
 pub mod manual;
 pub mod motion;
 pub mod parse;
+pub mod range;
 pub mod schema;
 pub mod script;
+mod suggest;
+pub mod toml_text;

@@ -6,17 +6,15 @@ mod include;
 mod key_recorder;
 mod names;
 mod params;
-pub mod range;
 mod read;
 mod report;
 mod script;
 mod set;
-pub(super) mod suggest;
 mod syntax;
 mod table;
 mod value;
 
-use std::{cell::OnceCell, fmt::Write as _, path::Path};
+use std::{cell::OnceCell, path::Path};
 
 use toml::de::{DeTable, DeValue};
 
@@ -183,22 +181,6 @@ pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry
         |table| Some(params::read(table.get_ref().as_table()?, &mut report)),
     );
     params.filter(|_| report.errors() == 0)
-}
-
-/// Any text as a basic string of TOML, in quotes.
-pub fn toml_text(text: &str) -> String {
-    let mut out = String::from('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => out.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", c as u32);
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 /// Every table and key that the readers ask for, the whole file first.

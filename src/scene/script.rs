@@ -8,19 +8,21 @@ mod call_limits;
 mod catch_values;
 mod context;
 mod dedup;
+mod ended;
 mod engine;
 mod error;
 mod format_value;
 mod key_locations;
 mod limit_location;
 mod limited_parser;
+mod limits;
 mod nested_values;
 mod push;
 mod setters;
-mod setup_locations;
 mod setup_output;
 mod sort;
 mod source_files;
+mod value;
 
 use std::{
     collections::HashSet,
@@ -34,18 +36,18 @@ use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 use self::{
     call_limits::{Bounds, run_limited},
     context::{Call, Context},
+    ended::{Ended, is_limit},
     error::Known,
-    limit_location::Ended,
     source_files::{Sources, without_mark},
 };
 use super::{
     dependencies::Dependencies,
     desc::{At, Entry, ParamValue, SceneDesc, TimelineDesc},
-    diagnostic::Diagnostic,
+    diagnostic::{Diagnostic, Returned},
     motion::{FrameState, Kind, Names},
 };
 
-pub use self::{call_limits::Halt, engine::DEADLINE, setup_locations::Returned};
+pub use self::{call_limits::Halt, limits::DEADLINE};
 
 /// A scene as a script leaves it, and which cameras and lights the script has set.
 pub type Posed = (FrameState, HashSet<(Kind, usize)>);
@@ -300,7 +302,7 @@ impl Script {
             })
             .result
         };
-        let has_place = limit_location::is_limit(&wrong) && !bounds.is_nothing();
+        let has_place = is_limit(&wrong) && !bounds.is_nothing();
         let met = has_place.then(find).flatten();
         Ended { wrong, met }
     }

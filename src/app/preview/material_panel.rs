@@ -15,7 +15,7 @@ use crate::{
     scene::{
         desc::MaterialDesc,
         motion::number::{Field, Form, MATERIAL, PLAIN},
-        parse::range::LIMIT,
+        range::LIMIT,
     },
 };
 

@@ -10,7 +10,7 @@ use crate::{
         live::Refusal,
         params::{DeclaredParameters, ParameterOverrides, same_kind, setting},
     },
-    scene::{desc::ParamValue, parse::range::LIMIT},
+    scene::{desc::ParamValue, range::LIMIT},
 };
 
 /// What the controls show.

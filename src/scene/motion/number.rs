@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::scene::{
     desc::{CameraDesc, LightDesc, LightKind, MaterialDesc},
-    parse::range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
+    range::{ABOVE_0, ANY, FROM_0, Range, UNIT, range},
 };
 
 /// How many numbers a value has, and what they are.

@@ -3,12 +3,11 @@
 use serde_json::{Value as Json, json};
 
 use super::{
-    range::Range,
     report::Report,
-    suggest,
     value::{Named, Node, Value, wrong_type},
 };
 use crate::scene::desc::{CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap};
+use crate::scene::{range::Range, suggest};
 
 /// Implements [`Value`] for an enum that is written as one of some words.
 macro_rules! words {

@@ -14,10 +14,9 @@ use toml::{
 
 use super::{
     MOST_BYTES,
-    range::ANY,
     report::Report,
     set::shift,
-    suggest, syntax,
+    syntax,
     syntax::Shadow,
     value::{Named, Names, Node, Value as _, Version},
 };
@@ -26,6 +25,8 @@ use crate::scene::{
     dependencies::Dependencies,
     desc::{At, Include},
     diagnostic::{Diagnostic, Source, Span},
+    range::ANY,
+    suggest,
 };
 
 /// Files of a scene, those that included files name among them.

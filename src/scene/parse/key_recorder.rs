@@ -2,7 +2,8 @@
 
 use serde_json::Value as Json;
 
-use super::{range::Range, value::Value};
+use super::value::Value;
+use crate::scene::range::Range;
 
 /// What may stand under a key.
 #[derive(Clone, Debug)]

@@ -7,7 +7,8 @@ use std::{
 
 use toml::de::DeTable;
 
-use super::{include::Included, report::Report, suggest};
+use super::{include::Included, report::Report};
+use crate::scene::suggest;
 use crate::scene::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
     diagnostic::{Diagnostic, Span},

@@ -4,12 +4,11 @@ use serde_json::{Value as Json, json};
 use toml::de::{DeTable, DeValue};
 
 use super::{
-    range::ANY,
     report::Report,
-    suggest,
     value::{Named, Node, Value as _, wrong_type},
 };
 use crate::scene::desc::{Entry, ParamValue};
+use crate::scene::{range::ANY, suggest};
 
 const EXPECTED: &str = "a number, text in quotes, true or false, or an array of numbers";
 

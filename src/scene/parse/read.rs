@@ -12,9 +12,11 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::{
-    range::{ABOVE_0, ANY, BOUNCES, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range},
     table::{Either, Section, Table},
     value::{Names, Version},
+};
+use crate::scene::range::{
+    ABOVE_0, ANY, BOUNCES, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range,
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 

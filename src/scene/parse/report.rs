@@ -52,7 +52,7 @@ impl Report {
         base
     }
 
-    /// RecordedKeys that the value that begins here is a float, though it is written as an integer.
+    /// Notes that the value that begins here is a float, though it is written as an integer.
     pub fn keep_float(&mut self, start: usize) {
         self.floats.insert(start);
     }
@@ -62,7 +62,7 @@ impl Report {
         self.floats.contains(&start)
     }
 
-    /// RecordedKeys that a script or an included file would add names to the scene, and failed to.
+    /// Notes that a script or an included file would add names to the scene, and failed to.
     pub fn note_lacking_names(&mut self) {
         self.lacks_names = true;
     }

@@ -12,10 +12,10 @@ use super::{
     params,
     report::Report,
     set::shift,
-    suggest,
     table::{Place, Table},
     value::Node,
 };
+use crate::scene::suggest;
 use crate::scene::{
     dependencies::Dependencies,
     desc::{At, TimelineDesc},

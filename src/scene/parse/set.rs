@@ -8,7 +8,8 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::{report::Report, suggest, syntax, value::Node};
+use super::{report::Report, syntax, value::Node};
+use crate::scene::suggest;
 
 /// Tables whose next name must exist already: a new one would most likely be a typing error.
 const NAMED: &[&str] = &["camera", "material", "model", "light"];

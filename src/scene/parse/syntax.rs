@@ -6,8 +6,9 @@ use std::{ops::Range, sync::Arc};
 
 use toml::{Spanned, de::DeTable};
 
-use super::{report::Report, suggest};
+use super::report::Report;
 use crate::scene::diagnostic::{Diagnostic, Source, Span};
+use crate::scene::suggest;
 
 /// The part of a file that a syntax error makes doubtful: what is reported there may only follow
 /// from it.

@@ -10,12 +10,11 @@ use toml::de::DeTable;
 
 use super::{
     key_recorder::{KeyRecord, RecordedKeys, Rule},
-    range::Range,
     report::Report,
-    suggest,
     value::{Named, Node, Value},
 };
 use crate::scene::diagnostic::Span;
+use crate::scene::{range::Range, suggest};
 
 pub use self::nested::Either;
 

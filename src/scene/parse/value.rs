@@ -5,12 +5,12 @@ use glam::Vec3;
 use serde_json::{Value as Json, json};
 use toml::{Spanned, de::DeValue};
 
-use super::{
+use super::report::Report;
+use crate::scene::desc::At;
+use crate::scene::{
     range::{ANY, Range},
-    report::Report,
     suggest,
 };
-use crate::scene::desc::At;
 
 /// A value in the tree with its positions.
 pub type Node<'i> = Spanned<DeValue<'i>>;

@@ -5,14 +5,14 @@ mod definitions;
 mod math;
 mod random;
 mod scene;
-pub(super) mod value;
+mod types;
 
 use std::fmt::Write as _;
 
 use rhai::Engine;
 
 pub use self::definitions::definitions;
-use super::{engine::limits, format_value};
+use super::limits::limits;
 
 /// One function, operator or property.
 pub struct Entry {
@@ -67,7 +67,7 @@ const INTRODUCTION: &str = include_str!("api/introduction.md");
 
 /// Adds everything to an engine.
 pub fn register(engine: &mut Engine) {
-    format_value::register(engine);
+    types::register(engine);
     for entry in API.iter().flat_map(|group| group.entries) {
         (entry.register)(engine);
     }

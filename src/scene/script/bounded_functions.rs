@@ -3,7 +3,7 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, ImmutableString, NativeCallContext, Position};
 
-use super::{api::value::fail, engine::TEXT, nested_values::equal};
+use super::{limits::TEXT, nested_values::equal, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

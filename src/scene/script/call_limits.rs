@@ -14,7 +14,7 @@ use std::{
 
 use rhai::{EvalAltResult, Position};
 
-use super::engine::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, grouped};
+use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, grouped};
 
 /// Operations between two looks at the clock; a closure that is bound to itself doubles in about
 /// as many.

@@ -9,8 +9,8 @@ use glam::{Affine3A, DMat4, DVec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::{
-    api::value::{fail, number, rotation, scale, vector},
     setters::{material_values, refuse_lacking, values},
+    value::{fail, number, rotation, scale, vector},
 };
 use crate::scene::{
     desc::{Entry, LightKind, ParamValue, TimelineDesc},
@@ -19,7 +19,8 @@ use crate::scene::{
         number::{CAMERA, LIGHT, MATERIAL, settle},
         wrong_with_camera, wrong_with_light,
     },
-    parse::{range::ANY, suggest},
+    range::ANY,
+    suggest,
 };
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;

@@ -2,7 +2,7 @@
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, NativeCallContext};
 
-use super::{api::value::fail, format_value::named, nested_values::equal};
+use super::{format_value::named, nested_values::equal, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

@@ -7,15 +7,15 @@ use rhai::{EvalAltResult as Wrong, LexError, ParseError, ParseErrorType, Positio
 
 use self::missing::{missing_function, missing_key, missing_property};
 use super::{
-    api::value::WrongKey,
-    engine::{ARRAY, CALLS, MAP, MODULES, TEXT, VARIABLES, grouped},
+    ended::{Ended, Met, Place},
     format_value::thrown,
     key_locations::key_of_call,
-    limit_location::{Ended, Met, Place},
-    nested_values::{NESTED, is_deeper},
+    limits::{ARRAY, CALLS, MAP, MODULES, NESTED, TEXT, VARIABLES, grouped},
+    nested_values::is_deeper,
     source_files::Sources,
+    value::WrongKey,
 };
-use crate::scene::{diagnostic::Diagnostic, parse::suggest};
+use crate::scene::{diagnostic::Diagnostic, suggest};
 
 /// A script that does not compile.
 pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {

@@ -3,46 +3,12 @@
 use std::ops::{Range, RangeInclusive};
 
 use glam::{DMat4, DQuat, DVec3};
-use rhai::{Array, Dynamic, Engine, FnPtr, Map};
+use rhai::{Array, Dynamic, FnPtr, Map};
 
-use super::{api::value::WrongKey, context::Context};
-use crate::scene::parse::suggest;
+use crate::scene::suggest;
 
 /// Longest text of a thrown value in a message, characters.
 const MOST: usize = 500;
-
-/// Names of the types, and how they are printed.
-pub fn register(engine: &mut Engine) {
-    engine.register_type_with_name::<DVec3>("vec3");
-    engine.register_type_with_name::<DQuat>("quat");
-    engine.register_type_with_name::<DMat4>("mat4");
-    engine.register_type_with_name::<Context>("ctx");
-    engine.register_type_with_name::<WrongKey>("error");
-    engine.register_type_with_name::<Range<i64>>("range");
-    engine.register_type_with_name::<RangeInclusive<i64>>("range");
-    for name in ["to_string", "to_debug"] {
-        engine.register_fn(name, |v: &mut DVec3| vec3(v));
-        engine.register_fn(name, |q: &mut DQuat| quat(q));
-        engine.register_fn(name, |m: &mut DMat4| mat4(m));
-        engine.register_fn(name, |_: &mut Context| "ctx".to_owned());
-        engine.register_fn(name, |wrong: &mut WrongKey| wrong.message.clone());
-    }
-}
-
-fn vec3(v: &DVec3) -> String {
-    format!("vec3({}, {}, {})", v.x, v.y, v.z)
-}
-
-fn quat(q: &DQuat) -> String {
-    format!("quat({}, {}, {}, {})", q.x, q.y, q.z, q.w)
-}
-
-/// By rows, as they are written on paper.
-fn mat4(m: &DMat4) -> String {
-    let rows = m.transpose().to_cols_array_2d();
-    let row = |[a, b, c, d]: [f64; 4]| format!("{a}, {b}, {c}, {d}");
-    format!("mat4({})", rows.map(row).join("; "))
-}
 
 /// What a value is, with its article.
 pub fn named(value: &Dynamic) -> String {
@@ -129,11 +95,28 @@ fn write(out: &mut String, value: &Dynamic, is_inside: bool) {
         out.push_str(&format!("{range:?}"));
     } else if let Some(range) = value.read_lock::<RangeInclusive<i64>>() {
         out.push_str(&format!("{range:?}"));
-    } else if value.is::<Context>() {
+    } else if value.type_name().ends_with("Context") {
         out.push_str("ctx");
     } else if value.is::<FnPtr>() {
         out.push_str("a function");
     } else {
         out.push_str(&value.to_string());
     }
+}
+
+/// A vector as scripts write it.
+pub fn vec3(v: &DVec3) -> String {
+    format!("vec3({}, {}, {})", v.x, v.y, v.z)
+}
+
+/// A rotation as scripts write it.
+pub fn quat(q: &DQuat) -> String {
+    format!("quat({}, {}, {}, {})", q.x, q.y, q.z, q.w)
+}
+
+/// A matrix by rows, as scripts write it.
+pub fn mat4(m: &DMat4) -> String {
+    let rows = m.transpose().to_cols_array_2d();
+    let row = |[a, b, c, d]: [f64; 4]| format!("{a}, {b}, {c}, {d}");
+    format!("mat4({})", rows.map(row).join("; "))
 }

@@ -7,12 +7,13 @@ use rhai::{
     Array, Dynamic, Engine, EvalAltResult, FnPtr, ImmutableString, Map, NativeCallContext, Position,
 };
 
-use super::{api::value::fail, call_limits::progress, engine::TEXT};
+use super::{
+    call_limits::progress,
+    limits::{NESTED, TEXT},
+    value::fail,
+};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
-
-/// Deepest nesting of arrays and maps that are compared, written, exported or returned.
-pub const NESTED: usize = 64;
 
 /// Puts comparing and writing in place of Rhai's.
 pub fn register(engine: &mut Engine) {

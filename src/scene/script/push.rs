@@ -12,7 +12,7 @@ use rhai::{
     Map, Module, Position, Scope, Shared,
 };
 
-use super::engine::{ARRAY, MAP, TEXT};
+use super::limits::{ARRAY, MAP, TEXT};
 
 type Result<T> = std::result::Result<T, Box<Wrong>>;
 

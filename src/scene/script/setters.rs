@@ -3,17 +3,15 @@
 use glam::{DVec3, Vec3};
 use rhai::{Dynamic, EvalAltResult, Map};
 
-use super::api::value::{WrongKey, fail, number, pair, vector};
+use super::value::{WrongKey, fail, number, pair, vector};
 use crate::scene::{
     desc::MaterialDesc,
     motion::{
         Values,
         number::{Field, Form, MATERIAL},
     },
-    parse::{
-        range::{LIMIT, Range},
-        suggest,
-    },
+    range::{LIMIT, Range},
+    suggest,
 };
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;

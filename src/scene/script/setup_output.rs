@@ -5,23 +5,8 @@ use std::fmt::Write as _;
 use glam::{DMat4, DQuat, DVec3};
 use rhai::{Array, Dynamic, Map};
 
-use super::{format_value::named, nested_values::NESTED};
-use crate::scene::parse::{suggest, toml_text};
-
-/// Keys of what `setup` returns, and whether they are lists.
-const TABLES: [(&str, &str, bool); 5] = [
-    ("cameras", "camera", false),
-    ("materials", "material", false),
-    ("models", "model", false),
-    ("lights", "light", false),
-    ("instances", "instance", true),
-];
-
-/// What `setup` calls a table of the scene.
-pub fn plural(table: &str) -> String {
-    let known = TABLES.iter().find(|(_, own, _)| *own == table);
-    known.map_or(table, |(key, ..)| key).to_owned()
-}
+use super::{format_value::named, limits::NESTED};
+use crate::scene::{diagnostic::TABLES, suggest, toml_text::toml_text};
 
 /// What is not as `setup` must return it.
 #[derive(Debug, Default)]

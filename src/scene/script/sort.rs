@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, ImmutableString, NativeCallContext};
 
-use super::{api::value::fail, format_value::named};
+use super::{format_value::named, value::fail};
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 

@@ -7,16 +7,16 @@ use std::{
 
 use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 
-use super::nested_values::{NESTED, is_deeper};
+use super::{
+    limits::{FILE_BYTES, NESTED},
+    nested_values::is_deeper,
+};
 use crate::scene::{
     confined_read::{self, Found, Kind, Problem},
     dependencies::Dependencies,
     diagnostic::{Diagnostic, Source, Span},
-    parse::suggest,
+    suggest,
 };
-
-/// Largest script, bytes.
-pub const MOST_BYTES: u64 = 1 << 20;
 
 /// Places that look like the definition of a function of which the right one is looked for.
 const MOST_DEFINITIONS: usize = 1000;
@@ -52,7 +52,7 @@ const SCRIPTS: Kind = Kind {
     one: "a script",
     names: "file names of scripts start from the scene's folder and end in .rhai",
     inside: "scripts are read only from the scene's folder and the folders below it",
-    most_mib: MOST_BYTES >> 20,
+    most_mib: FILE_BYTES >> 20,
 };
 
 impl Problem {

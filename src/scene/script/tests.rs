@@ -15,7 +15,7 @@ use rhai::{Dynamic, Map};
 use super::{
     Halt, Script, api,
     call_limits::{Bounds, run_limited},
-    engine::{ARRAY, MAP},
+    limits::{ARRAY, MAP},
 };
 use crate::scene::{
     desc::SceneDesc,

@@ -17,7 +17,8 @@ use crate::scene::{
         number::{CAMERA, Field, Form, LIGHT, MATERIAL},
         written,
     },
-    parse::{report::Report, suggest},
+    parse::report::Report,
+    suggest,
 };
 
 /// Checks all names of `[motion]`, and that there is a timeline to move on.

@@ -1,9 +1,9 @@
 //! Reader of what a model or an instance plays.
 
+use crate::scene::range::ANY;
 use crate::scene::{
     desc::{AnimationDesc, Playback},
     parse::{
-        range::ANY,
         table::{Either, Section, Table},
         value::Names,
     },

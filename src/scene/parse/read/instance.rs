@@ -3,11 +3,11 @@
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
 use super::animation::animation;
+use crate::scene::range::{ANY, range};
 use crate::scene::{
     desc::{InstanceDesc, InstanceMaterialDesc, PlacementDesc, RepeatDesc},
     motion::turned,
     parse::{
-        range::{ANY, range},
         table::{Either, Section, Table},
         value::Scale,
     },

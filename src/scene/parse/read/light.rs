@@ -2,12 +2,10 @@
 
 use glam::Vec3;
 
+use crate::scene::range::{ANY, FROM_0, range};
 use crate::scene::{
     desc::{LightDesc, LightKind, ShadowMode},
-    parse::{
-        range::{ANY, FROM_0, range},
-        table::{Section, Table},
-    },
+    parse::table::{Section, Table},
 };
 
 impl Section for LightDesc {

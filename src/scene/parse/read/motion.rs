@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
+use crate::scene::range::{ABOVE_0, ANY, Range, range};
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
     motion::number::{self, Field, Form, Lanes},
     parse::{
-        range::{ABOVE_0, ANY, Range, range},
         table::{Section, Table},
         value::{Scale, Value},
     },

@@ -6,11 +6,11 @@ use crate::scene::{
     desc::{At, StageDesc, is_stage},
     diagnostic::Diagnostic,
     parse::{
-        range::{ANY, Range, range},
-        suggest,
         table::{Section, Table},
         value::Names,
     },
+    range::{ANY, Range, range},
+    suggest,
 };
 
 /// Each step has four times as many faces.

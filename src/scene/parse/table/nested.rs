@@ -8,10 +8,10 @@ use crate::scene::{
     parse::{
         key_recorder::{Form, KeyRecord},
         params,
-        range::ANY,
-        suggest,
         value::{Node, found, wrong_type},
     },
+    range::ANY,
+    suggest,
 };
 
 /// A name, or a table in its place.

@@ -7,8 +7,8 @@ use crate::scene::parse::{
     enum_values::{one_of, word},
     key_recorder::RecordedKeys,
     report::Report,
-    suggest,
 };
+use crate::scene::suggest;
 
 /// Reader of one variant of a table with a `kind`.
 pub type Variant<T> = (&'static str, fn(&mut Table) -> Option<T>);

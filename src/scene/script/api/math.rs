@@ -4,8 +4,8 @@ use glam::{DMat4, DQuat, DVec3};
 use rhai::{Dynamic, Engine, EvalAltResult};
 
 use super::{
+    super::value::{fail, number, rotation, scale, vector},
     Entry,
-    value::{fail, number, rotation, scale, vector},
 };
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;

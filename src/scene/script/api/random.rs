@@ -4,8 +4,8 @@ use glam::DVec3;
 use rhai::{Dynamic, EvalAltResult};
 
 use super::{
+    super::value::{number, vector},
     Entry,
-    value::{number, vector},
 };
 
 pub static RANDOM: &[Entry] = &[

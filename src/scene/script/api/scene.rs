@@ -4,12 +4,12 @@ use glam::DMat4;
 use rhai::{Dynamic, Map, NativeCallContext as Call};
 
 use super::{
+    super::value::fail,
     super::{
         context::{Context, position},
         nested_values::maps_equal,
     },
     Entry,
-    value::fail,
 };
 
 pub static CALL: &[Entry] = &[

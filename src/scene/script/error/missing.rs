@@ -4,7 +4,7 @@ use super::{
     super::{api, format_value::type_named},
     Known,
 };
-use crate::scene::parse::suggest;
+use crate::scene::suggest;
 
 /// Kind of the message, the message, and what to do.
 type Explained = (&'static str, String, Option<String>);

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};
 
-use super::super::format_value::named;
+use super::format_value::named;
 use crate::scene::motion::turned;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;

@@ -14,11 +14,17 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::setup_output::plural;
-use crate::scene::{
-    diagnostic::{Source, Span},
-    parse::suggest,
-};
+use super::{Source, Span};
+use crate::scene::suggest;
+
+/// Keys of what `setup` returns, and whether they are lists.
+pub const TABLES: [(&str, &str, bool); 5] = [
+    ("cameras", "camera", false),
+    ("materials", "material", false),
+    ("models", "model", false),
+    ("lights", "light", false),
+    ("instances", "instance", true),
+];
 
 /// Entries before a place among which those around it are looked for.
 const NEAR: usize = 1000;
@@ -193,4 +199,10 @@ fn plain(node: &Spanned<DeValue>) -> Option<Range<usize>> {
         _ => true,
     };
     is_plain.then(|| node.span())
+}
+
+/// What `setup` calls a table of the scene.
+fn plural(table: &str) -> String {
+    let known = TABLES.iter().find(|(_, own, _)| *own == table);
+    known.map_or(table, |(key, ..)| key).to_owned()
 }

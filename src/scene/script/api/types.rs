@@ -1,0 +1,30 @@
+//! Names of the types that scripts have beside Rhai's own, and how they are printed.
+
+use std::ops::{Range, RangeInclusive};
+
+use glam::{DMat4, DQuat, DVec3};
+use rhai::Engine;
+
+use crate::scene::script::{
+    context::Context,
+    format_value::{mat4, quat, vec3},
+    value::WrongKey,
+};
+
+/// Names of the types, and how they are printed.
+pub fn register(engine: &mut Engine) {
+    engine.register_type_with_name::<DVec3>("vec3");
+    engine.register_type_with_name::<DQuat>("quat");
+    engine.register_type_with_name::<DMat4>("mat4");
+    engine.register_type_with_name::<Context>("ctx");
+    engine.register_type_with_name::<WrongKey>("error");
+    engine.register_type_with_name::<Range<i64>>("range");
+    engine.register_type_with_name::<RangeInclusive<i64>>("range");
+    for name in ["to_string", "to_debug"] {
+        engine.register_fn(name, |v: &mut DVec3| vec3(v));
+        engine.register_fn(name, |q: &mut DQuat| quat(q));
+        engine.register_fn(name, |m: &mut DMat4| mat4(m));
+        engine.register_fn(name, |_: &mut Context| "ctx".to_owned());
+        engine.register_fn(name, |wrong: &mut WrongKey| wrong.message.clone());
+    }
+}
