@@ -16,10 +16,11 @@ use reflet::{
         preview::{
             self,
             protocol::{
-                Inspect, Inspection, Report, SceneSummary, Screenshot, Shown, Side, Task, View,
+                FinishedFrame, FrameAction, FrameRequest, Report, Screenshot, Side, Task, View,
                 ViewCamera,
             },
             render_thread::RenderThread,
+            scene_summary::SceneSummary,
             view_channel::ViewChannel,
         },
     },
@@ -66,14 +67,14 @@ impl Watched {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let side = Side {
             method: Method::Hybrid,
-            look: ViewChannel::Picture,
+            channel: ViewChannel::Picture,
         };
         let mut this = Self {
             _turn: turn,
             worker: RenderThread::start(gpu, live, is_waiting, || ()),
             folder,
             view: View {
-                eye: ViewCamera::Through("main".to_owned()),
+                camera: ViewCamera::Scene("main".to_owned()),
                 frame: 0,
                 plays: false,
                 size: [24, 16],
@@ -90,7 +91,7 @@ impl Watched {
 
     pub fn show(&mut self, change: impl FnOnce(&mut View)) {
         change(&mut self.view);
-        self.worker.mailbox.show(self.view.clone());
+        self.worker.mailbox.post_view(self.view.clone());
     }
 
     /// Saves it with a line that it prints in `setup`.
@@ -115,7 +116,7 @@ impl Watched {
                 Err(RecvTimeoutError::Disconnected) => panic!("it ended before {what}"),
             };
             match &report {
-                Report::Script(since) => self.runs = since.is_some(),
+                Report::ScriptRunning(since) => self.runs = since.is_some(),
                 Report::SceneSummary(facts) => {
                     assert!(facts.problems.is_empty(), "{:?}", facts.problems)
                 }
@@ -127,9 +128,9 @@ impl Watched {
         }
     }
 
-    fn shown(&mut self, is_right: impl Fn(&Shown) -> bool) {
+    fn shown(&mut self, is_right: impl Fn(&FinishedFrame) -> bool) {
         self.until("a picture", |report| match report {
-            Report::Shown(shown) => is_right(shown).then_some(()),
+            Report::Frame(shown) => is_right(shown).then_some(()),
             _ => None,
         });
     }
@@ -149,7 +150,7 @@ impl Watched {
 
     fn begins(&mut self) {
         self.until("a long script", |report| {
-            matches!(report, Report::Script(Some(_))).then_some(())
+            matches!(report, Report::ScriptRunning(Some(_))).then_some(())
         });
     }
 
@@ -166,7 +167,7 @@ impl Watched {
             eye: Vec3::new(x, 2.0, 5.0),
             ..CameraDesc::default()
         };
-        self.show(|view| view.eye = ViewCamera::Free(camera.clone()));
+        self.show(|view| view.camera = ViewCamera::Free(camera.clone()));
         self.shown(|shown| shown.camera == camera);
         assert!(self.runs, "the script has ended first");
     }
@@ -175,7 +176,7 @@ impl Watched {
     fn rest(&mut self) {
         while self.runs {
             self.until("a rest", |report| {
-                matches!(report, Report::Script(None)).then_some(())
+                matches!(report, Report::ScriptRunning(None)).then_some(())
             });
         }
     }
@@ -266,29 +267,29 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
             frame,
             ..preview.view.clone()
         };
-        let inspection = Inspection { view, with };
-        preview.worker.mailbox.ask(Task::Inspect(inspection));
+        let inspection = FrameRequest { view, action: with };
+        preview.worker.mailbox.post(Task::Frame(inspection));
     };
-    let shot = Inspect::Screenshot(Screenshot {
+    let shot = FrameAction::Screenshot(Screenshot {
         folder: shots.0.clone(),
         stem: "nine".to_owned(),
         wipe_at: 0.5,
-        heat: false,
+        error_map: false,
     });
     ask(&preview, 9, shot);
     let note = preview.until("a note", |report| match report {
-        Report::Shown(shown) => {
+        Report::Frame(shown) => {
             assert_eq!(shown.frame, 0, "it is not what is looked at");
             None
         }
-        Report::Note(note) => Some(note.clone()),
+        Report::Message(note) => Some(note.clone()),
         _ => None,
     });
     let written = fs::read(shots.path("nine-001.png")).expect(&note);
     assert!(written == wanted, "it is another frame");
-    ask(&preview, 9, Inspect::Judge(3));
+    ask(&preview, 9, FrameAction::Compare(3));
     preview.until("an error", |report| match report {
-        Report::Judged(judged) => {
+        Report::Compared(judged) => {
             assert_eq!((judged.view.frame, judged.edits), (9, 3));
             Some(())
         }
@@ -326,7 +327,7 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     let tune = |preview: &Watched, to| {
         let mut tuned = reflet::app::params::ParameterOverrides::default();
         tuned.set("count", ParamValue::Integer(to), &count);
-        preview.worker.mailbox.ask(Task::Tune(tuned));
+        preview.worker.mailbox.post(Task::SetParameters(tuned));
     };
     tune(&preview, 3);
     preview.begins();

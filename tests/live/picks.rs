@@ -4,8 +4,7 @@ use std::{fs, sync::Arc};
 
 use glam::Vec3;
 use reflet::app::preview::{
-    picking::Picked,
-    protocol::{Inspect, Inspection, Report, Task, Visualization},
+    protocol::{FrameAction, FrameRequest, Picked, Report, Task, Visualization},
     view_channel::{ShadowMapChoice, ViewChannel},
 };
 
@@ -28,11 +27,11 @@ fn preview() -> Option<Watched> {
 }
 
 fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
-    let inspection = Inspection {
+    let inspection = FrameRequest {
         view: preview.view.clone(),
-        with: Inspect::Pick(at),
+        action: FrameAction::Pick(at),
     };
-    preview.worker.mailbox.ask(Task::Inspect(inspection));
+    preview.worker.mailbox.post(Task::Frame(inspection));
     preview.until("what was clicked", |report| match report {
         Report::Picked(picked) => Some(picked.clone()),
         _ => None,
@@ -48,16 +47,16 @@ fn save(preview: &Watched, text: &str) {
 /// What is selected in the next picture for which this holds.
 fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -> Option<Picked> {
     preview.until("the selection", |report| match report {
-        Report::Shown(shown) => is_right(&shown.picked).then(|| shown.picked.clone()),
+        Report::Frame(shown) => is_right(&shown.picked).then(|| shown.picked.clone()),
         _ => None,
     })
 }
 
 /// The left side by what is looked at.
-fn drawn(preview: &mut Watched, look: ViewChannel) -> Visualization {
-    preview.show(|view| view.a.look = look);
+fn drawn(preview: &mut Watched, channel: ViewChannel) -> Visualization {
+    preview.show(|view| view.a.channel = channel);
     preview.until("a picture", |report| match report {
-        Report::Shown(shown) => (shown.sides[0].look == look).then(|| shown.sides[0].clone()),
+        Report::Frame(shown) => (shown.sides[0].channel == channel).then(|| shown.sides[0].clone()),
         _ => None,
     })
 }
@@ -106,7 +105,7 @@ fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
     assert!(pick(&mut preview, MIDDLE).is_some());
     assert!(pick(&mut preview, SKY).is_none());
     assert!(pick(&mut preview, MIDDLE).is_some());
-    preview.worker.mailbox.ask(Task::Unpick);
+    preview.worker.mailbox.post(Task::Unpick);
     preview.until("the end of it", |report| {
         matches!(report, Report::Unpicked).then_some(())
     });
@@ -120,7 +119,7 @@ fn shadow_maps_are_told_in_meters() {
     let shadow = |face| ViewChannel::Shadow(ShadowMapChoice { light: 0, face });
     // The lamp hangs 4 m over the floor and 3 m over the top of the box.
     let down = drawn(&mut preview, shadow(Some(3)));
-    assert_eq!(down.canvas.size, [64, 64]);
+    assert_eq!(down.texture.size, [64, 64]);
     assert_eq!(
         down.legend,
         "the face to -Y; white: 3.00 m, black: 4.00 m; nothing is blue"
@@ -128,7 +127,7 @@ fn shadow_maps_are_told_in_meters() {
     let up = drawn(&mut preview, shadow(Some(2)));
     assert_eq!(up.legend, "the face to +Y; nothing is there");
     let all = drawn(&mut preview, shadow(None));
-    assert_eq!(all.canvas.size, [256, 192]);
+    assert_eq!(all.texture.size, [256, 192]);
     let none = drawn(
         &mut preview,
         ViewChannel::Shadow(ShadowMapChoice {

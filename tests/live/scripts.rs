@@ -8,7 +8,7 @@ use reflet::{
     app::{
         live::{Edit, Live, Reload},
         params::ParameterOverrides,
-        preview::protocol::SceneSummary,
+        preview::scene_summary::SceneSummary,
         watch::Change,
     },
     gpu::Gpu,

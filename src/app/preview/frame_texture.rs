@@ -10,11 +10,11 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// A finished picture on the device; display color, sRGB.
 #[derive(Clone, Debug)]
 pub struct FrameTexture {
-    /// Tells canvases apart: a new size is a new canvas.
+    /// Unique id; a new size makes a new texture.
     pub number: u64,
-    /// What is sampled.
+    /// View for sampling.
     pub view: wgpu::TextureView,
-    /// Pixels.
+    /// Size, pixels.
     pub size: [u32; 2],
     texture: wgpu::Texture,
 }
@@ -47,8 +47,8 @@ impl FrameTexture {
     /// # Errors
     /// Exhausted memory.
     pub fn of_size(gpu: &Gpu, old: Option<Self>, size: [u32; 2]) -> Result<Self, GpuError> {
-        match old.filter(|canvas| canvas.size == size) {
-            Some(canvas) => Ok(canvas),
+        match old.filter(|texture| texture.size == size) {
+            Some(texture) => Ok(texture),
             None => Self::new(gpu, size),
         }
     }

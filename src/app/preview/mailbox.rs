@@ -1,9 +1,7 @@
-//! Where the window and the watcher leave what the rendering thread should do.
+//! Queue of views and tasks for the rendering thread, filled by the window and the file watcher.
 
 use std::{
     collections::VecDeque,
-    fs,
-    path::{Path, PathBuf},
     sync::{Arc, Condvar, Mutex, PoisonError},
     time::Instant,
 };
@@ -18,7 +16,7 @@ struct Inbox {
     ends: bool,
 }
 
-/// Where tasks are left for the thread.
+/// Queue for the rendering thread.
 #[derive(Clone, Default)]
 pub struct Mailbox(Arc<(Mutex<Inbox>, Condvar)>);
 
@@ -28,36 +26,38 @@ impl Mailbox {
         self.0.1.notify_one();
     }
 
-    /// Asks for a view in place of any before.
-    pub fn show(&self, view: View) {
+    /// Requests a view; it replaces a pending one.
+    pub fn post_view(&self, view: View) {
         self.change(|inbox| inbox.view = Some(view));
     }
 
-    /// Asks for a task; of edits of one material, and of parameters, only the last is done.
-    pub fn ask(&self, task: Task) {
+    /// Posts a task; a new edit of the same material, or of parameters, replaces a pending one.
+    pub fn post(&self, task: Task) {
         self.change(|inbox| {
             if let Task::Edit(new) = &task {
                 let same = |old: &Task| matches!(old, Task::Edit(e) if e.material == new.material);
                 inbox.tasks.retain(|old| !same(old));
             }
-            if matches!(task, Task::Tune(_)) {
-                inbox.tasks.retain(|old| !matches!(old, Task::Tune(_)));
+            if matches!(task, Task::SetParameters(_)) {
+                inbox
+                    .tasks
+                    .retain(|old| !matches!(old, Task::SetParameters(_)));
             }
             inbox.tasks.push_back(task);
         });
     }
 
-    /// Tells the thread to end; what was left is not done.
+    /// Posts a shutdown request; pending tasks are dropped.
     pub fn end(&self) {
         self.change(|inbox| inbox.ends = true);
     }
 
-    /// Has the thread look around, though nothing is asked for.
+    /// Wakes the render thread.
     pub fn wake(&self) {
         self.change(|inbox| inbox.wakes = true);
     }
 
-    /// Waits for something to do, or until then; `None` at the end.
+    /// Waits for a view, a task, a wake-up or the deadline; `None` after a shutdown request.
     pub fn take(&self, until: Option<Instant>) -> Option<(Option<View>, VecDeque<Task>)> {
         let mut inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -66,8 +66,8 @@ impl Mailbox {
             }
             let left = until.map(|until| until.saturating_duration_since(Instant::now()));
             let is_time = left.is_some_and(|left| left.is_zero());
-            let woken = std::mem::take(&mut inbox.wakes) || is_time;
-            if woken || inbox.view.is_some() || !inbox.tasks.is_empty() {
+            let on_report = std::mem::take(&mut inbox.wakes) || is_time;
+            if on_report || inbox.view.is_some() || !inbox.tasks.is_empty() {
                 return Some((inbox.view.take(), std::mem::take(&mut inbox.tasks)));
             }
             let waits = &self.0.1;
@@ -81,19 +81,11 @@ impl Mailbox {
         }
     }
 
-    /// Whether nothing is left to do.
+    /// Whether no view and no task is pending.
     pub fn is_empty(&self) -> bool {
         let inbox = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
         inbox.view.is_none() && inbox.tasks.is_empty()
     }
-}
-
-/// The first name that no file has yet: `scene-001.png`.
-pub fn free_name(folder: &Path, stem: &str) -> PathBuf {
-    let name = |number: u32| folder.join(format!("{stem}-{number:03}.png"));
-    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
-    let found = (1..u32::MAX).map(name).find(is_free);
-    found.unwrap_or_else(|| name(u32::MAX))
 }
 
 #[cfg(test)]
@@ -109,20 +101,6 @@ mod tests {
     };
 
     #[test]
-    fn no_picture_takes_the_place_of_another() {
-        let name = format!("reflet-names-{}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        fs::create_dir_all(&folder).expect("a folder");
-        assert_eq!(free_name(&folder, "a"), folder.join("a-001.png"));
-        for number in 1..=10_000 {
-            fs::write(folder.join(format!("a-{number:03}.png")), "").expect("written");
-        }
-        let next = free_name(&folder, "a");
-        fs::remove_dir_all(&folder).expect("clean up");
-        assert_eq!(next, folder.join("a-10001.png"));
-    }
-
-    #[test]
     fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
         let mailbox = Mailbox::default();
         let edit = |material, roughness| {
@@ -130,16 +108,16 @@ mod tests {
             edit.values[2] = Some(Vec3::splat(roughness));
             Task::Edit(edit)
         };
-        mailbox.ask(Task::Reload([Change::Scene].into(), Instant::now()));
+        mailbox.post(Task::Reload([Change::Scene].into(), Instant::now()));
         for roughness in [0.1, 0.2, 0.3] {
-            mailbox.ask(edit(4, roughness));
-            mailbox.ask(edit(5, 1.0 - roughness));
+            mailbox.post(edit(4, roughness));
+            mailbox.post(edit(5, 1.0 - roughness));
         }
-        mailbox.ask(Task::Unpick);
+        mailbox.post(Task::Unpick);
         for count in [5, 6, 7] {
-            let mut tuned = ParameterOverrides::default();
-            tuned.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
-            mailbox.ask(Task::Tune(tuned));
+            let mut overrides = ParameterOverrides::default();
+            overrides.set("count", ParamValue::Integer(count), &ParamValue::Integer(0));
+            mailbox.post(Task::SetParameters(overrides));
         }
         let (view, tasks) = mailbox.take(None).expect("something to do");
         assert!(view.is_none() && mailbox.is_empty());

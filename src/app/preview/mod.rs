@@ -23,41 +23,23 @@ use crate::{
     scene::{desc::Method, script::Halt},
 };
 
-pub mod camera_controls;
-mod charts;
-mod diagnostics_panel;
 mod display_errors;
-mod dynamic_resolution;
 pub mod frame_texture;
-mod handle_reports;
 pub mod mailbox;
-mod material_panel;
-mod on_demand;
-mod panels;
-mod parameter_panel;
-pub mod picking;
 pub mod protocol;
-mod reload_jobs;
 pub mod render_thread;
-mod screenshot;
-mod sidebar;
-mod status_bar;
-mod status_message;
-mod timeline;
+pub mod scene_summary;
+pub mod ui;
 pub mod view_channel;
-mod viewport;
-mod viewport_paint;
-mod visualize;
-mod window;
 
-use protocol::SceneSummary;
 use render_thread::RenderThread;
-use window::Window;
+use scene_summary::SceneSummary;
+use ui::window::Window;
 
-/// So long the window waits for the scene's scripts; a slower one goes on while it is there already.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// The window opens after this time even if the scene's scripts have not ended.
+const SCRIPT_WAIT: Duration = Duration::from_secs(1);
 
-/// What to do when there is no surface to draw to: wait while the window is hidden, else try again.
+/// Action for a missing surface: wait while the window is hidden, else configure it again.
 fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction {
     match status {
         wgpu::CurrentSurfaceTexture::Occluded | wgpu::CurrentSurfaceTexture::Timeout => {
@@ -73,7 +55,7 @@ fn on_surface_status(status: &wgpu::CurrentSurfaceTexture) -> SurfaceErrorAction
 /// # Errors
 /// A scene that is not there, a camera that it does not have, no usable GPU, no display.
 pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
-    let shots = match &args.screenshots {
+    let screenshot_folder = match &args.screenshots {
         Some(folder) if folder.is_dir() => folder.clone(),
         Some(folder) => {
             let text = format!(
@@ -100,9 +82,9 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     };
     let (live, is_waiting) = open(&gpu, origin, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
-    let facts = SceneSummary::of(&live);
-    let method = args.method.map_or(facts.method, Method::from);
-    let camera = choose_camera(&facts, args.camera.as_deref())?;
+    let summary = SceneSummary::of(&live);
+    let method = args.method.map_or(summary.method, Method::from);
+    let camera = choose_camera(&summary, args.camera.as_deref())?;
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
     let stem = stem.map_or("atrium".to_owned(), |stem| {
         stem.to_string_lossy().into_owned()
@@ -135,24 +117,24 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let create = move |context: &eframe::CreationContext<'_>| {
         context.egui_ctx.set_theme(egui::Theme::Dark);
         (context.egui_ctx).style_mut_of(egui::Theme::Dark, |style| {
-            // Units and hints are read too.
+            // Units and hints must be readable.
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
             style.visuals.error_fg_color = egui::Color32::from_rgb(255, 110, 100);
         });
         let repaint = context.egui_ctx.clone();
         let worker = RenderThread::start(gpu, live, is_waiting, move || repaint.request_repaint());
-        let window = Window::new(worker, facts, method, camera, (shots, stem));
+        let window = Window::new(worker, summary, method, camera, (screenshot_folder, stem));
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
     eframe::run_native(&title, options, Box::new(create))
         .map_err(|error| display_errors::refused(&error))
 }
 
-/// The scene, and whether it must be read anew: where its text is there but has mistakes, they are
-/// shown and mended in the window, unless that is not to wait. Nor does it wait for a slow script.
+/// The scene, and whether it must be reloaded: errors in an existing scene file are shown in the
+/// window, which waits for a fix if `waits`. The same holds for a slow script.
 ///
 /// # Errors
-/// As [`Live::open`], where nothing can wait.
+/// As [`Live::open`], without `waits`.
 pub fn open(
     gpu: &Arc<Gpu>,
     origin: Origin,
@@ -164,7 +146,7 @@ pub fn open(
     if waits {
         let halt = halt.clone();
         thread::spawn(move || {
-            thread::sleep(PATIENCE);
+            thread::sleep(SCRIPT_WAIT);
             halt.halt();
         });
     }
@@ -182,12 +164,12 @@ pub fn open(
 }
 
 /// Index of the named camera; without a name `main`, else the first.
-fn choose_camera(facts: &SceneSummary, name: Option<&str>) -> Result<usize, AppError> {
-    let place = |name: &str| facts.cameras.iter().position(|(known, _)| known == name);
+fn choose_camera(summary: &SceneSummary, name: Option<&str>) -> Result<usize, AppError> {
+    let place = |name: &str| summary.cameras.iter().position(|(known, _)| known == name);
     match name {
         None => Ok(place("main").unwrap_or(0)),
         Some(name) => place(name).ok_or_else(|| {
-            let known: Vec<&str> = facts
+            let known: Vec<&str> = summary
                 .cameras
                 .iter()
                 .map(|(name, _)| name.as_str())

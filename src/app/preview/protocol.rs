@@ -1,66 +1,61 @@
-//! What the window and the rendering thread tell each other.
+//! Messages between the window and the rendering thread.
 
 use std::{path::PathBuf, time::Instant};
 
+use super::{frame_texture::FrameTexture, scene_summary::SceneSummary, view_channel::ViewChannel};
 use crate::{
     app::{
-        live::{Edit, Live, Problems, Refusal, Reload},
-        params::{DeclaredParameters, ParameterOverrides},
-        unique_names::unique_names,
+        live::{Edit, Refusal, Reload},
+        params::ParameterOverrides,
         watch::Changes,
     },
     bench::metric::Scores,
     math::Bounds,
-    render::{debug_readback::shadow_faces, stats::FrameStats},
-    scene::{
-        desc::{CameraDesc, MaterialDesc, Method, TimelineDesc},
-        diagnostic::Diagnostic,
-    },
+    render::stats::FrameStats,
+    scene::desc::{CameraDesc, Method},
 };
 
-use super::{frame_texture::FrameTexture, picking::Picked, view_channel::ViewChannel};
-
-/// One side of the wipe.
+/// Contents of one side of the wipe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Side {
-    /// How reflections are found.
+    /// Reflection method.
     pub method: Method,
-    /// What of the frame.
-    pub look: ViewChannel,
+    /// Displayed channel.
+    pub channel: ViewChannel,
 }
 
-/// From where a picture is taken.
+/// Camera of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewCamera {
-    /// The scene's camera of this name, where it is in the view's frame.
-    Through(String),
-    /// One that a person moves.
+    /// The scene's camera of this name, posed for the view's frame.
+    Scene(String),
+    /// Free camera, moved by the user.
     Free(CameraDesc),
 }
 
-/// What the window wants to see.
+/// A requested picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// From where.
-    pub eye: ViewCamera,
-    /// When: a frame of the timeline.
+    /// Camera.
+    pub camera: ViewCamera,
+    /// Frame of the timeline.
     pub frame: u32,
-    /// Whether frames follow each other by themselves.
+    /// Whether the timeline is playing.
     pub plays: bool,
-    /// Pixels of the viewport.
+    /// Viewport size, pixels.
     pub size: [u32; 2],
-    /// The left side, or all of it.
+    /// Left side, or the whole picture.
     pub a: Side,
-    /// The right side of a wipe.
+    /// Right side of a wipe.
     pub b: Option<Side>,
-    /// While something moves: one sub-frame, and so few pixels that it takes about this long,
+    /// Time budget while something moves: one sub-frame, and the resolution is reduced to meet it,
     /// milliseconds.
     pub draft_ms: Option<f64>,
 }
 
 impl View {
-    /// Whether the same frame is another picture in it.
-    pub fn looks_other(&self, other: &Self) -> bool {
+    /// Whether anything but the time differs.
+    pub fn differs_from(&self, other: &Self) -> bool {
         let of = |view: &Self| Self {
             frame: 0,
             plays: false,
@@ -69,239 +64,145 @@ impl View {
         of(self) != of(other)
     }
 
-    /// Whether it shows the same of the scene as another, in whatever size.
-    pub fn shows_what(&self, other: &Self) -> bool {
-        (&self.eye, self.frame, self.a) == (&other.eye, other.frame, other.a)
+    /// Whether camera, frame and left side are equal, at any size.
+    pub fn shows_same_content(&self, other: &Self) -> bool {
+        (&self.camera, self.frame, self.a) == (&other.camera, other.frame, other.a)
     }
 }
 
-/// Something to do once.
+/// A one-time task for the rendering thread.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// Files changed; since when that is known.
+    /// Files changed; with the time of the first event.
     Reload(Changes, Instant),
-    /// Tell why saves are seen only now and then; `None` when that is over.
+    /// File watching is limited, and why; `None` once it works again.
     Unwatched(Option<String>),
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(ParameterOverrides),
-    /// ViewChannel closer at a frame, once it is posed.
-    Inspect(Inspection),
-    /// Select no instance.
+    SetParameters(ParameterOverrides),
+    /// Pick in, compare or save a frame, once it is posed.
+    Frame(FrameRequest),
+    /// Clear the selection.
     Unpick,
 }
 
-/// A picture to write.
+/// A screenshot to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Screenshot {
-    /// Where its file goes.
+    /// Destination folder.
     pub folder: PathBuf,
-    /// What the file's name begins with.
+    /// Prefix of the file name.
     pub stem: String,
-    /// Where the line of the wipe is, 0 to 1, if the view has two sides.
+    /// Position of the wipe line, 0 to 1, if the view has two sides.
     pub wipe_at: f32,
-    /// Whether the error map is shown in place of the left side.
-    pub heat: bool,
+    /// Whether the error map replaces the left side.
+    pub error_map: bool,
 }
 
-/// A light whose shadow maps can be looked at.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ShadowCaster {
-    /// Index into the world's lights.
-    pub light: usize,
-    /// Its name.
-    pub name: String,
-    /// Maps: six for a point light.
-    pub faces: usize,
-}
-
-/// What is done on demand with the left side of a view, in its frame.
+/// An action on the left side of a view, in its frame.
 #[derive(Clone, Debug)]
-pub struct Inspection {
-    /// Of what.
+pub struct FrameRequest {
+    /// The view.
     pub view: View,
-    /// What is done.
-    pub with: Inspect,
+    /// The action.
+    pub action: FrameAction,
 }
 
-/// What can be done with a frame on demand.
+/// An action on a rendered frame.
 #[derive(Clone, Debug)]
-pub enum Inspect {
-    /// Compare its method with `rt`; the number comes back with the answer.
-    Judge(u64),
-    /// Write what is shown of it.
+pub enum FrameAction {
+    /// Compare its method with `rt`; the revision number is returned with the result.
+    Compare(u64),
+    /// Write a screenshot.
     Screenshot(Screenshot),
-    /// Select the instance at this part of the picture, from the top left.
+    /// Select the instance at this position, 0 to 1 from the top left.
     Pick([f32; 2]),
-}
-
-/// A material as the panel lists it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Name in the scene or file, with a number where others have it too.
-    pub name: String,
-    /// Its numbers in the frame that is shown.
-    pub numbers: MaterialDesc,
-    /// What of them is changed by hand.
-    pub edit: Edit,
-    /// How many instances have it.
-    pub uses: usize,
-    /// ReportContext those instances.
-    pub bounds: Bounds,
-}
-
-/// What is known of the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSummary {
-    /// The frames, where the scene has some.
-    pub timeline: Option<TimelineDesc>,
-    /// The script's parameters.
-    pub declared: DeclaredParameters,
-    /// What the script printed.
-    pub log: Vec<String>,
-    /// Name and value of each camera, in the frame that is shown.
-    pub cameras: Vec<(String, CameraDesc)>,
-    /// Parallel to the world's.
-    pub materials: Vec<Row>,
-    /// Lights with shadow maps.
-    pub casters: Vec<ShadowCaster>,
-    /// ReportContext everything.
-    pub bounds: Bounds,
-    /// The scene's own method.
-    pub method: Method,
-    /// The length U, meters.
-    pub unit_m: f32,
-    /// What the frame leaves out.
-    pub dropped: Vec<String>,
-    /// What keeps the newest content from being shown.
-    pub problems: Problems,
-    /// About what is shown.
-    pub warnings: Vec<Diagnostic>,
-}
-
-impl SceneSummary {
-    /// Whether nothing stands in the scene.
-    pub fn is_nothing(&self) -> bool {
-        self.materials.iter().all(|row| row.uses == 0)
-    }
-
-    /// Those of a live scene.
-    pub fn of(live: &Live) -> Self {
-        let world = live.world();
-        let names = unique_names(world.materials.iter().map(|m| m.name.as_str()));
-        let row = |(material, m): (usize, &crate::world::Material)| Row {
-            name: names[material].clone(),
-            numbers: *m.numbers(),
-            edit: live.edit_of(material),
-            uses: 0,
-            bounds: Bounds::EMPTY,
-        };
-        let mut materials: Vec<Row> = world.materials.iter().enumerate().map(row).collect();
-        let mut bounds = Bounds::EMPTY;
-        for instance in &world.instances {
-            let around = world.bounds_of(instance);
-            let row = &mut materials[instance.material];
-            row.uses += 1;
-            row.bounds = row.bounds.union(around);
-            bounds = bounds.union(around);
-        }
-        let lights = unique_names(world.lights.iter().map(|light| light.name.as_str()));
-        let dropped = live.renderer().plan().dropped.iter();
-        Self {
-            timeline: live.timeline().cloned(),
-            declared: live.declared().clone(),
-            log: live.log().cloned().collect(),
-            cameras: (world.cameras.iter())
-                .map(|entry| (entry.name.clone(), entry.value.clone()))
-                .collect(),
-            materials,
-            casters: (world.lights.iter().enumerate())
-                .map(|(light, lamp)| ShadowCaster {
-                    light,
-                    name: lights[light].clone(),
-                    faces: shadow_faces(lamp),
-                })
-                .filter(|caster| caster.faces > 0)
-                .collect(),
-            bounds,
-            method: live.desc().reflection.method,
-            unit_m: live.renderer().unit_m(),
-            dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
-            problems: live.problems.clone(),
-            warnings: live.warnings.clone(),
-        }
-    }
 }
 
 /// A finished frame.
 #[derive(Clone, Debug)]
-pub struct Shown {
-    /// Counts pictures that were drawn.
+pub struct FinishedFrame {
+    /// Running number of rendered pictures.
     pub number: u64,
     /// Frame of the timeline.
     pub frame: u32,
-    /// From where it was taken.
+    /// Camera that it was rendered with.
     pub camera: CameraDesc,
-    /// The viewport that it was drawn for, pixels.
+    /// Viewport size that it was rendered for, pixels.
     pub size: [u32; 2],
-    /// The left side, and the right one of a wipe.
+    /// Left side, and the right side of a wipe.
     pub sides: Vec<Visualization>,
-    /// The selected instance, if it is still there.
+    /// The selected instance, if it still exists.
     pub picked: Option<Picked>,
 }
 
-/// One side, drawn.
+/// The selected instance in the displayed frame.
+#[derive(Clone, Debug)]
+pub struct Picked {
+    /// Its name, with a number where several share it.
+    pub label: String,
+    /// Index into the world's materials.
+    pub material: usize,
+    /// World-space bounds; empty while it is hidden.
+    pub bounds: Bounds,
+    /// Triangle count of its mesh.
+    pub triangles: usize,
+    /// Outline of its visible part, at the picture's size; `None` where it is not visible.
+    pub outline: Option<FrameTexture>,
+}
+
+/// One side, rendered.
 #[derive(Clone, Debug)]
 pub struct Visualization {
-    /// What it shows.
-    pub look: ViewChannel,
+    /// Displayed channel.
+    pub channel: ViewChannel,
     /// The picture.
-    pub canvas: FrameTexture,
-    /// Of its frame.
+    pub texture: FrameTexture,
+    /// Statistics of its frame.
     pub stats: FrameStats,
-    /// What its colors mean, or why there is nothing; empty for finished pictures.
+    /// Legend of its colors, or why it is empty; empty text for finished pictures.
     pub legend: String,
 }
 
-/// The left side's method against `rt`.
+/// Comparison of the left side's method with `rt`.
 #[derive(Clone, Debug)]
-pub struct Judged {
-    /// Of what.
+pub struct Comparison {
+    /// The view.
     pub view: View,
-    /// The number that its task had.
+    /// Revision number of the request.
     pub edits: u64,
-    /// Whole frame.
+    /// Scores of the whole frame.
     pub scores: Scores,
-    /// FLIP per pixel.
-    pub heat: FrameTexture,
+    /// FLIP per pixel, as colors.
+    pub error_map: FrameTexture,
 }
 
-/// What the rendering thread has to say.
+/// A report of the rendering thread.
 #[derive(Clone, Debug)]
 pub enum Report {
-    /// The scene is another.
+    /// The scene changed.
     SceneSummary(Box<SceneSummary>),
-    /// What other parameters did.
-    ParameterOverrides(Reload),
-    /// Parameters that do not work.
+    /// Result of new script parameters.
+    ParametersApplied(Reload),
+    /// Script parameters were rejected.
     Refused(Box<Refusal>),
-    /// A reload, and from the first word of it to the new picture, milliseconds.
+    /// A reload, and the time from the file event to the new picture, milliseconds.
     Reloaded(Reload, f64),
-    /// Since when a script runs that pictures do not wait for; `None` when it has ended.
-    Script(Option<Instant>),
-    /// A frame.
-    Shown(Box<Shown>),
-    /// An error map.
-    Judged(Box<Judged>),
-    /// What was clicked.
+    /// Start of a script that runs in the background; `None` once it has ended.
+    ScriptRunning(Option<Instant>),
+    /// A finished frame.
+    Frame(Box<FinishedFrame>),
+    /// A finished comparison.
+    Compared(Box<Comparison>),
+    /// Result of a pick.
     Picked(Option<Picked>),
-    /// No instance is selected any more.
+    /// The selection was cleared.
     Unpicked,
-    /// Why saves are seen only now and then, and what to do; `None` when that is over.
+    /// File watching is limited, why, and what to do; `None` once it works again.
     Unwatched(Option<String>),
-    /// Something to tell in the status line.
-    Note(String),
-    /// Nothing is left to do.
+    /// A message for the status line.
+    Message(String),
+    /// The queue is empty.
     Idle,
 }

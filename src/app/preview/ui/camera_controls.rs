@@ -1,4 +1,4 @@
-//! Moving the camera: orbit, pan, dolly, look around, fly, frame; and the camera as scene text.
+//! Camera controls: orbit, pan, dolly, look around, fly, frame; and the camera as scene text.
 
 use std::fmt::Write as _;
 
@@ -6,21 +6,21 @@ use glam::{Quat, Vec2, Vec3};
 
 use crate::{math::Bounds, scene::desc::CameraDesc};
 
-/// Closest that the view may come to straight up or down, radians.
+/// Minimum angle between the view direction and straight up or down, radians.
 const POLE: f32 = 0.02;
-/// Radians that a drag over the picture's height turns.
+/// Rotation for a drag over the picture's height, radians.
 const TURN: f32 = std::f32::consts::PI;
-/// Part of the distance to the target that a notch of the wheel goes.
+/// Fraction of the distance to the target per notch of the wheel.
 const NOTCH: f32 = 0.12;
 
-/// A camera that a person moves.
+/// A camera moved by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraControls {
     /// Where it is.
     pub camera: CameraDesc,
-    /// How fast it flies, meters a second.
+    /// Flying speed, meters per second.
     pub speed_m: f32,
-    /// Diagonal of the scene, meters: what speeds and distances are measured by.
+    /// Diagonal of the scene, meters; scales speeds and distances.
     scale_m: f32,
 }
 
@@ -35,7 +35,7 @@ impl CameraControls {
         }
     }
 
-    /// Takes over the size of a scene that was read again; camera and speed stay.
+    /// Adopts the size of a reloaded scene; camera and speed stay.
     pub fn rescale(&mut self, bounds: &Bounds) {
         self.scale_m = scale_of(bounds);
     }
@@ -69,19 +69,19 @@ impl CameraControls {
         Quat::from_axis_angle(self.up(), -drag.x * TURN) * (pitch * forward)
     }
 
-    /// Circles around the target.
+    /// Orbits around the target.
     pub fn orbit(&mut self, drag: Vec2) {
         let forward = self.turned(drag);
         self.camera.eye = self.camera.target - forward * self.distance();
     }
 
-    /// Turns on the spot.
+    /// Looks around: turns on the spot.
     pub fn look(&mut self, drag: Vec2) {
         let forward = self.turned(drag);
         self.camera.target = self.camera.eye + forward * self.distance();
     }
 
-    /// Moves sideways, so that what is at the target's distance stays under the pointer.
+    /// Pans; points at the target's distance stay under the pointer.
     pub fn pan(&mut self, drag: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
@@ -94,7 +94,7 @@ impl CameraControls {
         self.camera.target += by;
     }
 
-    /// Goes towards the target, or away from it; never through it.
+    /// Dollies towards the target or away from it; never through it.
     pub fn dolly(&mut self, notches: f32) {
         let least = (self.scale_m * 1e-4).max(2.0 * self.camera.near_m);
         let distance = (self.distance() * (-notches * NOTCH).exp()).max(least);
@@ -108,13 +108,13 @@ impl CameraControls {
         self.shift(along.normalize_or_zero() * self.speed_m * seconds);
     }
 
-    /// Changes the speed by notches of the wheel.
+    /// Changes the flying speed by notches of the wheel.
     pub fn change_speed(&mut self, notches: f32) {
         let range = (self.scale_m * 1e-4, self.scale_m * 10.0);
         self.speed_m = (self.speed_m * (notches * 0.2).exp()).clamp(range.0, range.1);
     }
 
-    /// Reuse the direction and goes where all of `bounds` is seen.
+    /// Frames `bounds`: keeps the view direction and moves until all of it is visible.
     pub fn frame(&mut self, bounds: &Bounds, aspect: f32) {
         if bounds.is_empty() {
             return;
@@ -133,7 +133,7 @@ fn scale_of(bounds: &Bounds) -> f32 {
     if diagonal > 0.0 { diagonal } else { 1.0 }
 }
 
-/// A camera as it is written in a scene.
+/// A camera as scene text.
 pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     let defaults = CameraDesc::default();
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
@@ -142,7 +142,7 @@ pub fn as_text(name: &str, camera: &CameraDesc) -> String {
     } else {
         format!("{:?}", name.replace(|c: char| c.is_control(), " "))
     };
-    // To a ten-thousandth of the distance that is looked over, in scenes of any size.
+    // Precision: a ten-thousandth of the distance to the target, in scenes of any size.
     let distance = camera.eye.distance(camera.target).max(1e-30);
     let decimals = (4.0 - distance.log10().floor()).clamp(4.0, 30.0) as usize;
     let mut text = format!(
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use crate::scene::parse;
 
-    fn navigator() -> CameraControls {
+    fn camera_controls() -> CameraControls {
         let bounds = Bounds {
             min: Vec3::splat(-1.0),
             max: Vec3::splat(1.0),
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn orbiting_keeps_the_distance_and_never_tips_over() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let distance = nav.distance();
         for i in 0..200 {
             nav.orbit(Vec2::new(0.03, if i % 70 < 40 { 0.05 } else { -0.05 }));
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn looking_keeps_the_eye_and_panning_the_direction() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.look(Vec2::new(0.25, -0.1));
         assert_eq!(nav.camera.eye, eye);
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn the_wheel_comes_close_but_not_through() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let forward = nav.forward();
         nav.dolly(1000.0);
         assert!(nav.distance() > 0.0 && nav.forward().distance(forward) < 1e-3);
@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn flying_goes_at_its_speed_whatever_the_keys() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.fly(Vec3::new(1.0, 0.0, 1.0), 0.5);
         assert!((nav.camera.eye.distance(eye) - 0.5 * nav.speed_m).abs() < 1e-4);
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn framing_sees_all_corners() {
-        let mut nav = navigator();
+        let mut nav = camera_controls();
         let bounds = Bounds {
             min: Vec3::new(3.0, -2.0, 1.0),
             max: Vec3::new(4.0, 5.0, 9.0),

@@ -1,80 +1,26 @@
-//! The selected instance: which one a click means, what it is called, and the line around what is
-//! seen of it.
+//! Picking: finds the clicked instance in the ids, and draws the outline of the selected
+//! one.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Report, View},
-    render_thread::State,
-};
+use super::{instance_key::InstanceKey, worker::Worker};
 use crate::{
-    math::Bounds,
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Picked, Report, View},
+    },
     render::{RenderError, targets::Target},
-    world::World,
 };
 
-/// Half the width of the line, pixels of a picture that is drawn at full size.
+/// Half the width of the outline, pixels at full resolution.
 const RADIUS_PX: f32 = 2.0;
-/// Its color, and how dark its rim is, which makes it seen on bright things too.
+/// Outline color, and opacity of its dark rim, which keeps it visible on bright surfaces.
 const ORANGE: [f32; 3] = [255.0, 150.0, 30.0];
 const RIM: f32 = 0.5;
 
-/// What finds an instance again in a scene that was read anew.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mark {
-    name: String,
-    /// How many of the same name come before it.
-    number: usize,
-}
-
-/// The selected instance in the frame that is shown.
-#[derive(Clone, Debug)]
-pub struct Picked {
-    /// Its name; of several with the same one, also which.
-    pub label: String,
-    /// Index into the world's materials.
-    pub material: usize,
-    /// ReportContext it in world space; empty while it is hidden.
-    pub bounds: Bounds,
-    /// Of its mesh.
-    pub triangles: usize,
-    /// The line around what is seen of it, as large as the picture; `None` where nothing is.
-    pub outline: Option<FrameTexture>,
-}
-
-impl Mark {
-    /// Of the world's instance of this index.
-    fn of(world: &World, index: usize) -> Option<Self> {
-        let name = &world.instances.get(index)?.name;
-        let before = world.instances[..index].iter();
-        Some(Self {
-            name: name.clone(),
-            number: before.filter(|other| other.name == *name).count(),
-        })
-    }
-
-    /// The instance, as an index into the world's, and how many have its name.
-    fn find(&self, world: &World) -> Option<(usize, usize)> {
-        let named = || {
-            let all = world.instances.iter().enumerate();
-            all.filter(|(_, other)| other.name == self.name)
-        };
-        let (index, _) = named().nth(self.number)?;
-        Some((index, named().count()))
-    }
-
-    fn label(&self, count: usize) -> String {
-        match count {
-            1 => self.name.clone(),
-            _ => format!("{} ({} of {count})", self.name, self.number + 1),
-        }
-    }
-}
-
-impl State {
-    /// Selects what is at this part of a view's picture, which is drawn again if another is there.
+impl Worker {
+    /// Selects the instance at this position of a view, which is rendered first if necessary.
     pub(super) fn pick(&mut self, view: &View, at: [f32; 2]) -> Result<(), RenderError> {
-        let is_drawn = (self.drawn.as_ref())
-            .is_some_and(|drawn| !drawn.looks_other(view) && drawn.frame == view.frame);
+        let is_drawn = (self.rendered_view.as_ref())
+            .is_some_and(|drawn| !drawn.differs_from(view) && drawn.frame == view.frame);
         if !is_drawn {
             self.render(view, view.a.method)?;
         }
@@ -82,21 +28,21 @@ impl State {
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
         let pixel = |part: f32, side: u32| ((part * side as f32) as u32).min(side - 1);
         let index = pixel(at[1], height) * width + pixel(at[0], width);
-        self.mark = Mark::of(self.live.world(), ids[index as usize][0] as usize);
+        self.selected = InstanceKey::of(self.live.world(), ids[index as usize][0] as usize);
         let picked = self.picked_among(&ids)?;
-        self.tell(Report::Picked(picked));
+        self.send(Report::Picked(picked));
         Ok(())
     }
 
-    /// Selects nothing.
+    /// Clears the selection.
     pub(super) fn unpick(&mut self) {
-        self.mark = None;
-        self.tell(Report::Unpicked);
+        self.selected = None;
+        self.send(Report::Unpicked);
     }
 
-    /// The selected instance in the picture that was drawn last.
+    /// The selected instance in the last rendered picture.
     pub(super) fn picked(&mut self) -> Result<Option<Picked>, RenderError> {
-        if self.mark.is_none() {
+        if self.selected.is_none() {
             return Ok(None);
         }
         let ids: Vec<[u32; 2]> = self.live.renderer().read(&self.gpu, Target::Ids)?;
@@ -105,13 +51,13 @@ impl State {
 
     fn picked_among(&mut self, ids: &[[u32; 2]]) -> Result<Option<Picked>, RenderError> {
         let world = self.live.world();
-        let found = (self.mark.as_ref()).and_then(|mark| Some((mark, mark.find(world)?)));
-        let Some((mark, (index, count))) = found else {
-            self.mark = None;
+        let found = (self.selected.as_ref()).and_then(|key| Some((key, key.find(world)?)));
+        let Some((key, (index, count))) = found else {
+            self.selected = None;
             return Ok(None);
         };
         let instance = &world.instances[index];
-        let label = mark.label(count);
+        let label = key.label(count);
         let (material, bounds) = (instance.material, world.bounds_of(instance));
         let triangles = world.meshes[instance.mesh].triangles.len();
         let size = self.live.renderer().targets().size;
@@ -120,10 +66,10 @@ impl State {
         let inside: Vec<bool> = ids.iter().map(|ids| ids[0] as usize == index).collect();
         let outline = match outline(&inside, size, radius) {
             Some(rgba) => {
-                let canvas = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
-                canvas.write(&self.gpu, &rgba);
-                self.outline = Some(canvas.clone());
-                Some(canvas)
+                let texture = FrameTexture::of_size(&self.gpu, self.outline.take(), size)?;
+                texture.write(&self.gpu, &rgba);
+                self.outline = Some(texture.clone());
+                Some(texture)
             }
             None => None,
         };
@@ -137,8 +83,8 @@ impl State {
     }
 }
 
-/// A line along the outside of what is `inside`, as RGBA with its alpha multiplied in; `None` where
-/// nothing is inside.
+/// Outline of the `inside` mask as RGBA with premultiplied alpha; `None` where the mask is
+/// empty.
 fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Vec<u8>> {
     let (width, height) = (width as i32, height as i32);
     let place = |x: i32, y: i32| {
@@ -178,40 +124,9 @@ fn outline(inside: &[bool], [width, height]: [u32; 2], radius: f32) -> Option<Ve
 
 #[cfg(test)]
 mod tests {
-    use glam::Affine3A;
-
     use super::*;
-    use crate::world::Instance;
 
-    fn world(names: &[&str]) -> World {
-        let instance = |name: &&str| Instance {
-            name: (*name).to_owned(),
-            mesh: 0,
-            material: 0,
-            world_from_object: Affine3A::IDENTITY,
-            dynamic: false,
-        };
-        World {
-            instances: names.iter().map(instance).collect(),
-            ..World::default()
-        }
-    }
-
-    #[test]
-    fn a_mark_finds_its_instance_in_another_scene() {
-        let old = world(&["ball", "floor", "ball", "ball"]);
-        let mark = Mark::of(&old, 2).expect("is there");
-        assert_eq!(mark.find(&old), Some((2, 3)));
-        assert_eq!(mark.label(3), "ball (2 of 3)");
-        assert_eq!(mark.find(&world(&["ball", "lamp", "ball"])), Some((2, 2)));
-        assert_eq!(mark.find(&world(&["floor", "ball"])), None);
-        let floor = Mark::of(&old, 1).expect("is there");
-        assert_eq!(floor.find(&world(&["a", "b", "floor"])), Some((2, 1)));
-        assert_eq!(floor.label(1), "floor");
-        assert_eq!(Mark::of(&old, u32::MAX as usize), None, "the sky");
-    }
-
-    /// ReportContext a square: the square stays free, the line follows it at its distance, and far away
+    /// Around a square: the square stays free, the line follows it at its distance, and far away
     /// there is nothing.
     #[test]
     fn the_outline_runs_around_and_covers_nothing_of_it() {

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::egui::{self, DragValue, RichText, Slider, SliderClamping, Ui};
 
-use super::{diagnostics_panel::Mistake, panels::named};
+use super::{diagnostics_panel::DiagnosticEntry, panels::named};
 use crate::{
     app::{
         live::Refusal,
@@ -16,17 +16,17 @@ use crate::{
 /// What the controls show.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters {
-    /// Laid over the scene's own values.
-    pub tuned: ParameterOverrides,
-    /// Values that do not work: their controls show them, but the picture has what `tuned` has.
+    /// Overrides of the scene's own values.
+    pub overrides: ParameterOverrides,
+    /// Rejected values: their controls show them, but the picture uses `overrides`.
     refused: Vec<Refused>,
 }
 
-/// Values that were refused together, and why.
+/// Values that were rejected together, and why.
 #[derive(Clone, Debug, PartialEq)]
 struct Refused {
     values: Vec<(String, ParamValue)>,
-    why: Vec<Mistake>,
+    why: Vec<DiagnosticEntry>,
 }
 
 impl Parameters {
@@ -35,15 +35,15 @@ impl Parameters {
         all.find(|(known, _)| known == name).map(|(_, value)| value)
     }
 
-    /// What the control shows of a parameter.
+    /// Value that the control of a parameter shows.
     fn shown<'a>(&'a self, name: &str, own: &'a ParamValue) -> &'a ParamValue {
-        let value = self.refused(name).or_else(|| self.tuned.get(name));
+        let value = self.refused(name).or_else(|| self.overrides.get(name));
         value.unwrap_or(own)
     }
 
     fn set(&mut self, name: &str, value: ParamValue, own: &ParamValue) {
         self.forget_refused(|known, _| known == name);
-        self.tuned.set(name, value, own);
+        self.overrides.set(name, value, own);
     }
 
     fn forget_refused(&mut self, is_over: impl Fn(&str, &ParamValue) -> bool) {
@@ -53,7 +53,7 @@ impl Parameters {
         self.refused.retain(|refused| !refused.values.is_empty());
     }
 
-    /// Marks values that were refused, where no others were chosen since.
+    /// Marks rejected values, unless they were changed since.
     pub fn refuse(&mut self, refusal: Refusal, declared: &DeclaredParameters) {
         let Refusal { values, stays, why } = refusal;
         let mut marked = Vec::new();
@@ -69,31 +69,31 @@ impl Parameters {
         if !marked.is_empty() {
             self.refused.push(Refused {
                 values: marked,
-                why: Mistake::all(&why),
+                why: DiagnosticEntry::all(&why),
             });
         }
     }
 
-    /// Forgets what the parameters of a scene that was read again no longer leave room for.
+    /// Drops overrides that do not fit the parameters of a reloaded scene.
     pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
-        self.tuned.keep_what_fits(declared);
-        let tuned = self.tuned.clone();
+        self.overrides.keep_what_fits(declared);
+        let overrides = self.overrides.clone();
         self.forget_refused(|name, value| {
             let own = declared.iter().find(|(known, _)| known == name);
-            // What is in force was not refused.
+            // A value in force was not rejected.
             own.is_none_or(|(_, own)| {
-                !same_kind(own, value) || tuned.get(name).unwrap_or(own) == value
+                !same_kind(own, value) || overrides.get(name).unwrap_or(own) == value
             })
         });
     }
 }
 
-/// The panel; whether other values are to be laid over the scene's.
+/// The panel; returns whether the overrides changed.
 pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Parameters) -> bool {
     if declared.is_empty() {
         return false;
     }
-    let before = parameters.tuned.clone();
+    let before = parameters.overrides.clone();
     egui::CollapsingHeader::new("Script parameters")
         .default_open(true)
         .show(ui, |ui| {
@@ -106,38 +106,38 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                 }
             }
             ui.horizontal(|ui| {
-                let is_own = parameters.tuned.is_empty() && parameters.refused.is_empty();
+                let is_own = parameters.overrides.is_empty() && parameters.refused.is_empty();
                 let reset = ui.add_enabled(!is_own, egui::Button::new("reset"));
                 if reset.on_hover_text("the values of the scene").clicked() {
                     *parameters = Parameters::default();
                 }
                 let copy = ui.button("copy as text");
                 if copy.on_hover_text("the values in force").clicked() {
-                    ui.ctx().copy_text(parameters.tuned.as_text(declared));
+                    ui.ctx().copy_text(parameters.overrides.as_text(declared));
                 }
             });
-            // Below the controls: none moves when a value is refused.
+            // Below the controls: none moves when a value is rejected.
             for index in 0..parameters.refused.len() {
                 if refused(ui, index, declared, parameters) {
                     break; // it is over
                 }
             }
         });
-    parameters.tuned != before
+    parameters.overrides != before
 }
 
-/// Values that differ from the scene's stand out, and more so those that do not work.
+/// Label of a parameter: highlights overridden values, and rejected ones more strongly.
 fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> RichText {
     if parameters.refused(name).is_some() {
         RichText::new(format!("{name} (refused)")).color(ui.visuals().error_fg_color)
-    } else if parameters.tuned.get(name).unwrap_or(own) == own {
+    } else if parameters.overrides.get(name).unwrap_or(own) == own {
         RichText::new(name)
     } else {
         RichText::new(name).strong()
     }
 }
 
-/// Values that do not work, why, and what the picture has; whether somebody decided about them.
+/// Rejected values, why, and the values in force; returns whether the user resolved them.
 fn refused(
     ui: &mut Ui,
     index: usize,
@@ -152,7 +152,7 @@ fn refused(
     let in_force: Vec<_> = (all.values.iter())
         .filter_map(|(name, _)| {
             let own = declared.iter().find(|(known, _)| known == name);
-            let now = parameters.tuned.get(name).or(own.map(|(_, own)| own));
+            let now = parameters.overrides.get(name).or(own.map(|(_, own)| own));
             now.map(|now| (name.clone(), now.clone()))
         })
         .collect();
@@ -193,7 +193,7 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
         (ParamValue::Integer(now), ParamValue::Integer(own)) => {
             let (least, most) = range(*own as f64, 10.0).into_inner();
             let range = (least as i64).min(*now)..=(most as i64).max(*now);
-            // A typed number may lie beyond the guess.
+            // A typed number may lie outside the slider's range.
             let slider = Slider::new(now, range).clamping(SliderClamping::Never);
             named(ui, slider.update_while_editing(false), label);
             *now = (*now).clamp(-(LIMIT as i64), LIMIT as i64);
@@ -226,12 +226,12 @@ fn row(ui: &mut Ui, label: RichText, own: &ParamValue, value: &mut ParamValue) {
                 }
             });
         }
-        // What was laid over has the kind of what is declared.
+        // An override has the kind of its declaration.
         _ => {}
     }
 }
 
-/// Where a value may sensibly go: from zero to twice as far; around zero for zero itself.
+/// Slider range for a value: from zero to twice the value; around zero for zero itself.
 fn range(own: f64, around: f64) -> RangeInclusive<f64> {
     if own > 0.0 {
         0.0..=(own * 2.0).max(around)

@@ -1,13 +1,12 @@
-//! What the rendering thread does on demand with the frame that is looked at, and how it compares
-//! the left side's method with `rt`.
+//! Frame requests: picks, screenshots, and the comparison of the left side's method with
+//! `rt`.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Inspect, Inspection, Judged, Report, View},
-    render_thread::State,
-    visualize::Pixels,
-};
+use super::{pixels::Pixels, worker::Worker};
 use crate::{
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Comparison, FrameAction, FrameRequest, Report, View},
+    },
     bench::{
         metric::{Maps, flip},
         picture::{Pair, Picture},
@@ -16,31 +15,31 @@ use crate::{
     scene::desc::Method,
 };
 
-impl State {
-    /// Does what was asked for of frames, as far as these are posed.
-    pub(super) fn inspect(&mut self) {
-        while let Some(first) = self.inspections.front() {
+impl Worker {
+    /// Handles requests whose frames are posed.
+    pub(super) fn handle_frame_requests(&mut self) {
+        while let Some(first) = self.frame_requests.front() {
             if self.live.posing(first.view.frame).is_some() {
                 return;
             }
-            let Some(Inspection { view, with }) = self.inspections.pop_front() else {
+            let Some(FrameRequest { view, action }) = self.frame_requests.pop_front() else {
                 return;
             };
             if !self.live.problems.pose.is_empty() {
                 let text = "cannot be posed, so that nothing was made of it";
-                self.tell(Report::Note(format!("frame {} {text}", view.frame)));
+                self.send(Report::Message(format!("frame {} {text}", view.frame)));
                 continue;
             }
-            let done = match with {
-                Inspect::Judge(edits) => self.judge(view, edits),
-                Inspect::Pick(at) => self.pick(&view, at),
-                Inspect::Screenshot(shot) => {
-                    self.shoot(&view, &shot);
+            let done = match action {
+                FrameAction::Compare(edits) => self.compare(view, edits),
+                FrameAction::Pick(at) => self.pick(&view, at),
+                FrameAction::Screenshot(screenshot) => {
+                    self.write_screenshot(&view, &screenshot);
                     Ok(())
                 }
             };
             if let Err(error) = done {
-                self.refuse(&error);
+                self.report_error(&error);
             }
         }
     }
@@ -56,7 +55,7 @@ impl State {
         Ok((stats.size, rgba))
     }
 
-    fn judge(&mut self, view: View, edits: u64) -> Result<(), RenderError> {
+    fn compare(&mut self, view: View, edits: u64) -> Result<(), RenderError> {
         let (size, reference) = self.read(&view, Method::Rt)?;
         let (test_size, test) = self.read(&view, view.a.method)?;
         let picture = |rgba: &[u8]| {
@@ -70,24 +69,24 @@ impl State {
             return Ok(());
         };
         let Ok(pair) = Pair::new(&test, &reference) else {
-            self.tell(Report::Note(format!("{test_size:?} is not {size:?}")));
+            self.send(Report::Message(format!("{test_size:?} is not {size:?}")));
             return Ok(());
         };
         let maps = Maps::of(&pair);
-        let old = self.heat.take().map(|(canvas, _)| canvas);
-        let heat = FrameTexture::of_size(&self.gpu, old, size)?;
+        let old = self.error_map.take().map(|(texture, _)| texture);
+        let error_map = FrameTexture::of_size(&self.gpu, old, size)?;
         let rgb = flip::heat(&maps.flip);
         let rgba: Vec<u8> = rgb
             .chunks_exact(3)
             .flat_map(|p| [p[0], p[1], p[2], 255])
             .collect();
-        heat.write(&self.gpu, &rgba);
-        self.heat = Some((heat.clone(), Pixels { size, rgba }));
-        self.tell(Report::Judged(Box::new(Judged {
+        error_map.write(&self.gpu, &rgba);
+        self.error_map = Some((error_map.clone(), Pixels { size, rgba }));
+        self.send(Report::Compared(Box::new(Comparison {
             view,
             edits,
             scores: maps.scores(None),
-            heat,
+            error_map,
         })));
         Ok(())
     }

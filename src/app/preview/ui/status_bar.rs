@@ -1,9 +1,9 @@
-//! The status line, facts about the scene, and the list of keys.
+//! The status line, scene facts, and the list of keys.
 
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
-use super::{diagnostics_panel::place_of, protocol::SceneSummary, status_message::Note};
-use crate::scene::script::DEADLINE;
+use super::{diagnostics_panel::located, status_message::StatusMessage};
+use crate::{app::preview::scene_summary::SceneSummary, scene::script::DEADLINE};
 
 /// Keys and what they do.
 pub const KEYS: [(&str, &str); 20] = [
@@ -41,19 +41,25 @@ pub const KEYS: [(&str, &str); 20] = [
     ("Ctrl Q", "close"),
 ];
 
-/// What the window is busy with.
+/// Current activity.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Doing {
-    /// Frame after frame; with what it leaves out for that.
-    Plays(String),
-    /// Another picture.
-    Draws,
-    /// Nothing: nothing has changed.
-    Rests,
+pub enum Activity {
+    /// Playing; with the text about reduced resolution.
+    Playing(String),
+    /// Rendering a picture.
+    Drawing,
+    /// Nothing changed.
+    Idle,
 }
 
-/// The status line. `script_s` is how long a script has been running that pictures do not wait for.
-pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, note: &mut Note) {
+/// The status line. `script_s` is the run time of a background script, seconds.
+pub fn status(
+    ui: &mut Ui,
+    picture: u64,
+    doing: &Activity,
+    script_s: Option<f64>,
+    message: &mut StatusMessage,
+) {
     ui.horizontal(|ui| {
         if let Some(script_s) = script_s {
             let most_s = DEADLINE.as_secs();
@@ -64,35 +70,35 @@ pub fn status(ui: &mut Ui, picture: u64, doing: &Doing, script_s: Option<f64>, n
                 ));
             ui.separator();
         }
-        // What is too long is whole in its tooltip.
+        // The tooltip shows truncated text in full.
         ui.add(
             Label::new(match (doing, script_s) {
-                (Doing::Plays(less), _) => format!("playing: picture {picture}{less}"),
-                (Doing::Draws, _) => format!("drawing after picture {picture} …"),
-                (Doing::Rests, Some(_)) => format!("picture {picture} stays meanwhile"),
-                (Doing::Rests, None) => format!("still: nothing changed since picture {picture}"),
+                (Activity::Playing(less), _) => format!("playing: picture {picture}{less}"),
+                (Activity::Drawing, _) => format!("drawing after picture {picture} …"),
+                (Activity::Idle, Some(_)) => format!("picture {picture} stays meanwhile"),
+                (Activity::Idle, None) => format!("still: nothing changed since picture {picture}"),
             })
             .truncate(),
         );
-        if !note.text().is_empty() {
+        if !message.text().is_empty() {
             ui.separator();
-            let shown = ui.add(Label::new(RichText::new(note.text()).weak()).truncate());
+            let shown = ui.add(Label::new(RichText::new(message.text()).weak()).truncate());
             if shown.hovered() {
-                note.linger();
+                message.extend();
             }
         }
     });
 }
 
-/// Why saves are seen late or not at all, and what to do: it stays until that is over.
+/// Why file watching is limited, and what to do.
 pub fn unwatched(ui: &mut Ui, why: &str) {
     let text = format!("Saves: {why}");
     ui.horizontal_wrapped(|ui| ui.colored_label(ui.visuals().warn_fg_color, text));
 }
 
-/// SceneSummary and warnings about the scene.
-pub fn scene(ui: &mut Ui, facts: &SceneSummary) {
-    let title = match facts.warnings.len() {
+/// Facts and warnings about the scene.
+pub fn scene(ui: &mut Ui, summary: &SceneSummary) {
+    let title = match summary.warnings.len() {
         0 => "Scene".to_owned(),
         1 => "Scene (1 warning)".to_owned(),
         n => format!("Scene ({n} warnings)"),
@@ -100,24 +106,23 @@ pub fn scene(ui: &mut Ui, facts: &SceneSummary) {
     egui::CollapsingHeader::new(title)
         .id_salt("scene")
         .show(ui, |ui| {
-            let size = facts.bounds.max - facts.bounds.min;
-            if !facts.bounds.is_empty() {
+            let size = summary.bounds.max - summary.bounds.min;
+            if !summary.bounds.is_empty() {
                 ui.label(format!(
                     "{:.2} × {:.2} × {:.2} m, U = {:.3} m",
-                    size.x, size.y, size.z, facts.unit_m
+                    size.x, size.y, size.z, summary.unit_m
                 ));
             }
-            for dropped in &facts.dropped {
+            for dropped in &summary.dropped {
                 ui.weak(format!("left out: {dropped}"));
             }
-            for warning in &facts.warnings {
-                let place = place_of(warning).map_or(String::new(), |place| format!("{place}: "));
-                ui.label(format!("{place}{}", warning.message));
+            for warning in &summary.warnings {
+                ui.label(located(warning));
             }
         });
 }
 
-/// What the script printed.
+/// Output of the script.
 pub fn log(ui: &mut Ui, log: &[String]) {
     if log.is_empty() {
         return;
@@ -136,7 +141,7 @@ pub fn log(ui: &mut Ui, log: &[String]) {
         });
 }
 
-/// The list of keys in a window of its own, which scrolls where there is no room for all of it.
+/// The list of keys in a scrollable egui window.
 pub fn help(ui: &Ui, is_open: &mut bool) {
     let room = ui.ctx().content_rect().shrink(8.0);
     egui::Window::new("Keys")

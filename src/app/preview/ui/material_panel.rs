@@ -5,13 +5,15 @@ use std::fmt::Write as _;
 use eframe::egui::{self, DragValue, Rect, Slider, Ui};
 use glam::Vec3;
 
-use super::{
-    panels::{Choice, ViewRequest, named},
-    picking::Picked,
-    protocol::{Row, SceneSummary},
-};
+use super::panels::{ViewRequest, ViewSettings, named};
 use crate::{
-    app::live::Edit,
+    app::{
+        live::Edit,
+        preview::{
+            protocol::Picked,
+            scene_summary::{MaterialRow, SceneSummary},
+        },
+    },
     scene::{
         desc::MaterialDesc,
         motion::number::{Field, Form, MATERIAL, PLAIN},
@@ -19,58 +21,60 @@ use crate::{
     },
 };
 
-/// What a pixel of dragging changes where a number has no upper end.
+/// Change per pixel of dragging where a number has no upper limit.
 const SPEED: f32 = 0.01;
 
-/// The list of materials, and the numbers of the selected one; with the instance that was clicked.
+/// The list of materials, the picked instance, and the values of the selected material.
 pub fn panel(
     ui: &mut Ui,
-    choice: &mut Choice,
-    facts: &SceneSummary,
+    settings: &mut ViewSettings,
+    summary: &SceneSummary,
     picked: Option<&Picked>,
-    overrides: &mut Vec<ViewRequest>,
+    requests: &mut Vec<ViewRequest>,
 ) {
     let header = egui::CollapsingHeader::new("Materials").default_open(true);
-    let shown = (header.open(choice.reveals.then_some(true))).show(ui, |ui| {
-        list(ui, choice, facts);
+    let shown = (header.open(settings.scrolls_to_material.then_some(true))).show(ui, |ui| {
+        list(ui, settings, summary);
         if let Some(picked) = picked {
             instance(ui, picked);
         }
-        let selected = choice.material.and_then(|index| facts.materials.get(index));
+        let selected = settings
+            .material
+            .and_then(|index| summary.materials.get(index));
         let Some(row) = selected else {
             ui.weak("click one here or in the picture");
             return;
         };
         let edit = numbers(ui, row);
         if edit != row.edit {
-            overrides.push(ViewRequest::Edit(edit));
+            requests.push(ViewRequest::Edit(edit));
         }
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
         }
         ui.weak("until the scene is saved again; it wins over motion");
     });
-    if choice.reveals {
+    if settings.scrolls_to_material {
         let is_open = shown.fully_open();
         let body = shown.body_response.map_or(Rect::NOTHING, |body| body.rect);
         ui.scroll_to_rect(shown.header_response.rect.union(body), None);
         // It unfolds over several frames.
-        choice.reveals = !is_open;
+        settings.scrolls_to_material = !is_open;
     }
 }
 
-fn list(ui: &mut Ui, choice: &mut Choice, facts: &SceneSummary) {
+fn list(ui: &mut Ui, settings: &mut ViewSettings, summary: &SceneSummary) {
     let area = egui::ScrollArea::vertical().id_salt("materials");
     area.max_height(110.0).show(ui, |ui| {
-        for row in &facts.materials {
+        for row in &summary.materials {
             let index = row.edit.material;
             let text = format!("{}  ×{}", row.name, row.uses);
-            let is_selected = choice.material == Some(index);
+            let is_selected = settings.material == Some(index);
             let label = ui.selectable_label(is_selected, text);
             if label.clicked() {
-                choice.material = (!is_selected).then_some(index);
+                settings.material = (!is_selected).then_some(index);
             }
-            if is_selected && choice.reveals {
+            if is_selected && settings.scrolls_to_material {
                 label.scroll_to_me(None);
             }
         }
@@ -92,8 +96,8 @@ fn instance(ui: &mut Ui, picked: &Picked) {
     });
 }
 
-/// Every number that the material has; the edit with what was moved.
-fn numbers(ui: &mut Ui, row: &Row) -> Edit {
+/// Controls for all values of the material; returns the resulting edit.
+fn numbers(ui: &mut Ui, row: &MaterialRow) -> Edit {
     let now = row.edit.over(&row.numbers);
     let mut edit = row.edit;
     for (index, field) in MATERIAL.iter().enumerate() {
@@ -117,7 +121,7 @@ fn numbers(ui: &mut Ui, row: &Row) -> Edit {
     edit
 }
 
-/// Whether a value was moved.
+/// The control of a value; returns whether it changed.
 fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     let [least, most] = [f32::MIN, f32::MAX].map(|end| field.range.clamp(end));
     let range = least..=most;
@@ -130,7 +134,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
         }
         form => {
             ui.horizontal(|ui| {
-                // Three numbers and a name must find room.
+                // Space for three numbers and a label.
                 ui.spacing_mut().item_spacing.x = 4.0;
                 let mut changed = false;
                 let lanes = match form {
@@ -163,7 +167,7 @@ fn control(ui: &mut Ui, field: &Field<MaterialDesc>, value: &mut Vec3) -> bool {
     }
 }
 
-/// A color picker, which keeps how far a color is above 1; whether it was used.
+/// A color picker that preserves intensities above 1; returns whether the color changed.
 fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
     let above = color.max_element().max(1.0);
     let mut rgb = (*color / above).to_array();
@@ -174,7 +178,7 @@ fn picker(ui: &mut Ui, color: &mut Vec3) -> bool {
     changed
 }
 
-/// What a material has that a table does not leave open, as keys of that table.
+/// A material's non-default values, as keys of its scene table.
 fn scene_text(material: &MaterialDesc) -> String {
     let list = |lanes: &[f32]| {
         let texts: Vec<_> = lanes.iter().map(ToString::to_string).collect();

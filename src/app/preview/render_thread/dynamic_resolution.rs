@@ -1,7 +1,7 @@
-//! What a picture takes: a part that is the same at any size, such as shadow maps and posing, and
-//! a part for each pixel.
+//! Dynamic resolution: a linear cost model of a picture, with a fixed part, such as shadow maps and
+//! posing, and a part per pixel.
 
-/// Of pictures so far.
+/// Cost model from past pictures.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameCost {
     fixed_ms: f64,
@@ -12,7 +12,7 @@ pub struct FrameCost {
 }
 
 impl Default for FrameCost {
-    /// A guess for the first picture.
+    /// An initial guess.
     fn default() -> Self {
         Self {
             fixed_ms: 0.0,
@@ -24,15 +24,15 @@ impl Default for FrameCost {
 }
 
 impl FrameCost {
-    /// Learns from a picture of so many pixels, sub-frames counted.
-    pub fn learn(&mut self, pixels: f64, ms: f64) {
+    /// Updates the model with a picture of so many pixels, summed over sub-frames.
+    pub fn record(&mut self, pixels: f64, ms: f64) {
         if let Some(last) = self.last
             && (last.0 > 1.5 * pixels || pixels > 1.5 * last.0)
         {
             self.other = Some(last);
         }
         self.last = Some((pixels, ms));
-        // Two sizes tell both parts; one tells their sum.
+        // Two sizes determine both parts; one determines their sum.
         self.pixel_ms = match self.other {
             Some((others, others_ms)) => ((ms - others_ms) / (pixels - others)).max(0.0),
             None => ms / pixels,
@@ -40,15 +40,15 @@ impl FrameCost {
         self.fixed_ms = (ms - self.pixel_ms * pixels).max(0.0);
     }
 
-    /// Of a picture of so many pixels, milliseconds.
-    pub fn ms(&self, pixels: f64) -> f64 {
+    /// Predicted time of a picture of so many pixels, milliseconds.
+    pub fn predict_ms(&self, pixels: f64) -> f64 {
         self.fixed_ms + self.pixel_ms * pixels
     }
 
-    /// Whether a picture takes too long and fewer pixels would mend it: what is the same at any
-    /// size is no reason for fewer.
+    /// Whether a picture exceeds the budget and a lower resolution would help: a dominating fixed
+    /// part is no reason to reduce it.
     pub fn is_too_large(&self, pixels: f64, most_ms: f64) -> bool {
-        self.ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
+        self.predict_ms(pixels) > most_ms && self.pixel_ms * pixels > self.fixed_ms
     }
 }
 
@@ -61,10 +61,10 @@ mod tests {
         let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
         let mut cost = FrameCost::default();
         for pixels in [270_000.0, 67_500.0, 67_500.0] {
-            cost.learn(pixels, truth(pixels));
+            cost.record(pixels, truth(pixels));
         }
         for pixels in [1e4, 1e6] {
-            assert!((cost.ms(pixels) - truth(pixels)).abs() < 1e-6);
+            assert!((cost.predict_ms(pixels) - truth(pixels)).abs() < 1e-6);
         }
         // Shadow maps alone are over the limit: a smaller picture would be no faster.
         assert!(!cost.is_too_large(270_000.0, 40.0));
@@ -75,15 +75,15 @@ mod tests {
     fn a_scene_that_changes_is_learned_anew() {
         let mut cost = FrameCost::default();
         for pixels in [1e5, 2.5e4, 1e5] {
-            cost.learn(pixels, 10.0 + 1e-3 * pixels);
+            cost.record(pixels, 10.0 + 1e-3 * pixels);
         }
         // From here on pixels cost four times as much, at every size.
         for pixels in [1e5, 2.5e4, 1e5] {
-            cost.learn(pixels, 10.0 + 4e-3 * pixels);
+            cost.record(pixels, 10.0 + 4e-3 * pixels);
         }
-        assert!((cost.ms(5e4) - 210.0).abs() < 1e-6);
+        assert!((cost.predict_ms(5e4) - 210.0).abs() < 1e-6);
         // Noise may not give pixels that cost less than nothing.
-        cost.learn(2.5e4, 500.0);
-        assert!(cost.ms(1e6) >= cost.ms(1e4));
+        cost.record(2.5e4, 500.0);
+        assert!(cost.predict_ms(1e6) >= cost.predict_ms(1e4));
     }
 }

@@ -1,4 +1,4 @@
-//! Mistakes with their places: the list over the picture, which folds to a line.
+//! The diagnostics panel: errors with their places, over the picture, foldable to a line.
 
 use std::collections::BTreeSet;
 
@@ -9,43 +9,43 @@ use crate::{
     scene::diagnostic::{Diagnostic, Severity, Span},
 };
 
-/// The list is at most so wide and high, points, and covers at most this part of the picture's
-/// height.
-const MOST: egui::Vec2 = vec2(860.0, 220.0);
-const MOST_PART: f32 = 0.4;
-/// ReportContext the list, and inside of its frame, points.
+/// Maximum size of the list, points, and the largest fraction of the picture's height that it
+/// covers.
+const MAX_SIZE: egui::Vec2 = vec2(860.0, 220.0);
+const MAX_HEIGHT_FRACTION: f32 = 0.4;
+/// Margin around the list, and inside of its frame, points.
 const MARGIN: f32 = 8.0;
 
-/// A mistake for people.
+/// One entry of the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mistake {
+pub struct DiagnosticEntry {
     /// What is wrong and what was expected.
     pub message: String,
     /// Where: `file:line:column`, a file, or what else can be said.
     pub place: Option<String>,
-    /// What to do, and what else there is to say, each with what it is.
+    /// Help and notes, each with its kind.
     pub more: Vec<(&'static str, String)>,
 }
 
 /// Whether the list is folded.
 #[derive(Clone, Debug, Default)]
-pub struct Fold(Option<BTreeSet<String>>);
+pub struct FoldState(Option<BTreeSet<String>>);
 
-impl Fold {
-    /// Folded until there is a mistake that is not among these.
-    fn fold(&mut self, mistakes: &[Mistake]) {
-        self.0 = Some(mistakes.iter().map(Mistake::kind).collect());
+impl FoldState {
+    /// Folds the list until there is an entry that is not among these.
+    fn fold(&mut self, entries: &[DiagnosticEntry]) {
+        self.0 = Some(entries.iter().map(DiagnosticEntry::kind).collect());
     }
 
-    /// Unfolds for a new mistake; whether it is folded.
-    fn stays(&mut self, mistakes: &[Mistake]) -> bool {
-        let is_known = |known: &BTreeSet<_>| mistakes.iter().all(|m| known.contains(&m.kind()));
+    /// Unfolds for a new entry; returns whether the list is folded.
+    fn update(&mut self, entries: &[DiagnosticEntry]) -> bool {
+        let is_known = |known: &BTreeSet<_>| entries.iter().all(|m| known.contains(&m.kind()));
         self.0 = self.0.take().filter(is_known);
         self.0.is_some()
     }
 }
 
-impl Mistake {
+impl DiagnosticEntry {
     fn of(diagnostic: &Diagnostic) -> Self {
         let help = diagnostic.help.iter().map(|help| ("help", help.clone()));
         let related = diagnostic.related.iter().map(|(span, note)| {
@@ -59,7 +59,7 @@ impl Mistake {
         }
     }
 
-    /// All that keep the newest content from being shown.
+    /// All errors that keep the newest content from being shown.
     pub fn all(problems: &Problems) -> Vec<Self> {
         let of_scene = problems.scene.iter().chain(&problems.pose);
         let errors = of_scene.filter(|diagnostic| diagnostic.severity == Severity::Error);
@@ -81,7 +81,7 @@ impl Mistake {
         all
     }
 
-    /// The same for the same mistake in another line or frame.
+    /// Identity of an error, independent of line and frame.
     fn kind(&self) -> String {
         let place = self.place.iter().flat_map(|place| place.chars());
         let all = self.message.chars().chain(place);
@@ -115,21 +115,27 @@ fn place_in(span: &Span) -> Option<String> {
     Some(format!("{path}:{}:{}", place.line, place.column))
 }
 
-/// Where a message points: `file:line:column`, or the file.
-pub fn place_of(diagnostic: &Diagnostic) -> Option<String> {
+/// Place of a diagnostic: `file:line:column`, or the file.
+fn place_of(diagnostic: &Diagnostic) -> Option<String> {
     let file = || diagnostic.file.as_ref();
     place_in(&diagnostic.span).or_else(|| file().map(|file| file.display().to_string()))
 }
 
-/// The list, at the bottom of the picture and over it: were it beside, a mistake would change the
+/// The message of a diagnostic after its place.
+pub fn located(diagnostic: &Diagnostic) -> String {
+    let place = place_of(diagnostic).map_or(String::new(), |place| format!("{place}: "));
+    format!("{place}{}", diagnostic.message)
+}
+
+/// The list, at the bottom of the picture and over it: beside it, an error would change the
 /// picture's size.
-pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut Fold) {
+pub fn overlay(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut FoldState) {
     if problems.is_empty() {
         return;
     }
     let room = picture.size() - egui::Vec2::splat(4.0 * MARGIN);
-    let size = MOST
-        .min(vec2(room.x, room.y * MOST_PART))
+    let size = MAX_SIZE
+        .min(vec2(room.x, room.y * MAX_HEIGHT_FRACTION))
         .max(vec2(40.0, 24.0));
     egui::Area::new(egui::Id::unique("reflet problems"))
         .pivot(egui::Align2::LEFT_BOTTOM)
@@ -139,18 +145,18 @@ pub fn over(ui: &Ui, picture: Rect, problems: &Problems, fold: &mut Fold) {
             let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
             frame.show(ui, |ui| {
                 ui.set_width(size.x);
-                list(ui, &Mistake::all(problems), fold, size.y);
+                list(ui, &DiagnosticEntry::all(problems), fold, size.y);
             });
         });
 }
 
-/// The list and its fold, at most so high but for its first line, points.
-pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
-    let is_folded = fold.stays(mistakes);
-    let title = match (is_folded, mistakes) {
+/// The list with its fold button; `height` limits all but its first line, points.
+pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, height: f32) {
+    let is_folded = fold.update(entries);
+    let title = match (is_folded, entries) {
         (true, [only]) => only.message.clone(),
-        // First what must not be cut off.
-        (true, [first, ..]) => format!("{} mistakes: {}", mistakes.len(), first.message),
+        // The button first: it must not be cut off.
+        (true, [first, ..]) => format!("{} mistakes: {}", entries.len(), first.message),
         (false, [_]) => "Not taken over, the picture stays".to_owned(),
         (_, all) => format!("Not taken over, the picture stays: {} mistakes", all.len()),
     };
@@ -159,13 +165,13 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
         ui.with_layout(right, |ui| {
             if is_folded {
                 if ui.button("unfold").on_hover_text("all of it").clicked() {
-                    *fold = Fold::default();
+                    *fold = FoldState::default();
                 }
             } else if (ui.button("fold"))
                 .on_hover_text("to one line, until there is another mistake")
                 .clicked()
             {
-                fold.fold(mistakes);
+                fold.fold(entries);
             }
             let left = egui::Layout::left_to_right(egui::Align::Center);
             ui.with_layout(left.with_main_align(egui::Align::Min), |ui| {
@@ -182,14 +188,14 @@ pub fn list(ui: &mut Ui, mistakes: &[Mistake], fold: &mut Fold, height: f32) {
         .id_salt("problems")
         .max_height(height)
         .show(ui, |ui| {
-            // Beside the scroll bar.
+            // Space for the scroll bar.
             ui.set_width(ui.available_width() - MARGIN);
-            for (index, mistake) in mistakes.iter().enumerate() {
+            for (index, entry) in entries.iter().enumerate() {
                 if index > 0 {
                     ui.add_space(2.0);
                     ui.separator();
                 }
-                ui.scope(|ui| mistake.show(ui));
+                ui.scope(|ui| entry.show(ui));
             }
         });
 }
@@ -205,18 +211,18 @@ mod tests {
 
     struct State {
         problems: Problems,
-        fold: Fold,
+        fold: FoldState,
         picture: Rect,
     }
 
     fn harness<'a>(text: &str) -> Harness<'a, State> {
         let state = State {
             problems: problems(text),
-            fold: Fold::default(),
+            fold: FoldState::default(),
             picture: Rect::from_min_size(egui::pos2(0.0, 30.0), vec2(300.0, 340.0)),
         };
         let draw = |ui: &mut Ui, state: &mut State| {
-            over(ui, state.picture, &state.problems, &mut state.fold);
+            overlay(ui, state.picture, &state.problems, &mut state.fold);
         };
         let builder = Harness::builder().with_size(vec2(620.0, 420.0));
         let mut harness = builder.build_ui_state(draw, state);
@@ -236,12 +242,12 @@ mod tests {
     #[test]
     fn message_place_and_help_are_apart() {
         let mut harness = harness(ONE);
-        let mistake = Mistake::all(&harness.state().problems).remove(0);
-        let place = mistake.place.expect("has a place");
+        let entry = DiagnosticEntry::all(&harness.state().problems).remove(0);
+        let place = entry.place.expect("has a place");
         assert_eq!(place, "my.toml:3:1");
-        let help = format!("help: {}", mistake.more[0].1);
+        let help = format!("help: {}", entry.more[0].1);
         let top = |label: &str| harness.get_by_label(label).rect().top();
-        let tops = [top(&mistake.message), top(&place), top(&help)];
+        let tops = [top(&entry.message), top(&place), top(&help)];
         assert!(tops.is_sorted_by(|a, b| a + 10.0 < *b), "{tops:?}");
         harness.get_by_label("copy").click();
         harness.step();
@@ -260,7 +266,7 @@ mod tests {
         );
         let covered = picture.bottom() - title.rect().top();
         assert!(covered < 0.6 * picture.height(), "{covered}");
-        let all = Mistake::all(&harness.state().problems);
+        let all = DiagnosticEntry::all(&harness.state().problems);
         let last = all.last().expect("many").place.clone().expect("a place");
         let is_seen = |harness: &Harness<'_, State>| {
             picture.contains_rect(harness.get_by_label(&last).rect())
@@ -277,7 +283,9 @@ mod tests {
     #[test]
     fn it_folds_to_a_line_until_there_is_another_mistake() {
         let mut harness = harness(ONE);
-        let message = Mistake::all(&harness.state().problems)[0].message.clone();
+        let message = DiagnosticEntry::all(&harness.state().problems)[0]
+            .message
+            .clone();
         harness.get_by_label("fold").click();
         harness.run();
         assert!(harness.query_by_label("my.toml:3:1").is_none());
@@ -300,8 +308,8 @@ mod tests {
         harness.get_by_label_contains("2 mistakes: ");
         harness.get_by_label("unfold").click();
         harness.run();
-        for mistake in Mistake::all(&harness.state().problems) {
-            harness.get_by_label(&mistake.place.expect("a place"));
+        for entry in DiagnosticEntry::all(&harness.state().problems) {
+            harness.get_by_label(&entry.place.expect("a place"));
         }
     }
 }

@@ -17,7 +17,7 @@ const SMALL: f32 = 10.0;
 /// Columns of a chart over time.
 pub const HISTORY: usize = 120;
 
-/// What is not colored by its meaning.
+/// Color of bars without a meaning of their own.
 pub const ACCENT: Color32 = Color32::from_rgb(90, 150, 220);
 
 /// A cause's color, as in its AOV.
@@ -82,7 +82,7 @@ pub fn stack(ui: &mut Ui, columns: &[Vec<(Color32, f32)>], top: f32, label: &str
     painter.galley(rect.min + vec2(3.0, 2.0), text, Color32::WHITE);
 }
 
-/// Parts of a whole in their colors, and what they are.
+/// A stacked bar of shares, with its legend.
 pub fn shares(ui: &mut Ui, shares: &[Share]) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 16.0), Sense::hover());
     let mut left = rect.left();
@@ -107,7 +107,7 @@ pub fn shares(ui: &mut Ui, shares: &[Share]) {
 }
 
 /// The scale of a FLIP map: its colors from 0 to 1, and what the ends mean.
-pub fn heat_scale(ui: &mut Ui) {
+pub fn flip_scale(ui: &mut Ui) {
     const STEPS: usize = 128;
     let width = ui.available_width();
     let (rect, _) = ui.allocate_exact_size(vec2(width, 12.0), Sense::hover());

@@ -14,13 +14,13 @@ use crate::{app::live::Problems, scene::diagnostic::Diagnostic};
 struct State {
     declared: DeclaredParameters,
     parameters: Parameters,
-    asked: Vec<ParameterOverrides>,
+    requested: Vec<ParameterOverrides>,
 }
 
 fn harness<'a>() -> Harness<'a, State> {
     let draw = |ui: &mut Ui, state: &mut State| {
         if params(ui, &state.declared, &mut state.parameters) {
-            state.asked.push(state.parameters.tuned.clone());
+            state.requested.push(state.parameters.overrides.clone());
         }
     };
     Harness::builder()
@@ -47,7 +47,10 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
     let declared = declared.map(|(name, value)| (name.to_owned(), value));
     harness.state_mut().declared = declared.into();
     harness.run();
-    assert!(harness.state().asked.is_empty(), "looking changes nothing");
+    assert!(
+        harness.state().requested.is_empty(),
+        "looking changes nothing"
+    );
     click(&mut harness, "night");
     let field = harness.get_by_role(Role::TextInput);
     field.focus();
@@ -56,7 +59,7 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(62.0);
     harness.run();
-    let settings = harness.state().parameters.tuned.settings();
+    let settings = harness.state().parameters.overrides.settings();
     assert_eq!(settings.len(), 3, "{settings:?}");
     assert!(
         settings.contains(&"params.night=true".to_owned()),
@@ -67,14 +70,14 @@ fn each_kind_of_parameter_has_its_control_and_reset_takes_all_back() {
         "{settings:?}"
     );
     assert_eq!(
-        harness.state().asked.last(),
-        Some(&harness.state().parameters.tuned)
+        harness.state().requested.last(),
+        Some(&harness.state().parameters.overrides)
     );
     click(&mut harness, "reset");
-    assert!(harness.state().parameters.tuned.is_empty());
+    assert!(harness.state().parameters.overrides.is_empty());
 }
 
-/// Two parameters; the values `count = 60` and `speed = 2` were asked for, and before these `stays`.
+/// Two parameters; the values `count = 60` and `speed = 2` were requested for, and before these `stays`.
 fn two<'a>() -> (Harness<'a, State>, DeclaredParameters, ParameterOverrides) {
     let declared: DeclaredParameters = vec![
         ("count".to_owned(), ParamValue::Integer(31)),
@@ -85,7 +88,7 @@ fn two<'a>() -> (Harness<'a, State>, DeclaredParameters, ParameterOverrides) {
     let mut harness = harness();
     let state = harness.state_mut();
     state.declared.clone_from(&declared);
-    state.parameters.tuned = stays.clone();
+    state.parameters.overrides = stays.clone();
     let set = |parameters: &mut Parameters, name: &str, value| {
         let own = declared.iter().find(|(known, _)| known == name);
         parameters.set(name, value, &own.expect("is declared").1);
@@ -114,7 +117,7 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     state.parameters.refuse(refusal(60, &stays), &declared);
     // What else was chosen goes on.
     assert_eq!(
-        state.parameters.tuned.settings(),
+        state.parameters.overrides.settings(),
         ["params.speed=2.0", "params.count=40"]
     );
     harness.run();
@@ -134,18 +137,21 @@ fn a_refused_value_stays_in_its_slider_and_nowhere_else() {
     let slider = harness.get_all_by_role(Role::Slider).next();
     let shown = slider.expect("a slider").accesskit_node().numeric_value();
     assert_eq!(shown, Some(60.0));
-    assert!(harness.state().asked.is_empty(), "marking asks for nothing");
+    assert!(
+        harness.state().requested.is_empty(),
+        "marking asks for nothing"
+    );
     // A save of the scene is no new chance for it, nor another parameter.
     harness.state_mut().parameters.keep_what_fits(&declared);
     let speed = harness.get_all_by_role(Role::Slider).last();
     speed.expect("a slider").set_value_accesskit(1.0);
     harness.run();
-    let asked = harness.state().asked.last().expect("asks").settings();
-    assert_eq!(asked, ["params.count=40", "params.speed=1.0"]);
+    let requested = harness.state().requested.last().expect("asks").settings();
+    assert_eq!(requested, ["params.count=40", "params.speed=1.0"]);
     assert!(is_marked(&harness));
     click(&mut harness, "try again");
-    let asked = harness.state().asked.last().expect("asks").settings();
-    assert_eq!(asked, ["params.speed=1.0", "params.count=60"]);
+    let requested = harness.state().requested.last().expect("asks").settings();
+    assert_eq!(requested, ["params.speed=1.0", "params.count=60"]);
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
 }
 
@@ -160,15 +166,15 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     harness.run();
     click(&mut harness, "take back");
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
-    assert!(harness.state().asked.is_empty(), "it was not in force");
+    assert!(harness.state().requested.is_empty(), "it was not in force");
     harness.state_mut().parameters = marked.clone();
     harness.run();
     let count = harness.get_all_by_role(Role::Slider).next();
     count.expect("a slider").set_value_accesskit(45.0);
     harness.run();
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
-    let asked = harness.state().asked.last().expect("asks").settings();
-    assert_eq!(asked, ["params.speed=2.0", "params.count=45"]);
+    let requested = harness.state().requested.last().expect("asks").settings();
+    assert_eq!(requested, ["params.speed=2.0", "params.count=45"]);
     harness.state_mut().parameters = marked.clone();
     harness.run();
     click(&mut harness, "reset");
@@ -181,7 +187,7 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
         Some(&ParamValue::Integer(60)),
         "over it are 40"
     );
-    written.tuned = ParameterOverrides::default();
+    written.overrides = ParameterOverrides::default();
     written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
     assert_eq!(written, Parameters::default());
 }

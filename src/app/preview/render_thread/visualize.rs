@@ -1,13 +1,15 @@
-//! How each texture that can be looked at becomes a picture, and what its colors mean.
+//! Conversion of each view channel to a picture, with the legend of its colors.
 
-use super::{
-    frame_texture::FrameTexture,
-    protocol::{Side, View, Visualization},
-    render_thread::State,
-    view_channel::{ShadowMapChoice, ViewChannel},
-};
+use super::{pixels::Pixels, worker::Worker};
 use crate::{
-    app::aov,
+    app::{
+        aov,
+        preview::{
+            frame_texture::FrameTexture,
+            protocol::{Side, View, Visualization},
+            view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
+        },
+    },
     bench::metric::flip,
     gpu::GpuError,
     render::{
@@ -17,29 +19,18 @@ use crate::{
     scene::desc::LightKind,
 };
 
-/// Longest edge of a cube's face where all six are shown, pixels.
+/// Longest edge of a face in an unfolded cube map, pixels.
 const FACE_PX: u32 = 512;
-/// Where the faces of an unfolded cube stand, in faces from the top left: neighbors share an edge.
-pub const CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
-/// How much of the picture is left where no ray starts.
+/// Brightness of pixels without a traced ray, as a fraction.
 const DIMMED: f32 = 0.3;
-/// The darkest color of the first ray, as a value of the map of colors.
-const FIRST: f32 = 0.35;
-/// Beside a picture of another shape.
-pub const NOTHING: u8 = 16;
-/// Where a shadow map holds nothing.
-const NO_CASTER: [u8; 4] = [24, 36, 84, 255];
+/// Value of the first ray in the color map.
+const FIRST_RAY_VALUE: f32 = 0.35;
+/// Color of empty texels of a shadow map.
+const EMPTY_SHADOW: [u8; 4] = [24, 36, 84, 255];
 
-/// A picture in memory: RGBA, 8 bits a channel, rows from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pixels {
-    pub size: [u32; 2],
-    pub rgba: Vec<u8>,
-}
-
-impl State {
-    /// Draws a side of the frame that was rendered last, with a canvas to draw it into if it fits.
-    pub(super) fn drawn(
+impl Worker {
+    /// Visualizes a side of the last rendered frame; `old` is reused where its size fits.
+    pub(super) fn visualize(
         &self,
         side: Side,
         view: &View,
@@ -47,50 +38,50 @@ impl State {
         old: Option<FrameTexture>,
     ) -> Result<Visualization, RenderError> {
         let display = self.live.renderer().targets().texture(Target::Display);
-        let (canvas, legend) = match (side.look, display) {
+        let (texture, legend) = match (side.channel, display) {
             (ViewChannel::Picture, Some(display)) => {
-                let canvas = FrameTexture::of_size(&self.gpu, old, stats.size)?;
-                canvas.copy(&self.gpu, display)?;
-                (canvas, String::new())
+                let texture = FrameTexture::of_size(&self.gpu, old, stats.size)?;
+                texture.copy(&self.gpu, display)?;
+                (texture, String::new())
             }
-            (look, _) => {
-                let (pixels, legend) = self.pixels(look, view)?;
-                let canvas = FrameTexture::of_size(&self.gpu, old, pixels.size)?;
-                canvas.write(&self.gpu, &pixels.rgba);
-                (canvas, legend)
+            (channel, _) => {
+                let (pixels, legend) = self.pixels(channel, view)?;
+                let texture = FrameTexture::of_size(&self.gpu, old, pixels.size)?;
+                texture.write(&self.gpu, &pixels.rgba);
+                (texture, legend)
             }
         };
         Ok(Visualization {
-            look: side.look,
-            canvas,
+            channel: side.channel,
+            texture,
             stats,
             legend,
         })
     }
 
-    /// What of the frame that was rendered last is looked at, and what its colors mean.
+    /// A channel of the last rendered frame, and its legend.
     pub(super) fn pixels(
         &self,
-        look: ViewChannel,
+        channel: ViewChannel,
         view: &View,
     ) -> Result<(Pixels, String), RenderError> {
         let renderer = self.live.renderer();
         let size = renderer.targets().size;
-        match look {
+        match channel {
             ViewChannel::Picture => {
                 let rgba = renderer.read(&self.gpu, Target::Display)?;
                 Ok((Pixels { size, rgba }, String::new()))
             }
             ViewChannel::Aov(aov) => {
-                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.eye))?;
+                let plane = aov.plane(&self.gpu, renderer, &self.camera(&view.camera))?;
                 let rgba = aov::view(&plane);
-                Ok((Pixels { size, rgba }, meaning(aov, &plane)))
+                Ok((Pixels { size, rgba }, aov_legend(aov, &plane)))
             }
             ViewChannel::Rays => {
                 let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
                 let rays = renderer.ray_list(&self.gpu)?;
                 let list = rays.as_deref().unwrap_or_default();
-                let rgba = marked(size, list, &display);
+                let rgba = ray_order_image(size, list, &display);
                 let legend = match rays {
                     Some(rays) => format!(
                         "{} rays start from {:.1} % of the pixels; dark: first in the list, light: last",
@@ -102,24 +93,24 @@ impl State {
                 };
                 Ok((Pixels { size, rgba }, legend))
             }
-            ViewChannel::Shadow(cast) => Ok(self.shadow(cast)?),
+            ViewChannel::Shadow(shadow_map) => Ok(self.shadow(shadow_map)?),
         }
     }
 
-    fn shadow(&self, cast: ShadowMapChoice) -> Result<(Pixels, String), GpuError> {
+    fn shadow(&self, shadow_map: ShadowMapChoice) -> Result<(Pixels, String), GpuError> {
         let (world, renderer) = (self.live.world(), self.live.renderer());
-        let read = |face| renderer.shadow_map(&self.gpu, world, cast.light, face);
-        let light = world.lights.get(cast.light);
+        let read = |face| renderer.shadow_map(&self.gpu, world, shadow_map.light, face);
+        let light = world.lights.get(shadow_map.light);
         let is_cube = light.is_some_and(|l| matches!(l.desc.kind, LightKind::Point { .. }));
-        let (size, distances, of) = if let (true, None) = (is_cube, cast.face) {
+        let (size, distances, of) = if let (true, None) = (is_cube, shadow_map.face) {
             let mut faces = Vec::new();
             for face in 0..CUBE_FACES.len() {
                 faces.extend(read(face)?.map(|(edge, map)| shrunk(edge, &map)));
             }
-            let (size, cross) = unfolded(&faces);
+            let (size, cross) = cube_cross(&faces);
             (size, cross, "all six faces".to_owned())
         } else {
-            let face = cast.face.unwrap_or(0);
+            let face = shadow_map.face.unwrap_or(0);
             let (edge, map) = read(face)?.unwrap_or((1, vec![f32::INFINITY]));
             let of = match is_cube {
                 true => format!("the face to {}", CUBE_FACES[face]),
@@ -128,7 +119,7 @@ impl State {
             ([edge; 2], map.into_iter().map(Some).collect(), of)
         };
         let known: Vec<f32> = distances.iter().copied().flatten().collect();
-        let legend = format!("{of}; {}", span(&known, "blue"));
+        let legend = format!("{of}; {}", distance_legend(&known, "blue"));
         let grays = aov::view(&Plane {
             name: "shadow_map",
             channels: &["Z"],
@@ -136,20 +127,20 @@ impl State {
         });
         let mut grays = grays.chunks_exact(4);
         let texel = |distance: &Option<f32>| match (distance, distance.and_then(|_| grays.next())) {
-            (Some(distance), _) if distance.is_infinite() => NO_CASTER,
+            (Some(distance), _) if distance.is_infinite() => EMPTY_SHADOW,
             (_, Some(gray)) => [gray[0], gray[1], gray[2], 255],
-            _ => [NOTHING, NOTHING, NOTHING, 255],
+            _ => [BACKGROUND_GRAY, BACKGROUND_GRAY, BACKGROUND_GRAY, 255],
         };
         let rgba = distances.iter().flat_map(texel).collect();
         Ok((Pixels { size, rgba }, legend))
     }
 }
 
-/// What the colors of an AOV mean.
-fn meaning(aov: Aov, plane: &Plane) -> String {
+/// Legend of an AOV.
+fn aov_legend(aov: Aov, plane: &Plane) -> String {
     let text = match (aov, &plane.data) {
         (Aov::Depth | Aov::HitDistance, PlaneData::F32(distances)) => {
-            return span(distances, "black");
+            return distance_legend(distances, "black");
         }
         (Aov::Normal, _) => "red, green, blue: x, y, z from -1 to 1",
         (Aov::Material, _) => "red: roughness, green: metallic, blue: reflectivity",
@@ -161,8 +152,8 @@ fn meaning(aov: Aov, plane: &Plane) -> String {
     text.to_owned()
 }
 
-/// What the ends of a gray scale of distances are, and the color of nothing.
-fn span(distances: &[f32], nothing: &str) -> String {
+/// Legend of a gray scale of distances: its ends, and the color of nothing.
+fn distance_legend(distances: &[f32], nothing: &str) -> String {
     let finite = distances.iter().filter(|distance| distance.is_finite());
     let (least, most) = finite.fold((f32::INFINITY, 0.0_f32), |(least, most), distance| {
         (least.min(*distance), most.max(*distance))
@@ -173,7 +164,7 @@ fn span(distances: &[f32], nothing: &str) -> String {
     format!("white: {least:.2} m, black: {most:.2} m; nothing is {nothing}")
 }
 
-/// A square map no larger than [`FACE_PX`]: of each block the nearest.
+/// Downsamples a square map to at most [`FACE_PX`]: the minimum of each block.
 fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
     let step = edge.div_ceil(FACE_PX).max(1);
     let small = edge / step;
@@ -186,12 +177,12 @@ fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
     (small, texels.map(|(x, y)| nearest(x, y)).collect())
 }
 
-/// The faces of a cube side by side as a cross, and its size; `None` is beside them.
-fn unfolded(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
+/// The faces of a cube map unfolded to a cross, and its size; `None` outside of the faces.
+fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
     let edge = faces.first().map_or(1, |(edge, _)| *edge);
     let size = [4 * edge, 3 * edge];
     let mut cross = vec![None; (size[0] * size[1]) as usize];
-    for ((_, map), [left, top]) in faces.iter().zip(CROSS) {
+    for ((_, map), [left, top]) in faces.iter().zip(CUBE_CROSS) {
         for (row, y) in map.chunks_exact(edge as usize).zip(top * edge..) {
             let start = (y * size[0] + left * edge) as usize;
             for (to, distance) in cross[start..].iter_mut().zip(row) {
@@ -202,8 +193,8 @@ fn unfolded(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
     (size, cross)
 }
 
-/// The picture, dim and gray, with the pixels that are traced in the order of the list.
-fn marked(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
+/// The picture, dim and gray, with the traced pixels colored by their index in the list.
+fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
     let dim = |texel: &[u8]| {
         let [r, g, b] = [0, 1, 2].map(|i| f32::from(texel[i]));
         // Luma (ITU-R BT.709).
@@ -213,7 +204,7 @@ fn marked(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
     let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
     let last = rays.len().saturating_sub(1).max(1) as f32;
     let values: Vec<f32> = (0..rays.len())
-        .map(|i| FIRST + (1.0 - FIRST) * i as f32 / last)
+        .map(|i| FIRST_RAY_VALUE + (1.0 - FIRST_RAY_VALUE) * i as f32 / last)
         .collect();
     for ([x, y], color) in rays.iter().zip(flip::heat(&values).chunks_exact(3)) {
         let at = 4 * (y * size[0] + x) as usize;
@@ -245,9 +236,9 @@ mod tests {
     #[test]
     fn an_unfolded_cube_shows_each_face_once() {
         let faces: Vec<_> = (0..6).map(|face| (2, vec![face as f32; 4])).collect();
-        let (size, cross) = unfolded(&faces);
+        let (size, cross) = cube_cross(&faces);
         assert_eq!(size, [8, 6]);
-        for (face, [left, top]) in CROSS.into_iter().enumerate() {
+        for (face, [left, top]) in CUBE_CROSS.into_iter().enumerate() {
             let at = (2 * top * size[0] + 2 * left) as usize;
             assert_eq!(cross[at], Some(face as f32));
             assert_eq!(cross[at + 1 + size[0] as usize], Some(face as f32));
@@ -258,7 +249,7 @@ mod tests {
     #[test]
     fn rays_are_seen_where_they_start_from_dark_to_light() {
         let display = vec![200; 4 * 12];
-        let rgba = marked([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
+        let rgba = ray_order_image([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
         let sum = |x: usize, y: usize| -> u32 {
             let at = 4 * (4 * y + x);
             rgba[at..at + 3].iter().map(|v| u32::from(*v)).sum()
@@ -270,8 +261,11 @@ mod tests {
 
     #[test]
     fn the_ends_of_a_scale_are_told() {
-        let text = span(&[f32::INFINITY, 2.5, 1.25], "blue");
+        let text = distance_legend(&[f32::INFINITY, 2.5, 1.25], "blue");
         assert_eq!(text, "white: 1.25 m, black: 2.50 m; nothing is blue");
-        assert_eq!(span(&[f32::INFINITY], "blue"), "nothing is there");
+        assert_eq!(
+            distance_legend(&[f32::INFINITY], "blue"),
+            "nothing is there"
+        );
     }
 }

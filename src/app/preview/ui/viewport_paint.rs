@@ -5,40 +5,37 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Ui, UiBuilder, pos2, vec2,
 };
 
-use super::{
-    charts,
-    diagnostics_panel::place_of,
-    frame_texture::FrameTexture,
-    panels::method_name,
-    protocol::{Judged, Side},
-    visualize::{CROSS, NOTHING},
-    window::Window,
-};
+use super::{charts, diagnostics_panel::located, window::Window};
 use crate::{
-    bench::metric::Scores,
+    app::preview::{
+        frame_texture::FrameTexture,
+        protocol::{Comparison, Side},
+        view_channel::{BACKGROUND_GRAY, CUBE_CROSS},
+    },
+    bench::{metric::Scores, parameter::method_name},
     render::debug_readback::CUBE_FACES,
     scene::{desc::Method, diagnostic::Diagnostic},
 };
 
-/// Widest that something written over the picture may be, points.
+/// Maximum width of text over the picture, points.
 const CHIP: f32 = 360.0;
-/// Below the names of a wipe's sides.
+/// Top margin below the labels of the wipe, points.
 const BELOW_NAMES: f32 = 44.0;
 
-/// Something painted, in a part of the picture area.
+/// A texture in a part of the picture area.
 pub(super) struct Layer {
-    canvas: FrameTexture,
-    /// Its width and height, or those that a draft stands for.
+    texture: FrameTexture,
+    /// Aspect ratio as width and height, pixels; of a draft, those of the full picture.
     pub(super) shape: [u32; 2],
     /// Whether its pixels are the camera's.
     pub(super) is_of_camera: bool,
-    /// Whether it is an unfolded cube.
+    /// Whether it is an unfolded cube map.
     is_cross: bool,
     clip: Rect,
 }
 
-/// Where a picture of this shape is shown: as large as fits. What was drawn for this area fills it,
-/// though pictures have whole pixels.
+/// Largest centered rectangle of this aspect ratio. A picture rendered for this area fills it,
+/// although its size is rounded to whole pixels.
 pub(super) fn fit(rect: Rect, size: [u32; 2]) -> Rect {
     let size = vec2(size[0].max(1) as f32, size[1].max(1) as f32);
     let pixels_per_point = (size / rect.size()).max_elem();
@@ -51,78 +48,82 @@ pub(super) fn fit(rect: Rect, size: [u32; 2]) -> Rect {
     Rect::from_center_size(rect.center(), size * scale)
 }
 
-/// Writes on the faces of an unfolded cube where they look.
+/// Labels the faces of an unfolded cube map.
 fn name_faces(painter: &Painter, place: Rect) {
     let face = place.size() / vec2(4.0, 3.0);
-    for (name, [left, top]) in CUBE_FACES.into_iter().zip(CROSS) {
+    for (name, [left, top]) in CUBE_FACES.into_iter().zip(CUBE_CROSS) {
         let at = place.min + face * vec2(left as f32 + 0.5, top as f32 + 1.0) - vec2(0.0, 4.0);
-        let font = FontId::proportional(13.0);
-        let text = painter.layout_no_wrap(name.to_owned(), font, Color32::WHITE);
-        let back = Align2::CENTER_BOTTOM.anchor_size(at, text.size());
-        painter.rect_filled(back.expand(2.0), 3.0, Color32::from_black_alpha(140));
-        painter.galley(back.min, text, Color32::WHITE);
+        label(painter, at, Align2::CENTER_BOTTOM, 2.0, name.to_owned());
     }
+}
+
+/// A label on a dark plate that is larger by `margin`, points.
+fn label(painter: &Painter, at: Pos2, anchor: Align2, margin: f32, text: String) {
+    let text = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
+    let plate = anchor.anchor_size(at, text.size());
+    painter.rect_filled(plate.expand(margin), 3.0, Color32::from_black_alpha(140));
+    painter.galley(plate.min, text, Color32::WHITE);
 }
 
 impl Window {
     /// The error map, if it is shown.
-    pub(super) fn heat(&self) -> Option<&Judged> {
-        self.judged.as_ref().filter(|_| self.choice.heat)
+    pub(super) fn error_map(&self) -> Option<&Comparison> {
+        self.comparison.as_ref().filter(|_| self.settings.error_map)
     }
 
-    /// What is shown, from left to right.
+    /// Displayed layers, from left to right.
     fn layers(&self, rect: Rect) -> Vec<Layer> {
         let Some(shown) = &self.shown else {
             return Vec::new();
         };
-        let line = rect.left() + rect.width() * self.choice.wipe_at;
-        let is_wiped = self.choice.wipe && shown.sides.len() > 1;
+        let line = rect.left() + rect.width() * self.settings.wipe_at;
+        let is_wiped = self.settings.wipe && shown.sides.len() > 1;
         let mut layers = Vec::new();
         for (index, side) in shown.sides.iter().enumerate() {
-            let heat = self.heat().filter(|_| index == 0);
+            let error_map = self.error_map().filter(|_| index == 0);
             let x = match (is_wiped, index) {
                 (false, 0) => rect.x_range(),
                 (true, 0) => (rect.left()..=line).into(),
                 (true, _) => (line..=rect.right()).into(),
                 (false, _) => continue,
             };
-            let (canvas, shape) = match heat {
-                Some(judged) => (&judged.heat, judged.view.size),
-                None if side.look.is_of_camera() => (&side.canvas, shown.size),
-                None => (&side.canvas, side.canvas.size),
+            let (texture, shape) = match error_map {
+                Some(comparison) => (&comparison.error_map, comparison.view.size),
+                None if side.channel.is_of_camera() => (&side.texture, shown.size),
+                None => (&side.texture, side.texture.size),
             };
             layers.push(Layer {
-                canvas: canvas.clone(),
+                texture: texture.clone(),
                 shape,
-                is_of_camera: side.look.is_of_camera() || heat.is_some(),
-                is_cross: heat.is_none() && side.look.is_cross(&self.facts.casters),
+                is_of_camera: side.channel.is_of_camera() || error_map.is_some(),
+                is_cross: error_map.is_none() && side.channel.is_cross(&self.summary.shadow_lights),
                 clip: Rect::from_x_y_ranges(x, rect.y_range()),
             });
         }
         layers
     }
 
-    /// What is shown at a point.
+    /// The layer at a point.
     pub(super) fn layer_at(&self, at: Pos2, rect: Rect) -> Option<Layer> {
         let mut layers = self.layers(rect).into_iter();
         layers.find(|layer| layer.clip.contains(at))
     }
 
     pub(super) fn paint(&mut self, ui: &Ui, frame: &eframe::Frame, rect: Rect) {
-        let back = Color32::from_gray(NOTHING);
+        let back = Color32::from_gray(BACKGROUND_GRAY);
         ui.painter().rect_filled(rect, 0.0, back);
         let layers = self.layers(rect);
         let outline = self.picked.as_ref().and_then(|p| p.outline.clone());
-        let canvases = layers.iter().map(|layer| &layer.canvas).chain(&outline);
-        let canvases: Vec<FrameTexture> = canvases.cloned().collect();
-        self.register(frame, &canvases);
+        let textures = layers.iter().map(|layer| &layer.texture).chain(&outline);
+        let textures: Vec<FrameTexture> = textures.cloned().collect();
+        self.register(frame, &textures);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         for layer in &layers {
             let painter = ui.painter().with_clip_rect(layer.clip);
             let place = fit(rect, layer.shape);
             let lines = outline.iter().filter(|_| layer.is_of_camera);
-            for canvas in std::iter::once(&layer.canvas).chain(lines) {
-                if let Some(texture) = self.textures.get(&canvas.number) {
+            for texture in std::iter::once(&layer.texture).chain(lines) {
+                if let Some(texture) = self.textures.get(&texture.number) {
                     painter.image(*texture, place, whole, Color32::WHITE);
                 }
             }
@@ -132,75 +133,75 @@ impl Window {
         }
     }
 
-    /// Makes the window's renderer know exactly these canvases.
-    fn register(&mut self, frame: &eframe::Frame, canvases: &[FrameTexture]) {
+    /// Registers exactly these textures with egui's renderer.
+    fn register(&mut self, frame: &eframe::Frame, textures: &[FrameTexture]) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
         let mut renderer = state.renderer.write();
         self.textures.retain(|number, texture| {
-            let is_used = canvases.iter().any(|canvas| canvas.number == *number);
+            let is_used = textures.iter().any(|texture| texture.number == *number);
             if !is_used {
                 renderer.free_texture(texture);
             }
             is_used
         });
-        for canvas in canvases {
-            self.textures.entry(canvas.number).or_insert_with(|| {
+        for texture in textures {
+            self.textures.entry(texture.number).or_insert_with(|| {
                 renderer.register_native_texture(
                     &state.device,
-                    &canvas.view,
+                    &texture.view,
                     wgpu::FilterMode::Linear,
                 )
             });
         }
     }
 
-    /// The line between the two sides; whether it is being dragged.
+    /// The wipe line; returns whether it is hovered or dragged.
     pub(super) fn wipe_line(&mut self, ui: &Ui, rect: Rect) -> bool {
-        let x = rect.left() + rect.width() * self.choice.wipe_at;
+        let x = rect.left() + rect.width() * self.settings.wipe_at;
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
         let line = ui.interact(grip, ui.scope_id().with("wipe"), Sense::drag());
         let line = line.on_hover_cursor(egui::CursorIcon::ResizeHorizontal);
         let held_at = line.interact_pointer_pos().filter(|_| line.dragged());
         if let (Some(at), true) = (held_at, rect.width() > 0.0) {
-            self.choice.wipe_at = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+            self.settings.wipe_at = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
         let is_held = line.hovered() || line.dragged();
         let color = Color32::from_white_alpha(if is_held { 255 } else { 160 });
         ui.painter()
             .vline(x, rect.y_range(), egui::Stroke::new(1.5, color));
-        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.look.name());
-        let left = match self.heat() {
+        let name = |side: &Side| format!("{}, {}", method_name(side.method), side.channel.name());
+        let left = match self.error_map() {
             Some(_) => "error map".to_owned(),
-            None => name(&self.choice.a),
+            None => name(&self.settings.a),
         };
-        for (label, anchor, dx) in [
+        for (text, anchor, dx) in [
             (left, Align2::RIGHT_TOP, -8.0),
-            (name(&self.choice.b), Align2::LEFT_TOP, 8.0),
+            (name(&self.settings.b), Align2::LEFT_TOP, 8.0),
         ] {
-            let at = pos2(x + dx, rect.top() + 8.0);
-            let font = FontId::proportional(13.0);
-            let painter = ui.painter();
-            let text = painter.layout_no_wrap(label, font, Color32::WHITE);
-            let place = anchor.anchor_size(at, text.size());
-            painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(140));
-            painter.galley(place.min, text, Color32::WHITE);
+            label(
+                ui.painter(),
+                pos2(x + dx, rect.top() + 8.0),
+                anchor,
+                3.0,
+                text,
+            );
         }
         is_held
     }
 
-    /// What the colors of the picture mean, and what is selected.
+    /// Legends of the picture, and the selection.
     pub(super) fn captions(&self, ui: &mut Ui, rect: Rect) {
         let shown = self.shown.iter().flat_map(|shown| &shown.sides);
-        let first = usize::from(self.heat().is_some());
+        let first = usize::from(self.error_map().is_some());
         let legends = shown.skip(first).filter(|side| !side.legend.is_empty());
         let legends: Vec<_> =
-            (legends.map(|side| (side.look.name(), side.legend.as_str()))).collect();
-        if legends.is_empty() && self.heat().is_none() && self.picked.is_none() {
+            (legends.map(|side| (side.channel.name(), side.legend.as_str()))).collect();
+        if legends.is_empty() && self.error_map().is_none() && self.picked.is_none() {
             return;
         }
-        let below = if self.choice.wipe { BELOW_NAMES } else { 8.0 };
+        let below = if self.settings.wipe { BELOW_NAMES } else { 8.0 };
         let place = Rect::from_min_size(rect.min + vec2(8.0, below), vec2(CHIP, 0.0));
         let mut child = ui.new_child(UiBuilder::new().max_rect(place.intersect(rect)));
         // Drags go to the picture below.
@@ -209,15 +210,15 @@ impl Window {
         back.inner_margin(6)
             .corner_radius(4)
             .show(&mut child, |ui| {
-                if let Some(judged) = self.heat() {
-                    error_map(ui, judged.view.a.method, &judged.scores);
+                if let Some(comparison) = self.error_map() {
+                    error_map(ui, comparison.view.a.method, &comparison.scores);
                 }
                 for (name, legend) in legends {
                     ui.strong(name);
                     ui.label(legend);
                 }
                 if let Some(picked) = &self.picked {
-                    let material = self.facts.materials.get(picked.material);
+                    let material = self.summary.materials.get(picked.material);
                     let material = material.map_or("", |row| row.name.as_str());
                     selection(ui, &picked.label, material, picked.outline.is_some());
                 }
@@ -225,7 +226,7 @@ impl Window {
     }
 }
 
-/// What is selected.
+/// Caption of the selection.
 fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.strong(label);
     ui.label(format!("material {material}"));
@@ -235,7 +236,7 @@ fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.weak("F frames it, Esc lets go");
 }
 
-/// What the error map shows: metric, scale and number.
+/// Caption of the error map: metric, scores and scale.
 fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
     let method = method_name(method);
     ui.strong(format!("error map: FLIP of {method} against rt"));
@@ -247,11 +248,11 @@ fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
             "mean {mean:.4}; 99 % of the pixels up to {most:.4}"
         ));
     }
-    charts::heat_scale(ui);
+    charts::flip_scale(ui);
 }
 
 /// Why the picture is empty.
-pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
+pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
     egui::Area::new(egui::Id::unique("reflet nothing"))
         .pivot(Align2::CENTER_CENTER)
         .fixed_pos(rect.center())
@@ -260,8 +261,7 @@ pub(super) fn nothing(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
                 ui.set_max_width((rect.width() - 32.0).clamp(40.0, 1.25 * CHIP));
                 ui.strong("Nothing stands in this scene");
                 for warning in warnings {
-                    let place = place_of(warning).map_or(String::new(), |p| format!("{p}: "));
-                    ui.label(format!("{place}{}", warning.message));
+                    ui.label(located(warning));
                     if let Some(help) = &warning.help {
                         ui.weak(help);
                     }

@@ -6,14 +6,13 @@ use glam::{Vec2, Vec3};
 
 use super::{
     diagnostics_panel,
-    picking::Picked,
-    protocol::{Inspect, Task},
     viewport_paint::{self, fit},
     window::Window,
 };
+use crate::app::preview::protocol::{FrameAction, Picked, Task};
 
 impl Window {
-    /// Shows the picture; whether the camera was moved.
+    /// Shows the picture; returns whether the camera was moved.
     pub(super) fn picture(&mut self, ui: &mut Ui, frame: &eframe::Frame) -> bool {
         let rect = ui.available_rect_before_wrap();
         let pixels = rect.size() * ui.ctx().pixels_per_point();
@@ -21,12 +20,12 @@ impl Window {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.paint(ui, frame, rect);
         self.captions(ui, rect);
-        let is_known = self.facts.problems.is_empty() && self.script.is_none();
-        if self.facts.is_nothing() && is_known {
-            viewport_paint::nothing(ui, rect, &self.facts.warnings);
+        let is_known = self.summary.problems.is_empty() && self.script.is_none();
+        if self.summary.is_nothing() && is_known {
+            viewport_paint::empty_scene(ui, rect, &self.summary.warnings);
         }
-        diagnostics_panel::over(ui, rect, &self.facts.problems, &mut self.fold);
-        let grabbed = self.choice.wipe && self.wipe_line(ui, rect);
+        diagnostics_panel::overlay(ui, rect, &self.summary.problems, &mut self.fold);
+        let grabbed = self.settings.wipe && self.wipe_line(ui, rect);
         if response.clicked()
             && !grabbed
             && let Some(at) = response.interact_pointer_pos()
@@ -36,7 +35,7 @@ impl Window {
         !grabbed && self.navigate(ui, &response)
     }
 
-    /// Selects what was clicked; beside everything, nothing.
+    /// Picks at the click; outside of the picture it clears the selection.
     fn click(&mut self, at: Pos2, rect: Rect) {
         let (is_of_camera, place) = match self.layer_at(at, rect) {
             Some(layer) => (layer.is_of_camera, fit(rect, layer.shape)),
@@ -47,62 +46,62 @@ impl Window {
         }
         if place.contains(at) {
             let part = (at - place.min) / place.size();
-            self.inspect(Inspect::Pick([part.x, part.y]));
+            self.request_frame(FrameAction::Pick([part.x, part.y]));
         } else {
             self.unselect();
         }
     }
 
-    /// Selects neither an instance nor a material.
+    /// Clears the selected instance and material.
     pub(super) fn unselect(&mut self) {
-        self.choice.material = None;
-        self.ask(Task::Unpick);
+        self.settings.material = None;
+        self.send(Task::Unpick);
     }
 
-    /// Takes over what was clicked.
-    pub(super) fn take_picked(&mut self, picked: Option<Picked>) {
-        self.choice.material = picked.as_ref().map(|picked| picked.material);
-        self.choice.reveals = picked.is_some();
+    /// Adopts the result of a pick.
+    pub(super) fn apply_pick(&mut self, picked: Option<Picked>) {
+        self.settings.material = picked.as_ref().map(|picked| picked.material);
+        self.settings.scrolls_to_material = picked.is_some();
         self.picked = picked;
     }
 
-    /// Shows all of the selected instance, else of the selected material, else of the scene.
+    /// Frames the selected instance, else the selected material, else the scene.
     pub(super) fn frame_selection(&mut self) {
-        let rows = &self.facts.materials;
-        let row = self.choice.material.and_then(|index| rows.get(index));
+        let rows = &self.summary.materials;
+        let row = self.settings.material.and_then(|index| rows.get(index));
         let bounds = match (&self.picked, row) {
             (Some(picked), _) => picked.bounds,
             (None, Some(row)) => row.bounds,
-            (None, None) => self.facts.bounds,
+            (None, None) => self.summary.bounds,
         };
         if bounds.is_empty() {
             let is_selected = self.picked.is_some() || row.is_some();
-            self.note.say(match is_selected {
+            self.message.set(match is_selected {
                 true => "nothing to frame: the selection is not there in this frame",
                 false => "nothing to frame: nothing stands in the scene",
             });
             return;
         }
         let [width, height] = self.viewport.map(|side| side.max(1) as f32);
-        self.navigator.frame(&bounds, width / height);
-        self.choice.through = None;
+        self.camera_controls.frame(&bounds, width / height);
+        self.settings.scene_camera = None;
     }
 
-    /// Moves the camera; whether it moved.
+    /// Moves the camera; returns whether it moved.
     fn navigate(&mut self, ui: &Ui, picture: &Response) -> bool {
-        let before = self.navigator.camera.clone();
+        let before = self.camera_controls.camera.clone();
         let height = picture.rect.height().max(1.0);
         let drag = picture.drag_delta() / height;
         let drag = Vec2::new(drag.x, drag.y);
         if picture.dragged_by(PointerButton::Primary) {
-            self.navigator.orbit(drag);
+            self.camera_controls.orbit(drag);
         }
         if picture.dragged_by(PointerButton::Middle) {
-            self.navigator.pan(drag);
+            self.camera_controls.pan(drag);
         }
         let flies = ui.input(|i| i.pointer.secondary_down()) && picture.contains_pointer();
         if picture.dragged_by(PointerButton::Secondary) {
-            self.navigator.look(drag);
+            self.camera_controls.look(drag);
         }
         if flies || picture.dragged_by(PointerButton::Secondary) {
             self.fly(ui);
@@ -110,14 +109,14 @@ impl Window {
         if picture.hovered() {
             let notches = ui.input(|i| i.smooth_scroll_delta().y) / 50.0;
             if notches != 0.0 && flies {
-                self.navigator.change_speed(notches);
-                let speed_m = self.navigator.speed_m;
-                self.note.say(format!("flying at {speed_m:.2} m/s"));
+                self.camera_controls.change_speed(notches);
+                let speed_m = self.camera_controls.speed_m;
+                self.message.set(format!("flying at {speed_m:.2} m/s"));
             } else if notches != 0.0 {
-                self.navigator.dolly(notches);
+                self.camera_controls.dolly(notches);
             }
         }
-        self.navigator.camera != before
+        self.camera_controls.camera != before
     }
 
     fn fly(&mut self, ui: &Ui) {
@@ -134,7 +133,7 @@ impl Window {
         if direction != Vec3::ZERO {
             let (seconds, fast) = ui.input(|i| (i.stable_dt.min(0.1), i.modifiers.shift));
             let factor = if fast { 4.0 } else { 1.0 };
-            self.navigator.fly(direction, seconds * factor);
+            self.camera_controls.fly(direction, seconds * factor);
             ui.ctx().request_repaint();
         }
     }

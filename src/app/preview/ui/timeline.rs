@@ -1,5 +1,5 @@
-//! The timeline: which frame is wanted now. The wall clock decides while it plays, so that slow
-//! frames are left out and time keeps its pace.
+//! The timeline: the current frame. While playing it follows the wall clock, so that slow
+//! frames are skipped and time keeps its pace.
 
 use std::collections::VecDeque;
 
@@ -7,21 +7,21 @@ use eframe::egui::{self, Key, Ui};
 
 use crate::scene::desc::TimelineDesc;
 
-/// The rate of shown frames is counted over this long, seconds.
+/// Window of the frame rate measurement, seconds.
 const COUNTED_S: f64 = 2.0;
-/// Below this part of the scene's rate frames are said to be left out.
+/// Below this fraction of the scene's rate, skipped frames are reported.
 const KEEPS_UP: f64 = 0.9;
 
-/// Where a scene's time is, and whether it runs.
+/// Current frame and playback state.
 #[derive(Clone, Debug)]
 pub struct Timeline {
     desc: TimelineDesc,
     frame: u32,
-    /// When playing began, seconds, and from which frame; `None` while paused.
+    /// Start time of playback, seconds, and its first frame; `None` while paused.
     since: Option<(f64, u32)>,
-    /// Whether the first frame follows the last.
+    /// Whether playback loops.
     pub repeats: bool,
-    /// When frames of this playing were shown, seconds.
+    /// When frames of this playback were shown, seconds.
     shown: VecDeque<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Timeline {
         }
     }
 
-    /// Takes over the frames of a scene that was read again; frame, pause and loop stay.
+    /// Adopts the timeline of a reloaded scene; frame, pause and loop stay.
     pub fn replace(&mut self, desc: &TimelineDesc, now_s: f64) {
         if self.desc != *desc {
             self.desc = desc.clone();
@@ -45,23 +45,23 @@ impl Timeline {
         }
     }
 
-    /// Takes over the frames after a while without any: goes on where it was.
+    /// Adopts the timeline after a scene without one: continues where it was.
     fn resume(&mut self, desc: &TimelineDesc, now_s: f64) {
         self.desc = desc.clone();
         self.seek(self.frame, now_s);
     }
 
-    /// The frame that is wanted.
+    /// Current frame.
     pub fn frame(&self) -> u32 {
         self.frame
     }
 
-    /// Whether time runs.
+    /// Whether it is playing.
     pub fn is_playing(&self) -> bool {
         self.since.is_some()
     }
 
-    /// How long a frame lasts, seconds.
+    /// Duration of a frame, seconds.
     pub fn frame_s(&self) -> f64 {
         1.0 / f64::from(self.desc.fps)
     }
@@ -77,14 +77,14 @@ impl Timeline {
         }
     }
 
-    /// Goes to a frame; what plays goes on from there.
+    /// Seeks to a frame; playback continues from there.
     pub fn seek(&mut self, frame: u32, now_s: f64) {
         self.frame = frame.clamp(self.desc.start, self.desc.end);
         self.shown.clear();
         self.since = self.since.map(|_| (now_s, self.frame));
     }
 
-    /// Pauses and goes on by frames; with loop, around the ends.
+    /// Pauses and steps by frames; wraps around with loop.
     pub fn step(&mut self, by: i64) {
         self.since = None;
         self.frame = self.after(self.frame, by).0;
@@ -112,7 +112,7 @@ impl Timeline {
         }
     }
 
-    /// Moves on to what the clock says; seconds until the next frame, `None` while nothing runs.
+    /// Advances to the clock; returns the seconds until the next frame, `None` while paused.
     pub fn tick(&mut self, now_s: f64) -> Option<f64> {
         let (since_s, from) = self.since?;
         let frames = (now_s - since_s).max(0.0) * f64::from(self.desc.fps);
@@ -135,14 +135,14 @@ impl Timeline {
         }
     }
 
-    /// Frames a second that were shown lately, once it has played long enough to tell.
+    /// Shown frames per second, once it has played long enough to measure.
     fn rate(&self, now_s: f64) -> Option<f64> {
         let played_s = now_s - self.since?.0;
         let lately = self.shown.iter().filter(|t| now_s - **t < COUNTED_S);
         (played_s >= COUNTED_S).then(|| lately.count() as f64 / COUNTED_S)
     }
 
-    /// What the rate is, in words.
+    /// The rate as text.
     fn pace(&self, now_s: f64) -> String {
         let fps = self.desc.fps;
         match self.rate(now_s) {
@@ -154,22 +154,24 @@ impl Timeline {
     }
 }
 
-/// Follows a scene that was read again: its timeline is kept while the scene has none, so that time,
-/// pause and loop are as they were when it comes back.
+/// Follows a reloaded scene: the timeline is stored while the scene has none, so that time,
+/// pause and loop are restored when it comes back.
 pub fn follow(
     shown: &mut Option<Timeline>,
-    put_away: &mut Option<Timeline>,
+    hidden_timeline: &mut Option<Timeline>,
     desc: Option<&TimelineDesc>,
     now_s: f64,
 ) {
     match (desc, &mut *shown) {
         (Some(desc), Some(timeline)) => timeline.replace(desc, now_s),
         (Some(desc), None) => {
-            let mut timeline = put_away.take().unwrap_or_else(|| Timeline::new(desc));
+            let mut timeline = hidden_timeline
+                .take()
+                .unwrap_or_else(|| Timeline::new(desc));
             timeline.resume(desc, now_s);
             *shown = Some(timeline);
         }
-        (None, Some(_)) => *put_away = shown.take(),
+        (None, Some(_)) => *hidden_timeline = shown.take(),
         (None, None) => {}
     }
 }
@@ -177,7 +179,7 @@ pub fn follow(
 /// Narrower than this, points, the slider has a row of its own.
 const ONE_ROW: f32 = 620.0;
 
-/// What keys do to it; `presses` counts those of a key since the last time.
+/// Handles keys; `presses` counts those of a key since the last frame of the window.
 pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64) {
     if presses(Key::Space) % 2 == 1 {
         timeline.toggle(now_s);
@@ -196,8 +198,8 @@ pub fn keys(timeline: &mut Timeline, presses: impl Fn(Key) -> usize, now_s: f64)
     }
 }
 
-/// The row below the picture. While it plays it tells the frame that is `shown`: the clock is ahead
-/// of slow pictures. If it is stuck, for the wanted frame cannot be posed, it tells both.
+/// The row below the picture. While playing it displays the `shown` frame: the clock is ahead
+/// of slow pictures. If it is stuck, because the current frame cannot be posed, it displays both.
 pub fn panel(ui: &mut Ui, timeline: &mut Timeline, shown: Option<u32>, is_stuck: bool, now_s: f64) {
     let wanted = timeline.frame();
     let stuck = shown.filter(|shown| is_stuck && *shown != wanted);
@@ -287,7 +289,7 @@ mod tests {
         assert!(time.frame() == 10 && (wait - 1.0 / 24.0).abs() < 1e-9);
         time.tick(100.0 + 4.5 / 24.0);
         assert_eq!(time.frame(), 14);
-        // ReportContext the end, and many rounds later.
+        // Around the end, and many rounds later.
         time.tick(100.0 + 10.5 / 24.0);
         assert_eq!(time.frame(), 10);
         time.tick(100.0 + 1e6 / 24.0 + 1e-6);
@@ -344,23 +346,23 @@ mod tests {
             start: 0,
             end,
         };
-        let (mut shown, mut put_away) = (Some(timeline(24.0, 0, 100)), None);
+        let (mut shown, mut hidden_timeline) = (Some(timeline(24.0, 0, 100)), None);
         let time = shown.as_mut().expect("is there");
         time.repeats = false;
         time.seek(40, 0.0);
         time.toggle(0.0);
         time.tick(0.5);
-        follow(&mut shown, &mut put_away, None, 0.5);
-        follow(&mut shown, &mut put_away, None, 5.0);
+        follow(&mut shown, &mut hidden_timeline, None, 0.5);
+        follow(&mut shown, &mut hidden_timeline, None, 5.0);
         assert!(shown.is_none());
         // The seconds between do not count.
-        follow(&mut shown, &mut put_away, Some(&desc(100)), 90.0);
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(100)), 90.0);
         let time = shown.as_mut().expect("is back");
         time.tick(90.0);
         assert!(time.frame() == 52 && time.is_playing() && !time.repeats);
         time.toggle(90.0);
-        follow(&mut shown, &mut put_away, None, 91.0);
-        follow(&mut shown, &mut put_away, Some(&desc(30)), 92.0);
+        follow(&mut shown, &mut hidden_timeline, None, 91.0);
+        follow(&mut shown, &mut hidden_timeline, Some(&desc(30)), 92.0);
         let time = shown.as_ref().expect("is back");
         assert!(time.frame() == 30 && !time.is_playing() && !time.repeats);
     }

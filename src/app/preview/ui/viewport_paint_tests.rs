@@ -40,7 +40,7 @@ fn what_was_drawn_for_the_area_fills_it() {
 fn a_scene_without_anything_says_so_and_what_to_write() {
     let read = parse::parse("version = 1\n", Path::new("my.toml"), &[]);
     let (_, warnings) = read.expect("only a warning");
-    let harness = Harness::new_ui(move |ui| nothing(ui, ui.max_rect(), &warnings));
+    let harness = Harness::new_ui(move |ui| empty_scene(ui, ui.max_rect(), &warnings));
     harness.get_by_label("Nothing stands in this scene");
     harness.get_by_label("my.toml:1:1: the scene has no model, so there is nothing to see");
     harness.get_by_label_contains("write `[model.NAME]`");

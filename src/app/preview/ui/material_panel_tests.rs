@@ -1,4 +1,4 @@
-//! The panel of materials without a window: every number has its control, and what is moved is asked
+//! The panel of materials without a window: every number has its control, and what is moved is requested
 //! for.
 
 use eframe::egui::accesskit::Role;
@@ -9,23 +9,23 @@ use egui_kittest::{
 
 use super::*;
 use crate::{
-    app::preview::panels::tests::facts,
+    app::preview::ui::panels::tests::summary,
     math::Bounds,
     scene::desc::{CheckerDesc, Method},
 };
 
 struct State {
-    choice: Choice,
-    facts: SceneSummary,
+    settings: ViewSettings,
+    summary: SceneSummary,
     picked: Option<Picked>,
-    overrides: Vec<ViewRequest>,
+    requests: Vec<ViewRequest>,
 }
 
 /// Two materials: one that leaves all open, and one with all that there can be.
 fn harness<'a>() -> Harness<'a, State> {
-    let mut facts = facts();
-    facts.materials[0].numbers = PLAIN;
-    facts.materials[1].numbers = MaterialDesc {
+    let mut summary = summary();
+    summary.materials[0].numbers = PLAIN;
+    summary.materials[1].numbers = MaterialDesc {
         emission: Some(Vec3::new(0.0, 2.0, 4.0)),
         alpha_cutoff: Some(0.5),
         checker: Some(CheckerDesc {
@@ -35,14 +35,20 @@ fn harness<'a>() -> Harness<'a, State> {
         ..PLAIN
     };
     let state = State {
-        choice: Choice::new(Method::Hybrid),
-        facts,
+        settings: ViewSettings::new(Method::Hybrid),
+        summary,
         picked: None,
-        overrides: Vec::new(),
+        requests: Vec::new(),
     };
     let draw = |ui: &mut Ui, state: &mut State| {
-        let (facts, picked) = (&state.facts, state.picked.as_ref());
-        panel(ui, &mut state.choice, facts, picked, &mut state.overrides);
+        let (summary, picked) = (&state.summary, state.picked.as_ref());
+        panel(
+            ui,
+            &mut state.settings,
+            summary,
+            picked,
+            &mut state.requests,
+        );
     };
     // The picker has a character that no font here has.
     let builder = Harness::builder().allow_missing_glyphs();
@@ -54,10 +60,10 @@ fn select(harness: &mut Harness<'_, State>, label: &str) {
     harness.run();
 }
 
-/// Of the edit that was asked for last, the values that it sets.
-fn asked(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
-    let Some(ViewRequest::Edit(edit)) = harness.state().overrides.last() else {
-        panic!("no edit: {:?}", harness.state().overrides);
+/// Of the edit that was requested for last, the values that it sets.
+fn requested(harness: &Harness<'_, State>) -> Vec<(&'static str, Vec3)> {
+    let Some(ViewRequest::Edit(edit)) = harness.state().requests.last() else {
+        panic!("no edit: {:?}", harness.state().requests);
     };
     let fields = MATERIAL.iter().zip(edit.values);
     fields.filter_map(|(f, v)| Some((f.key, v?))).collect()
@@ -68,7 +74,7 @@ fn a_selected_material_shows_the_numbers_that_it_has() {
     let mut harness = harness();
     assert!(harness.query_by_label("reflectivity").is_none());
     select(&mut harness, "chrome  ×2");
-    assert_eq!(harness.state().choice.material, Some(1));
+    assert_eq!(harness.state().settings.material, Some(1));
     for field in &MATERIAL {
         let found = harness.query_all_by_label(field.key).count();
         assert!(found > 0, "{}", field.key);
@@ -84,11 +90,11 @@ fn a_selected_material_shows_the_numbers_that_it_has() {
         assert_eq!(found > 0, is_there, "{key}");
     }
     assert!(
-        harness.state().overrides.is_empty(),
+        harness.state().requests.is_empty(),
         "looking changes nothing"
     );
     select(&mut harness, "floor  ×2");
-    assert_eq!(harness.state().choice.material, None);
+    assert_eq!(harness.state().settings.material, None);
 }
 
 #[test]
@@ -97,7 +103,7 @@ fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
     select(&mut harness, "Materials");
     assert!(harness.query_by_label("chrome  ×2").is_none(), "folded");
     let state = harness.state_mut();
-    (state.choice.material, state.choice.reveals) = (Some(1), true);
+    (state.settings.material, state.settings.scrolls_to_material) = (Some(1), true);
     state.picked = Some(Picked {
         label: "ball (2 of 3)".to_owned(),
         material: 1,
@@ -113,7 +119,7 @@ fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
         harness.get_by_label(label);
     }
     assert!(harness.query_all_by_label("reflectivity").count() > 0);
-    assert!(!harness.state().choice.reveals, "once");
+    assert!(!harness.state().settings.scrolls_to_material, "once");
     select(&mut harness, "Materials");
     assert!(harness.query_by_label("ball (2 of 3)").is_none(), "by hand");
 }
@@ -125,7 +131,7 @@ fn what_is_moved_is_asked_for_and_nothing_else() {
     let roughness = harness.get_all_by_role(Role::Slider).nth(1);
     roughness.expect("a slider").set_value_accesskit(0.25);
     harness.run();
-    assert_eq!(asked(&harness), [("roughness", Vec3::splat(0.25))]);
+    assert_eq!(requested(&harness), [("roughness", Vec3::splat(0.25))]);
 }
 
 #[test]
@@ -137,7 +143,7 @@ fn emission_and_its_strength_are_set_together() {
     harness.run();
     let emission = Vec3::new(0.0, 2.0, 4.0);
     assert_eq!(
-        asked(&harness),
+        requested(&harness),
         [
             ("emission", emission),
             ("emission_strength", Vec3::splat(3.0))
@@ -159,8 +165,11 @@ fn a_color_has_a_picker() {
         .expect("in the picker")
         .set_value_accesskit(0.0);
     harness.run();
-    let asked = asked(&harness);
-    assert!(asked.len() == 1 && asked[0].0 == "base_color", "{asked:?}");
+    let requested = requested(&harness);
+    assert!(
+        requested.len() == 1 && requested[0].0 == "base_color",
+        "{requested:?}"
+    );
 }
 
 #[test]

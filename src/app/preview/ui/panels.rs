@@ -1,79 +1,75 @@
-//! The panels: what can be chosen, what a frame cost, where its reflections came from, materials.
-//! They draw what they are given and say what was asked for.
+//! Toolbar and statistics panels: channels, cameras, pass times, reflection sources, error scores.
+//! They draw what they are given and return requests.
 
 use std::collections::VecDeque;
 
 use eframe::egui::{self, Color32, Response, Ui, Widget, WidgetText};
 
 use super::{
+    channel_menu::{MENU, side_menu},
     charts,
-    protocol::{SceneSummary, Side},
-    view_channel::{MENU, ViewChannel, side_menu},
 };
 use crate::{
-    app::{live::Edit, params::ParameterOverrides},
-    bench::metric::Scores,
+    app::{
+        live::Edit,
+        params::ParameterOverrides,
+        preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
+    },
+    bench::{metric::Scores, parameter::method_name},
     render::stats::{FrameStats, Share},
     scene::desc::Method,
 };
 
-/// Methods with their names.
-pub const METHODS: [(Method, &str); 3] = [
-    (Method::Hybrid, "hybrid"),
-    (Method::Ssr, "ssr"),
-    (Method::Rt, "rt"),
-];
-
-/// What was asked for.
+/// A user request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ViewRequest {
-    /// ViewChannel through the scene's camera of this index.
-    Through(usize),
+    /// View through the scene's camera of this index.
+    SceneCamera(usize),
     /// Frame the selection or the scene.
     Frame,
     /// Copy the camera.
     Copy,
     /// Compare with `rt`.
-    Judge,
-    /// Write a picture.
+    Compare,
+    /// Write a screenshot.
     Screenshot,
     /// Change a material.
     Edit(Edit),
     /// Change the script's parameters.
-    Tune(ParameterOverrides),
+    SetParameters(ParameterOverrides),
 }
 
-/// What a person has chosen.
+/// User settings of the view.
 #[derive(Clone, Debug)]
-pub struct Choice {
+pub struct ViewSettings {
     /// The left side.
     pub a: Side,
     /// The right side.
     pub b: Side,
-    /// Whether there are two sides.
+    /// Whether the wipe is on.
     pub wipe: bool,
-    /// Where the line between them is, 0 to 1.
+    /// Position of the wipe line, 0 to 1.
     pub wipe_at: f32,
     /// Index of the selected material.
     pub material: Option<usize>,
-    /// Whether its numbers are to be scrolled to.
-    pub reveals: bool,
-    /// Index of the scene's camera that is looked through; `None` once it was moved.
-    pub through: Option<usize>,
-    /// Index of the one that was looked through last.
-    pub home: usize,
+    /// Whether to scroll to its values.
+    pub scrolls_to_material: bool,
+    /// Index of the scene's camera in use; `None` for the free camera.
+    pub scene_camera: Option<usize>,
+    /// Index of the scene's camera that was used last.
+    pub last_camera: usize,
     /// Whether the list of keys is open.
     pub help: bool,
     /// Whether the error map is shown in place of the picture.
-    pub heat: bool,
+    pub error_map: bool,
 }
 
-impl Choice {
-    /// At first: the picture by one method.
+impl ViewSettings {
+    /// Initial settings: the picture by one method.
     pub fn new(method: Method) -> Self {
         let side = |method| Side {
             method,
-            look: ViewChannel::Picture,
+            channel: ViewChannel::Picture,
         };
         Self {
             a: side(method),
@@ -85,16 +81,16 @@ impl Choice {
             wipe: false,
             wipe_at: 0.5,
             material: None,
-            reveals: false,
-            through: None,
-            home: 0,
+            scrolls_to_material: false,
+            scene_camera: None,
+            last_camera: 0,
             help: false,
-            heat: false,
+            error_map: false,
         }
     }
 }
 
-/// A control with its name beside it, which is cut off where it is too long.
+/// A control with its label beside it, truncated where it is too long.
 pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> Response {
     ui.horizontal(|ui| {
         let control = ui.add(control);
@@ -104,18 +100,10 @@ pub fn named(ui: &mut Ui, control: impl Widget, name: impl Into<WidgetText>) -> 
     .inner
 }
 
-/// In menus.
-pub fn method_name(method: Method) -> &'static str {
-    METHODS
-        .iter()
-        .find(|(m, _)| *m == method)
-        .map_or("?", |(_, name)| name)
-}
-
-/// After each group of the bar, points.
+/// Space after each group of the toolbar, points.
 const GAP: f32 = 8.0;
 
-/// Things that stay side by side where a narrow window breaks the row.
+/// Controls that stay together where a narrow window wraps the toolbar.
 fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let id = ui.scope_id().with(name);
     let known: Option<f32> = ui.data(|data| data.get_temp(id));
@@ -131,45 +119,45 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     ui.add_space(GAP);
 }
 
-/// The row above the picture. Its groups keep their widths, so that no choice moves the picture.
+/// The toolbar. Its groups keep their widths, so that no setting moves the picture.
 pub fn bar(
     ui: &mut Ui,
-    choice: &mut Choice,
-    facts: &SceneSummary,
-    overrides: &mut Vec<ViewRequest>,
+    settings: &mut ViewSettings,
+    summary: &SceneSummary,
+    requests: &mut Vec<ViewRequest>,
 ) {
     ui.horizontal_wrapped(|ui| {
         group(ui, "a", |ui| {
-            side_menu(ui, "texture", &mut choice.a, &facts.casters);
+            side_menu(ui, "texture", &mut settings.a, &summary.shadow_lights);
         });
         group(ui, "b", |ui| {
-            ui.checkbox(&mut choice.wipe, "wipe")
+            ui.checkbox(&mut settings.wipe, "wipe")
                 .on_hover_text("B: compare with another method or texture");
-            ui.add_enabled_ui(choice.wipe, |ui| {
+            ui.add_enabled_ui(settings.wipe, |ui| {
                 side_menu(
                     ui,
                     "texture of the right side",
-                    &mut choice.b,
-                    &facts.casters,
+                    &mut settings.b,
+                    &summary.shadow_lights,
                 );
             });
         });
-        group(ui, "camera", |ui| cameras(ui, choice, facts, overrides));
+        group(ui, "camera", |ui| cameras(ui, settings, summary, requests));
         let button = |ui: &mut Ui,
-                      overrides: &mut Vec<ViewRequest>,
+                      requests: &mut Vec<ViewRequest>,
                       text: &str,
                       hover: &str,
-                      set_overrides: ViewRequest| {
+                      request: ViewRequest| {
             if ui.button(text).on_hover_text(hover).clicked() {
-                overrides.push(set_overrides);
+                requests.push(request);
             }
         };
         group(ui, "of the camera", |ui| {
             let hover = "F: show the selection, or the scene";
-            button(ui, overrides, "frame", hover, ViewRequest::Frame);
+            button(ui, requests, "frame", hover, ViewRequest::Frame);
             button(
                 ui,
-                overrides,
+                requests,
                 "copy camera",
                 "C: as scene text",
                 ViewRequest::Copy,
@@ -178,45 +166,55 @@ pub fn bar(
         group(ui, "of the picture", |ui| {
             button(
                 ui,
-                overrides,
+                requests,
                 "error",
                 "X: this method against rt",
-                ViewRequest::Judge,
+                ViewRequest::Compare,
             );
             button(
                 ui,
-                overrides,
+                requests,
                 "screenshot",
                 "F12: write a PNG file",
                 ViewRequest::Screenshot,
             );
             if ui.button("keys").on_hover_text("H").clicked() {
-                choice.help = !choice.help;
+                settings.help = !settings.help;
             }
         });
     });
 }
 
 /// The menu of the scene's cameras.
-fn cameras(ui: &mut Ui, choice: &Choice, facts: &SceneSummary, overrides: &mut Vec<ViewRequest>) {
-    let name = |index: usize| facts.cameras.get(index).map(|(name, _)| name.as_str());
+fn cameras(
+    ui: &mut Ui,
+    settings: &ViewSettings,
+    summary: &SceneSummary,
+    requests: &mut Vec<ViewRequest>,
+) {
+    let name = |index: usize| summary.cameras.get(index).map(|(name, _)| name.as_str());
     let label = ui.weak("camera");
     let menu = egui::ComboBox::from_id_salt("camera")
-        .selected_text(choice.through.and_then(name).unwrap_or("free camera"))
+        .selected_text(
+            settings
+                .scene_camera
+                .and_then(name)
+                .unwrap_or("free camera"),
+        )
         .width(MENU)
         .truncate()
         .show_ui(ui, |ui| {
-            for (index, (name, _)) in facts.cameras.iter().enumerate() {
-                let is_shown = choice.through == Some(index);
+            for (index, (name, _)) in summary.cameras.iter().enumerate() {
+                let is_shown = settings.scene_camera == Some(index);
                 if ui.selectable_label(is_shown, name).clicked() {
-                    overrides.push(ViewRequest::Through(index));
+                    requests.push(ViewRequest::SceneCamera(index));
                 }
             }
         });
     menu.response.labelled_by(label.id);
 }
 
-/// Times of the passes: now as bars, lately as stacks below the time of the frame.
+/// Pass times: of the last frame as bars, of the history as stacked columns.
 pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Passes")
         .default_open(true)
@@ -265,7 +263,7 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Where reflections came from, and why.
+/// Reflection sources and causes.
 pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Reflections")
         .default_open(true)
@@ -304,7 +302,7 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Shares of the reflective pixels, picture by picture.
+/// Shares of the reflective pixels over the history.
 fn over_time(
     ui: &mut Ui,
     history: &VecDeque<FrameStats>,
@@ -322,9 +320,14 @@ fn over_time(
 
 /// The last comparison of a method with `rt`. It has the same height with and without one: what is below stays
 /// where it is when the numbers come.
-pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choice: &mut Choice) {
+pub fn comparison(
+    ui: &mut Ui,
+    comparison: Option<(Method, &Scores)>,
+    is_old: bool,
+    settings: &mut ViewSettings,
+) {
     let number = |of: &dyn Fn(&Scores) -> Option<String>| {
-        let text = judged.and_then(|(_, scores)| of(scores));
+        let text = comparison.and_then(|(_, scores)| of(scores));
         text.unwrap_or("–".to_owned())
     };
     egui::CollapsingHeader::new("Error against rt")
@@ -349,7 +352,7 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
                     ui.end_row();
                 }
             });
-            let method = judged.map(|(method, _)| method_name(method));
+            let method = comparison.map(|(method, _)| method_name(method));
             let of_what = match method {
                 None => "X compares this method with rt".to_owned(),
                 Some(method) if is_old => {
@@ -359,12 +362,12 @@ pub fn judged(ui: &mut Ui, judged: Option<(Method, &Scores)>, is_old: bool, choi
             };
             let of_what = egui::RichText::new(of_what).weak();
             ui.add(egui::Label::new(of_what).truncate());
-            let mut shows = choice.heat && judged.is_some();
+            let mut shows = settings.error_map && comparison.is_some();
             let switch = egui::Checkbox::new(&mut shows, "show where (FLIP)");
-            if ui.add_enabled(judged.is_some(), switch).changed() {
-                choice.heat = shows;
+            if ui.add_enabled(comparison.is_some(), switch).changed() {
+                settings.error_map = shows;
             }
-            charts::heat_scale(ui);
+            charts::flip_scale(ui);
         });
 }
 

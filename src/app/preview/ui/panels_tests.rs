@@ -13,10 +13,12 @@ use crate::{
     app::{
         live::Problems,
         preview::{
-            protocol::Row,
-            status_bar::{Doing, help, log, status, unwatched},
-            status_message::Note,
-            timeline::{self, Timeline},
+            scene_summary::MaterialRow,
+            ui::{
+                status_bar::{Activity, help, log, status, unwatched},
+                status_message::StatusMessage,
+                timeline::{self, Timeline},
+            },
         },
     },
     math::Bounds,
@@ -27,8 +29,8 @@ use crate::{
     },
 };
 
-pub fn facts() -> SceneSummary {
-    let row = |material, name: &str| Row {
+pub fn summary() -> SceneSummary {
+    let row = |material, name: &str| MaterialRow {
         name: name.to_owned(),
         numbers: MaterialDesc::default(),
         edit: Edit::new(material),
@@ -44,7 +46,7 @@ pub fn facts() -> SceneSummary {
             ("side".to_owned(), CameraDesc::default()),
         ],
         materials: vec![row(0, "floor"), row(1, "chrome")],
-        casters: Vec::new(),
+        shadow_lights: Vec::new(),
         bounds: Bounds::EMPTY,
         method: Method::Hybrid,
         unit_m: 1.0,
@@ -55,9 +57,9 @@ pub fn facts() -> SceneSummary {
 }
 
 struct State {
-    choice: Choice,
-    facts: SceneSummary,
-    overrides: Vec<ViewRequest>,
+    settings: ViewSettings,
+    summary: SceneSummary,
+    requests: Vec<ViewRequest>,
     timeline: Timeline,
     now_s: f64,
     shown: Option<u32>,
@@ -65,9 +67,9 @@ struct State {
 
 fn harness<'a>(draw: impl Fn(&mut egui::Ui, &mut State) + 'a) -> Harness<'a, State> {
     let state = State {
-        choice: Choice::new(Method::Hybrid),
-        facts: facts(),
-        overrides: Vec::new(),
+        settings: ViewSettings::new(Method::Hybrid),
+        summary: summary(),
+        requests: Vec::new(),
         timeline: Timeline::new(&TimelineDesc {
             fps: 24.0,
             start: 2,
@@ -89,12 +91,12 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
 #[test]
 fn the_bar_switches_methods_and_opens_the_wipe() {
     let mut harness = harness(|ui, state| {
-        bar(ui, &mut state.choice, &state.facts, &mut state.overrides);
+        bar(ui, &mut state.settings, &state.summary, &mut state.requests);
     });
     let ssr = harness.get_all_by_label("ssr").next();
     ssr.expect("of the left side").click();
     harness.run();
-    assert_eq!(harness.state().choice.a.method, Method::Ssr);
+    assert_eq!(harness.state().settings.a.method, Method::Ssr);
     let sides = |harness: &Harness<'_, State>| {
         let all = harness.get_all_by_label("ssr");
         all.filter(|side| !side.accesskit_node().is_disabled())
@@ -102,20 +104,16 @@ fn the_bar_switches_methods_and_opens_the_wipe() {
     };
     assert_eq!(sides(&harness), 1);
     click(&mut harness, "wipe");
-    assert!(harness.state().choice.wipe);
+    assert!(harness.state().settings.wipe);
     assert_eq!(sides(&harness), 2, "a side each");
-    for (label, set_overrides) in [
+    for (label, request) in [
         ("frame", ViewRequest::Frame),
         ("copy camera", ViewRequest::Copy),
-        ("error", ViewRequest::Judge),
+        ("error", ViewRequest::Compare),
         ("screenshot", ViewRequest::Screenshot),
     ] {
         click(&mut harness, label);
-        assert_eq!(
-            harness.state_mut().overrides.pop(),
-            Some(set_overrides),
-            "{label}"
-        );
+        assert_eq!(harness.state_mut().requests.pop(), Some(request), "{label}");
     }
 }
 
@@ -125,7 +123,7 @@ fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
         let mut harness = harness(move |ui, state| {
             ui.set_max_width(width);
             let before = ui.cursor().top();
-            bar(ui, &mut state.choice, &state.facts, &mut state.overrides);
+            bar(ui, &mut state.settings, &state.summary, &mut state.requests);
             state.now_s = f64::from(ui.cursor().top() - before);
         });
         harness.set_size(egui::vec2(width, 400.0));
@@ -142,7 +140,7 @@ fn a_narrow_bar_keeps_what_belongs_together_and_its_height() {
         }
         let before = harness.state().now_s;
         click(&mut harness, "wipe");
-        harness.state_mut().choice.through = Some(1);
+        harness.state_mut().settings.scene_camera = Some(1);
         harness.run();
         assert_eq!(harness.state().now_s, before, "{width}: the picture moves");
     }
@@ -163,8 +161,8 @@ fn a_comparison_moves_nothing_below_it() {
         max_difference: 9.0,
     };
     let mut harness = harness(move |ui, state| {
-        let judged = state.shown.map(|_| (Method::Ssr, &scores));
-        super::judged(ui, judged, state.now_s > 0.0, &mut state.choice);
+        let comparison = state.shown.map(|_| (Method::Ssr, &scores));
+        super::comparison(ui, comparison, state.now_s > 0.0, &mut state.settings);
         ui.label("below");
     });
     harness.run();
@@ -178,7 +176,7 @@ fn a_comparison_moves_nothing_below_it() {
         harness.get_by_label(text);
     }
     click(&mut harness, "show where (FLIP)");
-    assert!(harness.state().choice.heat);
+    assert!(harness.state().settings.error_map);
     harness.state_mut().now_s = 1.0;
     harness.run();
     assert_eq!(below(&harness), without);
@@ -221,7 +219,7 @@ fn timeline_harness<'a>() -> Harness<'a, State> {
         let presses = |key| ui.input(|i| i.num_presses(key));
         timeline::keys(&mut state.timeline, presses, state.now_s);
         state.timeline.tick(state.now_s);
-        let is_stuck = !state.facts.problems.pose.is_empty();
+        let is_stuck = !state.summary.problems.pose.is_empty();
         timeline::panel(ui, &mut state.timeline, state.shown, is_stuck, state.now_s);
     })
 }
@@ -268,7 +266,7 @@ fn a_frame_that_cannot_be_posed_is_told_apart_from_the_one_that_is_shown() {
     let text = "frame 9 shown, 10 wanted";
     assert!(harness.query_by_label(text).is_none(), "it is being drawn");
     let wrong = Diagnostic::in_file("script", Path::new("a.rhai"), "no");
-    harness.state_mut().facts.problems.pose = vec![wrong];
+    harness.state_mut().summary.problems.pose = vec![wrong];
     harness.run();
     harness.get_by_label(text);
     harness.get_by_label("  0.375 s");
@@ -310,9 +308,9 @@ fn keys_move_time() {
 
 #[test]
 fn what_a_script_prints_is_listed() {
-    let mut harness = harness(|ui, state| log(ui, &state.facts.log));
+    let mut harness = harness(|ui, state| log(ui, &state.summary.log));
     assert!(harness.query_by_label("Script output").is_none());
-    harness.state_mut().facts.log = vec!["three figures".to_owned()];
+    harness.state_mut().summary.log = vec!["three figures".to_owned()];
     harness.run();
     click(&mut harness, "Script output");
     assert!(harness.query_by_label("three figures").is_some());
@@ -323,12 +321,12 @@ fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
     let mut harness = harness(|ui, state| {
         let script_s = (state.now_s > 0.0).then_some(state.now_s);
         let doing = match state.shown {
-            None => Doing::Draws,
-            Some(_) => Doing::Rests,
+            None => Activity::Drawing,
+            Some(_) => Activity::Idle,
         };
-        let mut note = Note::default();
-        note.say("saved");
-        status(ui, 7, &doing, script_s, &mut note);
+        let mut message = StatusMessage::default();
+        message.set("saved");
+        status(ui, 7, &doing, script_s, &mut message);
     });
     harness.get_by_label("drawing after picture 7 …");
     harness.get_by_label("saved");
@@ -352,13 +350,13 @@ fn a_note_that_is_too_long_is_cut_and_whole_in_its_tooltip() {
     let said = text.clone();
     let mut harness = harness(move |ui, _| {
         ui.set_max_width(500.0);
-        let mut note = Note::default();
-        note.say(said.clone());
-        status(ui, 7, &Doing::Rests, None, &mut note);
+        let mut message = StatusMessage::default();
+        message.set(said.clone());
+        status(ui, 7, &Activity::Idle, None, &mut message);
     });
-    let note = harness.get_by_label(&text);
-    assert!(note.rect().right() <= 508.0, "{:?}", note.rect());
-    note.hover();
+    let message = harness.get_by_label(&text);
+    assert!(message.rect().right() <= 508.0, "{:?}", message.rect());
+    message.hover();
     harness.run_steps(60); // tooltips wait
     assert_eq!(harness.query_all_by_label(&text).count(), 2);
 }
@@ -381,7 +379,7 @@ fn every_key_can_be_read_in_a_small_window() {
 
 #[test]
 fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
-    let harness = Harness::new_ui(super::charts::heat_scale);
+    let harness = Harness::new_ui(super::charts::flip_scale);
     for text in ["0: the same", "FLIP 0.5", "1: most"] {
         harness.get_by_label(text);
     }

@@ -1,0 +1,124 @@
+//! Event loop of the rendering thread: takes the newest view and every task, draws, reports, and
+//! sleeps when nothing changed.
+
+use std::time::Duration;
+
+use super::worker::Worker;
+use crate::{
+    app::{
+        live::Edit,
+        preview::{
+            mailbox::Mailbox,
+            protocol::{FinishedFrame, Report, Task, View, Visualization},
+        },
+        watch::Watcher,
+    },
+    render::RenderError,
+};
+
+/// Minimum interval of summaries while playing.
+const SUMMARY_INTERVAL: Duration = Duration::from_millis(250);
+
+impl Worker {
+    pub(super) fn run(mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) {
+        self.send_summary();
+        while let Some((view, tasks)) = mailbox.take(self.next_wakeup()) {
+            let mut redraw = false;
+            if let Some(view) = view {
+                redraw = self.view.as_ref().is_none_or(|old| view.differs_from(old));
+                self.view = Some(view);
+            }
+            for task in tasks {
+                match task {
+                    Task::Reload(changes, since) => self.reload(&changes, since),
+                    Task::Edit(edit) => {
+                        redraw = true;
+                        self.edit(edit);
+                    }
+                    Task::SetParameters(overrides) => self.set_parameters(overrides),
+                    Task::Unwatched(why) => self.send(Report::Unwatched(why)),
+                    Task::Frame(request) => self.frame_requests.push_back(request),
+                    Task::Unpick => self.unpick(),
+                }
+            }
+            redraw |= self.run_jobs(mailbox, watcher);
+            redraw |= self.reloads.iter().any(|(reload, _)| reload.ok);
+            if redraw && !self.renders_other_frame() {
+                self.draw();
+            }
+            for (reload, since) in std::mem::take(&mut self.reloads) {
+                let ms = since.elapsed().as_secs_f64() * 1e3;
+                self.send(Report::Reloaded(reload, ms));
+            }
+            self.handle_frame_requests();
+            if mailbox.is_empty() && self.frame_requests.is_empty() {
+                self.send(Report::Idle);
+            }
+        }
+    }
+
+    /// Whether the posed frame is that of a pending request, not the view's.
+    fn renders_other_frame(&self) -> bool {
+        let posed = self.live.posed_frame();
+        let is_posed = |frame: u32| frame == posed;
+        (self.frame_requests.front()).is_some_and(|of| is_posed(of.view.frame))
+            && !(self.view.as_ref()).is_some_and(|view| is_posed(view.frame))
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        match self.live.edit(edit) {
+            Ok(_) => self.send_summary(),
+            Err(error) => self.report_error(&error),
+        }
+    }
+
+    fn draw(&mut self) {
+        let Some(view) = self.view.clone() else {
+            return;
+        };
+        match self
+            .render_sides(&view)
+            .and_then(|s| Ok((s, self.picked()?)))
+        {
+            Ok((sides, picked)) => {
+                self.rendered_view = Some(view.clone());
+                self.number += 1;
+                let had_problem = self.live.problems.refused.take().is_some();
+                let number = self.number;
+                self.send(Report::Frame(Box::new(FinishedFrame {
+                    number,
+                    frame: self.live.posed_frame(),
+                    camera: self.camera(&view.camera),
+                    size: view.size,
+                    sides,
+                    picked,
+                })));
+                // Animated values are sent at intervals, and once they rest.
+                let is_new = self.summary_frame != self.live.posed_frame();
+                let is_time =
+                    view.draft_ms.is_none() || self.summary_sent_at.elapsed() >= SUMMARY_INTERVAL;
+                if had_problem || (is_new && is_time) {
+                    self.send_summary();
+                }
+            }
+            Err(error) => self.report_error(&error),
+        }
+    }
+
+    fn render_sides(&mut self, view: &View) -> Result<Vec<Visualization>, RenderError> {
+        let mut sides: Vec<Visualization> = Vec::new();
+        for (index, side) in std::iter::once(view.a).chain(view.b).enumerate() {
+            let last = sides.last().filter(|_| view.a.method == side.method);
+            let stats = match last {
+                Some(last) => last.stats.clone(),
+                None => self.render(view, side.method)?,
+            };
+            let old = self.textures.get(index).cloned();
+            let visualization = self.visualize(side, view, stats, old)?;
+            self.textures.truncate(index);
+            self.textures.push(visualization.texture.clone());
+            sides.push(visualization);
+        }
+        Ok(sides)
+    }
+}

@@ -1,0 +1,186 @@
+//! Reloads: starts the jobs that read or pose the requested scene and frame, and adopts their
+//! results.
+
+use std::time::Instant;
+
+use super::{
+    reload_jobs::{GRACE_PERIOD, PendingRead, ReloadJobs, RunningJob},
+    worker::Worker,
+};
+use crate::app::{
+    live::{Live, Reload, ReloadJob, Reuse},
+    params::ParameterOverrides,
+    preview::{mailbox::Mailbox, protocol::Report},
+    watch::{Changes, Watcher},
+};
+
+impl Worker {
+    /// Reloads shaders; queues a read of the scene for all other changes.
+    pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
+        let before = self.live.reload_shaders(changes);
+        match Live::after(changes) {
+            Some(reuse) => self.reload_jobs.queue(PendingRead {
+                reuse,
+                saved_at: Some(since),
+                before,
+            }),
+            None => {
+                self.reloads.push((before, since));
+                self.send_summary();
+            }
+        }
+    }
+
+    /// Queues a read of the scene with other parameters.
+    pub(super) fn set_parameters(&mut self, overrides: ParameterOverrides) {
+        self.live.tune(overrides);
+        self.reload_jobs.queue(PendingRead {
+            reuse: Reuse {
+                files: true,
+                edits: true,
+            },
+            saved_at: None,
+            before: Reload {
+                ok: true,
+                ..Reload::default()
+            },
+        });
+    }
+
+    /// When the loop must run again without a new view or task.
+    pub(super) fn next_wakeup(&self) -> Option<Instant> {
+        let is_behind = self.reload_jobs.posing.is_none()
+            && self
+                .wanted_frame()
+                .is_some_and(|(frame, _)| self.live.posing(frame).is_some());
+        if is_behind {
+            Some(Instant::now())
+        } else {
+            self.reload_jobs.next_check
+        }
+    }
+
+    /// Starts requested jobs and adopts finished ones; returns whether the picture changes.
+    pub(super) fn run_jobs(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
+        self.reload_jobs.next_check = None;
+        let mut is_new = false;
+        while let Some(is_shown) = self.read_scene(mailbox, watcher) {
+            is_new |= is_shown;
+        }
+        is_new |= self.pose(mailbox, watcher);
+        let (reading, posing) = (&self.reload_jobs.reading, &self.reload_jobs.posing);
+        let since = [
+            reading.as_ref().map(|(running, _)| running.started),
+            posing.as_ref().map(|running| running.started),
+        ];
+        let since = since.into_iter().flatten().min();
+        if reading.is_some() {
+            // Its imports are found one by one, and may be edited while it runs.
+            self.reload_jobs.check_at(Instant::now() + GRACE_PERIOD);
+            if self.live.watch_list().0 != self.watched {
+                self.watch(watcher);
+            }
+        }
+        if since != self.reload_jobs.told {
+            self.reload_jobs.told = since;
+            self.send(Report::ScriptRunning(since));
+        }
+        is_new
+    }
+
+    /// Reads the scene; returns whether a new one is shown, `None` while none is ready.
+    fn read_scene(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> Option<bool> {
+        let (frame, plays) = self.wanted_frame().unwrap_or((0, false));
+        if let Some((running, of)) = self.reload_jobs.reading.take() {
+            let is_left = !plays && running.poses_other_frame(frame);
+            if is_left && !self.reload_jobs.in_grace_period(&running) {
+                let wanted = self.reload_jobs.wanted.take();
+                self.reload_jobs.wanted = Some(wanted.map_or(of, |wanted| of.then(wanted)));
+            } else {
+                self.reload_jobs.reading = Some((running, of));
+            }
+        }
+        if let Some(wanted) = self.reload_jobs.wanted.take() {
+            let old = self.reload_jobs.reading.take();
+            match old {
+                Some((running, of))
+                    if wanted.saved_at.is_none() && self.reload_jobs.in_grace_period(&running) =>
+                {
+                    self.reload_jobs.reading = Some((running, of));
+                    self.reload_jobs.wanted = Some(wanted);
+                }
+                old => {
+                    let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
+                    let reload_job = self.live.reading(wanted.reuse, frame);
+                    self.reload_jobs.reading =
+                        Some((RunningJob::start(reload_job, mailbox), wanted));
+                }
+            }
+        }
+        let (running, wanted) = self.reload_jobs.reading.as_ref()?;
+        let (done, wanted) = (running.answer()?, *wanted);
+        self.reload_jobs.reading = None;
+        self.reload_jobs.posing = None; // of the scene before
+        let reload = wanted.before.and(self.live.take(done));
+        if self.live.reads_again() {
+            self.reload_jobs.queue(wanted);
+            return Some(false);
+        }
+        self.watch(watcher);
+        let refusal = self.live.refusal();
+        match (&refusal, wanted.saved_at) {
+            (_, Some(since)) => self.reloads.push((reload, since)),
+            (None, None) => self.send(Report::ParametersApplied(reload)),
+            (Some(_), None) => {}
+        }
+        if let Some(refusal) = refusal {
+            self.send(Report::Refused(Box::new(refusal)));
+        }
+        self.send_summary();
+        Some(reload.ok)
+    }
+
+    /// The requested frame, and whether the timeline is playing: of the first frame request, else
+    /// of the view.
+    fn wanted_frame(&self) -> Option<(u32, bool)> {
+        let on_demand = self.frame_requests.front().map(|of| (of.view.frame, false));
+        on_demand.or_else(|| self.view.as_ref().map(|view| (view.frame, view.plays)))
+    }
+
+    /// Poses the requested frame, and reports problems with it and their end.
+    /// Returns whether the picture changes.
+    fn pose(&mut self, mailbox: &Mailbox, watcher: Option<&Watcher>) -> bool {
+        let Some((frame, plays)) = self.wanted_frame() else {
+            return false;
+        };
+        let reload_job = self.live.posing(frame);
+        let wanted = reload_job.as_ref().map(ReloadJob::frame);
+        let old = self.reload_jobs.posing.take();
+        // Playback shows each finished frame, however late.
+        let goes_on = |old: &RunningJob, reload_jobs: &mut ReloadJobs| {
+            plays
+                || wanted == Some(old.frame)
+                || (wanted.is_some() && reload_jobs.in_grace_period(old))
+        };
+        let old = old.filter(|old| goes_on(old, &mut self.reload_jobs));
+        let new = |reload_job| RunningJob::start(reload_job, mailbox);
+        self.reload_jobs.posing = old.or_else(|| reload_job.map(new));
+        let Some(done) = self
+            .reload_jobs
+            .posing
+            .as_ref()
+            .and_then(RunningJob::answer)
+        else {
+            return false;
+        };
+        self.reload_jobs.posing = None;
+        let before = self.live.problems.clone();
+        let is_shown = self.live.take(done).ok;
+        if self.live.problems != before {
+            // The job may have adopted a saved scene.
+            self.watch(watcher);
+            self.send_summary();
+        }
+        is_shown
+    }
+}

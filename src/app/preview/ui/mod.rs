@@ -1,0 +1,18 @@
+//! The window: egui panels and the picture; it renders nothing itself.
+
+mod app;
+pub mod camera_controls;
+mod channel_menu;
+mod charts;
+mod diagnostics_panel;
+mod handle_reports;
+mod material_panel;
+mod panels;
+mod parameter_panel;
+mod sidebar;
+mod status_bar;
+mod status_message;
+mod timeline;
+mod viewport;
+mod viewport_paint;
+pub(super) mod window;
