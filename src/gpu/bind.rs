@@ -8,6 +8,9 @@ use super::{
     reflect::{Binding, ShaderModuleInfo},
 };
 
+/// A resource with its name in the shaders.
+pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
+
 /// A bind group's layout with the names behind its numbers.
 #[derive(Clone, Debug)]
 pub struct GroupLayout {

@@ -11,7 +11,7 @@ pub mod reflect;
 pub mod shader;
 pub mod timer;
 
-pub use bind::GroupLayout;
+pub use bind::{GroupLayout, Named};
 pub use context::{Gpu, GpuOptions};
 pub use error::GpuError;
 pub use pipeline::{Checks, Shader};

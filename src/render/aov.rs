@@ -8,12 +8,32 @@ use crate::{
 };
 
 use super::{
-    Plane, PlaneData, Renderer,
     cause::Cause,
     download::TargetValues,
+    renderer::Renderer,
     targets::{FAR_M, Target},
     types::NONE,
 };
+
+/// Pixels of one quantity, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// Of the AOV.
+    pub name: &'static str,
+    /// Channel names, such as `R`, `G`, `B`.
+    pub channels: &'static [&'static str],
+    /// `width * height * channels` values.
+    pub data: PlaneData,
+}
+
+/// A plane's values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlaneData {
+    /// Measured quantities.
+    F32(Vec<f32>),
+    /// Numbers of things.
+    U32(Vec<u32>),
+}
 
 /// A quantity that can be written beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

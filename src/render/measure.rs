@@ -8,12 +8,11 @@ use crate::{
 };
 
 use super::{
-    aov::Aov,
+    aov::{Aov, Plane},
     error::RenderError,
     pass::{COUNTED, MAIN, Pass},
     pass_builder::PassBuilder,
     passes::{counted_passes, ssr, trace},
-    picture::Plane,
     probe::{Counted, PassCounts, Probe},
     recorder::Timing,
     renderer::Renderer,

@@ -38,8 +38,9 @@ pub mod validate;
 pub mod view;
 pub mod world_key;
 
+pub use aov::{Plane, PlaneData};
 pub use error::RenderError;
 pub use options::RenderOptions;
-pub use picture::{PendingPicture, Picture, PictureRequest, Plane, PlaneData};
+pub use picture::{PendingPicture, Picture, PictureRequest};
 pub use renderer::{RebuildSummary, Renderer};
 pub use validate::check_world;

@@ -1,6 +1,6 @@
 //! A compute pass: bound by name, sized by its shader, timed under its own name.
 
-use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Shader};
+use crate::gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 
 /// Where the shader of a pass starts.
 pub const MAIN: &str = "main";
@@ -24,6 +24,8 @@ pub type Override = (&'static str, f64);
 pub struct Pass {
     /// Also the shader file, the timer label and the preview entry.
     pub name: &'static str,
+    /// In charts, sRGB; passes that follow each other differ in hue and brightness.
+    pub color: [u8; 3],
     /// Targets that it samples.
     pub reads: &'static [Target],
     /// Targets that it writes.
@@ -46,6 +48,7 @@ impl Pass {
     /// A pass that is always recorded and touches no target.
     pub const DEFAULT: Self = Self {
         name: "",
+        color: [0; 3],
         reads: &[],
         writes: &[],
         params: None,
@@ -56,9 +59,6 @@ impl Pass {
         counted: false,
     };
 }
-
-/// A resource with its name in the shaders.
-pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
 
 /// How many workgroups a pass runs.
 pub enum Dispatch<'a> {

@@ -1,10 +1,10 @@
 //! Builds the pipelines of passes and binds them.
 
-use crate::gpu::{Gpu, GpuError, Shader};
+use crate::gpu::{Gpu, GpuError, Named, Shader};
 
 use super::{
     options::RenderOptions,
-    pass::{ComputePass, MAIN, Named, Override, Pass},
+    pass::{ComputePass, MAIN, Override, Pass},
     plan::Plan,
     resources::Resources,
     shaders::Shaders,

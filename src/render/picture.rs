@@ -3,33 +3,13 @@
 use crate::{gpu::Gpu, scene::desc::CameraDesc, world::World};
 
 use super::{
-    Renderer,
-    aov::Aov,
+    aov::{Aov, Plane},
     download::{Download, TargetValues},
     error::RenderError,
+    renderer::Renderer,
     stats::FrameStats,
     targets::Target,
 };
-
-/// Pixels of one quantity, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plane {
-    /// Of the AOV.
-    pub name: &'static str,
-    /// Channel names, such as `R`, `G`, `B`.
-    pub channels: &'static [&'static str],
-    /// `width * height * channels` values.
-    pub data: PlaneData,
-}
-
-/// A plane's values.
-#[derive(Clone, Debug, PartialEq)]
-pub enum PlaneData {
-    /// Measured quantities.
-    F32(Vec<f32>),
-    /// Numbers of things.
-    U32(Vec<u32>),
-}
 
 /// What a render gives.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! The list of the pixels whose reflection is traced, and the counters of the frame.
 
-use crate::gpu::{Gpu, GpuError};
+use crate::gpu::{Gpu, GpuError, Named};
 
-use super::{cause::Cause, pass::Named};
+use super::cause::Cause;
 
 /// Counters of a frame: one for each cause, then the number of rays.
 pub const COUNTERS: usize = 16;

@@ -5,6 +5,7 @@ mod common;
 
 mod agreement;
 mod animation;
+mod change;
 mod closed_form;
 mod counts;
 mod edge_cases;

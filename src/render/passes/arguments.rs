@@ -15,6 +15,7 @@ use super::trace;
 /// See `shaders/arguments.wgsl`.
 pub const PASS: Pass = Pass {
     name: "arguments",
+    color: [200, 230, 170],
     needed: trace::PASS.needed,
     ..Pass::DEFAULT
 };

@@ -15,6 +15,7 @@ use crate::{
 /// See `shaders/blur.wgsl`; `source` and `blurred` are reflection and blurred, then the reverse.
 pub const PASS: Pass = Pass {
     name: "blur",
+    color: [245, 165, 140],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

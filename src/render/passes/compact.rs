@@ -16,6 +16,7 @@ use super::trace;
 /// See `shaders/compact.wgsl`.
 pub const PASS: Pass = Pass {
     name: "compact",
+    color: [150, 215, 130],
     reads: &[Target::Cause],
     needed: |plan, _| plan.reflections,
     overrides: |options| vec![("TRACE", f64::from(u8::from(trace::is_enabled(options))))],

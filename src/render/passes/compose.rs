@@ -15,6 +15,7 @@ use crate::{
 /// See `shaders/compose.wgsl`; `color` and `previous` take turns.
 pub const PASS: Pass = Pass {
     name: "compose",
+    color: [150, 110, 190],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

@@ -14,6 +14,7 @@ use crate::{
 /// See `shaders/light.wgsl`.
 pub const PASS: Pass = Pass {
     name: "light",
+    color: [235, 200, 90],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

@@ -19,6 +19,7 @@ use crate::{
 /// See `shaders/shadow.wgsl`.
 pub const PASS: Pass = Pass {
     name: "shadow",
+    color: [120, 120, 140],
     params: Some(Params::LAYOUT),
     ..Pass::DEFAULT
 };

@@ -17,6 +17,7 @@ use crate::{
 /// See `shaders/ssr.wgsl`.
 pub const PASS: Pass = Pass {
     name: "ssr",
+    color: [70, 160, 90],
     reads: &[
         Target::Ids,
         Target::ViewDepth,

@@ -14,6 +14,7 @@ use crate::{
 /// See `shaders/surface.wgsl`.
 pub const PASS: Pass = Pass {
     name: "surface",
+    color: [150, 205, 225],
     reads: &[Target::Ids],
     writes: &[
         Target::ViewDepth,

@@ -16,6 +16,7 @@ use crate::{
 /// See `shaders/tone.wgsl`; `color` is the sum of the last sub-frame.
 pub const PASS: Pass = Pass {
     name: "tone",
+    color: [205, 180, 230],
     reads: &[Target::ColorEven, Target::ColorOdd],
     writes: &[Target::Display],
     params: Some(Params::LAYOUT),

@@ -3,8 +3,8 @@
 use crate::{
     gpu::{Checks, GpuError},
     render::{
-        RenderOptions,
         frame_pass::FramePass,
+        options::RenderOptions,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
         sub_frame::SubFrame,
@@ -16,6 +16,7 @@ use crate::{
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace",
+    color: [215, 95, 80],
     reads: &[
         Target::ViewDepth,
         Target::Surface,

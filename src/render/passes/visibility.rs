@@ -16,6 +16,7 @@ use crate::{
 /// See `shaders/visibility.wgsl`.
 pub const PASS: Pass = Pass {
     name: "visibility",
+    color: [66, 133, 180],
     writes: &[Target::RasterDepth, Target::Ids],
     ..Pass::DEFAULT
 };

@@ -17,21 +17,6 @@ const SMALL: f32 = 10.0;
 /// Columns of a chart over time.
 pub const HISTORY: usize = 120;
 
-/// Pass colors in the order of the frame: neighbors differ in hue and brightness.
-const PASSES: [Color32; passes::ALL.len()] = [
-    Color32::from_rgb(120, 120, 140),
-    Color32::from_rgb(66, 133, 180),
-    Color32::from_rgb(150, 205, 225),
-    Color32::from_rgb(235, 200, 90),
-    Color32::from_rgb(70, 160, 90),
-    Color32::from_rgb(150, 215, 130),
-    Color32::from_rgb(200, 230, 170),
-    Color32::from_rgb(215, 95, 80),
-    Color32::from_rgb(245, 165, 140),
-    Color32::from_rgb(150, 110, 190),
-    Color32::from_rgb(205, 180, 230),
-];
-
 /// Color of bars without a meaning of their own.
 pub const ACCENT: Color32 = Color32::from_rgb(90, 150, 220);
 
@@ -43,8 +28,8 @@ pub fn cause_color(name: &str) -> Color32 {
 
 /// A pass's color in charts.
 pub fn pass_color(name: &str) -> Color32 {
-    let place = passes::ALL.iter().position(|pass| pass.name == name);
-    place.map_or(ACCENT, |place| PASSES[place])
+    let pass = passes::ALL.into_iter().find(|pass| pass.name == name);
+    pass.map_or(ACCENT, |pass| rgb(pass.color))
 }
 
 /// A source's color, as in its AOV.

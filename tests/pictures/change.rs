@@ -1,0 +1,59 @@
+//! A renderer that changes to another world shows it as a new renderer does.
+
+use glam::Vec3;
+use reflet::{
+    render::{RebuildSummary, Renderer},
+    scene::desc::SceneDesc,
+    world::World,
+};
+
+use crate::common::shaders;
+use crate::kit::{gpu, renderer, scene};
+
+const SIZE: &str = "image.size=[64, 36]";
+
+/// What a new renderer of the second world shows, and what one of the first shows after a change.
+fn shown(first: &(SceneDesc, World), second: &(SceneDesc, World)) -> Option<RebuildSummary> {
+    let gpu = gpu()?;
+    let (desc, world) = second;
+    let camera = &world.cameras[0].value;
+    let picture = |renderer: &mut Renderer| {
+        let picture = renderer.picture(gpu, world, camera, &[]);
+        picture.unwrap_or_else(|e| panic!("{e}")).display
+    };
+    let mut fresh = renderer(gpu, desc, world, false);
+    let mut changed = renderer(gpu, &first.0, &first.1, false);
+    let options = *fresh.options();
+    let rebuilt = changed.change(gpu, &shaders(), world, &options);
+    let rebuilt = rebuilt.unwrap_or_else(|e| panic!("{e}"));
+    assert!(picture(&mut changed) == picture(&mut fresh));
+    Some(rebuilt)
+}
+
+#[test]
+fn other_meshes_and_textures_are_uploaded() {
+    let cornell = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
+    let mirrors = scene(include_str!("../../scenes/mirrors.toml"), &[SIZE]);
+    for (first, second) in [(&cornell, &mirrors), (&mirrors, &cornell)] {
+        let rebuilt = shown(first, second);
+        assert!(rebuilt.is_none_or(|rebuilt| rebuilt.upload));
+    }
+}
+
+#[test]
+fn a_mesh_that_was_edited_in_place_is_uploaded() {
+    let first = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
+    let mut second = first.clone();
+    for position in &mut second.1.meshes[0].positions {
+        *position *= Vec3::new(0.9, 0.8, 0.9);
+    }
+    let rebuilt = shown(&first, &second);
+    assert!(rebuilt.is_none_or(|rebuilt| rebuilt.upload));
+}
+
+#[test]
+fn a_copy_of_a_world_is_not_uploaded_again() {
+    let first = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
+    let rebuilt = shown(&first, &first.clone());
+    assert!(rebuilt.is_none_or(|rebuilt| rebuilt == RebuildSummary::default()));
+}
