@@ -22,7 +22,7 @@ struct Params {
 @group(2) @binding(9) var<uniform> params: Params;
 @group(2) @binding(10) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
-// Looks at the depth buffer since the invocation started, with COUNT.
+// Depth buffer reads since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
 
 // A ray on the screen: pixel position and near / depth are linear in s from 0 to 1.

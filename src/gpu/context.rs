@@ -49,7 +49,7 @@ pub struct Gpu {
     pub features: wgpu::Features,
     /// What was made on it.
     pub compile_stats: CompileStats,
-    /// The first error nobody was waiting for.
+    /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
 
@@ -179,7 +179,7 @@ impl Gpu {
     /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// A lost or silent device, or any error that nobody was waiting for.
+    /// A lost or silent device, or any error outside an error scope.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.poll(None)
     }
@@ -206,7 +206,7 @@ impl Gpu {
         })
     }
 
-    /// The first error that nobody was waiting for, if any. It stays: the device is not usable.
+    /// The first error outside an error scope, if any. It stays: the device is not usable.
     ///
     /// # Errors
     /// That error.

@@ -219,7 +219,7 @@ impl Downloads {
             let sender = sender.clone();
             copy.staging
                 .map_async(wgpu::MapMode::Read, .., move |result| {
-                    // Whoever drops `Pending` does not want to know.
+                    // The receiver is gone if `Pending` was dropped.
                     let _ = sender.send(result);
                 });
         }

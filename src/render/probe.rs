@@ -21,7 +21,7 @@ pub enum Probe {
 /// What a pass did over all pixels. It depends on the scene and its settings, not on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Looks at the depth buffer: steps of the march and halvings of the last one.
+    /// Depth buffer reads: steps of the march and of the bisection after it.
     pub march_steps: u64,
     /// Walks through the trees from their root: one for each ray, bounces and shadow rays
     /// included, and one more for each cut-out that a ray passes.
