@@ -5,7 +5,7 @@
 //!
 //! # The map
 //!
-//! Data flows one way, and imports only point down this list (`tests/layers.rs` holds it):
+//! Data flows one way, and imports only point down this list (`tests/layers` holds it):
 //!
 //! ```text
 //! rhai script ┐
@@ -16,12 +16,13 @@
 //! | place | owns |
 //! |---|---|
 //! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
-//! | [`bench`] | picture × picture → error; nothing in it knows how a picture was made |
+//! | [`bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | [`scene`] | what people can write, its defaults and its manual; [`scene::motion`] the scene at one frame, [`scene::script`] the sandbox; no assets |
 //! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
+//! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!
 //! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
@@ -34,8 +35,7 @@
 //! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else.
 //! 3. **Surface** resolves the G-buffer from the ids in compute. The function that turns (instance,
 //!    triangle, barycentrics, footprint) into a surface is `surface_at` in
-//!    `shaders/lib/surface.wgsl`, and it is the same one that traced hits use: that is why no seam
-//!    shows between raster and rays.
+//!    `shaders/lib/surface.wgsl`; traced hits use the same one.
 //! 4. **Light** keeps view-independent radiance, which screen space may show from another
 //!    direction, apart from the specular of this view, which it may not.
 //! 5. **SSR** marches and names a cause for every reflective pixel ([`render::cause::Cause`]).
@@ -49,22 +49,33 @@
 //!
 //! # A reload
 //!
-//! A save reruns the arrows right of it, and no more. [`app::watch`] says which kind of file has new
-//! content; [`app::live`] reads the text, runs the script and poses the frame that is looked at;
-//! [`world::load::AssetCache`] places and shades it over files that are in memory already;
-//! [`render::Renderer::change`] compares worlds and options and makes again what differs; shaders are
-//! kept by their text and pipelines by their shader. Every step builds beside what is shown and swaps
-//! at its end, so that an error changes nothing. Scripts run as a [`app::live::ReloadJob`], in the
-//! preview on a thread of their own while the last good scene is looked at and played; what is wanted
-//! next ends them ([`scene::script::Halt`]). Other parameters of the script are a reload too,
-//! and those that fail where the scene without them does not are refused ([`app::live::Refusal`]);
-//! another frame is [`scene::motion::Motion::pose`], [`world::World::apply`] and
-//! [`render::Renderer::update`] alone.
+//! A save reruns the arrows right of it, and no more.
+//!
+//! 1. [`app::watch`] says which kind of file has new content.
+//! 2. [`app::live::ReloadJob`] reads the text, runs the script and poses the frame that is shown, in the
+//!    preview on a thread of its own. A newer save ends it ([`scene::script::Halt`]).
+//! 3. [`world::load::AssetCache`] places and shades the scene over files that are in memory already.
+//! 4. [`render::Renderer::change`] compares meshes and textures by identity, and trees, materials, poses and
+//!    bindings by value, and makes again what differs. Shaders are cached by their text, pipelines by
+//!    their shader.
+//!
+//! Every step builds beside what is shown and swaps at its end, so that an error changes nothing.
+//! Other parameters of the script are a reload too; those that fail where the scene without them does
+//! not are refused ([`app::live::Refusal`]). Another frame is [`scene::motion::Motion::pose`],
+//! [`world::World::apply`] and [`render::Renderer::update`] alone.
 //!
 //! # Rules
 //!
 //! - Every pipeline stays inside `wgpu::Limits::default()` but for buffer and texture sizes, which
 //!   are checked by name. `tests/shaders.rs` asserts it by reflection.
+//! - Shaders follow a world's indices unchecked in the tracing module, so [`render::check_world`] checks
+//!   them before an upload, and every later call that the world is the uploaded one, posed anew.
+//! - `unsafe` stands in three places, each with its reason: `src/main.rs` sets an environment variable
+//!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader, and
+//!   `src/world/usd/tool.rs` has the converter end with its parent.
+//! - Nothing goes in circles: the modules of one parent can be read in some order (`tests/layers`).
+//! - Numbers that Rust and the shaders share are written once, in Rust, and generated into
+//!   `lib/constants.wgsl`.
 //! - Groups 0 (frame) and 1 (scene) are shared; group 2 is the pass's own, reflected from its WGSL
 //!   and bound by name. A name that is missing on either side is an error that names the file.
 //! - Shader imports are plain text inclusion, once per file, with a line map: names must survive for

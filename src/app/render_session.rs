@@ -68,7 +68,7 @@ impl RenderSession {
     /// As [`Renderer::render`].
     pub fn picture(&mut self) -> Result<Picture, RenderError> {
         let world = &self.loaded.world;
-        self.renderer.update(&self.gpu, world);
+        self.renderer.update(&self.gpu, world)?;
         let camera = &world.cameras[self.camera].value;
         self.renderer.picture(&self.gpu, world, camera, &self.aovs)
     }
@@ -79,7 +79,7 @@ impl RenderSession {
     /// As [`Renderer::begin`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let world = &self.loaded.world;
-        self.renderer.update(&self.gpu, world);
+        self.renderer.update(&self.gpu, world)?;
         let camera = &world.cameras[self.camera].value;
         let aovs = &self.aovs;
         self.renderer

@@ -1,6 +1,6 @@
 //! Judging pictures and settings: metrics, the commands `compare` and `bench`, and reports.
 //!
-//! `metric` and `front` are pure (numbers in, numbers out); `run` measures into a table of samples,
+//! `metric` and `pareto` are pure (numbers in, numbers out); `run` measures into a table of samples,
 //! and `report` draws from that table alone. Only `read`, `compare` and `log` touch files.
 
 pub mod choose;

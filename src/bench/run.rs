@@ -314,10 +314,11 @@ impl Bench<'_> {
             None => subject.renderer(self.gpu, self.library, method, size)?,
         };
         let started = Instant::now();
-        let update_ms = subject.motion.then(|| {
-            renderer.update(self.gpu, &subject.world);
-            started.elapsed().as_secs_f64() * 1e3
-        });
+        let mut update_ms = None;
+        if subject.motion {
+            renderer.update(self.gpu, &subject.world)?;
+            update_ms = Some(started.elapsed().as_secs_f64() * 1e3);
+        }
         Ok(Ready {
             method,
             renderer,

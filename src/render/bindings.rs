@@ -1,6 +1,9 @@
 //! The passes of a frame and what they are bound to, beside the scene.
 
-use crate::gpu::{Gpu, GpuError};
+use crate::{
+    gpu::{Gpu, GpuError},
+    world::Light,
+};
 
 use super::{
     frame_uniforms::FrameUniforms,
@@ -48,6 +51,11 @@ impl BindingKey {
             color: Target::last_color(options.image.samples),
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }
+    }
+
+    /// Whether these lights use the shadow maps that there are.
+    pub fn fits_lights(&self, lights: &[Light]) -> bool {
+        self.shadows == ShadowSizes::of(lights)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Why there is no picture.
 
-use std::fmt;
+use std::{fmt, path::Path};
 
 use crate::{gpu::GpuError, scene::diagnostic::Diagnostic};
 
@@ -11,6 +11,20 @@ pub enum RenderError {
     Scene(Box<Diagnostic>),
     /// The GPU or a shader refused.
     Gpu(GpuError),
+}
+
+impl RenderError {
+    /// As messages about the scene.
+    pub fn into_diagnostics(self) -> Vec<Diagnostic> {
+        match self {
+            Self::Scene(diagnostic) => vec![*diagnostic],
+            Self::Gpu(error) => vec![Diagnostic::in_file(
+                "gpu",
+                Path::new("device"),
+                error.to_string(),
+            )],
+        }
+    }
 }
 
 impl fmt::Display for RenderError {

@@ -27,7 +27,7 @@ impl Renderer {
     /// one; their number and shadow modes may not have changed.
     ///
     /// # Errors
-    /// A lost device or exhausted memory.
+    /// A lost device, exhausted memory, or another world than was uploaded.
     pub fn render(
         &mut self,
         gpu: &Gpu,
@@ -36,7 +36,7 @@ impl Renderer {
     ) -> Result<FrameStats, RenderError> {
         let started = Instant::now();
         let samples = self.options.image.samples;
-        let view = View::new(camera, self.options.image.size);
+        let view = self.view(world, camera)?;
         let mut passes_ms = Vec::new();
         for sample in 0..samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
@@ -65,7 +65,7 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<FrameStats, RenderError> {
-        let view = View::new(camera, self.options.image.size);
+        let view = self.view(world, camera)?;
         let mut before = None;
         for sample in 0..self.options.image.samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, None);
@@ -75,6 +75,15 @@ impl Renderer {
             }
         }
         Ok(self.stats(Vec::new(), 0.0))
+    }
+
+    /// The view of a camera in a world that was checked to be the uploaded one, posed.
+    ///
+    /// # Errors
+    /// Another world than was uploaded.
+    pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
+        self.check_posed(world)?;
+        Ok(View::new(camera, self.options.image.size))
     }
 
     /// One sub-frame, pass by pass; a probe measures what a picture does not need.

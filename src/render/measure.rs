@@ -16,7 +16,6 @@ use super::{
     probe::{Counted, PassCounts, Probe},
     recorder::Timing,
     renderer::Renderer,
-    view::View,
 };
 
 impl Renderer {
@@ -32,7 +31,7 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_probe(gpu, Probe::Count)?;
-        let view = View::new(camera, self.options.image.size);
+        let view = self.view(world, camera)?;
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::Count);
@@ -65,7 +64,7 @@ impl Renderer {
         if self.bindings.probes.traverse.is_none() {
             return Ok(None);
         }
-        let view = View::new(camera, self.options.image.size);
+        let view = self.view(world, camera)?;
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::Traverse);
@@ -92,7 +91,7 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_probe(gpu, Probe::AcceptAll)?;
-        let view = View::new(camera, self.options.image.size);
+        let view = self.view(world, camera)?;
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::AcceptAll);
             self.sub_frame(gpu, world, &view, sample, Timing::None, probe)

@@ -6,7 +6,10 @@ use std::time::Instant;
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
     scene::desc::{Method, ReflectionDesc},
-    world::{World, bvh::Trees},
+    world::{
+        World,
+        bvh::{TopLevel, Trees},
+    },
 };
 
 use super::{
@@ -22,7 +25,7 @@ use super::{
     scene::GpuScene,
     shaders::Shaders,
     targets::{Target, Targets},
-    validate::check_world,
+    validate::{check_lights, check_world, refuse},
     world_key::WorldKey,
 };
 
@@ -217,6 +220,7 @@ impl Renderer {
             };
             self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
         }
+        let posed = (rebuilt.poses).then(|| self.top_level(world)).transpose()?;
         // Nothing fails from here on.
         if let Some((trees, tree_ms)) = new_trees {
             (self.trees, self.tree_ms) = (trees, tree_ms);
@@ -229,8 +233,8 @@ impl Renderer {
         self.plan = plan;
         self.shaders = shaders;
         self.world_key = world_key;
-        if rebuilt.poses {
-            self.update(gpu, world);
+        if let Some(top) = posed {
+            self.set_poses(gpu, world, top);
         }
         Ok(rebuilt)
     }
@@ -303,13 +307,52 @@ impl Renderer {
 
     /// Takes over a world whose instances and materials were posed anew: poses, the top level and
     /// the numbers of materials, never the static tree or a picture.
-    pub fn update(&mut self, gpu: &Gpu, world: &World) {
-        if !self.trees.top_instances.is_empty() {
-            self.trees.update_top_level(world);
+    ///
+    /// # Errors
+    /// A world that differs in more than that, and poses whose top level is deeper than rays can
+    /// follow; then nothing has changed.
+    pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
+        self.check_posed(world)?;
+        let top = self.top_level(world)?;
+        self.set_poses(gpu, world, top);
+        Ok(())
+    }
+
+    fn top_level(&self, world: &World) -> Result<Option<TopLevel>, RenderError> {
+        let is_needed = !self.trees.top_instances.is_empty();
+        let top = is_needed.then(|| self.trees.top_level(world));
+        Ok(top.transpose()?)
+    }
+
+    fn set_poses(&mut self, gpu: &Gpu, world: &World, top: Option<TopLevel>) {
+        if let Some(top) = top {
+            self.trees.set_top_level(top);
         }
         self.scene.update(gpu, world, &self.trees);
         self.scene.update_materials(gpu, world);
         self.world_key.update(world);
+    }
+
+    /// Checks that a world is the one that was uploaded, in another pose.
+    ///
+    /// # Errors
+    /// Other meshes, textures, instances or materials, other shadow maps, too many lights.
+    pub(super) fn check_posed(&self, world: &World) -> Result<(), RenderError> {
+        check_lights(world)?;
+        if !self.world_key.is_posed_from(world) {
+            return refuse(
+                "it has other meshes, textures, instances or materials than were uploaded; call \
+                 Renderer::change first"
+                    .to_owned(),
+            );
+        }
+        if !self.bindings.key.fits_lights(&world.lights) {
+            return refuse(
+                "its lights need other shadow maps than there are; call Renderer::change first"
+                    .to_owned(),
+            );
+        }
+        Ok(())
     }
 }
 

@@ -1,18 +1,19 @@
 //! Checks a world before it is uploaded: shaders follow its indices without looking.
 
-use crate::{scene::diagnostic::Diagnostic, world::World};
+use std::path::Path;
+
+use crate::{
+    scene::diagnostic::Diagnostic,
+    world::{MAX_LIGHTS, World},
+};
 
 use super::error::RenderError;
 
 /// Checks every index that the shaders follow, so that the tracing module may run unchecked.
 ///
 /// # Errors
-/// The first mesh or instance whose indices point outside.
+/// The first mesh, instance or material whose indices point outside, and too many lights.
 pub fn check_world(world: &World) -> Result<(), RenderError> {
-    let refuse = |message: String| {
-        let file = std::path::Path::new("scene");
-        Err(Box::new(Diagnostic::in_file("index-out-of-range", file, message)).into())
-    };
     for mesh in &world.meshes {
         let count = mesh.positions.len();
         let attributes = [mesh.normals.len(), mesh.uv0.len()];
@@ -50,5 +51,22 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
             return refuse("a material's texture does not exist".to_owned());
         }
     }
-    Ok(())
+    check_lights(world)
+}
+
+/// Checks that the lights fit their uniform block.
+///
+/// # Errors
+/// More lights than [`MAX_LIGHTS`].
+pub fn check_lights(world: &World) -> Result<(), RenderError> {
+    match world.lights.len() {
+        n if n > MAX_LIGHTS => refuse(format!("{n} lights: a scene has at most {MAX_LIGHTS}")),
+        _ => Ok(()),
+    }
+}
+
+/// Why a world is not rendered.
+pub(super) fn refuse(message: String) -> Result<(), RenderError> {
+    let file = Path::new("scene");
+    Err(Box::new(Diagnostic::in_file("index-out-of-range", file, message)).into())
 }

@@ -69,6 +69,22 @@ impl WorldKey {
         self.poses == other.poses
     }
 
+    /// Whether a world differs in nothing but poses and the numbers of materials and lights, so that
+    /// its records fit the buffers that this one filled.
+    pub fn is_posed_from(&self, world: &World) -> bool {
+        let fits = |((tree, material), i): ((&TreeInstance, &usize), &Instance)| {
+            tree.mesh == i.mesh
+                && *material == i.material
+                && tree.static_pose.is_none() == i.dynamic
+        };
+        let known = self.trees.iter().zip(&self.materials.1);
+        self.upload.0.is_same(&world.meshes)
+            && self.upload.1.is_same(&world.textures)
+            && self.materials.0.len() == world.materials.len()
+            && self.trees.len() == world.instances.len()
+            && known.zip(&world.instances).all(fits)
+    }
+
     /// Takes over poses and the materials that move.
     pub fn update(&mut self, world: &World) {
         for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {

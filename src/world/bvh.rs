@@ -73,6 +73,18 @@ pub struct Trees {
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
     /// may move.
     pub top_instances: Vec<u32>,
+    /// Most stack entries that traversal needs below the top level.
+    mesh_stack_need: u32,
+}
+
+/// A top level over posed instances that is not in its place yet.
+pub struct TopLevel {
+    /// Records of [`Trees::top_instances`].
+    records: Vec<TraceInstance>,
+    /// Over those that rays can hit; none where no trees were built.
+    tree: Option<Tree>,
+    /// Instances that the tree's boxes stand for.
+    ids: Vec<u32>,
 }
 
 impl Trees {
@@ -122,10 +134,10 @@ impl Trees {
             top_range: 1..1 + reserved,
             static_triangles,
             top_instances: placement.top,
+            mesh_stack_need: mesh_need,
         };
-        // Instances are entered with the top level's entries still on the stack.
-        let need = static_need.max(trees.rebuild_top_level(world) + mesh_need);
-        check_nodes(&trees.nodes, need, device_limit_bytes)?;
+        check_nodes(&trees.nodes, static_need, device_limit_bytes)?;
+        trees.update_top_level(world)?;
         Ok(trees)
     }
 
@@ -144,6 +156,7 @@ impl Trees {
             top_range: 1..1,
             static_triangles: 0,
             top_instances: dynamic.collect(),
+            mesh_stack_need: 0,
         }
     }
 
@@ -153,31 +166,34 @@ impl Trees {
     }
 
     /// Rebuilds the top level after instances of it moved: rewrites their records in
-    /// [`Trees::instances`] and the nodes of [`Trees::top_range`]. Instances that are hidden, whose
-    /// transform is not invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
-    pub fn update_top_level(&mut self, world: &World) {
-        self.rebuild_top_level(world);
+    /// [`Trees::instances`] and the nodes of [`Trees::top_range`].
+    ///
+    /// # Errors
+    /// As [`Trees::top_level`]; then nothing has changed.
+    pub fn update_top_level(&mut self, world: &World) -> Result<(), Box<Diagnostic>> {
+        let top = self.top_level(world)?;
+        self.set_top_level(top);
+        Ok(())
     }
 
-    /// Returns how many stack entries the new top level needs.
-    fn rebuild_top_level(&mut self, world: &World) -> u32 {
-        let mut ids = Vec::with_capacity(self.top_instances.len());
-        let mut boxes = Vec::with_capacity(self.top_instances.len());
+    /// The top level over a posed world. Instances that are hidden, whose transform is not
+    /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
+    ///
+    /// # Errors
+    /// Poses whose tree is deeper than the traversal's stack.
+    pub fn top_level(&self, world: &World) -> Result<TopLevel, Box<Diagnostic>> {
+        let (mut records, mut ids, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
         for id in &self.top_instances {
             let instance = &world.instances[*id as usize];
-            let record = &mut self.instances[*id as usize];
-            let transform = &instance.world_from_object;
-            *record = TraceInstance::new(
-                transform,
+            let record = TraceInstance::new(
+                &instance.world_from_object,
                 &world.materials[instance.material],
-                record.tree_root,
+                self.instances[*id as usize].tree_root,
             );
+            records.push(record);
             let bounds = world.bounds_of(instance);
-            let rows_finite = record
-                .object_from_world
-                .as_flattened()
-                .iter()
-                .all(|x| x.is_finite());
+            let rows = record.object_from_world;
+            let rows_finite = rows.as_flattened().iter().all(|x| x.is_finite());
             if rows_finite && within_reach(bounds.min, bounds.max) {
                 // Corners were rounded when transformed: keep the box conservative.
                 let slack = bounds.min.abs().max(bounds.max.abs()) * (4.0 * f32::EPSILON);
@@ -188,10 +204,21 @@ impl Trees {
                 ));
             }
         }
-        if !self.is_built() {
-            return 0;
+        let tree = self.is_built().then(|| Tree::build(&boxes));
+        // Instances are entered with the top level's entries still on the stack.
+        let need = tree.as_ref().map_or(0, |tree| tree.stack_need);
+        check_stack(need + self.mesh_stack_need)?;
+        Ok(TopLevel { records, tree, ids })
+    }
+
+    /// Puts a top level of these trees in its place.
+    pub fn set_top_level(&mut self, top: TopLevel) {
+        for (id, record) in self.top_instances.iter().zip(top.records) {
+            self.instances[*id as usize] = record;
         }
-        let mut tree = Tree::build(&boxes);
+        let Some(mut tree) = top.tree else {
+            return;
+        };
         let list = 1 + top_capacity(self.top_instances.len());
         tree::rebase(
             &mut tree.nodes,
@@ -201,9 +228,8 @@ impl Trees {
         self.nodes[1..1 + tree.nodes.len()].copy_from_slice(&tree.nodes);
         let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.nodes[list..self.top_range.end]);
         for (word, primitive) in words.iter_mut().zip(&tree.order) {
-            *word = ids[*primitive as usize];
+            *word = top.ids[*primitive as usize];
         }
-        tree.stack_need
     }
 }
 
@@ -218,14 +244,20 @@ fn check_nodes(nodes: &[CwBvhNode], stack_need: u32, limit: u64) -> Result<(), B
     if node_bytes > limit {
         return Err(too_large("the nodes of its trees", node_bytes, limit));
     }
-    if stack_need > STACK_SIZE {
-        return Err(error(
-            "geometry-too-deep",
-            "the scene's triangles differ so much in size that their tree is deeper than rays can follow",
-            "remove far outliers or tiny, stacked triangles",
-        ));
+    check_stack(stack_need)
+}
+
+/// Refuses trees deeper than the traversal's stack, which would lose nodes.
+fn check_stack(need: u32) -> Result<(), Box<Diagnostic>> {
+    if need <= STACK_SIZE {
+        return Ok(());
     }
-    Ok(())
+    Err(error(
+        "geometry-too-deep",
+        "the scene's triangles or instances differ so much in size that their tree is deeper than \
+         rays can follow",
+        "remove far outliers, and tiny triangles or instances on top of each other",
+    ))
 }
 
 /// Corners of a mesh's triangle.

@@ -222,7 +222,7 @@ fn moved_instances_and_lights_look_as_if_built_there() {
     if let LightKind::Point { position, .. } = &mut world.lights[0].desc.kind {
         *position = Vec3::new(-2.0, 3.0, 1.0);
     }
-    moving.update(gpu, &world);
+    moving.update(gpu, &world).expect("posed");
     let moved = moving
         .picture(gpu, &world, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));

@@ -65,7 +65,7 @@ fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
     let pictures = frames.iter().map(|frame| {
         let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world);
+        renderer.update(gpu, &world).expect("posed");
         let camera = &world.cameras[0].value;
         let picture = renderer.picture(gpu, &world, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))

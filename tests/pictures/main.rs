@@ -9,6 +9,7 @@ mod change;
 mod closed_form;
 mod counts;
 mod edge_cases;
+mod foreign_worlds;
 mod kit;
 mod lamp;
 mod material;

@@ -85,7 +85,7 @@ fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option
     Some(wanted.map(|frame| {
         let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));
-        renderer.update(gpu, &world);
+        renderer.update(gpu, &world).expect("posed");
         let camera = &world.cameras[0].value;
         let picture = renderer.picture(gpu, &world, camera, &[]);
         picture.unwrap_or_else(|e| panic!("{e}"))

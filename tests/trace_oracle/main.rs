@@ -230,7 +230,7 @@ fn moved_instances_agree_with_brute_force() {
     for instance in world.instances.iter_mut().filter(|i| i.dynamic) {
         instance.world_from_object.translation += glam::Vec3A::from(random.point(4.0));
     }
-    trees.update_top_level(&world);
+    trees.update_top_level(&world).expect("shallow");
     let rays = scene::random_rays(&world, Vec3::ZERO, 2000);
     judge_gpu(&gpu, &world, &trees, &rays, ALL, "GPU, moved");
 }

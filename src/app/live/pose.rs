@@ -60,7 +60,8 @@ impl Live {
             for edit in &self.edits {
                 edit.put(&mut self.world);
             }
-            self.renderer.update(&self.gpu, &self.world);
+            (self.renderer.update(&self.gpu, &self.world))
+                .map_err(RenderError::into_diagnostics)?;
             self.log = state.log;
         }
         self.posed = self.frame;

@@ -188,7 +188,7 @@ fn far_geometry_is_refused_by_name_or_left_out() {
     let flat = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
     for broken in [far, nan, flat] {
         world.instances[0].world_from_object = broken;
-        trees.update_top_level(&world);
+        trees.update_top_level(&world).expect("shallow");
         assert_eq!(look_at(&trees, 0.0).map(|hit| hit.instance), Some(1));
     }
 }
@@ -205,7 +205,7 @@ fn moved_instances_are_found_where_they_are() {
             Vec3::new(100.0 + 2.0 * i as f32, 0.0, 0.0),
         );
     }
-    trees.update_top_level(&world);
+    trees.update_top_level(&world).expect("shallow");
     assert_eq!(look_at(&trees, 0.0), None);
     for i in 0..20 {
         let hit = look_at(&trees, 100.0 + 2.0 * f64::from(i)).unwrap();
@@ -224,8 +224,8 @@ fn without_trees_the_records_still_follow_the_instances() {
     let mut built = Trees::build(&world, LIMIT).unwrap();
     assert!(built.is_built() && !none.is_built());
     world.instances[1].world_from_object = Affine3A::from_scale(Vec3::splat(4.0));
-    none.update_top_level(&world);
-    built.update_top_level(&world);
+    none.update_top_level(&world).expect("shallow");
+    built.update_top_level(&world).expect("shallow");
     for (a, b) in none.instances.iter().zip(&built.instances) {
         assert_eq!(a.object_from_world, b.object_from_world);
     }
@@ -239,4 +239,20 @@ fn trees_deeper_than_the_stack_are_refused() {
     assert!(check_nodes(&node, STACK_SIZE, LIMIT).is_ok());
     let refused = check_nodes(&node, STACK_SIZE + 1, LIMIT).unwrap_err();
     assert_eq!(refused.name, "geometry-too-deep");
+}
+
+#[test]
+fn a_pose_whose_top_level_is_too_deep_is_refused_and_changes_nothing() {
+    let meshes = vec![triangle_mesh(&[unit_triangle()])];
+    let mut world = world(meshes, &[(0, Affine3A::IDENTITY, true); 20]);
+    let mut trees = Trees::build(&world, LIMIT).unwrap();
+    // As if the meshes' trees had left no room on the stack.
+    trees.mesh_stack_need = STACK_SIZE + 1;
+    let before = (trees.nodes.clone(), trees.instances.clone());
+    for (i, instance) in world.instances.iter_mut().enumerate() {
+        instance.world_from_object = Affine3A::from_translation(Vec3::X * i as f32);
+    }
+    let refused = trees.update_top_level(&world).unwrap_err();
+    assert_eq!(refused.name, "geometry-too-deep");
+    assert!(before.0 == trees.nodes && before.1 == trees.instances);
 }

@@ -1,0 +1,116 @@
+//! A library's caller that passes a world which does not fit gets an error with the reason.
+
+use reflet::{
+    render::{RenderError, Renderer},
+    world::World,
+};
+
+use crate::common::shaders;
+use crate::kit::{gpu, renderer, scene};
+
+const SIZE: &str = "image.size=[32, 18]";
+
+fn reason<T>(result: Result<T, RenderError>) -> String {
+    match result {
+        Err(RenderError::Scene(diagnostic)) => diagnostic.message.clone(),
+        Err(RenderError::Gpu(error)) => panic!("refused by the GPU: {error}"),
+        Ok(_) => panic!("a foreign world was taken"),
+    }
+}
+
+type Damage = fn(&mut World);
+
+/// Worlds that no renderer takes, and what the reason names.
+const BROKEN: [(Damage, &str); 5] = [
+    (
+        |w| w.instances[0].mesh = w.meshes.len(),
+        "its mesh or material does not exist",
+    ),
+    (
+        |w| w.instances[0].material = 1000,
+        "its mesh or material does not exist",
+    ),
+    (
+        |w| w.meshes[0].triangles[0][1] = u32::MAX,
+        "points past its",
+    ),
+    (|w| w.meshes[0].normals.truncate(1), "differ in length"),
+    (
+        |w| {
+            while w.lights.len() < 65 {
+                w.lights.push(w.lights[0].clone())
+            }
+        },
+        "65 lights",
+    ),
+];
+
+#[test]
+fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
+    let mut good = renderer(gpu, &desc, &world, false);
+    let options = *good.options();
+    let camera = &world.cameras[0].value;
+    let before = good.picture(gpu, &world, camera, &[]).expect("a picture");
+    for (damage, what) in BROKEN {
+        let mut broken = world.clone();
+        damage(&mut broken);
+        let refused = reason(Renderer::new(gpu, &shaders(), &broken, &options));
+        assert!(refused.contains(what), "new: {refused}");
+        let refused = reason(good.change(gpu, &shaders(), &broken, &options));
+        assert!(refused.contains(what), "change: {refused}");
+    }
+    let after = good.picture(gpu, &world, camera, &[]).expect("a picture");
+    assert!(before.display == after.display, "an error changes nothing");
+}
+
+/// Worlds that are not the uploaded one in another pose.
+const NOT_POSED: [(Damage, &str); 6] = [
+    (
+        |w| drop(w.instances.pop()),
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.instances.push(w.instances[0].clone()),
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.instances[0].mesh = 1,
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.materials.truncate(1),
+        "other meshes, textures, instances",
+    ),
+    (
+        |w| w.meshes[0].positions[0].x += 1.0,
+        "other meshes, textures, instances",
+    ),
+    (|w| w.lights.clear(), "other shadow maps"),
+];
+
+#[test]
+fn another_world_is_neither_rendered_nor_taken_as_a_pose() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let camera = &world.cameras[0].value;
+    for (damage, what) in NOT_POSED {
+        let mut other = world.clone();
+        damage(&mut other);
+        for refused in [
+            reason(renderer.update(gpu, &other)),
+            reason(renderer.render(gpu, &other, camera)),
+            reason(renderer.counts(gpu, &other, camera)),
+        ] {
+            assert!(
+                refused.contains(what) && refused.contains("change"),
+                "{refused}"
+            );
+        }
+    }
+    renderer
+        .render(gpu, &world, camera)
+        .expect("the uploaded one");
+}
