@@ -104,7 +104,7 @@ pub struct Reload {
     /// Pipelines that the driver made.
     pub pipelines: u32,
     /// What the renderer made again.
-    pub redone: RebuildSummary,
+    pub rebuilt: RebuildSummary,
     /// From the changes to being ready for the next frame.
     pub took: Duration,
     /// The part of it that texts were read, scripts run and the frame posed.
@@ -121,7 +121,7 @@ impl Reload {
             files: self.files || next.files,
             shaders: self.shaders + next.shaders,
             pipelines: self.pipelines + next.pipelines,
-            redone: self.redone.merged(next.redone),
+            rebuilt: self.rebuilt.merged(next.rebuilt),
             took: self.took + next.took,
             parse: self.parse + next.parse,
             driver: self.driver + next.driver,
@@ -145,7 +145,7 @@ pub struct Live {
     /// Scripts and included files that were looked for.
     texts: Dependencies,
     /// The same for a scene that is being read.
-    ahead: Dependencies,
+    pending_texts: Dependencies,
     read_since: SystemTime,
     declared: DeclaredParameters,
     parameters: ParameterOverrides,
@@ -233,7 +233,7 @@ impl Live {
             overrides,
             dependencies: read.options.dependencies,
             texts,
-            ahead: Dependencies::default(),
+            pending_texts: Dependencies::default(),
             read_since,
             declared: read.declared,
             parameters: read.parameters,
@@ -258,7 +258,7 @@ impl Live {
         };
         let scene = self.origin.path.iter();
         let scene = scene.map(|path| (path.clone(), kind(path)));
-        let texts = [&self.texts, &self.ahead]
+        let texts = [&self.texts, &self.pending_texts]
             .into_iter()
             .flat_map(Dependencies::paths);
         let texts = texts.map(|path| {

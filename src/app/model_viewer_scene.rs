@@ -109,15 +109,16 @@ fn playable(
         .chain(options.assets.iter().cloned())
         .collect();
     let roots = folders.iter().map(PathBuf::as_path);
-    let sandbox = Sandbox::new(roots, options.max_file_bytes).with_trail(&options.dependencies);
+    let sandbox =
+        Sandbox::new(roots, options.max_file_bytes).with_dependencies(&options.dependencies);
     let path = sandbox.resolve(folder, name)?;
     if !is_stage(&path) {
-        return Ok(options.ahead.read(&path, &sandbox));
+        return Ok(options.preloaded_models.read(&path, &sandbox));
     }
     let glb = usd::convert(&path, choice, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
-    Ok(options.ahead.read(&glb, &sandbox))
+    Ok(options.preloaded_models.read(&glb, &sandbox))
 }
 
 /// What is played, and how long that takes; broken animations cannot be.

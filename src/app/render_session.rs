@@ -76,7 +76,7 @@ impl RenderSession {
     /// Starts a picture of the scene as it is posed, with linear color or without.
     ///
     /// # Errors
-    /// As [`Renderer::begin`].
+    /// As [`Renderer::begin_picture`].
     pub fn begin(&mut self, color: bool) -> Result<PendingPicture, RenderError> {
         let world = &self.loaded.world;
         self.renderer.update(&self.gpu, world)?;

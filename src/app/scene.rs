@@ -116,7 +116,7 @@ pub fn source(
     }
 }
 
-/// How files are loaded; what is looked for is noted in `trail`.
+/// How files are loaded; what is looked for is noted in `dependencies`.
 pub fn load_options(from: &SceneArgs, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM as a wish to stop after the current frame; the second one ends at once.
+//! Ctrl-C and SIGTERM as a shutdown request after the current frame; the second one ends at once.
 
 use std::sync::{
     Arc, OnceLock,

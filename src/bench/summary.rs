@@ -66,7 +66,7 @@ pub struct Group {
     pub left_out: Vec<u32>,
 }
 
-/// What errs.
+/// Error metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// Mean FLIP.

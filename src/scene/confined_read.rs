@@ -55,7 +55,7 @@ impl Problem {
     }
 }
 
-/// Reads `file` from `folder` or a folder below it; it is added to `trail` once its name is allowed.
+/// Reads `file` from `folder` or a folder below it; it is added to `dependencies` once its name is allowed.
 ///
 /// # Errors
 /// A name or a link that leads out of the folder, a file that is missing, too large or not UTF-8.

@@ -99,7 +99,7 @@ pub fn parse(text: &str, path: &Path, overrides: &[String]) -> Parsed {
     parse_traced(text, path, overrides, &Dependencies::default())
 }
 
-/// As [`parse`]; the included files and scripts that are looked for are added to `trail`, also when
+/// As [`parse`]; the included files and scripts that are looked for are added to `dependencies`, also when
 /// it fails.
 ///
 /// # Errors

@@ -82,7 +82,7 @@ impl PartialEq for Script {
 
 impl Script {
     /// Reads and compiles a script that a scene names, and everything that it imports; nothing
-    /// outside `folder` is read. What is looked for is added to `trail`, also when it fails.
+    /// outside `folder` is read. What is looked for is added to `dependencies`, also when it fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.

@@ -48,7 +48,7 @@ pub struct LoadOptions {
     /// Where it is noted what was looked for.
     pub dependencies: Dependencies,
     /// What was read already.
-    pub ahead: PreloadedModels,
+    pub preloaded_models: PreloadedModels,
 }
 
 impl Default for LoadOptions {
@@ -59,7 +59,7 @@ impl Default for LoadOptions {
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
             dependencies: Dependencies::default(),
-            ahead: PreloadedModels::default(),
+            preloaded_models: PreloadedModels::default(),
         }
     }
 }
@@ -149,7 +149,7 @@ impl<'a> Loader<'a> {
             desc,
             options,
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
-                .with_trail(&options.dependencies),
+                .with_dependencies(&options.dependencies),
             folders,
             world: World {
                 environment: desc.environment,
@@ -243,7 +243,7 @@ impl<'a> Loader<'a> {
         let read = if is_stage(path) {
             self.read_stage(path, choice)
         } else {
-            let ready = self.options.ahead.take(path);
+            let ready = self.options.preloaded_models.take(path);
             ready.map_or_else(|| read_guarded(path, &self.sandbox), Ok)
         };
         match read {
@@ -271,7 +271,7 @@ impl<'a> Loader<'a> {
         let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
-        let ready = self.options.ahead.take(&converted.glb);
+        let ready = self.options.preloaded_models.take(&converted.glb);
         let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox), Ok)?;
         model.warnings.extend(converted.warnings);
         model.files = converted.files;

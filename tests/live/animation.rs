@@ -45,8 +45,8 @@ fn what_is_played_changes_without_reading_a_file() {
         fs::write(&scene, &text).expect("written");
         let reload = live.reload(&[Change::Scene].into());
         assert!(reload.ok && !reload.files, "{text}: {:?}", live.problems);
-        assert_eq!(reload.redone.trees, builds, "{text}");
-        assert!(!reload.redone.upload, "{text}");
+        assert_eq!(reload.rebuilt.trees, builds, "{text}");
+        assert!(!reload.rebuilt.upload, "{text}");
         assert!(picture(&gpu, &mut live) == picture(&gpu, &mut open(&gpu, &scene, None)));
     }
     fs::write(&scene, playing("\"swimg\"")).expect("written");

@@ -13,6 +13,6 @@ mod latency;
 mod models;
 mod params;
 mod picks;
-mod redone;
+mod rebuilt;
 mod saves;
 mod scripts;

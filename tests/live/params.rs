@@ -30,7 +30,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     assert!(three != first && three == session.afresh(10, &["params.count=3"]));
     // A save keeps it.
     let reload = session.save_script(&format!("{SCRIPT}// saved\n"));
-    assert!(reload.ok && reload.redone == RebuildSummary::default());
+    assert!(reload.ok && reload.rebuilt == RebuildSummary::default());
     assert!(session.picture() == three);
     // The parameter goes, and with it what was laid over it.
     let text = fs::read_to_string(&session.scene).expect("readable");

@@ -154,7 +154,7 @@ fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
     let reload = session.save_script(&SCRIPT.replace("path::place(i, ctx.t)", "vec3(i, 1, 0)"));
     assert!(reload.ok && !reload.files, "{:?}", session.live.problems);
     assert_eq!((reload.shaders, reload.pipelines), (0, 0));
-    assert_eq!(reload.redone, POSES);
+    assert_eq!(reload.rebuilt, POSES);
     let after = session.picture();
     assert!(after != before && after == session.afresh(20, &[]));
     // An import counts like the script itself.
@@ -162,7 +162,7 @@ fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
     let path = PATH.replace("0.4 * t", "0.1 * t");
     session.folder.write("parts/path.rhai", path);
     let reload = session.live.reload(&[Change::Script].into());
-    assert!(reload.ok && reload.redone == POSES);
+    assert!(reload.ok && reload.rebuilt == POSES);
     let after = session.picture();
     assert!(after != before && after == session.afresh(20, &[]));
     // So does a text edit at a frame: the lamp shines as the script says.
@@ -170,7 +170,7 @@ fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
     let text = text.replace("[2, 4, 3]", "[-2, 4, 3]");
     fs::write(&session.scene, text).expect("written");
     let reload = session.live.reload(&[Change::Scene].into());
-    assert!(reload.ok && reload.redone == RebuildSummary::default());
+    assert!(reload.ok && reload.rebuilt == RebuildSummary::default());
     assert!(session.picture() == session.afresh(20, &[]));
 }
 

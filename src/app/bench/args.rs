@@ -77,7 +77,7 @@ pub struct BenchArgs {
     /// Draw the report of this table of samples and measure nothing
     #[arg(long, value_name = "CSV", conflicts_with_all = MEASURING)]
     pub samples: Option<PathBuf>,
-    /// Print the cheapest setting that meets a bound as a [reflection] block: "ssim>=0.98",
+    /// Print the cheapest setting that meets a bound as a `[reflection]` block: "ssim>=0.98",
     /// "psnr>=40", "flip<=0.01", "relmse<=0.001" or "ms<=4". Errors are those inside the reflective
     /// pixels where these are enough to be scored in all settings, else those of the frame; the
     /// block says which

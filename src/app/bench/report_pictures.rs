@@ -50,17 +50,17 @@ pub fn gallery(
     let mut reference = None;
     // The reference comes first: differences need it.
     for method in [Method::Rt, Method::Hybrid, Method::Ssr] {
-        let mut studio = RenderSession::new(gpu, subject, size, method)?;
+        let mut session = RenderSession::new(gpu, subject, size, method)?;
         if method == Method::Rt {
             let settings = ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
                 ..subject.reflection
             };
-            reference = Some(studio.view(&settings)?);
+            reference = Some(session.view(&settings)?);
         }
         for (shot, figure) in shots.iter().zip(&mut figures) {
             if shot.settings().method == method {
-                *figure = Some(studio.figure(shot, reference.as_ref())?);
+                *figure = Some(session.figure(shot, reference.as_ref())?);
             }
         }
     }

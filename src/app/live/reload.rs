@@ -108,14 +108,14 @@ impl Live {
         let read = read_library(&self.origin).map_err(GpuError::Shader);
         reload.parse += started.elapsed();
         let built = read.map_err(RenderError::Gpu).and_then(|library| {
-            let redone = (self.renderer).change(&self.gpu, &library, world, &options)?;
-            Ok((library, redone))
+            let rebuilt = (self.renderer).change(&self.gpu, &library, world, &options)?;
+            Ok((library, rebuilt))
         });
         self.problems.shader = None;
         match built {
-            Ok((library, redone)) => {
+            Ok((library, rebuilt)) => {
                 self.library = library;
-                reload.redone = redone;
+                reload.rebuilt = rebuilt;
             }
             Err(error) => {
                 reload.ok = false;
@@ -131,7 +131,7 @@ impl Live {
         keeps: Reuse,
         reload: &mut Reload,
     ) {
-        self.texts = std::mem::take(&mut self.ahead);
+        self.texts = std::mem::take(&mut self.pending_texts);
         if self.waiting.take().is_some() {
             self.problems.pose.clear();
         }
@@ -232,7 +232,8 @@ impl Live {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
             let done = self.take_over(world, &wanted);
-            reload.redone = (reload.redone).merged(done.map_err(|error| self.keep_problem(error))?);
+            reload.rebuilt =
+                (reload.rebuilt).merged(done.map_err(|error| self.keep_problem(error))?);
         } else {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
@@ -244,7 +245,7 @@ impl Live {
             let built = (self.renderer).with_world(&self.gpu, &self.library, &world, &wanted);
             self.renderer = built.map_err(|error| self.keep_problem(error))?;
             (self.world, self.asset_cache) = (world, asset_cache);
-            reload.redone = RebuildSummary {
+            reload.rebuilt = RebuildSummary {
                 upload: true,
                 trees: true,
                 poses: false,

@@ -86,7 +86,7 @@ enum Work {
     },
 }
 
-/// An errand that is done; [`Live::take`] shows what came of it.
+/// A finished job; [`Live::take`] shows its result.
 #[derive(Debug)]
 pub struct Done {
     pub(super) outcome: Outcome,
@@ -230,11 +230,11 @@ impl Live {
     /// soon as they are known.
     pub fn reading(&mut self, keeps: Reuse, frame: u32) -> ReloadJob {
         self.read_since = SystemTime::now();
-        self.ahead = Dependencies::default();
+        self.pending_texts = Dependencies::default();
         ReloadJob::new(Work::Read {
             origin: self.origin.clone(),
             parameters: self.asked().clone(),
-            texts: self.ahead.clone(),
+            texts: self.pending_texts.clone(),
             frame,
             keeps,
         })
@@ -260,7 +260,7 @@ impl Live {
         })
     }
 
-    /// Shows what came of an errand; after a mistake the last good scene stays, and
+    /// Shows the result of a job; after a mistake the last good scene stays, and
     /// [`Live::problems`] says why. Afterwards [`Live::watch_list`] may be another.
     pub fn take(&mut self, done: Done) -> Reload {
         let Done {

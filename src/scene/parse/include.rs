@@ -61,7 +61,7 @@ impl Included {
 }
 
 /// Reads the files that a scene includes and those that they include, each once, in the order in
-/// which they are named. `path` is the scene's own file; what is looked for is added to `trail`.
+/// which they are named. `path` is the scene's own file; what is looked for is added to `dependencies`.
 pub fn collect(
     text: &str,
     path: &Path,

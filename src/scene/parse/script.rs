@@ -34,7 +34,7 @@ pub struct Scripted {
 }
 
 /// Loads the script that the tree names and calls its `setup`; the files that it looks for are added
-/// to `trail`.
+/// to `dependencies`.
 pub fn run(
     root: &DeTable,
     folder: &Path,

@@ -84,7 +84,7 @@ impl Problem {
 }
 
 impl Sources {
-    /// Of a script beside a scene; what is looked for is added to `trail`.
+    /// Of a script beside a scene; what is looked for is added to `dependencies`.
     pub fn new(folder: &Path, dependencies: &Dependencies) -> Self {
         Self {
             folder: Some(folder.to_owned()),

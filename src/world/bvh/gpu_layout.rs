@@ -18,7 +18,7 @@ pub const FLIPPED: u32 = 4;
 pub struct TraceTriangle {
     /// Vertex 0; world space in the static tree, object space in mesh trees.
     pub base: [f32; 3],
-    /// Index of its instance; [`NONE`] in mesh trees.
+    /// Index of its instance; [`NONE`](super::NONE) in mesh trees.
     pub instance: u32,
     /// Vertex 1 − vertex 0.
     pub edge1: [f32; 3],
@@ -37,7 +37,7 @@ pub struct TraceInstance {
     /// xyz: rows of the inverse's linear part L; w: the world translation T of the placement, by
     /// component. `object = L (world − T)`, which keeps its precision far from the origin.
     pub object_from_world: [[f32; 4]; 3],
-    /// Root of its mesh tree; [`NONE`] where it is part of the static tree.
+    /// Root of its mesh tree; [`NONE`](super::NONE) where it is part of the static tree.
     pub tree_root: u32,
     /// [`ALPHA_TESTED`] and [`DOUBLE_SIDED`] of its material. Object space keeps its winding, so
     /// [`FLIPPED`] is never set.

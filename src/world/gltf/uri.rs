@@ -20,8 +20,8 @@ pub struct Sandbox {
 }
 
 impl Sandbox {
-    /// The same folders; what is looked for is added to `trail`.
-    pub fn with_trail(self, dependencies: &Dependencies) -> Self {
+    /// The same folders; what is looked for is added to `dependencies`.
+    pub fn with_dependencies(self, dependencies: &Dependencies) -> Self {
         let dependencies = dependencies.clone();
         Self {
             dependencies,

@@ -69,7 +69,7 @@ pub const PARTS: [NamedPart; 7] = [
 /// Calls `save` with 1, 2, … and waits for the picture each time.
 ///
 /// # Errors
-/// A save that cannot be written, is not noticed or does not work; a wish to stop.
+/// A save that cannot be written, is not noticed or does not work; a shutdown request.
 pub fn saves(
     live: &mut Live,
     count: u32,

@@ -59,7 +59,7 @@ impl RunningJob {
                 mailbox.wake();
             }
         };
-        let thread = thread::Builder::new().name("errand".into());
+        let thread = thread::Builder::new().name("reload job".into());
         // Without a free thread, pictures wait for the script.
         if thread.spawn(work.clone()).is_err() {
             work();

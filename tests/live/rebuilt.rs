@@ -71,7 +71,7 @@ impl Session {
             after == self.afresh(),
             "{from}: not what a fresh start shows"
         );
-        reload.redone
+        reload.rebuilt
     }
 }
 
@@ -151,7 +151,7 @@ fn another_shape_reads_the_scene_whole() {
         return;
     };
     let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
-    assert!(reload.ok && reload.files && reload.redone.upload && reload.redone.trees);
+    assert!(reload.ok && reload.files && reload.rebuilt.upload && reload.rebuilt.trees);
     assert_eq!(reload.shaders, 0, "the text of the shaders is the same");
     assert!(session.picture() == session.afresh());
 }
@@ -241,7 +241,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         let reload = session.edit(&from, &to);
         assert!(reload.ok, "{:?}", session.live.problems);
         assert!(session.picture() == session.afresh(), "{to}");
-        reload.redone.trees
+        reload.rebuilt.trees
     };
     assert!(switch(&mut session, "ssr", "hybrid"));
     let built = held(&mut session);
@@ -283,7 +283,7 @@ fn a_shader_edit_rebuilds_its_own_pipelines_and_a_mistake_none() {
     let reload = live.reload(&[Change::Shader].into());
     assert!(reload.ok && live.problems.is_empty(), "{:?}", live.problems);
     assert_eq!((reload.shaders, reload.pipelines), (1, 1));
-    assert_eq!((reload.files, reload.redone.trees), (false, false));
+    assert_eq!((reload.files, reload.rebuilt.trees), (false, false));
     assert!(picture(&gpu, &mut live) != before);
 
     fs::write(&tone, &good).expect("written");
