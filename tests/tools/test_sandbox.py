@@ -14,8 +14,8 @@ from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.usdz_check import PackageError, PackageLimits, check_package
 
-# Each target meets one limit only. The others are out of its reach: time limits on a busy machine, and
-# the first touch of 1 GiB of pages, take longer than the same work alone.
+# Each target meets one limit only, the others are out of its reach: on a busy machine everything,
+# such as the first touch of 1 GiB of pages, takes longer than alone.
 SMALL = Limits(memory_bytes=1 << 30, cpu_s=600, wall_s=600.0, output_bytes=1 << 20)
 SHORT_CPU = Limits(cpu_s=2, wall_s=600.0)
 SHORT_WALL = Limits(cpu_s=600, wall_s=1.0)
