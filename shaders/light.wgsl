@@ -5,6 +5,7 @@
 @group(2) @binding(4) var radiance: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(5) var specular: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(7) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
@@ -19,6 +20,7 @@ fn light_pixel(id: vec3u) {
     }
     textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));
     textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 
 @compute @workgroup_size(8, 8)

@@ -3,7 +3,7 @@
 #import gbuffer
 
 @group(2) @binding(4) var<storage, read> rays: array<u32>;
-@group(2) @binding(5) var<storage, read> counters: array<u32, COUNTERS>;
+@group(2) @binding(5) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
 @group(2) @binding(6) var reflection: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
 
@@ -17,7 +17,7 @@ const DARKEST: f32 = 1.0 / 255.0; // below it a bounce cannot be seen
 
 // Whether the list has this ray; what lies past its end fills the last workgroups.
 fn is_listed(ray: u32) -> bool {
-    return ray < counters[RAY_COUNTER];
+    return ray < atomicLoad(&counters[RAY_COUNTER]);
 }
 
 fn pixel_of(ray: u32) -> vec2u {
@@ -57,6 +57,7 @@ fn trace_pixel(pixel: vec2u) {
     }
     if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }
     textureStore(hit, pixel, found);
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 
 @compute @workgroup_size(RAYS_PER_GROUP)

@@ -70,6 +70,8 @@
 //!   are checked by name. `tests/shaders.rs` asserts it by reflection.
 //! - Shaders follow a world's indices unchecked in the tracing module, so [`render::check_world`] checks
 //!   them before an upload, and every later call that the world is the uploaded one, posed anew.
+//! - Every ray has one budget of nodes that it may visit (`shaders/lib/bvh.wgsl`); one that needs more is a
+//!   miss, counted in the frame's statistics.
 //! - `unsafe` stands in three places, each with its reason: `src/main.rs` sets an environment variable
 //!   before any thread exists, `src/gpu/pipeline.rs` turns off run-time checks of a built-in shader, and
 //!   `src/world/usd/tool.rs` has the converter end with its parent.

@@ -20,8 +20,10 @@ override HAS_CUTOUT: bool = true;
 override COUNT: bool = false;
 
 const NO_INSTANCE = NONE;
-// Ends a traversal that broken input would keep going; real rays visit some hundred nodes.
-const MAX_STEPS = 65536u;
+// Nodes that one ray may visit, over all trees and behind all cut-outs. Real rays visit some hundred; one
+// that needs more, through thousands of overlapping instances, is counted and ends as a miss, so that
+// no input keeps the GPU busy without end.
+override MAX_VISITS: u32 = 262144u;
 // The group of one node that is a root: the highest slot, no siblings.
 const ROOT_GROUP = 0x80000000u;
 
@@ -43,6 +45,9 @@ struct Hit {
 var<private> traversals: u32 = 0u;
 var<private> visited_nodes: u32 = 0u;
 var<private> tested_triangles: u32 = 0u;
+// Nodes that the ray may still visit, and rays that ended because there were none left.
+var<private> visits_left: u32 = 0u;
+var<private> exhausted_rays: u32 = 0u;
 
 // Cut-outs are asked for their alpha outside the traversal, which then starts again behind those
 // that are transparent here: inside the loop the look-up would cost every ray (on llvmpipe two
@@ -58,6 +63,7 @@ fn trace_any(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> bool {
 }
 
 fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
+    visits_left = MAX_VISITS;
     var hit = traverse(origin, direction, t_min, t_max, shadow);
     if HAS_CUTOUT {
         for (var layer = 0u; is_cut_out(hit); layer++) {
@@ -66,6 +72,10 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
             }
             hit = traverse(origin, direction, hit.t, t_max, shadow);
         }
+    }
+    if visits_left == 0u {
+        exhausted_rays++;
+        return Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     }
     return hit;
 }
@@ -236,6 +246,7 @@ fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: 
         (*cursor).depth++;
     }
     let visit = visit_node(node, ray, t_min, t_max);
+    visits_left--;
     (*cursor).group = visit.children;
     (*cursor).primitives = visit.primitives;
     if COUNT {
@@ -254,7 +265,7 @@ fn next_primitive(cursor: ptr<function, Cursor>) -> u32 {
 fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
         shadow: bool, base: u32, best: ptr<function, Hit>) {
     var cursor = Cursor(vec2u(root, ROOT_GROUP), vec2u(0u), base);
-    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+    while visits_left > 0u {
         descend(&cursor, ray, t_min, (*best).t);
         while cursor.primitives.y != 0u {
             test_triangle(next_primitive(&cursor), ray, t_min, inside, inside_flags, shadow, best);
@@ -277,7 +288,7 @@ fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_f
 
 // The next instance whose box is hit, or NO_INSTANCE when there are no more.
 fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
-    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+    while visits_left > 0u {
         if (*cursor).primitives.y != 0u {
             let word = next_primitive(cursor) & ~TOP_LEVEL;
             return nodes[word >> 2u][word & 3u];
@@ -313,7 +324,7 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
     var inside = NO_INSTANCE;
     var inside_flags = 0u;
     var in_tree = HAS_STATIC;
-    for (var steps = 0u; steps < MAX_STEPS; steps++) {
+    while visits_left > 0u {
         if in_tree {
             traverse_tree(root, ray, t_min, inside, inside_flags, shadow, top.depth, &best);
         }

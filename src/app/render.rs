@@ -77,6 +77,12 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let picture = session
         .picture()
         .map_err(|error| AppError::from_render(error, session.own_shaders))?;
+    if picture.stats.exhausted_rays > 0 {
+        eprintln!(
+            "warning: {} rays visited too many nodes and count as misses: too many instances overlap",
+            picture.stats.exhausted_rays
+        );
+    }
     let context = ReportContext {
         load_ms,
         first_picture_ms: started.elapsed().as_secs_f64() * 1e3,

@@ -104,6 +104,13 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
+        if frame.exhausted_rays > 0 {
+            let n = frame.exhausted_rays;
+            line(
+                "",
+                format!("{n} visited too many nodes and count as misses"),
+            );
+        }
         for (index, pass) in self.counts.iter().flatten().enumerate() {
             line(if index == 0 { "counted" } else { "" }, counted(pass));
         }
@@ -211,6 +218,7 @@ mod tests {
                 frame_ms: 4.1,
                 shares: Shares::new(&counters, [100, 10], Method::Hybrid),
                 rays: 50,
+                exhausted_rays: 0,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

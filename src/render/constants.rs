@@ -18,7 +18,7 @@ use super::{
         LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE,
         SHADOW_RAY,
     },
-    ray_list::{COUNTERS, RAY_COUNTER, RAYS_PER_GROUP},
+    ray_list::{COUNTERS, EXHAUSTED_COUNTER, RAY_COUNTER, RAYS_PER_GROUP},
     targets::FAR_M,
     textures::SMALLEST_POOL_PX,
     types::{
@@ -102,6 +102,7 @@ pub fn wgsl() -> String {
         WRAP_REPEAT,
         WRAP_MIRROR,
         COUNTERS,
+        EXHAUSTED_COUNTER,
         RAY_COUNTER,
         RAYS_PER_GROUP,
         STATIC_ROOT,

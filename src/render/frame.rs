@@ -45,12 +45,8 @@ impl Renderer {
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
         let mut stats = self.stats(sum_by_name(passes_ms), frame_ms);
-        if self.plan.reflections {
-            stats.set_counters(&readback::read_buffer(
-                gpu,
-                &self.bindings.ray_list.counters,
-            )?);
-        }
+        let counters = &self.bindings.ray_list.counters;
+        stats.set_counters(&readback::read_buffer(gpu, counters)?);
         Ok(stats)
     }
 
@@ -172,6 +168,7 @@ impl Renderer {
             tree_ms: self.tree_ms,
             shares: Shares::new(&[], size, method),
             rays: 0,
+            exhausted_rays: 0,
             passes_ms,
             frame_ms,
             bytes,

@@ -4,14 +4,17 @@ use crate::gpu::{Gpu, GpuError, Named};
 
 use super::cause::Cause;
 
-/// Counters of a frame: one for each cause, then the number of rays.
+/// Counters of a frame: one for each cause, then rays that ended without an answer, then the number of
+/// listed rays.
 pub const COUNTERS: usize = 16;
 /// Index of the number of rays among the counters; those before it count causes.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
+/// Index of the number of rays that visited as many nodes as a ray may.
+pub const EXHAUSTED_COUNTER: usize = COUNTERS - 2;
 /// Rays that one workgroup of the trace pass follows.
 pub const RAYS_PER_GROUP: u32 = 64;
 
-const _: () = assert!(Cause::ALL.len() <= RAY_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= EXHAUSTED_COUNTER);
 
 /// The ray list and what counts it.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use crate::scene::desc::Method;
 
 use super::{
     cause::{Cause, Source},
-    ray_list::RAY_COUNTER,
+    ray_list::{EXHAUSTED_COUNTER, RAY_COUNTER},
 };
 
 /// Pixels by cause, and what follows from them.
@@ -100,6 +100,9 @@ pub struct FrameStats {
     pub shares: Shares,
     /// Rays traced from pixels in the last sub-frame, without further bounces.
     pub rays: u32,
+    /// Rays of the last sub-frame, shadow rays among them, that visited as many nodes as a ray may and
+    /// count as misses: 0 but in scenes of thousands of overlapping instances.
+    pub exhausted_rays: u32,
     /// Bytes of every buffer and texture class.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -109,6 +112,7 @@ impl FrameStats {
     /// Takes over the counters of the compact pass.
     pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
+        self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
         if self.method != Method::Ssr {
             self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
         }

@@ -16,7 +16,7 @@ struct Instance {
 @group(1) @binding(2) var<storage, read> instances: array<Instance>;
 
 struct Query { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }
-struct Answer { hit: Hit, blocked: u32, visits: vec2u }
+struct Answer { hit: Hit, blocked: u32, exhausted: u32, visits: vec2u }
 @group(0) @binding(0) var<storage, read> queries: array<Query>;
 @group(0) @binding(1) var<storage, read_write> answers: array<Answer>;
 
@@ -33,7 +33,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let hit = trace_nearest(query.origin, query.direction, query.t_min, query.t_max);
     let visits = vec2u(visited_nodes, tested_triangles);
     let blocked = trace_any(query.origin, query.direction, query.t_min, query.t_max);
-    answers[id.x] = Answer(hit, u32(blocked), visits);
+    answers[id.x] = Answer(hit, u32(blocked), exhausted_rays, visits);
 }
 ";
 
@@ -58,7 +58,8 @@ pub struct Answer {
     flags: u32,
     padding2: u32,
     pub blocked: u32,
-    padding3: u32,
+    /// Of the two rays.
+    pub exhausted_rays: u32,
     pub visited_nodes: u32,
     pub tested_triangles: u32,
 }
@@ -69,12 +70,15 @@ pub struct Parts {
     pub has_static: bool,
     pub has_top_level: bool,
     pub has_cutout: bool,
+    /// Nodes that a ray may visit; none for the shader's own number.
+    pub max_visits: Option<u32>,
 }
 
 pub const ALL: Parts = Parts {
     has_static: true,
     has_top_level: true,
     has_cutout: true,
+    max_visits: None,
 };
 
 pub struct Gpu {
@@ -208,6 +212,8 @@ impl Gpu {
             ("COUNT", true),
         ]
         .map(|(name, on)| (name, f64::from(u8::from(on))));
+        let max_visits = parts.max_visits.map(|n| ("MAX_VISITS", f64::from(n)));
+        let constants: Vec<_> = constants.into_iter().chain(max_visits).collect();
         self.device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("trace_oracle"),

@@ -254,6 +254,7 @@ fn parts_left_out_change_nothing_where_the_scene_has_none() {
             has_static: !dynamic,
             has_top_level: dynamic,
             has_cutout: false,
+            ..ALL
         };
         let rays = scene::random_rays(&world, Vec3::ZERO, 2000);
         judge_gpu(
@@ -278,6 +279,7 @@ fn parts_left_out_change_nothing_where_the_scene_has_none() {
         has_static: false,
         has_top_level: false,
         has_cutout: false,
+        ..ALL
     };
     let world = World::default();
     let mut random = scene::Random(19);
@@ -289,6 +291,35 @@ fn parts_left_out_change_nothing_where_the_scene_has_none() {
             assert_eq!((answer.instance, answer.blocked), (u32::MAX, 0));
         }
     }
+}
+
+/// A ray that has visited as many nodes as it may ends as a miss, and is counted; one that is done
+/// with its last visit but one is as any other.
+#[test]
+fn a_ray_without_visits_left_is_a_counted_miss() {
+    let Some(gpu) = Gpu::new() else { return };
+    let world = scene::closed_shape(Vec3::ZERO, true);
+    let trees = build(&world);
+    let rays = scene::random_rays(&world, Vec3::ZERO, 500);
+    let free = gpu.trace(&trees, &rays, ALL);
+    assert!(free.iter().all(|answer| answer.exhausted_rays == 0));
+    assert!(free.iter().any(|answer| answer.instance != u32::MAX));
+    let most = free.iter().map(|answer| answer.visited_nodes).max();
+    let limit = most.expect("some rays") / 2;
+    let max_visits = Some(limit);
+    let bounded = gpu.trace(&trees, &rays, Parts { max_visits, ..ALL });
+    let mut num_exhausted = 0;
+    for (free, bounded) in free.iter().zip(&bounded) {
+        assert!(bounded.visited_nodes <= limit, "a ray visits no more");
+        if free.visited_nodes < limit {
+            assert_eq!(answered(free), answered(bounded));
+        } else {
+            assert_eq!(bounded.instance, u32::MAX);
+            assert!(bounded.exhausted_rays > 0);
+            num_exhausted += 1;
+        }
+    }
+    assert!(0 < num_exhausted && num_exhausted < rays.len());
 }
 
 /// Rays from inside closed, curved shapes at vertices and at points of edges, where two triangles

@@ -60,6 +60,7 @@ fn picture() -> Picture {
             frame_ms: 0.0,
             shares: Shares::new(&[], [2, 1], Method::Hybrid),
             rays: 0,
+            exhausted_rays: 0,
             bytes: Vec::new(),
         },
     }

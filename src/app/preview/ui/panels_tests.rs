@@ -196,6 +196,7 @@ fn times_shares_and_keys_are_listed() {
         frame_ms: 2.5,
         shares: Shares::new(&counters, [10, 10], crate::scene::desc::Method::Hybrid),
         rays: 0,
+        exhausted_rays: 0,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
