@@ -4,8 +4,13 @@ mod common;
 
 use std::path::Path;
 
-use common::gpu_or_skip;
-use reflet::gpu::{Checks, Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback};
+use common::{gpu_or_skip, shaders};
+use reflet::{
+    gpu::{Checks, Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
+    render::{RenderOptions, Renderer},
+    scene::parse,
+    world::load,
+};
 use wgpu::util::DeviceExt as _;
 
 /// Doubles every value and paints each texel with its own coordinates.
@@ -188,4 +193,31 @@ fn a_refused_call_is_an_error_and_the_device_lives_on() {
             .to_string()
             .starts_with("picture needs 100000 pixels a side")
     );
+}
+
+/// A device that is gone: every call says so, also the later ones, and nothing panics.
+#[test]
+fn after_its_device_is_gone_a_renderer_gives_errors() {
+    let Some(gpu) = gpu_or_skip() else { return };
+    let text = include_str!("../scenes/cornell.toml");
+    let set = ["image.size=[32, 18]".to_owned()];
+    let (desc, _) = parse::parse(text, Path::new("cornell.toml"), &set).expect("a scene");
+    let world = load::load(&desc, &load::LoadOptions::default()).expect("a world");
+    let options = RenderOptions {
+        reflection: desc.reflection,
+        image: desc.image,
+        general: false,
+    };
+    let camera = &world.cameras[0].value;
+    let mut renderer = Renderer::new(&gpu, &shaders(), &world, &options).expect("a renderer");
+    renderer.render(&gpu, &world, camera).expect("a picture");
+    gpu.device.destroy();
+    for _ in 0..2 {
+        assert!(renderer.render(&gpu, &world, camera).is_err());
+        assert!(renderer.picture(&gpu, &world, camera, &[]).is_err());
+        assert!(renderer.counts(&gpu, &world, camera).is_err());
+    }
+    // Creating resources on a lost device is no error in WebGPU; using them is.
+    let late = Renderer::new(&gpu, &shaders(), &world, &options);
+    assert!(late.is_err() || late.is_ok_and(|mut r| r.render(&gpu, &world, camera).is_err()));
 }
