@@ -289,10 +289,10 @@ impl Live {
         (list, self.read_since)
     }
 
-    /// Renders with other wishes from now on.
+    /// Renders with other overrides from now on.
     ///
     /// # Errors
-    /// A picture past the adapter's limits, or what a shader or wgpu refuses; then the old wishes
+    /// A picture past the adapter's limits, or what a shader or wgpu refuses; then the old overrides
     /// stay.
     pub fn set_overrides(&mut self, overrides: ViewOverrides) -> Result<(), RenderError> {
         if overrides == self.overrides {

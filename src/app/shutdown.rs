@@ -16,7 +16,7 @@ fn signal() -> &'static Arc<AtomicUsize> {
     SIGNAL.get_or_init(Arc::default)
 }
 
-/// From now on the signals are wishes, which [`is_wanted`] tells.
+/// Takes the signals as shutdown requests from now on; see [`is_wanted`].
 pub fn listen() {
     static LISTENING: OnceLock<()> = OnceLock::new();
     LISTENING.get_or_init(|| {
