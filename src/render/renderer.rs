@@ -25,7 +25,7 @@ use super::{
     scene::GpuScene,
     shaders::Shaders,
     targets::{Target, Targets},
-    validate::{check_lights, check_world, refuse},
+    validate::{check_lights, check_moving_materials, check_world, refuse},
     world_key::WorldKey,
 };
 
@@ -210,6 +210,7 @@ impl Renderer {
         rebuilt.passes = rebuilt.materials
             || key != self.bindings.key
             || !shaders.are_same(&self.shaders, &needed);
+        let posed = (rebuilt.poses).then(|| self.top_level(world)).transpose()?;
         if rebuilt.passes {
             let inputs = BindingInputs {
                 plan: &plan,
@@ -220,7 +221,6 @@ impl Renderer {
             };
             self.bindings = Bindings::new(gpu, key, inputs, Some(&self.bindings))?;
         }
-        let posed = (rebuilt.poses).then(|| self.top_level(world)).transpose()?;
         // Nothing fails from here on.
         if let Some((trees, tree_ms)) = new_trees {
             (self.trees, self.tree_ms) = (trees, tree_ms);
@@ -339,6 +339,7 @@ impl Renderer {
     /// Other meshes, textures, instances or materials, other shadow maps, too many lights.
     pub(super) fn check_posed(&self, world: &World) -> Result<(), RenderError> {
         check_lights(world)?;
+        check_moving_materials(world)?;
         if !self.world_key.is_posed_from(world) {
             return refuse(
                 "it has other meshes, textures, instances or materials than were uploaded; call \

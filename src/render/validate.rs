@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::{
     scene::diagnostic::Diagnostic,
-    world::{MAX_LIGHTS, World},
+    world::{MAX_LIGHTS, Material, World},
 };
 
 use super::error::RenderError;
@@ -45,13 +45,47 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
             ));
         }
     }
-    let textures = world.materials.iter().flat_map(|m| m.slots()).flatten();
-    for slot in textures {
-        if slot.texture >= world.textures.len() {
-            return refuse("a material's texture does not exist".to_owned());
+    for texture in world.textures.iter() {
+        let texels = texture.width as usize * texture.height as usize;
+        if texels == 0 || texture.rgba.len() != 4 * texels {
+            return refuse(format!(
+                "texture \"{}\": {} bytes for {} x {} pixels",
+                texture.name,
+                texture.rgba.len(),
+                texture.width,
+                texture.height
+            ));
         }
     }
+    for material in &world.materials {
+        check_material(world, material)?;
+    }
     check_lights(world)
+}
+
+/// Checks that the materials that move exist, with their textures.
+///
+/// # Errors
+/// The first that does not.
+pub fn check_moving_materials(world: &World) -> Result<(), RenderError> {
+    for moving in &world.moving.materials {
+        match world.materials.get(moving.material) {
+            Some(material) => check_material(world, material)?,
+            None => return refuse("a material that moves does not exist".to_owned()),
+        }
+    }
+    Ok(())
+}
+
+fn check_material(world: &World, material: &Material) -> Result<(), RenderError> {
+    let mut slots = material.slots().into_iter().flatten();
+    match slots.find(|slot| slot.texture >= world.textures.len()) {
+        Some(_) => refuse(format!(
+            "material \"{}\": its texture does not exist",
+            material.name
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Checks that the lights fit their uniform block.

@@ -2,7 +2,7 @@
 
 use reflet::{
     render::{RenderError, Renderer},
-    world::World,
+    world::{Texture, World},
 };
 
 use crate::common::shaders;
@@ -21,7 +21,7 @@ fn reason<T>(result: Result<T, RenderError>) -> String {
 type Damage = fn(&mut World);
 
 /// Worlds that no renderer takes, and what the reason names.
-const BROKEN: [(Damage, &str); 5] = [
+const BROKEN: [(Damage, &str); 6] = [
     (
         |w| w.instances[0].mesh = w.meshes.len(),
         "its mesh or material does not exist",
@@ -42,6 +42,18 @@ const BROKEN: [(Damage, &str); 5] = [
             }
         },
         "65 lights",
+    ),
+    (
+        |w| {
+            w.textures.push(Texture {
+                name: "torn".to_owned(),
+                width: 2,
+                height: 2,
+                rgba: vec![0; 3],
+                srgb: true,
+            })
+        },
+        "texture \"torn\": 3 bytes for 2 x 2 pixels",
     ),
 ];
 
