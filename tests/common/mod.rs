@@ -17,9 +17,14 @@ use reflet::{
 /// # Panics
 /// Without an adapter when `REFLET_REQUIRE_GPU=1`, and when an adapter exists but fails.
 pub fn gpu_or_skip() -> Option<Gpu> {
+    required_or_skip(Gpu::new(&GpuOptions::default()))
+}
+
+/// What needs an adapter, or `None` as [`gpu_or_skip`].
+pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
     let required = std::env::var("REFLET_REQUIRE_GPU").is_ok_and(|value| value == "1");
-    match Gpu::new(&GpuOptions::default()) {
-        Ok(gpu) => Some(gpu),
+    match made {
+        Ok(made) => Some(made),
         Err(GpuError::NoAdapter(why)) if !required => {
             eprintln!("SKIPPED: no adapter ({why})");
             None

@@ -1,9 +1,6 @@
 //! Images inside glTF files: decoded to 8-bit RGBA, or refused by name before they cost anything.
 
-use std::{
-    io::Cursor,
-    time::{Duration, Instant},
-};
+use std::io::Cursor;
 
 use crate::kit::{Doc, Folder, one_error, png, rich, scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
@@ -61,10 +58,8 @@ fn every_depth_becomes_rgba8() {
 /// Loads a file with this image and gives the error's name.
 fn image_error(image: &[u8]) -> &'static str {
     let doc = textured(image);
-    let start = Instant::now();
     let (name, message) = doc.error();
     assert!(message.starts_with("image 0"), "{message}");
-    assert!(start.elapsed() < Duration::from_secs(2), "{message}");
     name
 }
 

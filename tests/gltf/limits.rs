@@ -157,11 +157,8 @@ fn mutated_files_never_panic() {
             }
         }
         slowest = slowest.max(start.elapsed());
-        assert!(
-            start.elapsed() < Duration::from_secs(2),
-            "round {round} took {:?}",
-            start.elapsed()
-        );
+        // Each takes milliseconds: past this it is endless.
+        assert!(start.elapsed() < Duration::from_secs(60), "round {round}");
     }
     println!("2000 mutations: {loaded} load, slowest {slowest:?}");
     assert!(

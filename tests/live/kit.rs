@@ -16,7 +16,7 @@ use reflet::{
         args::SceneArgs,
         live::{Live, Origin, Reload, Reuse, ViewOverrides},
         params::ParameterOverrides,
-        watch::{Changes, News, WatchList, Watcher},
+        watch::{Change, Changes, News, WatchList, Watcher},
     },
     gpu::Gpu,
 };
@@ -168,10 +168,15 @@ pub fn picture(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
 pub struct Watch {
     pub watcher: Watcher,
     changes: Receiver<Changes>,
+    /// A watched file that tells how far the watching thread is.
+    marker: Option<(Folder, PathBuf)>,
 }
 
+/// What the marker's change counts as; no test that has a marker changes assets.
+const MARKED: Change = Change::Asset;
+
 /// Longest that a change may take to be noticed; a test fails only past it.
-const MOST: Duration = Duration::from_secs(20);
+const MOST: Duration = Duration::from_secs(90);
 
 impl Watch {
     pub fn new() -> Self {
@@ -184,27 +189,56 @@ impl Watch {
         Self {
             watcher: watcher.expect("files can be watched"),
             changes,
+            marker: None,
         }
     }
 
     /// Watches a list whose files were all written long ago.
-    pub fn settled(list: WatchList) -> Self {
-        let watch = Self::new();
+    pub fn settled(mut list: WatchList) -> Self {
+        let mut watch = Self::new();
+        let folder = Folder::new();
+        let path = folder.write("marker", "0");
+        list.files.push((path.clone(), MARKED));
+        // The first look reports the marker, as written after all files were read, and nothing else.
+        let marker = fs::File::options().write(true).open(&path).expect("opens");
+        let modified = marker.set_modified(SystemTime::now() + 2 * MOST);
+        modified.expect("may be set");
         watch.watcher.watch(list, SystemTime::now() + MOST);
-        // The watching thread takes its messages in order and reports nothing for this one.
-        assert_eq!(watch.next(Duration::from_millis(300)), None);
+        assert_eq!(watch.next(), Changes::from([MARKED]));
+        watch.marker = Some((folder, path));
         watch
     }
 
-    pub fn next(&self, most: Duration) -> Option<Changes> {
-        self.changes.recv_timeout(most).ok()
+    /// The next changes.
+    pub fn next(&self) -> Changes {
+        let next = self.changes.recv_timeout(MOST);
+        next.expect("a change is seen")
+    }
+
+    /// All changes by what was saved until now, in the order in which they are seen.
+    pub fn changes_so_far(&self) -> Vec<Changes> {
+        let (folder, path) = self.marker.as_ref().expect("a settled one");
+        let before = fs::read_to_string(path).expect("readable");
+        let beside = folder.write("next", before + "0");
+        fs::rename(beside, path).expect("renamed");
+        let mut seen = Vec::new();
+        loop {
+            let mut changes = self.next();
+            let is_last = changes.remove(&MARKED);
+            if !changes.is_empty() {
+                seen.push(changes);
+            }
+            if is_last {
+                return seen;
+            }
+        }
     }
 
     /// Calls `react` with every change until `done`; panics when that never comes.
     pub fn until(&self, mut react: impl FnMut(&Changes), mut done: impl FnMut() -> bool) {
         let deadline = Instant::now() + MOST;
         while !done() {
-            if let Some(changes) = self.next(Duration::from_millis(20)) {
+            if let Ok(changes) = self.changes.recv_timeout(Duration::from_millis(20)) {
                 react(&changes);
             }
             assert!(Instant::now() < deadline, "the last content was never seen");

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import json
 import os
@@ -9,12 +10,14 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 from reflet_usd import cli
 from reflet_usd.convert.types import ConvertError
-from reflet_usd.sandbox import run_convert
+from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.usdz_check import PackageError, check_package
+from reflet_usd.validate import confined
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n'
@@ -66,9 +69,13 @@ def test_validate_has_the_limits_and_checks_of_convert(
     use = tmp_path / "use.usda"
     use.write_text(HEAD + ')\ndef "X" (references = @bad.usdz@</C>) {}\n')
     many = tmp_path / "many.usda"
-    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
-    for stage, name in ((bad, "usdz-path"), (use, "usdz-path"), (many, "cpu-limit")):
-        options = ["--against", str(stage), "--no-khronos", "--cpu-limit", "2"]
+    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(100_000)))
+    for stage, cpu_s, name in (
+        (bad, "600", "usdz-path"),
+        (use, "600", "usdz-path"),
+        (many, "2", "cpu-limit"),
+    ):
+        options = ["--against", str(stage), "--no-khronos", "--cpu-limit", cpu_s]
         assert cli.main(["validate", str(out), *options]) == 1
         assert f"[{name}]" in capsys.readouterr().err
 
@@ -258,9 +265,17 @@ def test_the_wall_time_of_report_covers_the_check(
 ) -> None:
     (tmp_path / "in").mkdir()
     cube(tmp_path / "in")
-    monkeypatch.setattr("reflet_usd.validate.confined._TARGET", "sandbox_targets:sleep")
+    run_confined = confined.run_confined
+
+    def check_without_end(*args: Any, limits: Limits, **options: Any) -> Any:
+        assert limits.wall_s == 600.0
+        options["target"] = "sandbox_targets:sleep"
+        return run_confined(*args, limits=dataclasses.replace(limits, wall_s=1.0), **options)
+
+    # The conversion keeps its time: on a busy machine it takes long too.
+    monkeypatch.setattr(confined, "run_confined", check_without_end)
     details = tmp_path / "details.json"
-    words = ["report", str(tmp_path / "in"), "--wall-s", "10", "--json", str(details)]
+    words = ["report", str(tmp_path / "in"), "--wall-s", "600", "--json", str(details)]
     assert cli.main(words) == 3
     (row,) = json.loads(details.read_text())
     assert (row["converted"], row["passed"], row["reason"]) == (True, False, "time-limit")
@@ -268,7 +283,7 @@ def test_the_wall_time_of_report_covers_the_check(
 
 def test_inspect_has_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     many = tmp_path / "many.usda"
-    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(20_000)))
+    many.write_text(HEAD + ")\n" + "".join(f'def Cube "c{i}" {{}}\n' for i in range(100_000)))
     assert cli.main(["inspect", str(many), "--cpu-limit", "1"]) == 1
     assert "[cpu-limit]" in capsys.readouterr().err
 

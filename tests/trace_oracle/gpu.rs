@@ -1,8 +1,12 @@
 //! Runs `shaders/lib/bvh.wgsl` on a device of its own.
 
-use crate::common::shaders;
-use reflet::world::bvh::{Ray, TraceInstance, Trees};
+use reflet::{
+    gpu::GpuError,
+    world::bvh::{Ray, TraceInstance, Trees},
+};
 use wgpu::util::DeviceExt as _;
+
+use crate::common::{required_or_skip, shaders};
 
 /// The declarations that `bvh.wgsl` expects, and a kernel that traces one ray an invocation.
 const KERNEL: &str = r"
@@ -87,22 +91,13 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// `None`, said aloud, where there is no adapter and none is required.
+    /// With default limits; `None` where tests are skipped.
     pub fn new() -> Option<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter =
             pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
-        let adapter = match adapter {
-            Ok(adapter) => adapter,
-            Err(e) => {
-                assert!(
-                    std::env::var_os("REFLET_REQUIRE_GPU").is_none_or(|v| v != "1"),
-                    "{e}"
-                );
-                println!("SKIPPED: no adapter");
-                return None;
-            }
-        };
+        let adapter =
+            required_or_skip(adapter.map_err(|error| GpuError::NoAdapter(error.to_string())))?;
         println!("adapter: {}", adapter.get_info().name);
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))
