@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pygltflib as gl
-from convert_reading import Converted
-from reflet_usd.validate.proof import prove
-from reflet_usd.validate.table import format_proof
+from read_converted import Converted
+from reflet_usd.validate.validation import validate_file
+from reflet_usd.validate.validation_table import format_validation
 
 FACE = """
     uniform token subdivisionScheme = "none"
@@ -168,7 +168,7 @@ UNIT = mesh(
 
 def agrees(done: Converted) -> bool:
     """Whether the comparison passes; in this process, as starting another takes two seconds."""
-    return prove(done.out, done.out.parent / "stage.usda", khronos=False).passed
+    return validate_file(done.out, done.out.parent / "stage.usda", khronos=False).passed
 
 
 def forget(done: Converted, name: str) -> None:
@@ -182,8 +182,8 @@ def forget(done: Converted, name: str) -> None:
 
 def expect_found(done: Converted, damage: Damage) -> None:
     """The file passes as it is, and fails once damaged."""
-    proof = prove(done.out, done.out.parent / "stage.usda", khronos=False)
-    assert proof.passed, format_proof(proof)
+    validation = validate_file(done.out, done.out.parent / "stage.usda", khronos=False)
+    assert validation.passed, format_validation(validation)
     output = Output(done.out)
     damage(output)
     output.save()
@@ -196,8 +196,8 @@ def expect_required(done: Converted, warning: str, prim: str, *named: str) -> No
     told = " ".join(entry["message"] for entry in found)
     assert found
     assert [name for name in named if f"'{name}'" not in told] == []
-    proof = prove(done.out, done.out.parent / "stage.usda", khronos=False)
-    assert proof.passed, format_proof(proof)
+    validation = validate_file(done.out, done.out.parent / "stage.usda", khronos=False)
+    assert validation.passed, format_validation(validation)
     kept = [entry for entry in done.sidecar["warnings"] if entry not in found]
     place = Path(f"{done.out}.json")
     place.write_text(json.dumps({**done.sidecar, "warnings": kept}), encoding="utf-8")

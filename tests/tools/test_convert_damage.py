@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
+from read_converted import Converted, convert_text
 from reflet_usd.convert.types import ConvertError
-from reflet_usd.validate.facts import StageError
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.scene_data import StageError
+from reflet_usd.validate.validation import validate_file
 
 CUBE = 'def Cube "C" {{\n{0}\n}}\n'
 
@@ -325,7 +325,7 @@ def test_a_message_that_cuts_a_character_blames_no_encoding(tmp_path: Path) -> N
     assert caught.value.name == "stage-unreadable"
     assert "Ill-formed path expression </Wörld/E*>" in caught.value.message
     with pytest.raises(StageError, match="Ill-formed path expression </Wörld/E"):
-        prove(done.out, tmp_path / "pattern.usda", khronos=False)
+        validate_file(done.out, tmp_path / "pattern.usda", khronos=False)
     (tmp_path / "latin.usda").write_bytes(b'#usda 1.0\ndef "W\xf6" {\n}\n')
     with pytest.raises(ConvertError, match="not UTF-8"):
         Converted(tmp_path / "latin.usda", tmp_path / "latin.glb")

@@ -6,7 +6,7 @@ import ast
 import re
 from pathlib import Path
 
-from reflet_usd.validate import excuses, usd_rules
+from reflet_usd.validate import allowed_deviations, usd_rules
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SOURCES = sorted((ROOT / "tools" / "reflet_usd").rglob("*.py"))
@@ -61,23 +61,38 @@ def rows_of(table: str) -> list[set[str]]:
 
 def test_the_manual_lists_every_excuse_and_no_other() -> None:
     *rows, losses = rows_of("deviation")
-    found = {*excuses.PLACED, *excuses.UV_SET, *excuses.UV_CONSTANT, *excuses.UNORDERED_COLORS}
-    found |= {*excuses.OTHER_SURFACE, *excuses.LEFT_OUT, *excuses.TRANSLUCENT, *excuses.WORDS}
+    found = {
+        *allowed_deviations.PLACED,
+        *allowed_deviations.UV_SET,
+        *allowed_deviations.UV_CONSTANT,
+        *allowed_deviations.UNORDERED_COLORS,
+    }
+    found |= {
+        *allowed_deviations.OTHER_SURFACE,
+        *allowed_deviations.LEFT_OUT,
+        *allowed_deviations.TRANSLUCENT,
+        *allowed_deviations.EXTRAS,
+    }
     for kind in ("Mesh", "DomeLight", "PortalLight", "NurbsCurves"):
-        found |= {name.replace(kind, "<type>") for name in excuses.absent(kind)}
+        found |= {name.replace(kind, "<type>") for name in allowed_deviations.absent(kind)}
     assert set().union(*rows) == found
     cannot = {
-        *excuses.NO_PLACE.values(),
-        *excuses.SHINES,
-        *excuses.FROZEN_LOOK,
-        *excuses.NO_TEXTURE,
-        *excuses.NOT_READ,
+        *allowed_deviations.NO_PLACE.values(),
+        *allowed_deviations.MESH_LIGHT,
+        *allowed_deviations.FROZEN_INPUT,
+        *allowed_deviations.NO_TEXTURE,
+        *allowed_deviations.NOT_READ,
     } - BY_TYPE
     assert losses == cannot.union(*(names_in(VALIDATOR / name) for name in LOSSES))
 
 
 def test_the_manual_lists_every_rule_that_a_warning_chooses() -> None:
-    textures = {*excuses.PACKED, *excuses.REWRITTEN, *excuses.LOST_FILE, *excuses.NORMAL_SCALE}
+    textures = {
+        *allowed_deviations.PACKED,
+        *allowed_deviations.REWRITTEN,
+        *allowed_deviations.LOST_FILE,
+        *allowed_deviations.NORMAL_SCALE,
+    }
     listed = set().union(*rows_of("rule"))
     assert listed == usd_rules.NAMES | textures | {"subdivision-cage"}
 
@@ -87,12 +102,12 @@ def test_no_other_part_of_the_validator_asks_for_a_warning() -> None:
     warnings = set().union(*map(names_in, converter))
     told = {path.name: names_in(path) & warnings for path in VALIDATOR.glob("*.py")}
     homes = {
-        "excuses.py",
+        "allowed_deviations.py",
         "usd_rules.py",
         *LOSSES,
         "__init__.py",
         "confined.py",
     }  # which say errors
     assert {name: found for name, found in told.items() if found and name not in homes} == {
-        "proof.py": {"subdivision-cage"}
+        "validation.py": {"subdivision-cage"}
     }

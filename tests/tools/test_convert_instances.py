@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
 from pxr import Usd, UsdGeom
+from read_converted import Converted, convert_text
 from reflet_usd.convert import instance_motion as motion_module
 from reflet_usd.convert import instancer as instancer_module
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.validation import validate_file
 
 QUAD = """
     def Mesh "Q" {
@@ -357,7 +357,7 @@ def PointInstancer "I" {{
     # UsdGeom counts the ops of a prototype's own root whatever they reset.
     assert done.warnings() == {"reset-in-prototype"}
     assert done.warnings("/I/P/C") == {"reset-in-prototype"}
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 RESET = """
@@ -403,7 +403,7 @@ class Xform "K"
     drawn = [i for i, node in enumerate(done.gltf.nodes) if node.mesh is not None]
     assert {tuple(np.round(world[i][:3, 3], 5)) for i in drawn} == {(101, 0, 7), (102, 0, 7)}
     assert "reset-in-prototype" in done.warnings()
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 def test_a_reset_stack_in_a_native_instance_is_placed_in_the_world(tmp_path: Path) -> None:
@@ -439,7 +439,7 @@ def "B" (
     places = sorted(tuple(np.round(world[i][:3, 3], 5)) for i in drawn)
     assert places == [(0, 0, 7), (0, 0, 7), (0, 10, 0), (0, 20, 0)]
     assert done.warnings() == set()
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 INSTANCES_OF_TWO = """

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from convert_reading import Converted, convert_text
+from read_converted import Converted, convert_text
 
 
 def light(done: Converted, index: int = 0) -> dict[str, Any]:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_materials import material, noise, save, stage, texture
-from convert_reading import Converted, convert_text
+from material_stages import material, noise, save, stage, texture
+from read_converted import Converted, convert_text
 
 
 def messages(done: Converted, name: str) -> dict[str, str]:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_materials import material, noise, save, stage, texture
-from convert_reading import convert_text
+from material_stages import material, noise, save, stage, texture
+from read_converted import convert_text
 from tampering import agrees
 from test_validate_strict import rewrite
 

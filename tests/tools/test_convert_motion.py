@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
-from convert_worlds import check_world
+from convert_world_matrices import check_world
 from pxr import Usd
+from read_converted import Converted, convert_text
 
 needs_splines = pytest.mark.skipif(
     not hasattr(Usd.Attribute, "HasSpline"), reason="this usd-core has no splines"

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text, interpolated
 from pxr import Usd, UsdGeom, UsdSkel
+from read_converted import Converted, convert_text, interpolated
 from reflet_usd.convert import joints as joints_module
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.validation import validate_file
 
 STAGE = """#usda 1.0
 (
@@ -385,9 +385,9 @@ def test_a_crowd_of_instanced_mirrored_and_delayed_characters(tmp_path: Path) ->
     done = convert_text(tmp_path, text)
     assert done.warnings() == {"animation-unused"}
     assert done.warnings("/Still/A") == {"animation-unused"}
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    checks = {check.name: check.compared for check in proof.checks}
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    checks = {check.name: check.compared for check in validation.checks}
     assert min(checks[name] for name in ("skinning", "joints", "area", "winding")) > 20
 
 
@@ -399,5 +399,5 @@ def test_characters_agree_between_the_ends_of_a_range(
     name = "scales.timeSamples" if "{" in scales else "scales"
     text = CHARACTER.replace("scales = [(1, 1, 1)]", f"{name} = {scales}")
     done = convert_text(tmp_path, text, frames=frames)
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]

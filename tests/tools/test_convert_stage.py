@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from convert_reading import Converted, convert_text
+from read_converted import Converted, convert_text
 from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
 from tampering import agrees, forget
 
@@ -322,10 +322,10 @@ def test_text_that_is_not_utf8_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("stage", SMALL, ids=lambda path: path.stem)
 def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
-    from reflet_usd.validate.proof import prove
+    from reflet_usd.validate.validation import validate_file
 
     out = tmp_path / "out.glb"
     convert_stage(stage, out, ConvertOptions())
-    proof = prove(out, stage, khronos=False)
-    failed = [(c.check, c.prim, c.worst) for c in proof.checks if not c.passed]
-    assert proof.passed, failed
+    validation = validate_file(out, stage, khronos=False)
+    failed = [(c.check, c.prim, c.worst) for c in validation.checks if not c.passed]
+    assert validation.passed, failed

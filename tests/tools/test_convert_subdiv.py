@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
+from read_converted import Converted, convert_text
 from reflet_usd.convert.subdiv import INFINITE, Cage, Step, edge_keys
 from tampering import agrees
 

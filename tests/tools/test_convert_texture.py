@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from convert_materials import image, material, noise, pixels, save, stage, texture
-from convert_reading import convert_text
+from material_stages import image, material, noise, pixels, save, stage, texture
 from PIL import Image
+from read_converted import convert_text
 from tampering import agrees, expect_required
 from test_validate_strict import rewrite
 

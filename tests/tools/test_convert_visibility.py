@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
 from pxr import Usd, UsdGeom
-from reflet_usd.validate.proof import prove
-from reflet_usd.validate.table import format_proof
+from read_converted import Converted, convert_text
+from reflet_usd.validate.validation import validate_file
+from reflet_usd.validate.validation_table import format_validation
 from test_convert_skel import STAGE
 
 CODES = (0, 2, 3, 4.5, 6, 7, 9, 10, 12)
@@ -139,5 +139,5 @@ def test_lights_and_cameras_stay_whatever_their_purpose(
     for path in ("/X", "/I/A/G") if "default" in kept else ("/X",):  # else there is no instancer
         assert done.gltf.nodes[done.node(f"{path}/C")].camera is not None
         assert done.gltf.nodes[done.node(f"{path}/L")].extensions
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, format_proof(proof)
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, format_validation(validation)

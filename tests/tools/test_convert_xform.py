@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import convert_text
-from convert_worlds import check_world
+from convert_world_matrices import check_world
+from read_converted import convert_text
 from reflet_usd.convert.xform import decompose, nearest_trs, split_shear
 from tampering import FACE, UNIT, agrees, forget
 

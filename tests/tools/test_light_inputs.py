@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from convert_reading import convert_text
+from read_converted import convert_text
 from tampering import FACE, UNIT, Output, agrees, expect_found, forget
 
 SHADED = """

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
-from reflet_usd.validate.compare_rig import nearby
-from reflet_usd.validate.facts import Light
+from read_converted import Converted, convert_text
+from reflet_usd.validate.compare_cameras_lights import nearby
 from reflet_usd.validate.light_area import surface_area
+from reflet_usd.validate.scene_data import Light
 from scipy import special
 from tampering import Output, agrees, expect_found, forget, light
 

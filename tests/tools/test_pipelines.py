@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_materials import noise, save
-from convert_reading import Converted, convert_text
+from material_stages import noise, save
+from read_converted import Converted, convert_text
 from reflet_usd.validate.khronos import check_files
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.validation import validate_file
 
 GRID = """
     uniform token subdivisionScheme = "none"
@@ -48,8 +48,8 @@ BLUE = material("Blue", "color3f inputs:diffuseColor = (0, 0, 1)")
 def proven(folder: Path, text: str) -> Converted:
     """A stage whose file says what it says."""
     done = convert_text(folder, text)
-    proof = prove(done.out, folder / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validate_file(done.out, folder / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     return done
 
 
@@ -352,8 +352,8 @@ def PointInstancer "I"
         if node.extensions:
             node.translation = [1.0, 2.0, 3.0]
     done.gltf.save_binary(str(done.out))
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert not next(check for check in proof.checks if check.name == "lights").passed
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not next(check for check in validation.checks if check.name == "lights").passed
 
 
 @pytest.mark.parametrize("chosen", ["", "missing"])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from convert_reading import Converted, convert_text
+from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, agrees, expect_found, expect_required, mesh
 from test_validate_strict import attributes, node, rewrite
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from reflet_usd import cli
 from reflet_usd.convert import ConvertOptions, convert_stage
-from reflet_usd.peers import Root, Score, read_peers, read_roots, score_output, summary_rows
+from reflet_usd.corpus_scores import Root, Score, read_peers, read_roots, score_output, summary_rows
 from reflet_usd.report import Row
 from reflet_usd.report_table import format_markdown
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.validation import validate_file
 
 INDEX_HEAD = (
     "file\topens\tupAxis\tmetersPerUnit\tbox in metres, Y up, earliest time\tfeatures (count)"
@@ -96,8 +96,8 @@ def test_skeletons_count_where_they_have_keys(tmp_path: Path, stages: Path) -> N
     (tmp_path / "still.usda").write_text(f"#usda 1.0\n{still}")
     for stage in (stages / "skin.usda", tmp_path / "still.usda"):
         convert_stage(stage, tmp_path / "out.glb", ConvertOptions())
-        proof = prove(tmp_path / "out.glb", stage, khronos=False)
-        rows.append(Row(Root(stage.name, True, None, {}), True, proof=proof.to_json()))
+        validation = validate_file(tmp_path / "out.glb", stage, khronos=False)
+        rows.append(Row(Root(stage.name, True, None, {}), True, validation=validation.to_json()))
     like = Score(True, 0, "-", (0, 0), 0, (0, 0), (0, 0), (0, 0))
     peers = {"Rival": {row.root.file: like for row in rows}}
     line = "| joints or weights animated, of those with keys | 1/1 | at most 0/1 |"
@@ -181,9 +181,9 @@ def test_silent_losses_of_lights_cameras_and_materials_count(tmp_path: Path) -> 
             sidecar.write_text(json.dumps({**content, "warnings": []}))
         elif name == "painted":
             stage.write_text(LOSSES.replace("(1, 0, 0)", "(0, 0, 1)"))
-        proof = prove(out, stage, khronos=False).to_json()
+        validation = validate_file(out, stage, khronos=False).to_json()
         root = Root(f"{name}.usda", True, None, {})
-        rows.append(Row(root, True, proof=proof, warnings=warnings))
+        rows.append(Row(root, True, validation=validation, warnings=warnings))
     text = format_markdown(rows, {}, "test")
     assert "| with a silent deviation | 2 |" in text
     assert "| with declared losses (named warnings) | 3 |" in text

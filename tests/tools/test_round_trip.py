@@ -9,14 +9,14 @@ import pygltflib as gl
 import pytest
 from PIL import Image
 from reflet_usd.sandbox import run_convert
-from reflet_usd.validate.proof import Proof, prove
-from reflet_usd.validate.table import format_proof
 from reflet_usd.validate.usd_subdivide import Cage, refine
+from reflet_usd.validate.validation import Validation, validate_file
+from reflet_usd.validate.validation_table import format_validation
 
 
-def failing(proof: Proof) -> set[str]:
+def failing(validation: Validation) -> set[str]:
     """Names of the checks that found a silent deviation."""
-    return {check.name for check in proof.checks if not check.passed}
+    return {check.name for check in validation.checks if not check.passed}
 
 
 @pytest.mark.parametrize("name", ["gprims", "instances", "moving", "quads", "skin"])
@@ -25,11 +25,11 @@ def test_every_seed_survives_the_round_trip(
 ) -> None:
     out = tmp_path / f"{name}.glb"
     run_convert(stages / f"{name}.usda", out)
-    proof = prove(out, stages / f"{name}.usda")
-    assert proof.khronos is not None
-    assert proof.khronos.errors == 0, proof.khronos.messages
-    assert failing(proof) == set(), format_proof(proof)
-    assert not any(check.declared for check in proof.checks if check.name != "bindings")
+    validation = validate_file(out, stages / f"{name}.usda")
+    assert validation.khronos is not None
+    assert validation.khronos.errors == 0, validation.khronos.messages
+    assert failing(validation) == set(), format_validation(validation)
+    assert not any(check.declared for check in validation.checks if check.name != "bindings")
 
 
 def test_the_reference_refinement_gives_the_known_places() -> None:
@@ -97,12 +97,12 @@ def test_textures_are_compared_by_texels_and_uv_sets(tmp_path: Path) -> None:
     pixels = np.arange(4 * 4 * 3, dtype=np.uint8).reshape(4, 4, 3) * 5
     Image.fromarray(pixels).save(tmp_path / "picture.png")
     run_convert(stage, out)
-    proof = prove(out, stage, khronos=False)
-    assert failing(proof) == set(), format_proof(proof)
+    validation = validate_file(out, stage, khronos=False)
+    assert failing(validation) == set(), format_validation(validation)
     file = gl.GLTF2().load(str(out))
     texture = file.materials[0].pbrMetallicRoughness.baseColorTexture
     texture.texCoord = 1 - (texture.texCoord or 0)
     file.save(str(out))
-    assert failing(prove(out, stage, khronos=False)) == {"uvs"}
+    assert failing(validate_file(out, stage, khronos=False)) == {"uvs"}
     Image.fromarray(255 - pixels).save(tmp_path / "picture.png")
-    assert "materials" in failing(prove(out, stage, khronos=False))
+    assert "materials" in failing(validate_file(out, stage, khronos=False))

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pygltflib as gl
 import pytest
-from handmade import HandFile, HandMesh
+from handwritten_gltf import HandFile, HandMesh
 from reflet_usd import cli
-from reflet_usd.validate.proof import Proof, prove
+from reflet_usd.validate.validation import Validation, validate_file
 
 STAGE = """#usda 1.0
 (
@@ -149,20 +149,20 @@ def build(change: Callable[[HandFile], None] | None = None) -> HandFile:
     return file
 
 
-def proof_of(
+def validation_of(
     folder: Path, change: Callable[[HandFile], None] | None = None, warnings: list | None = None
-) -> Proof:
+) -> Validation:
     """Write STAGE and its file, changed, and compare them."""
     stage = folder / "stage.usda"
     stage.write_text(STAGE, encoding="utf-8")
     out = build(change).write(folder / "out.glb")
     (folder / "out.glb.json").write_text(json.dumps({"warnings": warnings or []}))
-    return prove(out, stage, khronos=False)
+    return validate_file(out, stage, khronos=False)
 
 
-def failing(proof: Proof) -> set[str]:
+def failing(validation: Validation) -> set[str]:
     """Names of the checks that found a silent deviation."""
-    return {check.name for check in proof.checks if not check.passed}
+    return {check.name for check in validation.checks if not check.passed}
 
 
 def node(file: HandFile, prim: str) -> gl.Node:
@@ -171,19 +171,19 @@ def node(file: HandFile, prim: str) -> gl.Node:
 
 
 def test_a_right_file_passes_every_check(tmp_path: Path) -> None:
-    proof = proof_of(tmp_path)
-    assert failing(proof) == set(), [check.to_json() for check in proof.checks]
-    done = {check.name for check in proof.checks}
+    validation = validation_of(tmp_path)
+    assert failing(validation) == set(), [check.to_json() for check in validation.checks]
+    done = {check.name for check in validation.checks}
     wanted = {"positions", "surfaces", "normals", "uvs", "bindings", "materials", "sides"}
     assert done >= wanted | {"cameras", "lights", "matrices", "triangles", "area", "winding"}
-    assert proof.times > 2
+    assert validation.times > 2
 
 
 def test_the_khronos_validator_agrees(tmp_path: Path, khronos: None) -> None:
     out = build().write(tmp_path / "out.glb")
-    proof = prove(out, None)
-    assert proof.khronos is not None
-    assert proof.khronos.errors == 0, proof.khronos.messages
+    validation = validate_file(out, None)
+    assert validation.khronos is not None
+    assert validation.khronos.errors == 0, validation.khronos.messages
 
 
 def move_vertex(file: HandFile) -> None:
@@ -290,13 +290,13 @@ FAULTS = [
 def test_each_fault_is_found_by_its_check(
     tmp_path: Path, fault: Callable[[HandFile], None], check: str
 ) -> None:
-    assert check in failing(proof_of(tmp_path, fault))
+    assert check in failing(validation_of(tmp_path, fault))
 
 
 def test_a_declared_loss_is_counted_but_does_not_fail(tmp_path: Path) -> None:
     warning = {"name": "prim-damaged", "prim": "/World/Sheet", "message": "too odd"}
-    proof = proof_of(tmp_path, lose_sheet, [warning])
-    carried = next(check for check in proof.checks if check.name == "carried")
+    validation = validation_of(tmp_path, lose_sheet, [warning])
+    carried = next(check for check in validation.checks if check.name == "carried")
     assert carried.passed
     assert carried.declared >= 1
 
@@ -309,13 +309,13 @@ def test_a_warning_elsewhere_excuses_nothing(tmp_path: Path) -> None:
         {"name": "schema-ignored", "prim": "/", "message": ""},
         {"name": "uv-missing", "prim": "/World/Sheet", "message": ""},
     ]
-    assert "carried" in failing(proof_of(tmp_path, lose_sheet, warnings))
+    assert "carried" in failing(validation_of(tmp_path, lose_sheet, warnings))
 
 
 def test_command_prints_json_and_exit_codes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    proof_of(tmp_path)
+    validation_of(tmp_path)
     out, stage = str(tmp_path / "out.glb"), str(tmp_path / "stage.usda")
     options = ["--against", stage, "--no-khronos", "--json"]
     assert cli.main(["validate", out, *options]) == 0

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_materials import stage, texture
-from convert_reading import Converted, convert_text
-from handmade import HandFile
+from handwritten_gltf import HandFile
+from material_stages import stage, texture
 from PIL import Image
 from pxr import Sdf
+from read_converted import Converted, convert_text
 from reflet_usd import cli
-from reflet_usd.validate import proof as proof_module
+from reflet_usd.validate import validation as validation_module
 from reflet_usd.validate.checks import Check, Checks
-from reflet_usd.validate.proof import Proof, prove
+from reflet_usd.validate.validation import Validation, validate_file
 
 QUAD = """
         uniform token subdivisionScheme = "none"
@@ -25,15 +25,15 @@ QUAD = """
 """
 
 
-def proof_of(folder: Path, text: str) -> Proof:
+def validation_of(folder: Path, text: str) -> Validation:
     """Convert a stage and compare it with its own output."""
     done: Converted = convert_text(folder, text)
-    return prove(done.out, folder / "stage.usda", khronos=False)
+    return validate_file(done.out, folder / "stage.usda", khronos=False)
 
 
-def check_of(proof: Proof, name: str) -> Check:
+def check_of(validation: Validation, name: str) -> Check:
     """One check's result."""
-    return next(check for check in proof.checks if check.name == name)
+    return next(check for check in validation.checks if check.name == name)
 
 
 def scaled(scale: str, body: str = QUAD) -> str:
@@ -55,14 +55,14 @@ def Cube "Unit"
 
 @pytest.mark.parametrize("scale", ["(0, 0, 0)", "(0, 1, 1)", "(1, 1, 0)", "(1e-20, 1e-20, 1e-20)"])
 def test_flattened_surfaces_are_compared_by_corners(tmp_path: Path, scale: str) -> None:
-    proof = proof_of(tmp_path, scaled(scale))
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "positions").compared >= 2
+    validation = validation_of(tmp_path, scaled(scale))
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "positions").compared >= 2
 
 
 def test_normals_of_surfaces_that_are_not_flattened_still_count(tmp_path: Path) -> None:
-    proof = proof_of(tmp_path, scaled("(1, 1, 0.001)"))
-    assert check_of(proof, "normals").compared >= 2
+    validation = validation_of(tmp_path, scaled("(1, 1, 0.001)"))
+    assert check_of(validation, "normals").compared >= 2
 
 
 def test_nan_in_the_stage_is_left_out_or_the_identity(tmp_path: Path) -> None:
@@ -82,9 +82,9 @@ def Cube "Unit"
 {{
 }}
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "positions").compared == 2
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "positions").compared == 2
 
 
 def test_a_huge_thin_triangle_may_be_drawn(tmp_path: Path) -> None:
@@ -100,7 +100,7 @@ def Cube "Unit"
 {
 }
 """
-    assert proof_of(tmp_path, text).passed
+    assert validation_of(tmp_path, text).passed
 
 
 def deep_file(folder: Path, depth: int) -> Path:
@@ -129,7 +129,7 @@ def test_a_blunder_of_the_check_is_named(
         raise ZeroDivisionError("float division by zero")
 
     out = deep_file(tmp_path, 1)
-    monkeypatch.setattr(proof_module, "OutputReader", blunder)
+    monkeypatch.setattr(validation_module, "OutputReader", blunder)
     assert cli.main(["validate", str(out), "--no-khronos"]) == 1
     shown = capsys.readouterr().err
     assert "[validate-internal]" in shown
@@ -174,10 +174,10 @@ def still_file(folder: Path, body: str) -> Path:
     ids=["samples", "knots", "between the knots"],
 )
 def test_a_file_that_stands_still_fails_where_the_stage_moves(tmp_path: Path, body: str) -> None:
-    proof = prove(still_file(tmp_path, body), tmp_path / "stage.usda", khronos=False)
-    assert not check_of(proof, "positions").passed
-    assert not check_of(proof, "matrices").passed
-    assert proof.times >= 5
+    validation = validate_file(still_file(tmp_path, body), tmp_path / "stage.usda", khronos=False)
+    assert not check_of(validation, "positions").passed
+    assert not check_of(validation, "matrices").passed
+    assert validation.times >= 5
 
 
 def test_moving_points_are_compared_between_their_keys(tmp_path: Path) -> None:
@@ -191,14 +191,14 @@ def Mesh "m"
     point3f[] points.timeSamples = {{ {frames} }}
 }}
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed
-    assert check_of(proof, "positions").compared >= 7
+    validation = validation_of(tmp_path, text)
+    assert validation.passed
+    assert check_of(validation, "positions").compared >= 7
     changed = text.replace("(0, 3, 0)", "(0, 3.1, 0)")
     (tmp_path / "stage.usda").write_text(
         '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n' + changed
     )
-    again = prove(tmp_path / "out.glb", tmp_path / "stage.usda", khronos=False)
+    again = validate_file(tmp_path / "out.glb", tmp_path / "stage.usda", khronos=False)
     assert not check_of(again, "positions").passed
 
 
@@ -216,36 +216,36 @@ def test_layers_that_usd_still_holds_are_read_anew(tmp_path: Path, held: str) ->
         text = (tmp_path / held).read_text()
         (tmp_path / held).write_text(text + f'def Mesh "more"\n{{{QUAD}}}\n')
     assert all(layers)
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert not proof.passed
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not validation.passed
 
 
-def with_warning(folder: Path, text: str, name: str, prim: str, changed: str) -> Proof:
+def with_warning(folder: Path, text: str, name: str, prim: str, changed: str) -> Validation:
     """The file of `text` with one warning, compared with the stage `changed`."""
     done = convert_text(folder, text)
     Path(f"{done.out}.json").write_text(
         f'{{"warnings": [{{"name": "{name}", "prim": "{prim}", "message": ""}}]}}'
     )
     (folder / "stage.usda").write_text(changed)
-    return prove(done.out, folder / "stage.usda", khronos=False)
+    return validate_file(done.out, folder / "stage.usda", khronos=False)
 
 
 def test_a_wrong_time_rate_excuses_no_motion(tmp_path: Path) -> None:
     text = MOVING.replace("BODY", "double xformOp:translateX.timeSamples = { 0: 0, 20: 5 }")
     changed = text.replace("20: 5", "20: 9")
-    proof = with_warning(tmp_path, text, "time-rate-invalid", "/", changed)
-    assert not check_of(proof, "positions").passed
+    validation = with_warning(tmp_path, text, "time-rate-invalid", "/", changed)
+    assert not check_of(validation, "positions").passed
 
 
 def test_a_damaged_prim_excuses_all_below_it(tmp_path: Path) -> None:
     text = MOVING.replace("BODY", "double xformOp:translateX = 0")
     changed = text + 'def Xform "D"\n{\n    def Xform "E"\n    {\n        def Cube "c"\n'
     changed += "        {\n        }\n    }\n}\n"
-    proof = with_warning(tmp_path, text, "prim-damaged", "/D", changed)
-    assert check_of(proof, "carried").passed
-    assert check_of(proof, "carried").declared >= 1
-    proof = with_warning(tmp_path, text, "prim-damaged", "/Dx", changed)
-    assert not check_of(proof, "carried").passed
+    validation = with_warning(tmp_path, text, "prim-damaged", "/D", changed)
+    assert check_of(validation, "carried").passed
+    assert check_of(validation, "carried").declared >= 1
+    validation = with_warning(tmp_path, text, "prim-damaged", "/Dx", changed)
+    assert not check_of(validation, "carried").passed
 
 
 def test_an_invalid_instancer_still_draws_its_good_instances(tmp_path: Path) -> None:
@@ -260,10 +260,10 @@ def PointInstancer "pi"
     }
 }
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "inputs").declared == 1
-    assert check_of(proof, "positions").compared == 1
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "inputs").declared == 1
+    assert check_of(validation, "positions").compared == 1
 
 
 LOST = [
@@ -287,15 +287,15 @@ def test_inputs_that_gltf_lacks_are_named_and_else_silent(
     schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
     done = convert_text(tmp_path, f'def {kind} "L"{schemas}\n{{\n{body}\n}}\n')
     assert name in done.warnings("/L")
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    declared = [finding.declared for finding in check_of(proof, "inputs").findings]
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    declared = [finding.declared for finding in check_of(validation, "inputs").findings]
     assert declared.count(name) == 1
     sidecar = Path(f"{done.out}.json")
     content = json.loads(sidecar.read_text())
     content["warnings"] = [entry for entry in content["warnings"] if entry["name"] != name]
     sidecar.write_text(json.dumps(content))
-    silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    silent = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
     assert not check_of(silent, "inputs").passed
 
 
@@ -313,7 +313,7 @@ def SphereLight "L"
     entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert entry["intensity"] == pytest.approx(12.5)
     assert done.warnings("/L") == set()
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 def test_angular_velocities_are_named(tmp_path: Path) -> None:
@@ -332,7 +332,7 @@ def PointInstancer "pi"
 """
     done = convert_text(tmp_path, text)
     assert "velocities-dropped" in done.warnings("/pi")
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 def texture_of(name: str, varname: str) -> str:
@@ -386,10 +386,10 @@ def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
     Image.fromarray(pixels).save(tmp_path / "rgb.png")
     done = convert_text(tmp_path, TWO_UVS)
     assert "texture-packed-transform" in done.warnings()
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     Path(f"{done.out}.json").write_text('{"warnings": []}')
-    silent = prove(done.out, tmp_path / "stage.usda", khronos=False)
+    silent = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
     assert not check_of(silent, "uvs").passed
 
 
@@ -414,10 +414,10 @@ class Xform "Source"
     }}
 }}
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "normals").compared >= 2
-    assert check_of(proof, "positions").compared > check_of(proof, "normals").compared
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "normals").compared >= 2
+    assert check_of(validation, "positions").compared > check_of(validation, "normals").compared
 
 
 PLANES = [
@@ -430,8 +430,8 @@ PLANES = [
 
 @pytest.mark.parametrize("plane", PLANES)
 def test_planes_of_negative_size_turn_over(tmp_path: Path, plane: str) -> None:
-    proof = proof_of(tmp_path, f'def Plane "P"\n{{\n    {plane}\n}}\n')
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validation_of(tmp_path, f'def Plane "P"\n{{\n    {plane}\n}}\n')
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
 
 
 PROJECTIVE = """
@@ -449,9 +449,9 @@ def Cube "Unit"
 @pytest.mark.parametrize("kind", ["Cube", "Sphere"])
 @pytest.mark.parametrize("column", ["0", "0.25"])
 def test_points_are_divided_by_w(tmp_path: Path, kind: str, column: str) -> None:
-    proof = proof_of(tmp_path, PROJECTIVE.format(kind=kind, column=column))
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert not any(check.declared for check in proof.checks)
+    validation = validation_of(tmp_path, PROJECTIVE.format(kind=kind, column=column))
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert not any(check.declared for check in validation.checks)
 
 
 def test_hidden_nodes_count_for_the_second_reader(tmp_path: Path) -> None:
@@ -459,9 +459,9 @@ def test_hidden_nodes_count_for_the_second_reader(tmp_path: Path) -> None:
     move = "double3 xformOp:translate = (9, 0, 0)"
     order = 'uniform token[] xformOpOrder = ["xformOp:translate"]'
     cube = f'def Cube "C"\n{{\n    {hidden}\n    {move}\n    {order}\n}}\n'
-    proof = proof_of(tmp_path, cube + 'def Cube "Unit"\n{\n}\n')
-    assert proof.passed
-    assert check_of(proof, "reader").compared == 1
+    validation = validation_of(tmp_path, cube + 'def Cube "Unit"\n{\n}\n')
+    assert validation.passed
+    assert check_of(validation, "reader").compared == 1
 
 
 def test_a_resampled_animation_excuses_what_it_states_and_no_more(tmp_path: Path) -> None:
@@ -493,8 +493,8 @@ def Cube "C"
 
 def test_curved_paths_stay_close_in_the_scenes_measure(tmp_path: Path) -> None:
     pytest.importorskip("pxr.Ts")
-    proof = proof_of(tmp_path, FAST)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validation_of(tmp_path, FAST)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
 
 
 ORIENT = """
@@ -510,9 +510,9 @@ def Cube "C"
 
 @pytest.mark.parametrize("kind", ["quath", "quatf", "quatd"])
 def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind: str) -> None:
-    proof = proof_of(tmp_path, ORIENT.format(kind=kind))
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "matrices").declared == 0
+    validation = validation_of(tmp_path, ORIENT.format(kind=kind))
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "matrices").declared == 0
 
 
 @pytest.mark.parametrize("output", ["r", "g", "b", "a", "rgb"])
@@ -522,18 +522,18 @@ def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: 
     Image.fromarray(pixels).save(tmp_path / "t.png")
     scaled_texture = texture("T", "t.png", "float4 inputs:scale = (0.5, 0.25, 1, 0.75)")
     inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
-    proof = proof_of(tmp_path, stage(inputs, scaled_texture))
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert "prim-damaged" not in {warning["name"] for warning in proof.warnings}
-    assert check_of(proof, "materials").compared > 0
+    validation = validation_of(tmp_path, stage(inputs, scaled_texture))
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert "prim-damaged" not in {warning["name"] for warning in validation.warnings}
+    assert check_of(validation, "materials").compared > 0
 
 
 def test_weights_that_are_no_numbers_are_zero(tmp_path: Path, stages: Path) -> None:
     text = (stages / "skin.usda").read_text()
     assert "0: [0]," in text
-    proof = proof_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "skinning").declared == 0
+    validation = validation_of(tmp_path, text.replace("0: [0],", "0: [nan],"))
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "skinning").declared == 0
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
@@ -547,9 +547,9 @@ def Mesh "M"
     point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 }}
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "area").compared == 1
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "area").compared == 1
 
 
 def test_geometry_below_a_camera_is_where_the_second_reader_sees_it(tmp_path: Path) -> None:
@@ -563,9 +563,9 @@ def Camera "C"
     }}
 }}
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "reader").compared == 1
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "reader").compared == 1
 
 
 def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> None:
@@ -578,11 +578,11 @@ def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> Non
         tmp_path, stage(inputs, texture("A", "small.png") + texture("B", "large.png"))
     )
     assert "texture-repacked" in done.warnings("/Mat/A")
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
     other = np.random.default_rng(9).integers(0, 255, (8, 8, 3), dtype=np.uint8)
     Image.fromarray(other).save(tmp_path / "small.png")
-    assert not prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert not validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 @pytest.mark.parametrize("allowed", [True, False])
@@ -596,10 +596,10 @@ def test_the_stage_is_read_from_the_folders_of_the_conversion(
     text = 'def "X" (references = @../far/part.usda@)\n{\n}\ndef Cube "Unit"\n{\n}\n'
     roots = (tmp_path / "far",) if allowed else ()
     done = convert_text(tmp_path / "near", text, extra_roots=roots)
-    proof = prove(done.out, tmp_path / "near" / "stage.usda", khronos=False)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert check_of(proof, "positions").compared == 1 + allowed
-    assert proof.roots == [str(tmp_path / "near"), *map(str, roots)]
+    validation = validate_file(done.out, tmp_path / "near" / "stage.usda", khronos=False)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert check_of(validation, "positions").compared == 1 + allowed
+    assert validation.roots == [str(tmp_path / "near"), *map(str, roots)]
 
 
 def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None:
@@ -607,7 +607,7 @@ def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None
     done = convert_text(tmp_path, f'def SphereLight "L"\n{{\n{body}}}\n')
     stored = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert stored["intensity"] == pytest.approx(2.0)
-    assert prove(done.out, tmp_path / "stage.usda", khronos=False).passed
+    assert validate_file(done.out, tmp_path / "stage.usda", khronos=False).passed
 
 
 def test_animated_ids_hide_the_instances_that_they_name(tmp_path: Path) -> None:
@@ -624,9 +624,9 @@ def PointInstancer "pi"
     }
 }
 """
-    proof = proof_of(tmp_path, text)
-    assert proof.passed, [check.to_json() for check in proof.checks if not check.passed]
-    assert proof.times > 0
+    validation = validation_of(tmp_path, text)
+    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
+    assert validation.times > 0
 
 
 def test_curves_under_a_skeleton_are_carried_at_rest(tmp_path: Path, stages: Path) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_reading import convert_text
-from reflet_usd.validate.proof import prove
+from read_converted import convert_text
+from reflet_usd.validate.validation import validate_file
 from tampering import Damage, Output, agrees, change, expect_found, turn
 
 BODY = """
@@ -130,8 +130,8 @@ def test_another_orientation_of_the_stage_is_found(tmp_path: Path) -> None:
     place = tmp_path / "stage.usda"
     turned = '"G"\n{\nuniform token orientation = "leftHanded"'
     place.write_text(place.read_text().replace('"G"\n{', turned))
-    proof = prove(done.out, place, khronos=False)
-    assert {check.name for check in proof.checks if not check.passed} == {"winding", "normals"}
+    validation = validate_file(done.out, place, khronos=False)
+    assert {check.name for check in validation.checks if not check.passed} == {"winding", "normals"}
 
 
 def test_a_negative_size_is_still_on_its_surface(tmp_path: Path) -> None:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from convert_materials import MESH as BOUND
-from convert_materials import noise, save
-from convert_reading import convert_text
+from material_stages import MESH as BOUND
+from material_stages import noise, save
+from read_converted import convert_text
 from reflet_usd.convert import instance_motion, instancer, joints
-from reflet_usd.validate.proof import prove
+from reflet_usd.validate.validation import validate_file
 from tampering import (
     FACE,
     UNIT,
@@ -372,8 +372,8 @@ def test_many_turning_joints_are_compared_with_normalized_ones(
 def test_area_and_winding_of_skinned_meshes(tmp_path: Path) -> None:
     done = convert_text(tmp_path, SKELETON)
     expect_found(done, turn)
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    checks = {check.name: check for check in proof.checks}
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    checks = {check.name: check for check in validation.checks}
     assert checks["winding"].silent > 0
     assert checks["skinning"].passed
     assert checks["area"].passed

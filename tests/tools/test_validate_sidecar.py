@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from convert_materials import noise, save, texture
-from convert_materials import stage as material_stage
-from convert_reading import convert_text
-from reflet_usd.validate.proof import prove
-from reflet_usd.validate.table import format_proof
+from material_stages import noise, save, texture
+from material_stages import stage as material_stage
+from read_converted import convert_text
+from reflet_usd.validate.validation import validate_file
+from reflet_usd.validate.validation_table import format_validation
 from tampering import UNIT, agrees
 
 TEXTURED = material_stage(
@@ -37,9 +37,9 @@ TEXTURED = material_stage(
 def test_a_damaged_sidecar_is_named(tmp_path: Path, text: str) -> None:
     done = convert_text(tmp_path, UNIT)
     Path(f"{done.out}.json").write_text(text, encoding="utf-8")
-    proof = prove(done.out, tmp_path / "stage.usda", khronos=False)
-    assert not proof.passed
-    assert "is damaged" in format_proof(proof)
+    validation = validate_file(done.out, tmp_path / "stage.usda", khronos=False)
+    assert not validation.passed
+    assert "is damaged" in format_validation(validation)
 
 
 def test_brackets_in_a_folder_are_no_package(tmp_path: Path) -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from convert_materials import noise, save, texture
-from convert_materials import stage as material_stage
-from convert_reading import Converted, convert_text
+from material_stages import noise, save, texture
+from material_stages import stage as material_stage
+from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, agrees
 
 KHR = "KHR_materials_"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from convert_materials import noise, save, texture
-from convert_materials import stage as material_stage
-from convert_reading import convert_text
+from material_stages import noise, save, texture
+from material_stages import stage as material_stage
+from read_converted import convert_text
 from tampering import (
     FACE,
     NORMALS,

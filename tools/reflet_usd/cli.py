@@ -74,7 +74,7 @@ def build_parser(selected: str | None) -> argparse.ArgumentParser:
     """The whole parser; only `selected`'s module is imported (USD takes long to load)."""
     parser = argparse.ArgumentParser(
         prog="reflet-usd",
-        description="USD stages to glTF 2.0, with proof that nothing got lost.",
+        description="USD stages to glTF 2.0, with validation that nothing got lost.",
         epilog=EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.limit_arguments import add_limits, limits_from
-from reflet_usd.printing import show
+from reflet_usd.standard_output import show
 
 if TYPE_CHECKING:
     from reflet_usd.convert.context import Context

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from reflet_usd import __version__
-from reflet_usd.children import Children
+from reflet_usd.child_processes import Children
 from reflet_usd.convert.types import ConvertError, ConvertOptions
-from reflet_usd.peers import Root, read_peers, read_roots
-from reflet_usd.printing import show
+from reflet_usd.corpus_scores import Root, read_peers, read_roots
 from reflet_usd.report_table import format_markdown
 from reflet_usd.sandbox import Limits, run_convert
-from reflet_usd.validate.confined import prove_apart
+from reflet_usd.standard_output import show
+from reflet_usd.validate.confined import validate_confined
 from reflet_usd.validate.khronos import ValidatorMissingError, check_files, find_package
 
 
@@ -34,7 +34,7 @@ class Row:
     reason: str = ""
     """Why it was not converted, or why its check could not run; empty where all ran."""
     message: str = ""
-    proof: dict[str, Any] = dataclasses.field(default_factory=dict)
+    validation: dict[str, Any] = dataclasses.field(default_factory=dict)
     """The JSON of `reflet-usd validate`."""
     warnings: list[dict[str, Any]] = dataclasses.field(default_factory=list)
     convert_s: float = 0.0
@@ -42,14 +42,14 @@ class Row:
     @property
     def validator_errors(self) -> int | None:
         """Errors of the Khronos validator; None where it did not run."""
-        khronos = self.proof.get("khronos")
+        khronos = self.validation.get("khronos")
         return khronos["errors"] if khronos else None
 
     @property
     def passed(self) -> bool:
         """Converted, valid and equal to the stage in every check, or refused as it should be."""
         if self.converted:
-            return bool(self.proof.get("passed"))
+            return bool(self.validation.get("passed"))
         return self.root.opens is False and self.reason != "converter-internal"
 
     def to_json(self) -> dict[str, Any]:
@@ -63,7 +63,7 @@ class Row:
             "message": self.message,
             "convert_s": round(self.convert_s, 3),
             "warnings": self.warnings,
-            "proof": self.proof,
+            "proof": self.validation,
         }
 
 
@@ -175,15 +175,15 @@ def convert_all(
             pool.shutdown(wait=False, cancel_futures=True)
             children.stop()
             raise
-    _run_khronos([row for row in rows if row.proof], place)
+    _run_khronos([row for row in rows if row.validation], place)
     return rows
 
 
 def _run_khronos(rows: list[Row], place: Path) -> None:
     """Add the Khronos validator's reports, all from one node process."""
     for row, report in zip(rows, check_files([_out(row.root, place) for row in rows]), strict=True):
-        row.proof["khronos"] = dataclasses.asdict(report)
-        row.proof["passed"] = row.proof["passed"] and report.errors == 0
+        row.validation["khronos"] = dataclasses.asdict(report)
+        row.validation["passed"] = row.validation["passed"] and report.errors == 0
 
 
 def _out(root: Root, place: Path) -> Path:
@@ -205,7 +205,9 @@ def _one(folder: Path, root: Root, place: Path, limits: Limits, children: Childr
     row = Row(root, True, convert_s=time.monotonic() - start)
     row.warnings = [warning.to_json() for warning in result.warnings]
     try:  # in a process of its own, for usd-core may end the one that reads a stage
-        row.proof = prove_apart(out, stage, None, limits=limits, children=children).proof
+        row.validation = validate_confined(
+            out, stage, None, limits=limits, children=children
+        ).validation
     except ConvertError as error:
         row.reason, row.message = error.name, _without(str(error), folder)
     return row

@@ -5,7 +5,13 @@ from __future__ import annotations
 import collections
 from typing import TYPE_CHECKING, Any
 
-from reflet_usd.peers import KEYED_SKELETONS, Score, failed_score, score_output, summary_rows
+from reflet_usd.corpus_scores import (
+    KEYED_SKELETONS,
+    Score,
+    failed_score,
+    score_output,
+    summary_rows,
+)
 
 if TYPE_CHECKING:
     from reflet_usd.report import Row
@@ -24,11 +30,11 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
     like = next(iter(peers.values()), {})
     ours = {}
     for row in rows:
-        keyed = row.proof.get("stage", {}).get("keyed_skeletons", 0)
+        keyed = row.validation.get("stage", {}).get("keyed_skeletons", 0)
         row.root.features[KEYED_SKELETONS] = keyed
         example = like.get(row.root.file)
         if row.converted:
-            facts = row.proof.get("facts", {})
+            facts = row.validation.get("facts", {})
             ours[row.root.file] = score_output(row.root, facts, row.validator_errors, example)
         else:
             ours[row.root.file] = failed_score(example)
@@ -43,8 +49,8 @@ def _summary(rows: list[Row], peers: dict[str, dict[str, Score]], version: str) 
 def _strict(rows: list[Row]) -> str:
     """Our own, stricter account: every check of `validate`, and silence."""
     done = [row for row in rows if row.converted]
-    checked = [row for row in done if row.proof]
-    exact = [row for row in checked if row.proof["passed"]]
+    checked = [row for row in done if row.validation]
+    exact = [row for row in checked if row.validation["passed"]]
     lossy = [row for row in done if row.warnings]
     silent = [row for row in checked if _silent(row)]
     worst = max((_deviation(row) for row in checked), default=0.0)
@@ -86,7 +92,7 @@ def _cells(row: Row) -> list[str]:
     if not row.converted:
         expected = " (broken on purpose)" if row.root.opens is False else ""
         return [row.root.file, f"no: `{row.reason}`{expected}", "", "", "", ""]
-    if not row.proof:
+    if not row.validation:
         return [row.root.file, "yes", "", f"`{row.reason}`", "", _warnings(row)]
     errors = "" if row.validator_errors is None else str(row.validator_errors)
     silent = ", ".join(_silent(row))
@@ -111,4 +117,4 @@ def _deviation(row: Row) -> float:
 
 
 def _checks(row: Row) -> list[dict[str, Any]]:
-    return row.proof.get("checks", [])
+    return row.validation.get("checks", [])

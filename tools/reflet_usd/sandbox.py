@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from . import convert
-from .children import Children, end
-from .placing import move_output, tree_bytes
+from .atomic_output import move_output, tree_bytes
+from .child_processes import Children, end
 from .usdz_check import check_referenced
 
 _CONVERT_TARGET = "reflet_usd.convert:convert_stage"

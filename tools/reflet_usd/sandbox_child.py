@@ -37,19 +37,19 @@ def main() -> int:
 def _confine(job: dict[str, Any], staging: Path) -> list[str]:
     """Apply every limit; returns what could not be applied, in words."""
     # Imported here because the package is found through the job's sys_path.
-    confine = importlib.import_module("reflet_usd.confine")
-    confine.die_with_parent()
+    isolation = importlib.import_module("reflet_usd.process_isolation")
+    isolation.die_with_parent()
     notices = []
-    reason = confine.drop_network()
-    if reason and confine.network_reachable():
+    reason = isolation.drop_network()
+    if reason and isolation.network_reachable():
         notices.append(f"the network stays reachable during conversion ({reason})")
     python = [sys.prefix, sys.base_prefix, *filter(None, sys.path), *_SYSTEM_ROOTS]
     reads = [Path(root) for root in [*job["read_roots"], *python]]
-    reason = confine.confine_files(reads, [staging, *map(Path, _DEVICES)])
+    reason = isolation.confine_files(reads, [staging, *map(Path, _DEVICES)])
     if reason:
         notices.append(f"other folders stay readable during conversion ({reason})")
     limits = job["limits"]
-    confine.apply_limits(limits["memory_bytes"], limits["cpu_s"], limits["output_bytes"])
+    isolation.apply_limits(limits["memory_bytes"], limits["cpu_s"], limits["output_bytes"])
     return notices
 
 

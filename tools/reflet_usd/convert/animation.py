@@ -10,7 +10,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.keys import (
+from reflet_usd.convert.keyframes import (
     Evaluate,
     Keys,
     OneNode,
@@ -19,9 +19,7 @@ from reflet_usd.convert.keys import (
     remembered,
     sampled_keys,
 )
-from reflet_usd.convert.opchain import chain_of_ops
-from reflet_usd.convert.ops import warn_missing_ops
-from reflet_usd.convert.reach import Reach, reach_of
+from reflet_usd.convert.missing_xform_ops import warn_missing_ops
 from reflet_usd.convert.samples import (
     has_spline,
     seconds_of,
@@ -30,6 +28,7 @@ from reflet_usd.convert.samples import (
     with_jumps,
 )
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import (
     Trs,
     align_hemispheres,
@@ -37,6 +36,7 @@ from reflet_usd.convert.xform import (
     column_matrix,
     place,
 )
+from reflet_usd.convert.xform_op_chain import chain_of_ops
 
 # How far products of float64 matrices leave the fourth column of an affine one.
 AFFINE_TOLERANCE = 1e-9

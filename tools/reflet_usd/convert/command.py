@@ -9,7 +9,7 @@ from collections import Counter
 from reflet_usd.convert import arguments
 from reflet_usd.convert.types import count_of
 from reflet_usd.limit_arguments import add_limits, limits_from
-from reflet_usd.printing import show
+from reflet_usd.standard_output import show
 
 SHOWN_WARNINGS = 20
 

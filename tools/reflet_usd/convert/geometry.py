@@ -17,6 +17,7 @@ from reflet_usd.convert.attributes import (
     read_display,
     read_primvars,
 )
+from reflet_usd.convert.channel_packing import texture_transform, wraps_to_black
 from reflet_usd.convert.context import Context, authored, source_path
 from reflet_usd.convert.extras import is_custom
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -25,7 +26,6 @@ from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_tran
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
 from reflet_usd.convert.nurbs import patch_polygons
-from reflet_usd.convert.pack import texture_transform, wraps_to_black
 from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
 from reflet_usd.convert.primvars import Topology

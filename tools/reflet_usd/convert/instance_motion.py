@@ -12,8 +12,8 @@ from reflet_usd.convert.animation import animate_matrix
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.instancing import unit_quaternions
 from reflet_usd.convert.raw_trs import RawTrs
-from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import Trs, align_hemispheres, assign, place
 
 # Matrices that normalization changes by no more than this are equal in single precision.

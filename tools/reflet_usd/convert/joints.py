@@ -12,8 +12,8 @@ from reflet_usd.convert.animation import animate_matrix
 from reflet_usd.convert.context import Context, in_float32
 from reflet_usd.convert.instancing import unit_quaternions
 from reflet_usd.convert.raw_trs import Parts, RawTrs, Tracks
-from reflet_usd.convert.reach import Reach, reach_of
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import align_hemispheres, assign, column_matrix, nearest_trs, place
 
 # A joint that stretches less than this turns as glTF's unit quaternions do: single precision.

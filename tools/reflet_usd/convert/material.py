@@ -8,9 +8,10 @@ from typing import Any
 from pxr import Usd, UsdShade
 
 from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.channel_packing import Packer
 from reflet_usd.convert.context import Context, source_path
 from reflet_usd.convert.gltf_writer import GltfWriter
-from reflet_usd.convert.mtlx import MATERIALX_SURFACES, approximate
+from reflet_usd.convert.materialx import MATERIALX_SURFACES, approximate
 from reflet_usd.convert.network import (
     Constant,
     NetworkReader,
@@ -19,8 +20,7 @@ from reflet_usd.convert.network import (
     TextureRead,
     shader_id,
 )
-from reflet_usd.convert.pack import Packer
-from reflet_usd.convert.preview import PREVIEW_INPUTS, PreviewMaterial
+from reflet_usd.convert.preview_surface import PREVIEW_INPUTS, PreviewMaterial
 
 _RENDER_CONTEXTS = ("", "glslfx", "mtlx")
 # UsdPreviewSurface's roughness, for surfaces that have a color and nothing else.

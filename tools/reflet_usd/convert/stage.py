@@ -20,7 +20,7 @@ from reflet_usd.convert.confinement import (
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
-from reflet_usd.convert.ops import skip_missing_ops
+from reflet_usd.convert.missing_xform_ops import skip_missing_ops
 from reflet_usd.convert.prim_count import check_prim_count
 from reflet_usd.convert.samples import first_code, has_spline
 from reflet_usd.convert.types import ConvertError, ConvertOptions

@@ -18,8 +18,6 @@ from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.collection import keep_collections
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
-from reflet_usd.convert.damage import DAMAGE, reason_of_damage
-from reflet_usd.convert.depth import check_depth, check_level, levels_to
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
 from reflet_usd.convert.gltf_writer import GltfWriter
@@ -29,9 +27,11 @@ from reflet_usd.convert.light_size import Emitter, size_lights
 from reflet_usd.convert.loose_primvars import keep_loose_primvars
 from reflet_usd.convert.metadata import keep_metadata, warn_schemas
 from reflet_usd.convert.morph import point_keys
+from reflet_usd.convert.node_depth import check_depth, check_level, levels_to
 from reflet_usd.convert.scene import Node
 from reflet_usd.convert.skel import Skeletons
 from reflet_usd.convert.subsets import note_binding_purposes
+from reflet_usd.convert.unreadable_values import DAMAGE, reason_of_damage
 from reflet_usd.convert.xform import column_matrix, place
 
 # Prims that live inside materials, skeletons or meshes: they have no place in space.

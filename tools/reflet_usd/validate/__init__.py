@@ -16,7 +16,7 @@ from pathlib import Path
 
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.limit_arguments import add_limits, limits_from
-from reflet_usd.printing import show
+from reflet_usd.standard_output import show
 
 EXIT_OK, EXIT_USAGE, EXIT_DEVIATES = 0, 2, 3
 
@@ -60,8 +60,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace) -> int:
     from .khronos import ValidatorMissingError, check_files
-    from .proof import prove
-    from .table import format_proof
+    from .validation import validate_file
+    from .validation_table import format_validation
 
     try:
         report = None if args.no_khronos else check_files([args.out])[0]
@@ -72,13 +72,13 @@ def _run(args: argparse.Namespace) -> int:
         message = f"the Khronos validator ended with {report.crash!r}; compare only,"
         raise ConvertError("validator-crash", f"{message} with --no-khronos", str(args.out))
     if args.against is None:
-        proof = prove(args.out, None, khronos=False)
-        proof.khronos = report
-        verdict, text = proof.to_json(), format_proof(proof)
+        validation = validate_file(args.out, None, khronos=False)
+        validation.khronos = report
+        verdict, text = validation.to_json(), format_validation(validation)
     else:
-        from .confined import prove_apart
+        from .confined import validate_confined
 
-        found = prove_apart(args.out, args.against, report, limits=limits_from(args))
-        verdict, text = found.proof, found.text
+        found = validate_confined(args.out, args.against, report, limits=limits_from(args))
+        verdict, text = found.validation, found.text
     show(json.dumps(verdict, indent=2) if args.json else text)
     return EXIT_OK if verdict["passed"] else EXIT_DEVIATES

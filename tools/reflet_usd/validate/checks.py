@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from .excuses import ABSENT, PLACED, SUBTREE
+from .allowed_deviations import ABSENT, PLACED, SUBTREE
 
 _MAX_FINDINGS = 50
 

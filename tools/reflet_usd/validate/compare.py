@@ -8,11 +8,11 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .allowed_deviations import MESH_LIGHT, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_SET, absent
 from .checks import BARS, Checks
-from .compare_rig import Device, camera_values, light_values, matrix_distance, nearby
+from .compare_cameras_lights import Device, camera_values, light_values, matrix_distance, nearby
 from .distances import attribute_distance, one_way, open_edges, set_distance
-from .excuses import SHINES, UNKNOWN_SURFACE, UNORDERED_COLORS, UV_SET, absent
-from .facts import Array, Corners, Lost, Scene, Surface
+from .scene_data import Array, Corners, Lost, Scene, Surface
 from .surfaces import distances_to_surfaces, surface_box, untouched_extent
 from .uv_compare import compare_customs, compare_point_values, compare_uvs
 
@@ -75,7 +75,7 @@ class SceneComparer:
                 text = f"'{name}' has values without a place"
                 self.checks.add_lost(prim, UV_SET, text, name)
         for prim in sorted(truth.mesh_lights):
-            self.checks.add_lost(prim, SHINES, "shines")
+            self.checks.add_lost(prim, MESH_LIGHT, "shines")
 
     def matrices(self, truth: Scene, output: Scene, at: str) -> None:
         """World matrices of all nodes that stand for a transformable prim."""

@@ -8,27 +8,27 @@ import stat
 from pathlib import Path
 from typing import Any
 
-from reflet_usd.children import Children
+from reflet_usd.child_processes import Children
 from reflet_usd.convert.types import ConvertError
 from reflet_usd.sandbox import Limits, run_confined
 from reflet_usd.usdz_check import check_referenced
 
 from .khronos import KhronosReport
 
-_TARGET = "reflet_usd.validate.confined:prove_here"
+_TARGET = "reflet_usd.validate.confined:validate_here"
 
 
 @dataclasses.dataclass
 class Verdict:
     """What one check found, as plain data."""
 
-    proof: dict[str, Any]
-    """As `Proof.to_json` gives it."""
+    validation: dict[str, Any]
+    """As `Validation.to_json` gives it."""
     text: str
     """The table for people."""
 
 
-def prove_apart(
+def validate_confined(
     out: Path,
     stage: Path,
     khronos: KhronosReport | None,
@@ -66,20 +66,20 @@ def prove_apart(
         raise ConvertError("validate-internal", message, str(out)) from error
 
 
-def prove_here(stage: Path, _out: Path, options: dict[str, Any]) -> Verdict:
+def validate_here(stage: Path, _out: Path, options: dict[str, Any]) -> Verdict:
     """The comparison itself, in this process."""
-    from .facts import StageError
-    from .proof import prove
-    from .table import format_proof
+    from .scene_data import StageError
+    from .validation import validate_file
+    from .validation_table import format_validation
 
     _guard_layers(stage, options["roots"])
     try:
-        proof = prove(Path(options["file"]), stage, khronos=False)
+        validation = validate_file(Path(options["file"]), stage, khronos=False)
     except StageError as error:
         raise ConvertError("stage-unreadable", str(error)) from None
     if options["khronos"] is not None:
-        proof.khronos = KhronosReport(**options["khronos"])
-    return Verdict(proof.to_json(), format_proof(proof))
+        validation.khronos = KhronosReport(**options["khronos"])
+    return Verdict(validation.to_json(), format_validation(validation))
 
 
 def _guard_layers(stage: Path, roots: list[str]) -> None:

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from .facts import Array
+from .scene_data import Array
 
 _DIRECTION = np.array([0.8147236863931789, 0.9057919370756192, 0.1269868162935061, 0.913375])
 

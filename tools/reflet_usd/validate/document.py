@@ -9,14 +9,14 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
+from .allowed_deviations import LEFT_OUT
 from .checks import Checks
-from .excuses import LEFT_OUT
+from .extras_check import compare_extras, is_same
 from .gltf_pose import VISIBILITY
 from .gltf_scene import OutputReader
-from .primvar_words import compare_primvar_words
+from .primvar_extras_check import compare_primvar_extras
 from .usd_light import read_radiance
 from .usd_stage import TruthStage, may_move, stated_codes
-from .words import compare_words, is_same
 
 _DOMES = ("DomeLight", "DomeLight_1")
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
@@ -37,8 +37,8 @@ def compare_document(
         if "range" in light:
             checks.add("lights", "/", math.inf, f"a range of {light['range']} m, USD has none")
     _compare_nodes(checks, truth.stage, output)
-    compare_words(checks, truth.stage, output, rest)
-    compare_primvar_words(checks, truth.stage, output, rest)
+    compare_extras(checks, truth.stage, output, rest)
+    compare_primvar_extras(checks, truth.stage, output, rest)
     _compare_extras(checks, truth, output, rest, settings)
 
 

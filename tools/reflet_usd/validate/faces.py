@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from .facts import Array, Indices
+from .scene_data import Array, Indices
 
 _FLAT = 1e-5
 """A face is flat when no corner leaves its plane by more than this part of its size."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from .facts import Array
 from .gltf_file import GltfFile
 from .images import Texels, decode, sample
+from .scene_data import Array
 
 _CHANNELS = {"opacity": [3], "metallic": [2], "roughness": [1], "occlusion": [0]}
 _WRAP_NAMES = {10497: "repeat", 33648: "mirror", 33071: "clamp"}

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .facts import Array
 from .gltf_file import GltfFile
+from .scene_data import Array
 
 VISIBILITY = re.compile(r"/nodes/(\d+)/extensions/KHR_node_visibility/visible")
 

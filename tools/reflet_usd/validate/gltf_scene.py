@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from .faces import measure
-from .facts import Array, Camera, Corners, Indices, Light, Scene, transform_points
 from .gltf_file import GltfFile
 from .gltf_pose import Pose, Poser, compose
+from .scene_data import Array, Camera, Corners, Indices, Light, Scene, transform_points
 
 _INSTANCING = "EXT_mesh_gpu_instancing"
 _LIGHTS = "KHR_lights_punctual"

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from PIL import Image
 
-from .facts import Array
+from .scene_data import Array
 
 
 @dataclasses.dataclass

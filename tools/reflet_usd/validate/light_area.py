@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from .facts import Array
+from .scene_data import Array
 
 _AROUND = np.arange(4096) * (2.0 * math.pi / 4096)
 _PLACES, _SHARES = (

@@ -7,9 +7,8 @@ import math
 
 import numpy as np
 
-from .checks import Checks
-from .excuses import (
-    FROZEN_LOOK,
+from .allowed_deviations import (
+    FROZEN_INPUT,
     LOST_FILE,
     NO_PLACE,
     NO_TEXTURE,
@@ -19,12 +18,13 @@ from .excuses import (
     REWRITTEN,
     UNREAD_FILE,
 )
-from .facts import Array, Scene
+from .checks import Checks
 from .gltf_file import GltfFile
 from .gltf_material import OutputMaterial
 from .images import linear_to_srgb
-from .looks import strange_extensions, unlike_plain
-from .usd_frozen import animated_inputs
+from .scene_data import Array, Scene
+from .unauthored_materials import non_default_values, unexpected_extensions
+from .usd_animated_inputs import animated_inputs
 from .usd_material import DEFAULTS, PreviewInput, TextureRead, preview_shader, read_input
 from .usd_materialx import materialx_inputs
 from .usd_stage import TruthStage
@@ -88,7 +88,7 @@ def compare_materials(
                 _compare_plain(checks, path, OutputMaterial(file, index))
             continue
         for prim, name in animated_inputs(truth.stage.GetPrimAtPath(path)):
-            checks.add_lost(prim, FROZEN_LOOK, f"keys of '{name}'", name)
+            checks.add_lost(prim, FROZEN_INPUT, f"keys of '{name}'", name)
         found = outputs.get(path) or by_name.get(path.rsplit("/", 1)[-1], [])
         if not found:
             checks.add("materials", path, math.inf, "is not in the output")
@@ -106,7 +106,7 @@ def compare_materials(
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
     """What stands for a surface that is not known is a plain dielectric in displayColor."""
     checks.add("materials", path, 0.0)
-    for text in unlike_plain(found.material):
+    for text in non_default_values(found.material):
         checks.add("materials", path, math.inf, f"in displayColor: {text}")
 
 
@@ -186,7 +186,7 @@ class _Comparison:
             if not read and found.has_image(names[0]):
                 text = f"{names[0]} has a texture only in the output"
                 self.checks.add("materials", self.path, math.inf, text)
-        for text in strange_extensions(found.material):
+        for text in unexpected_extensions(found.material):
             self.checks.add("materials", self.path, math.inf, text)
 
     def _losses(self) -> None:

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from .facts import Array, Surface, transform_points
+from .scene_data import Array, Surface, transform_points
 
 _MAX_PAIRS = 20_000_000
 

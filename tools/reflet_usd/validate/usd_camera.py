@@ -6,7 +6,7 @@ import math
 
 from pxr import Gf, Usd, UsdGeom
 
-from .facts import Camera, Lost
+from .scene_data import Camera, Lost
 from .usd_stage import TruthStage
 
 _FALLBACK_RANGE_M = (0.01, 10_000.0)

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
 
-from .facts import Array, Indices, Lost
+from .scene_data import Array, Indices, Lost
 from .usd_primvars import CornerMap, array_of, carried, customs, misfits, uv_sets
 
 _STEPS = 8

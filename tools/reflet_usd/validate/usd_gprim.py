@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .facts import Array, Indices, Surface
+from .scene_data import Array, Indices, Surface
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh
 from .usd_primvars import NO_COLOR, CornerMap, array_of, corner_colors, flattened

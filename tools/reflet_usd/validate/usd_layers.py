@@ -7,8 +7,8 @@ import stat
 
 from pxr import Ar, Sdf, Usd
 
+from .allowed_deviations import NOT_READ
 from .checks import Checks
-from .excuses import NOT_READ
 from .usd_stage import TruthStage, is_within
 
 

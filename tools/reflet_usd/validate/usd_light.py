@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Usd, UsdLux
 
-from .facts import Array, Light, Lost
 from .light_area import is_even, surface_area
+from .scene_data import Array, Light, Lost
 from .usd_stage import TruthStage
 
 _APPROXIMATED = "area-light-approximated"

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Sdf, Usd, UsdShade
 
-from .facts import Array
 from .images import Texels, decode, enlarged, linear_to_srgb, sample, srgb_to_linear
+from .scene_data import Array
 from .usd_stage import is_within
 
 DEFAULTS: dict[str, tuple[float, ...]] = {

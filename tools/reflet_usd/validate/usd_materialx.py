@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from pxr import Sdf, Usd, UsdShade
 
-from .facts import Array
+from .scene_data import Array
 from .usd_material import (
     DEFAULTS,
     TIME,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .facts import Array, Indices
+from .scene_data import Array, Indices
 from .usd_primvars import CornerMap, array_of, carried, corner_colors, customs, misfits, uv_sets
 
 

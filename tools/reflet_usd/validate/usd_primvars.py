@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .facts import Array, Indices
+from .scene_data import Array, Indices
 
 NO_COLOR = 0.18
 """UsdPreviewSurface's diffuseColor, for gprims whose displayColor is missing or does not fit."""

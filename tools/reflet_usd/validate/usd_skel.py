@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 
-from .facts import Array
+from .scene_data import Array
 from .usd_stage import TruthStage
 
 

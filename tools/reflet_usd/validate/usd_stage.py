@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
 
-from .facts import Array, StageError
+from .scene_data import Array, StageError
 
 _SPLINE_PROBES = (0.17, 0.39, 0.68, 0.91)
 _HALF_TYPES = ("half", "half3", "quath")

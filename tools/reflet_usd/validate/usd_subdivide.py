@@ -13,7 +13,7 @@ import itertools
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .facts import Array, Indices
+from .scene_data import Array, Indices
 from .usd_mesh import LocalMesh
 from .usd_primvars import array_of
 

@@ -8,18 +8,18 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from .faces import measure
-from .facts import Array, Corners, Indices, Scene, transform_points
+from .scene_data import Array, Corners, Indices, Scene, transform_points
 from .usd_camera import read_camera
 from .usd_curves import read_patch, read_points
 from .usd_gprim import read_grid, read_polyhedron, read_surface
-from .usd_lathe import read_lathe
 from .usd_light import OF_GEOMETRY, Source, lost_of_dome, read_source, unusual_inputs
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh, read_mesh
+from .usd_placements import PlacementWalk, is_light
 from .usd_primvars import array_of
 from .usd_stage import TruthStage
 from .usd_subdivide import read_refined
-from .usd_walk import StageWalk, is_light
+from .usd_tessellation import read_tessellated
 
 _MAX_LATHES = 64
 """Curved gprims of one instancer that are compared corner by corner."""
@@ -41,12 +41,12 @@ class TruthReader:
         """Subdivision meshes that stay cages whatever the level."""
         self.instancers: list[str] = []
         self.outermost: dict[str, set[str]] = {}
-        """Of the scene read last, as `StageWalk` has them."""
+        """Of the scene read last, as `PlacementWalk` has them."""
         self.skipped: dict[str, str] = {}
 
     def scene(self, time: Usd.TimeCode) -> Scene:
         """Everything the stage draws at `time`."""
-        walk = StageWalk(self.truth.stage, time, self.truth.purposes)
+        walk = PlacementWalk(self.truth.stage, time, self.truth.purposes)
         scene = Scene()
         pieces: dict[str, list[tuple[LocalMesh, Array]]] = {}
         lathes: dict[str, list[tuple[LocalMesh, Array]]] = {}
@@ -82,7 +82,7 @@ class TruthReader:
                 continue
             if (surface := read_surface(prim, time, matrix)) is not None:
                 scene.surfaces.setdefault(place.key, []).append(surface)
-                if (lathe := read_lathe(prim, time, surface)) is not None:
+                if (lathe := read_tessellated(prim, time, surface)) is not None:
                     lathes.setdefault(place.key, []).append((lathe, matrix))
             elif (drawn := read_points(prim, time)) is not None:
                 scene.lost[str(prim.GetPath())] = drawn.lost
@@ -104,7 +104,7 @@ class TruthReader:
                     scene.optional.add(place.key)
                 elif not prim.IsA(UsdGeom.Mesh):
                     scene.other[place.key] = prim.GetTypeName()
-        _add_lathes(scene, pieces, lathes)
+        _add_tessellated(scene, pieces, lathes)
         for key, parts in pieces.items():
             scene.corners[key] = place_meshes(parts, key in self.deformed)
         for key, many in clouds.items():
@@ -154,7 +154,7 @@ class TruthReader:
         return result
 
 
-def _add_lathes(
+def _add_tessellated(
     scene: Scene,
     pieces: dict[str, list[tuple[LocalMesh, Array]]],
     lathes: dict[str, list[tuple[LocalMesh, Array]]],

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from .allowed_deviations import UV_CONSTANT, UV_SET
 from .checks import BARS, Checks
 from .distances import attribute_distance
-from .excuses import UV_CONSTANT, UV_SET
-from .facts import Array, Corners, Scene
+from .scene_data import Array, Corners, Scene
 
 
 @dataclasses.dataclass(frozen=True)

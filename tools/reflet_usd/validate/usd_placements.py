@@ -23,7 +23,7 @@ class Placement:
     """Local to the stage's world."""
 
 
-class StageWalk:
+class PlacementWalk:
     """Enumerates what a stage draws at one time, as usd-core evaluates it."""
 
     def __init__(self, stage: Usd.Stage, time: Usd.TimeCode, purposes: tuple[str, ...]) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from convert_reading import Converted
 from pxr import Usd, UsdGeom
+from read_converted import Converted
 
 Y_UP = np.eye(4)
 Z_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=float)

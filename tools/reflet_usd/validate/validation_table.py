@@ -1,20 +1,20 @@
-"""Owns how a proof is printed for people."""
+"""Owns how a validation is printed for people."""
 
 from __future__ import annotations
 
-from .proof import Proof
+from .validation import Validation
 
 _SHOWN = 3
 
 
-def format_proof(proof: Proof) -> str:
+def format_validation(validation: Validation) -> str:
     """A table of all checks, the first findings of each, and one verdict line."""
-    lines = [f"{proof.out}", *_khronos_lines(proof)]
-    if proof.unreadable:
-        lines.append(f"unreadable: {proof.unreadable}")
-    if proof.checks:
+    lines = [f"{validation.out}", *_khronos_lines(validation)]
+    if validation.unreadable:
+        lines.append(f"unreadable: {validation.unreadable}")
+    if validation.checks:
         lines.append(f"{'check':<34} {'compared':>8} {'worst':>11} {'limit':>9}  result")
-    for check in proof.checks:
+    for check in validation.checks:
         verdict = "ok" if check.passed else f"{check.silent} deviate"
         if check.declared:
             verdict += f", {check.declared} declared"
@@ -25,16 +25,16 @@ def format_proof(proof: Proof) -> str:
         silent = [finding for finding in check.findings if finding.declared is None]
         for finding in silent[:_SHOWN]:
             lines.append(f"    {finding.prim}: {finding.value:.3g} {finding.text}")
-    if proof.roots:
-        lines.append(f"the stage was read from {', '.join(proof.roots)} alone")
-    for name, count in sorted(_counts(proof).items()):
+    if validation.roots:
+        lines.append(f"the stage was read from {', '.join(validation.roots)} alone")
+    for name, count in sorted(_counts(validation).items()):
         lines.append(f"declared by the converter: {name} ×{count}")
-    lines.append("passed" if proof.passed else "FAILED")
+    lines.append("passed" if validation.passed else "FAILED")
     return "\n".join(lines)
 
 
-def _khronos_lines(proof: Proof) -> list[str]:
-    report = proof.khronos
+def _khronos_lines(validation: Validation) -> list[str]:
+    report = validation.khronos
     if report is None:
         return []
     lines = [
@@ -48,8 +48,8 @@ def _khronos_lines(proof: Proof) -> list[str]:
     return lines
 
 
-def _counts(proof: Proof) -> dict[str, int]:
+def _counts(validation: Validation) -> dict[str, int]:
     counts: dict[str, int] = {}
-    for warning in proof.warnings:
+    for warning in validation.warnings:
         counts[warning["name"]] = counts.get(warning["name"], 0) + 1
     return counts

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from convert_materials import noise, save, stage, texture
-from convert_reading import convert_text
+from material_stages import noise, save, stage, texture
+from read_converted import convert_text
 from tampering import expect_required
 
 DIFFUSE = "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>"

@@ -8,9 +8,9 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.context import Context
-from reflet_usd.convert.keys import OneNode, exact_keys
-from reflet_usd.convert.reach import Reach
+from reflet_usd.convert.keyframes import OneNode, exact_keys
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import align_hemispheres, column_matrix, place, quaternion
 
 # glTF turns the short way between keys, so no step may reach half a turn.

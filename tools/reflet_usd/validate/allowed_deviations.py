@@ -12,7 +12,7 @@ PLACED = ("animation-resampled",)
 """Places that deviate by at most what the warning states, and nothing else of the prim."""
 ABSENT = ("prim-damaged",)
 """A prim of any type that is not in the file."""
-SHINES = ("mesh-light-dropped", "Volume-dropped")
+MESH_LIGHT = ("mesh-light-dropped", "Volume-dropped")
 """Light that geometry sends."""
 UNORDERED_COLORS = ("primvar-interpolation-dropped",)
 """Display colors on parts of a gprim whose order USD does not define, by the primvar's name."""
@@ -24,7 +24,7 @@ LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
 """A prim and all below it have no node."""
 TRANSLUCENT = ("opacity-approximated",)
 """A displayColor that blends although no corner that is drawn is translucent."""
-WORDS = ("attribute-dropped",)
+EXTRAS = ("attribute-dropped",)
 """A property outside all schemas that the warning names in quotes."""
 OTHER_SURFACE = ("material-unsupported", "material-approximated")
 UNKNOWN_SURFACE = ("material-unsupported",)
@@ -38,7 +38,7 @@ NO_PLACE = {
 """Constant inputs of a UsdPreviewSurface that no glTF material holds."""
 NO_TEXTURE = ("material-texture-dropped",)
 """The texture of an input that is one number in glTF; its default counts."""
-FROZEN_LOOK = ("material-animation-frozen",)
+FROZEN_INPUT = ("material-animation-frozen",)
 """Keys of an attribute of a material, which the warning names in quotes."""
 # What follows excuses nothing: it chooses the rule by which the truth computes a texture.
 PACKED = ("texture-packed-transform",)

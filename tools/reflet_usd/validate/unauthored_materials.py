@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from .allowed_deviations import TRANSLUCENT
 from .checks import Checks
-from .excuses import TRANSLUCENT
 from .gltf_scene import OutputReader
 
 _FIELDS: dict[str, tuple[str, ...]] = {
@@ -37,7 +37,7 @@ _PLAIN = {"metallicFactor": (0.0, 1.0), "roughnessFactor": (0.5, 1.0)}
 _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGHTS_\d+|_.*")
 
 
-def strange_extensions(material: Any) -> Iterator[str]:
+def unexpected_extensions(material: Any) -> Iterator[str]:
     """What no UsdPreviewSurface gives a material."""
     for name, fields in (material.extensions or {}).items():
         known = _FIELDS.get(name)
@@ -47,7 +47,9 @@ def strange_extensions(material: Any) -> Iterator[str]:
             yield from (f"{name}: {f} is only in the output" for f in fields if f not in known)
 
 
-def compare_looks(checks: Checks, output: OutputReader, colored: frozenset[str]) -> None:
+def compare_unauthored_materials(
+    checks: Checks, output: OutputReader, colored: frozenset[str]
+) -> None:
     """Every primitive has a material, in displayColor or of a prim, and reads what it should.
 
     `colored` are the names of the materials that may read vertex colors.
@@ -75,7 +77,7 @@ def _compare_primitive(
     material = output.file.materials[primitive.material]
     path = output.file.prim_of(material)
     if not path:
-        for text in unlike_plain(material):
+        for text in non_default_values(material):
             checks.add("materials", key, math.inf, f"in displayColor: {text}")
     elif path.rsplit("/", 1)[-1] not in colored:
         if "COLOR_0" in attributes:
@@ -85,7 +87,7 @@ def _compare_primitive(
         _compare_alpha(checks, output, primitive, material, key)
 
 
-def unlike_plain(material: Any) -> Iterator[str]:
+def non_default_values(material: Any) -> Iterator[str]:
     """By what a material is not plain dielectric."""
     pbr = material.pbrMetallicRoughness
     for name, (value, neutral) in _PLAIN.items():

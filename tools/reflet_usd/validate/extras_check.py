@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
+from .allowed_deviations import EXTRAS
 from .checks import Checks
-from .excuses import WORDS
 from .gltf_scene import OutputReader
 
 # What is compared by rules of its own, wherever it stands and on prims of one kind alone.
@@ -31,7 +31,7 @@ NAMED = 8
 """So many names a warning lists; of more it tells their number."""
 
 
-def compare_words(
+def compare_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
     """Every node that stands for a prim keeps the prim's own properties, and no others."""
@@ -59,7 +59,7 @@ def _compare_properties(
     missing = sorted(name for name in expected.keys() - kept.keys() if expected[name] is not None)
     for name in missing:
         named = name if len(missing) <= NAMED else ""
-        told = checks.excuse(path, WORDS, named=named)
+        told = checks.excuse(path, EXTRAS, named=named)
         excuses = (told,) if told else ()
         checks.add("extras", path, 1, f"'{name}' is not in the output", excuses=excuses)
     for name in sorted(expected.keys() & kept.keys()):

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .facts import Array, Indices, Surface
+from .scene_data import Array, Indices, Surface
 from .surfaces import axis_turn
 from .usd_mesh import LocalMesh
 
@@ -28,7 +28,7 @@ class _Band:
     up: Array
 
 
-def read_lathe(prim: Usd.Prim, time: Usd.TimeCode, surface: Surface) -> LocalMesh | None:
+def read_tessellated(prim: Usd.Prim, time: Usd.TimeCode, surface: Surface) -> LocalMesh | None:
     """The faces of a curved gprim with exact normals; None where a size is 0 or negative."""
     sizes = [prim.GetAttribute(name).Get(time) for name in _SIZES if prim.HasAttribute(name)]
     signs = [math.copysign(1.0, size) for size in sizes if size is not None]

@@ -15,10 +15,10 @@ import numpy as np
 
 from .checks import Check, Checks
 from .compare import SceneComparer
-from .facts import Array, Scene, bounds_of
 from .gltf_file import GltfFile, OutputError
 from .gltf_scene import OutputReader
 from .khronos import KhronosReport, check_files
+from .scene_data import Array, Scene, bounds_of
 from .sidecar import read_sidecar
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _JSON = 0x4E4F534A
 
 
 @dataclasses.dataclass
-class Proof:
+class Validation:
     """Everything one run found out about one file."""
 
     out: Path
@@ -75,7 +75,7 @@ class Proof:
         }
 
 
-def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
+def validate_file(out: Path, stage: Path | None, khronos: bool = True) -> Validation:
     """Validate `out`, and compare it with `stage` where one is given.
 
     `khronos=False` leaves the Khronos validator out. Raises ValidatorMissingError where it cannot
@@ -84,28 +84,30 @@ def prove(out: Path, stage: Path | None, khronos: bool = True) -> Proof:
     report = check_files([out])[0] if khronos else None
     sidecar, fault = read_sidecar(out)
     warnings = list(sidecar.get("warnings", []))
-    proof = Proof(out, stage, report, [], warnings, unreadable=fault)
+    validation = Validation(out, stage, report, [], warnings, unreadable=fault)
     if fault:
-        return proof  # without it nothing tells a loss from a fault
+        return validation  # without it nothing tells a loss from a fault
     try:
         file = GltfFile(out)
         checks = Checks(warnings)
         if stage is not None:
-            _compare(file, stage, sidecar, checks, proof)
+            _compare(file, stage, sidecar, checks, validation)
         else:
-            _look_at(OutputReader(file, ()), None, checks, proof)
-        proof.checks = checks.results()
+            _summarize_output(OutputReader(file, ()), None, checks, validation)
+        validation.checks = checks.results()
     except OutputError as error:
-        proof.unreadable = str(error)
-    return proof
+        validation.unreadable = str(error)
+    return validation
 
 
-def _look_at(reader: OutputReader, scene: Scene | None, checks: Checks, proof: Proof) -> None:
+def _summarize_output(
+    reader: OutputReader, scene: Scene | None, checks: Checks, validation: Validation
+) -> None:
     """Note what the file holds at rest, and whether a second reader sees the same."""
     scene = scene or reader.scene(None)
     box = bounds_of(scene.corners)
     file = reader.file
-    proof.facts = {
+    validation.facts = {
         "box": None if box is None else [*map(float, box[0]), *map(float, box[1])],
         "triangles": sum(part.triangles for part in scene.corners.values()),
         "materials": len(file.materials),
@@ -130,15 +132,15 @@ def warnings_of(sidecar: dict[str, Any], name: str) -> list[dict[str, str]]:
 
 
 def _compare(
-    file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks, proof: Proof
+    file: GltfFile, stage: Path, sidecar: dict[str, Any], checks: Checks, validation: Validation
 ) -> None:
     """Compare at rest and over the animation."""
     # Imported here so that files can be validated alone without usd-core.
     from pxr import Usd
 
     from .document import compare_document
-    from .looks import compare_looks
     from .material_compare import compare_materials
+    from .unauthored_materials import compare_unauthored_materials
     from .usd_layers import compare_layers
     from .usd_ops import compare_ops, repair_ops
     from .usd_rules import apply_rules, frozen_sizes
@@ -158,7 +160,7 @@ def _compare(
     settings = sidecar.get("info", {})
     truth = open_truth(stage, settings)
     missing_ops = repair_ops(truth.stage)
-    proof.roots = list(truth.roots)
+    validation.roots = list(truth.roots)
     compare_layers(checks, truth)
     frames = settings.get("frames")
     rest_time = Usd.TimeCode(frames[0]) if frames else Usd.TimeCode.EarliestTime()
@@ -167,7 +169,7 @@ def _compare(
     key_ends(truth.stage, frames or ())
     skin_codes = skin_times(truth.stage)
     joints = JointTruth(truth)
-    proof.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
+    validation.about_stage = {"keyed_skeletons": keyed_skeletons(truth.stage)}
     skinned = bake(truth.stage)
     cages = {warning["prim"] for warning in warnings_of(sidecar, "subdivision-cage")}
     reader = TruthReader(truth, frozenset(cages), skinned | moving_points(truth.stage))
@@ -184,12 +186,12 @@ def _compare(
     comparer.cameras(rest, stored, "at rest")
     comparer.lights(rest, stored, "at rest")
     uses, colored = compare_materials(checks, truth, file, rest)
-    compare_looks(checks, output, colored)
+    compare_unauthored_materials(checks, output, colored)
     compare_document(checks, truth, output, rest_time, settings)
     compare_uv_uses(checks, rest, stored, uses, comparer.diagonal)
-    _look_at(output, stored, checks, proof)
+    _summarize_output(output, stored, checks, validation)
     frozen = frozen_sizes(sidecar.get("warnings", ()))
-    proof.times = _compare_moving(
+    validation.times = _compare_moving(
         comparer, reader, output, joints, skin_codes, frames, rest, frozen
     )
 

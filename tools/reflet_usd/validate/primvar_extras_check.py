@@ -6,17 +6,17 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom
 
+from .allowed_deviations import LEFT_OUT, UV_SET
 from .checks import Checks
-from .excuses import LEFT_OUT, UV_SET
+from .extras_check import NAMED, is_same, plain
 from .gltf_scene import OutputReader
 from .usd_primvars import HANDLED, carried
-from .words import NAMED, is_same, plain
 
 _PLACELESS = ("Material", "Shader", "NodeGraph", "GeomSubset", "SkelAnimation", "BlendShape")
 _SKELETAL = "skel:"
 
 
-def compare_primvar_words(
+def compare_primvar_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
     """What a node's extras say about primvars, and what has no node at all."""

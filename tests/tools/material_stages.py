@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from convert_reading import Converted
 from PIL import Image
+from read_converted import Converted
 
 MESH = """
 def Mesh "M" (prepend apiSchemas = ["MaterialBindingAPI"]) {{

@@ -10,10 +10,10 @@ from typing import Protocol
 
 import numpy as np
 
-from reflet_usd.convert.reach import Reach
 from reflet_usd.convert.samples import before, is_jump
 from reflet_usd.convert.scene import Array
 from reflet_usd.convert.shear import follow
+from reflet_usd.convert.transform_tolerance import Reach
 from reflet_usd.convert.xform import Trs, decompose, nearest_trs
 
 # Between keys a matrix may deviate by this share of its largest entries and still be exact.

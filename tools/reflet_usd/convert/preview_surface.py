@@ -8,10 +8,10 @@ import numpy as np
 from pxr import Usd
 
 from reflet_usd.convert.attributes import DisplayColor
+from reflet_usd.convert.channel_packing import Channel, Packer
 from reflet_usd.convert.context import Context
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.network import Constant, PrimvarRead, Source, TextureRead
-from reflet_usd.convert.pack import Channel, Packer
 
 # Names and fallbacks: https://openusd.org/release/spec_usdpreviewsurface.html
 PREVIEW_INPUTS: dict[str, tuple[float, ...]] = {

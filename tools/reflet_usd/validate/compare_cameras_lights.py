@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .facts import Array, Camera, Light
+from .scene_data import Array, Camera, Light
 
 Device = TypeVar("Device", Camera, Light)
 _FEW = 1024

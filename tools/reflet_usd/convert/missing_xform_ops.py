@@ -5,7 +5,7 @@ from __future__ import annotations
 from pxr import Sdf, Usd, UsdGeom
 
 from reflet_usd.convert.context import Context, source_path
-from reflet_usd.convert.damage import DAMAGE
+from reflet_usd.convert.unreadable_values import DAMAGE
 
 _RESET = "!resetXformStack!"
 _INVERSE = "!invert!"
