@@ -8,9 +8,8 @@
 //! Data flows one way, and imports only point down this list (`tests/layers` holds it):
 //!
 //! ```text
-//! rhai script ┐
-//! scene text ─┴> SceneDesc ──> World ──> GpuScene ──> passes ──> picture ──> report
-//!                scene/        world/    render/      render/    app/        bench/
+//! scene text ──> Document ──> setup ──> SceneDesc ──> World ──> GpuScene ──> passes ──> picture
+//!                scene/parse  script    scene/desc    world/    render/      render/    app/
 //! ```
 //!
 //! | place | owns |
@@ -20,7 +19,7 @@
 //! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
-//! | [`scene`] | what people can write, its defaults and its manual; [`scene::motion`] the scene at one frame, [`scene::script`] the sandbox; no assets |
+//! | [`scene`] | what people can write, its defaults and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] what tracks move; no assets |
 //! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
 //! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
@@ -61,7 +60,7 @@
 //!
 //! Every step builds beside what is shown and swaps at its end, so that an error changes nothing.
 //! Other parameters of the script are a reload too; those that fail where the scene without them does
-//! not are refused ([`app::live::Refusal`]). Another frame is [`scene::motion::Motion::pose`],
+//! not are refused ([`app::live::Refusal`]). Another frame is [`scene::stages::Scene::pose`],
 //! [`world::World::apply`] and [`render::Renderer::update`] alone.
 //!
 //! # Rules

@@ -8,7 +8,7 @@ use common::{gpu_or_skip, shaders};
 use reflet::{
     gpu::{Checks, Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
     render::{RenderOptions, Renderer},
-    scene::parse,
+    scene::stages::Scene,
     world::load,
 };
 use wgpu::util::DeviceExt as _;
@@ -201,13 +201,9 @@ fn after_its_device_is_gone_a_renderer_gives_errors() {
     let Some(gpu) = gpu_or_skip() else { return };
     let text = include_str!("../scenes/cornell.toml");
     let set = ["image.size=[32, 18]".to_owned()];
-    let (desc, _) = parse::parse(text, Path::new("cornell.toml"), &set).expect("a scene");
+    let (desc, _) = Scene::from_text(text, Path::new("cornell.toml"), &set).expect("a scene");
     let world = load::load(&desc, &load::LoadOptions::default()).expect("a world");
-    let options = RenderOptions {
-        reflection: desc.reflection,
-        image: desc.image,
-        general: false,
-    };
+    let options = RenderOptions::of(&desc);
     let camera = &world.cameras[0].value;
     let mut renderer = Renderer::new(&gpu, &shaders(), &world, &options).expect("a renderer");
     renderer.render(&gpu, &world, camera).expect("a picture");

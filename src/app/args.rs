@@ -8,7 +8,7 @@ use super::frames::{Shard, parse_shard};
 use crate::scene::desc::Method;
 
 /// Where the scene comes from and what is changed in it.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
     #[arg(long, value_name = "PATH=VALUE")]

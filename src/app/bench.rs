@@ -163,7 +163,7 @@ pub fn subject(
     for setting in &loaded.overrides {
         content = content.with(setting);
     }
-    for (name, text) in loaded.desc.script.iter().flat_map(|s| s.texts()) {
+    for (name, text) in loaded.scene.script.iter().flat_map(|s| &s.texts) {
         let name = Path::new(&name).file_name().unwrap_or_default();
         content = content.with(name.as_encoded_bytes()).with(text);
     }
@@ -177,8 +177,8 @@ pub fn subject(
         name,
         camera_name,
         camera,
-        reflection: loaded.desc.reflection,
-        image: loaded.desc.image,
+        reflection: loaded.scene.reflection,
+        image: loaded.scene.image,
         world: loaded.world,
         content: content.value(),
         frame: 0,

@@ -9,7 +9,7 @@ use super::{args::CheckArgs, error::AppError, print_out, scene::load_scene};
 use crate::{
     scene::{
         diagnostic::{Diagnostic, printable},
-        motion::Motion,
+        stages::Animator,
     },
     world::World,
 };
@@ -25,11 +25,11 @@ const MOST_LINES: usize = 100;
 /// [`AppError::Scene`] with them.
 pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     let mut loaded = load_scene(Some(&args.scene), &args.from, &[])?;
-    let motion = Motion::new(&loaded.desc);
-    let first = motion.first_frame();
-    let last = loaded.desc.timeline.as_ref().map_or(first, |t| t.end);
+    let animator = Animator::new(&loaded.scene);
+    let first = loaded.scene.first_frame();
+    let last = loaded.scene.timeline.as_ref().map_or(first, |t| t.end);
     let mut log = Log::default();
-    let posed = pose_all(&motion, &mut loaded.world, first..=last, &mut log);
+    let posed = pose_all(&animator, &mut loaded.world, first..=last, &mut log);
     log.print();
     let posed = posed?;
     let all = last - first + 1;
@@ -78,7 +78,7 @@ impl Log {
 /// Poses frames while there is time, at least the first and the last unless a script meets a limit;
 /// how many. What the script prints is added to `log`.
 fn pose_all(
-    motion: &Motion,
+    animator: &Animator,
     world: &mut World,
     frames: RangeInclusive<u32>,
     log: &mut Log,
@@ -95,7 +95,7 @@ fn pose_all(
             break;
         }
         posed += 1;
-        let done = motion.pose(frame).and_then(|state| {
+        let done = animator.pose(frame).and_then(|state| {
             world.apply(&state)?;
             log.add(frame, state.log);
             Ok(())

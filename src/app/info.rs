@@ -112,7 +112,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
 /// [`AppError::Scene`] when its trees cannot be built.
 pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     let world = &loaded.world;
-    let reflection = &loaded.desc.reflection;
+    let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
     let num_lights = |wanted: fn(&LightKind) -> bool| {
         let lights = world.lights.iter();
@@ -149,13 +149,13 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             num_lights(|kind| matches!(kind, LightKind::Directional { .. })),
         ],
         animations: world.animations.clone(),
-        timeline: loaded.desc.timeline.as_ref().map(|t| Timeline {
+        timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
             start: t.start,
             end: t.end,
             fps: t.fps,
         }),
-        moves: moves(&loaded.desc),
-        params: (loaded.desc.params.iter())
+        moves: moves(&loaded.scene),
+        params: (loaded.scene.params.iter())
             .map(|param| setting(&param.name, &param.value))
             .collect(),
         bounds_m: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
@@ -192,8 +192,8 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
         of("material", &motion.materials),
         of("materials of model", &motion.models),
     ];
-    let script = desc.script.as_ref().filter(|script| script.has_frame());
-    let script = script.map(|script| format!("what frame() of {} poses", script.name()));
+    let script = desc.script.as_ref().filter(|script| script.has_frame);
+    let script = script.map(|script| format!("what frame() of {} poses", script.name));
     tracks.concat().into_iter().chain(script).collect()
 }
 

@@ -13,7 +13,7 @@ use super::{
     error::AppError,
     model_viewer_scene::is_model,
     params::{DeclaredParameters, ParameterOverrides},
-    scene::load_options,
+    scene::SceneText,
     watch::{Change, WatchList},
 };
 use crate::{
@@ -23,7 +23,7 @@ use crate::{
         dependencies::Dependencies,
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
-        parse,
+        stages::Scene,
     },
     world::{
         World,
@@ -135,7 +135,7 @@ pub struct Live {
     gpu: Arc<Gpu>,
     origin: Origin,
     library: ShaderLibrary,
-    desc: Arc<SceneDesc>,
+    scene: Arc<Scene>,
     world: World,
     asset_cache: AssetCache,
     renderer: Renderer,
@@ -211,22 +211,22 @@ impl Live {
         read_since: SystemTime,
     ) -> Result<Self, AppError> {
         let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
-        let state = pose_of(&read.desc, read.frame).map_err(AppError::Scene)?;
-        let loaded = load::load_with_cache(&read.desc, &read.options);
+        let state = pose_of(&read.scene, read.frame).map_err(AppError::Scene)?;
+        let loaded = load::load_with_cache(&read.scene, &read.options);
         let (mut world, asset_cache) = loaded.map_err(AppError::Scene)?;
         if let Some(state) = &state {
             world.apply(state).map_err(AppError::Scene)?;
         }
         let mut warnings = read.warnings;
         warnings.extend(world.warnings.iter().cloned());
-        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.desc, overrides));
+        let renderer = Renderer::new(&gpu, &library, &world, &options_of(&read.scene, overrides));
         let renderer = renderer.map_err(|error| AppError::from_render(error, true))?;
         Ok(Self {
             gpu,
             origin,
             library,
             log: state.map_or_else(Vec::new, |state| state.log),
-            desc: read.desc,
+            scene: read.scene,
             world,
             asset_cache,
             renderer,
@@ -271,7 +271,7 @@ impl Live {
             (path, kind)
         });
         // Among the world's files these have their names without links.
-        let resolved = self.desc.text_files();
+        let resolved = self.scene.text_files();
         let read = self
             .world
             .files
@@ -298,7 +298,7 @@ impl Live {
         if overrides == self.overrides {
             return Ok(());
         }
-        let options = options_of(&self.desc, overrides);
+        let options = options_of(&self.scene, overrides);
         let world = &self.world;
         (self.renderer).change(&self.gpu, &self.library, world, &options)?;
         self.overrides = overrides;
@@ -315,14 +315,13 @@ impl Live {
 
     /// The scene as written.
     pub fn desc(&self) -> &SceneDesc {
-        &self.desc
+        &self.scene
     }
 
     /// The frames of the scene as it is on disk, also while it waits for one that can be posed.
     pub fn timeline(&self) -> Option<&TimelineDesc> {
-        let waiting = self.waiting.as_ref().map(Waiting::desc);
-        let desc = waiting.unwrap_or(&self.desc);
-        desc.timeline.as_ref()
+        let waiting = self.waiting.as_ref().map(Waiting::scene);
+        waiting.unwrap_or(&self.scene).timeline.as_ref()
     }
 
     /// The scene as loaded, at the frame that is shown.
@@ -357,20 +356,18 @@ impl Live {
 
     /// What the script printed in `setup`, then in the frame that is shown.
     pub fn log(&self) -> impl Iterator<Item = &String> {
-        let of_setup = self.desc.script.iter().flat_map(|s| s.setup_log());
+        let of_setup = self.scene.script.iter().flat_map(|s| &s.setup_log);
         of_setup.chain(&self.log)
     }
 }
 
 /// A scene with nothing in it.
 fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
-    let (desc, warnings) = parse::parse(NOTHING, Path::new("nothing"), &[])?;
-    Ok(Read {
-        desc: Arc::new(desc),
-        warnings,
-        declared: DeclaredParameters::default(),
-        parameters: ParameterOverrides::default(),
-        frame: 0,
-        options: load_options(&origin.from, &Dependencies::default()),
-    })
+    let from = SceneArgs {
+        assets: origin.from.assets.clone(),
+        ..SceneArgs::default()
+    };
+    let text = SceneText::new(NOTHING, Path::new("nothing"), &from);
+    let opened = text.open(&[], &Dependencies::default())?;
+    Ok(Read::new(opened, <_>::default(), <_>::default(), 0))
 }

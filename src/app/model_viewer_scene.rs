@@ -7,7 +7,13 @@ use std::{
 };
 
 use crate::{
-    scene::{desc::is_stage, diagnostic::Diagnostic, parse::parse, toml_text::toml_text},
+    scene::{
+        dependencies::Dependencies,
+        desc::is_stage,
+        diagnostic::Diagnostic,
+        parse::{Document, Texts},
+        toml_text::toml_text,
+    },
     world::{
         gltf::{Fault, Playable, Sandbox},
         load::LoadOptions,
@@ -88,8 +94,9 @@ fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
         .iter()
         .filter(|o| o.trim_start().starts_with(OF_USD));
     let asked: Vec<_> = asked.cloned().collect();
-    let scene = parse(text, path, &asked);
-    let models = scene.map_or(Vec::new(), |(scene, _)| scene.models);
+    let texts = Texts::collect(text, path, &asked, &Dependencies::default());
+    let scene = Document::new(&texts).read(None);
+    let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();
     model.map_or_else(usd::Choice::default, |model| {
         usd::Choice::of(&model.value.usd)

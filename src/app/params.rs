@@ -166,7 +166,8 @@ mod tests {
         let written = "params.speed='fast'".to_owned();
         let all = [tuned.settings(), vec![written]].concat();
         let text = TEXT.replace("count = 3", "count = 'three'");
-        let mistakes = parse::parse(&text, "scene.toml".as_ref(), &all).expect_err("two");
+        let mistakes = crate::scene::stages::Scene::from_text(&text, "scene.toml".as_ref(), &all)
+            .expect_err("two");
         let mistakes = tuned.name_sliders(mistakes);
         let shown: Vec<_> = mistakes.iter().map(ToString::to_string).collect();
         assert!(shown[0].contains("--> the slider `count`"), "{shown:?}");

@@ -15,12 +15,7 @@ use super::{
     sequence,
     stats::{Report, ReportContext},
 };
-use crate::{
-    files::sweep,
-    gpu::ShaderLibrary,
-    render::aov::Aov,
-    scene::{desc::Method, motion::Motion},
-};
+use crate::{files::sweep, gpu::ShaderLibrary, render::aov::Aov, scene::desc::Method};
 
 /// Renders one picture, or the frames of a film.
 ///
@@ -46,7 +41,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     let camera = choose_camera(&loaded, args.camera.as_deref())?;
     let Some(output) = output else {
-        let frames = sequence::choose(args, loaded.desc.timeline.as_ref())?;
+        let frames = sequence::choose(args, loaded.scene.timeline.as_ref())?;
         sequence::check_output(args, &frames)?;
         let session = RenderSession::new(args, loaded, camera, aovs, &library, opened)?;
         return sequence::render(args, session, &frames);
@@ -62,9 +57,9 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
                 .collect::<Vec<_>>(),
         ),
     );
-    let motion = Motion::new(&session.loaded.desc);
-    if !motion.is_still() {
-        let state = motion.pose(motion.first_frame()).map_err(AppError::Scene)?;
+    let scene = &session.loaded.scene;
+    let posed = scene.pose(scene.first_frame());
+    if let Some(state) = posed.map_err(AppError::Scene)? {
         for line in &state.log {
             eprintln!("{line}");
         }

@@ -43,11 +43,7 @@ impl RenderSession {
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),
         })?;
-        let options = RenderOptions {
-            reflection: loaded.desc.reflection,
-            image: loaded.desc.image,
-            general: false,
-        };
+        let options = RenderOptions::of(&loaded.scene);
         let own_shaders = args.shaders.is_some();
         let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
             .map_err(|error| AppError::from_render(error, own_shaders))?;

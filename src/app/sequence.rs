@@ -23,7 +23,7 @@ use crate::{
     files::{folder_of, sweep},
     gpu::GpuError,
     render::{PendingPicture, RenderError},
-    scene::{desc::TimelineDesc, motion::Motion},
+    scene::{desc::TimelineDesc, stages::Animator},
 };
 
 /// Whether a command asks for frames of a film and not for one picture.
@@ -162,8 +162,8 @@ pub fn render(
     shutdown::listen();
     let gpu = session.gpu.clone();
     let encoders = Encoders::new(&gpu, &target, progress);
-    let desc = session.loaded.desc.clone();
-    let motion = Motion::new(&desc);
+    let scene = session.loaded.scene.clone();
+    let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
     let failures = thread::scope(|scope| {
@@ -174,7 +174,7 @@ pub fn render(
                 break;
             }
             let started = Instant::now();
-            match begin(&mut session, &motion, frame, has_color, &encoders) {
+            match begin(&mut session, &animator, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {
                         index,
@@ -273,7 +273,7 @@ fn target(
     session: &RenderSession,
     frames: &FrameList,
 ) -> Result<Target, AppError> {
-    let desc = &session.loaded.desc;
+    let desc = &session.loaded.scene;
     if let Format::Film(format) = Format::expect(&args.output)? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let film = Film::new(&args.output, format, desc.image.size, fps, frames.0.len())?;
@@ -295,7 +295,7 @@ fn target(
 /// Starts one frame's picture; else why not, and whether no other will do better.
 fn begin(
     session: &mut RenderSession,
-    motion: &Motion,
+    animator: &Animator,
     frame: u32,
     has_color: bool,
     encoders: &Encoders,
@@ -305,7 +305,7 @@ fn begin(
         let first = errors.first().map(|e| e.message.clone());
         (first.unwrap_or_default(), false)
     };
-    let state = motion.pose(frame).map_err(wrong_scene)?;
+    let state = animator.pose(frame).map_err(wrong_scene)?;
     for line in &state.log {
         encoders.aside(|| eprintln!("frame {frame}: {line}"));
     }

@@ -8,6 +8,7 @@ mod animation;
 mod include;
 mod light;
 mod motion;
+mod script;
 mod stage;
 
 use std::path::PathBuf;
@@ -25,9 +26,10 @@ pub use self::{
         PairOscillateDesc, PairTrackDesc, ParamValue, ScaleKeyDesc, ScaleOscillateDesc,
         ScaleTrackDesc, TimelineDesc, TrackDesc, Tracks,
     },
+    script::ScriptDesc,
     stage::{StageDesc, is_stage},
 };
-use super::{diagnostic::Span, script::Script};
+use super::diagnostic::Span;
 
 /// A named table such as `[camera.main]`, in file order.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +85,7 @@ pub struct SceneDesc {
     pub includes: Vec<Include>,
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
-    pub script: Option<Script>,
+    pub script: Option<ScriptDesc>,
 }
 
 /// `[camera.NAME]`

@@ -183,7 +183,8 @@ mod tests {
 
     #[test]
     fn the_example_has_no_mistake() {
-        let (scene, warnings) = parse::parse(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
+        let (scene, warnings) =
+            crate::scene::stages::Scene::from_text(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
         assert_eq!(warnings, []);
         assert_eq!(scene.instances.len(), 4);
     }

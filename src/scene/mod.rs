@@ -10,5 +10,6 @@ pub mod parse;
 pub mod range;
 pub mod schema;
 pub mod script;
+pub mod stages;
 mod suggest;
 pub mod toml_text;

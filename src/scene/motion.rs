@@ -1,4 +1,5 @@
-//! The scene at one frame: a pure function of the description, its script and the frame's number.
+//! The scene at one frame, as tracks move it: a pure function of the description and the frame's
+//! number.
 
 mod clock;
 mod material;
@@ -6,7 +7,10 @@ pub mod number;
 mod parts;
 pub(super) mod track;
 
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 
@@ -114,6 +118,17 @@ impl SceneDesc {
         played.filter(|animation| !animation.name.is_empty())
     }
 
+    /// Whether no two frames can differ.
+    pub fn is_still(&self) -> bool {
+        let has_frame = self.script.as_ref().is_some_and(|s| s.has_frame);
+        self.motion.is_empty() && !has_frame && !self.plays()
+    }
+
+    /// First frame of the timeline, 0 without one.
+    pub fn first_frame(&self) -> u32 {
+        self.timeline.as_ref().map_or(0, |t| t.start)
+    }
+
     /// Whether some file's animation is played.
     pub fn plays(&self) -> bool {
         let of_models = self.models.iter().map(|m| &m.value.animation);
@@ -154,10 +169,10 @@ pub fn turned(euler_deg: Vec3) -> Quat {
 
 /// A scene's motion made ready: names resolved, paths measured.
 #[derive(Debug)]
-pub struct Motion<'a> {
+pub(super) struct Motion<'a> {
     desc: &'a SceneDesc,
     rest: FrameState,
-    names: std::sync::Arc<Names>,
+    names: Arc<Names>,
     instances: Vec<(usize, [Option<Track<'a>>; 3])>,
     cameras: Vec<Moved<'a>>,
     lights: Vec<Moved<'a>>,
@@ -252,28 +267,18 @@ impl<'a> Motion<'a> {
             materials: materials.collect(),
             file_materials: of_files.collect(),
             rest,
-            names: std::sync::Arc::new(names),
+            names: Arc::new(names),
             desc,
         }
     }
 
-    /// Whether frames can differ at all.
-    pub fn is_still(&self) -> bool {
-        let has_frame = self.desc.script.as_ref().is_some_and(|s| s.has_frame());
-        self.desc.motion.is_empty() && !has_frame && !self.desc.plays()
+    /// What the script may name.
+    pub fn names(&self) -> &Arc<Names> {
+        &self.names
     }
 
-    /// First frame of the timeline, 0 without one.
-    pub fn first_frame(&self) -> u32 {
-        self.desc.timeline.as_ref().map_or(0, |t| t.start)
-    }
-
-    /// The scene at a frame. Nothing but the arguments decides about it: not the frames before, not
-    /// the clock.
-    ///
-    /// # Errors
-    /// What the script does wrong, and cameras or lights that have no direction.
-    pub fn pose(&self, frame: u32) -> Result<FrameState, Vec<Diagnostic>> {
+    /// The scene at a frame as tracks move it, before its script.
+    pub fn pose(&self, frame: u32) -> FrameState {
         let fps = self.desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let mut state = self.rest.clone();
         state.frame = frame;
@@ -294,14 +299,7 @@ impl<'a> Motion<'a> {
             state.overrides[moved.index] = change;
         }
         self.follow(&mut state, |_, _| true);
-        if let Some(script) = &self.desc.script {
-            let (moved, touched) = script.frame(state, &self.names, self.desc)?;
-            state = moved;
-            // What follows an instance follows where the script has put it.
-            self.follow(&mut state, |kind, index| !touched.contains(&(kind, index)));
-        }
-        self.check(&state)?;
-        Ok(state)
+        state
     }
 
     fn instance(&self, index: usize, tracks: &[Option<Track>; 3], time_s: f64) -> Affine3A {
@@ -334,8 +332,8 @@ impl<'a> Motion<'a> {
         )
     }
 
-    /// Moves cameras and lights, which may follow instances.
-    fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
+    /// Moves those cameras and lights that are wanted; they may follow instances.
+    pub fn follow(&self, state: &mut FrameState, wanted: impl Fn(Kind, usize) -> bool) {
         let (time_s, instances) = (state.time_s, &state.instances);
         for moved in &self.cameras {
             if wanted(Kind::Camera, moved.index) {
@@ -354,7 +352,11 @@ impl<'a> Motion<'a> {
         }
     }
 
-    fn check(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
+    /// Refuses cameras and lights that motion has left without a direction.
+    ///
+    /// # Errors
+    /// A message for each.
+    pub fn check(&self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let frame = state.frame;
         let mut errors = Vec::new();
         let mut refuse = |at: &Span, message: String| {

@@ -24,12 +24,7 @@ mod sort;
 mod source_files;
 mod value;
 
-use std::{
-    collections::HashSet,
-    fmt,
-    path::{Path, PathBuf},
-    sync::{Arc, OnceLock},
-};
+use std::{collections::HashSet, fmt, path::Path, sync::Arc};
 
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
@@ -42,7 +37,7 @@ use self::{
 };
 use super::{
     dependencies::Dependencies,
-    desc::{At, Entry, ParamValue, SceneDesc, TimelineDesc},
+    desc::{At, Entry, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
     diagnostic::{Diagnostic, Returned},
     motion::{FrameState, Kind, Names},
 };
@@ -64,19 +59,11 @@ struct Compiled {
     sources: Arc<Sources>,
     has_setup: bool,
     has_frame: bool,
-    setup_log: OnceLock<Vec<String>>,
 }
 
 impl fmt::Debug for Script {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Script").field(&self.0.name).finish()
-    }
-}
-
-/// Scripts are equal when all their texts are.
-impl PartialEq for Script {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.name == other.0.name && self.0.sources.texts() == other.0.sources.texts()
     }
 }
 
@@ -126,7 +113,6 @@ impl Script {
             ast,
             name,
             sources,
-            setup_log: OnceLock::new(),
         }));
         script.check_functions()?;
         script.check()?;
@@ -182,14 +168,15 @@ impl Script {
         self.0.has_frame
     }
 
-    /// Name and text of every file that it consists of, itself first.
-    pub fn texts(&self) -> Vec<(String, String)> {
-        self.0.sources.texts()
-    }
-
-    /// Every file that was read, for fingerprints and watching.
-    pub fn files(&self) -> Vec<PathBuf> {
-        self.0.sources.files()
+    /// What it is made of; `setup_log` are the lines that its `setup` printed.
+    pub fn describe(&self, setup_log: Vec<String>) -> ScriptDesc {
+        ScriptDesc {
+            name: self.0.name.clone(),
+            has_frame: self.0.has_frame,
+            texts: self.0.sources.texts(),
+            files: self.0.sources.files(),
+            setup_log,
+        }
     }
 
     /// What messages call its file.
@@ -197,12 +184,7 @@ impl Script {
         &self.0.name
     }
 
-    /// What `setup` printed.
-    pub fn setup_log(&self) -> &[String] {
-        self.0.setup_log.get().map_or(&[], Vec::as_slice)
-    }
-
-    /// Calls `setup`: what it adds to the scene, as scene text.
+    /// Calls `setup`: what it adds to the scene, as scene text, and the lines that it printed.
     ///
     /// # Errors
     /// What the script does wrong, with its place.
@@ -210,21 +192,21 @@ impl Script {
         &self,
         params: &[Entry<ParamValue>],
         timeline: Option<&TimelineDesc>,
-    ) -> Result<String, Box<Diagnostic>> {
+    ) -> Result<(String, Vec<String>), Box<Diagnostic>> {
         if !self.0.has_setup {
-            return Ok(String::new());
+            return Ok(<_>::default());
         }
         let call = Call::new(params, timeline, timeline.map_or(0, |t| t.start));
         let contexts = [call.clone(), call].map(Context::for_setup);
         let (result, log) = self.call("setup", contexts, setup_output::text);
-        self.0.setup_log.get_or_init(|| log);
         let text = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
-        text.map_err(|wrong| {
+        let text = text.map_err(|wrong| {
             let at = self.returned().place(&wrong.path);
             let mut error = Diagnostic::at("script-result", at, wrong.message);
             error.help = wrong.help;
             Box::new(error)
-        })
+        })?;
+        Ok((text, log))
     }
 
     /// What mistakes of the text that [`Script::setup`] gave are explained by.

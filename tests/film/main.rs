@@ -21,7 +21,7 @@ use std::{
 
 use common::gpu_or_skip;
 use reflet::{
-    scene::{motion::Motion, parse},
+    scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
 };
 
@@ -325,9 +325,9 @@ fn what_cannot_be_asked_for_is_refused() {
 #[test]
 fn applying_poses_leaves_no_trace() {
     let folder = folder("trace");
-    let (desc, _) = parse::load(&folder.join("scene.toml"), &[]).expect("it is right");
+    let (desc, _) = Scene::from_file(&folder.join("scene.toml"), &[]).expect("it is right");
     let world = load::load(&desc, &LoadOptions::default()).expect("it loads");
-    let motion = Motion::new(&desc);
+    let motion = Animator::new(&desc);
     let (mut fresh, mut used) = (world.clone(), world);
     for frame in [1, 3, 5, 0, 2] {
         let state = motion.pose(frame).expect("it moves");
@@ -357,11 +357,12 @@ fn the_films_of_the_project_can_be_posed() {
         }
         films += 1;
         let shown = path.display();
-        let (desc, warnings) = parse::load(&path, &[]).unwrap_or_else(|e| panic!("{shown}: {e:?}"));
+        let (desc, warnings) =
+            Scene::from_file(&path, &[]).unwrap_or_else(|e| panic!("{shown}: {e:?}"));
         assert_eq!(warnings, [], "{shown}");
         let mut world =
             load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{shown}: {e:?}"));
-        let motion = Motion::new(&desc);
+        let motion = Animator::new(&desc);
         let end = desc.timeline.as_ref().expect("it is a film").end;
         for frame in [0, 1, end / 2, end] {
             let state = motion

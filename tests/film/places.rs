@@ -1,7 +1,7 @@
 //! Where the files of frames go, and where messages about a frame point.
 
 use reflet::{
-    scene::{motion::Motion, parse},
+    scene::stages::{Animator, Scene},
     world::load::{self, LoadOptions},
 };
 
@@ -33,9 +33,9 @@ fn a_bad_pose_is_reported_at_what_places_the_instance() {
         (format!("{SCENE}{motion}"), "[motion.instance.ball]"),
     ] {
         let path = folder.join("scene.toml");
-        let (desc, _) = parse::parse(&text, &path, &[]).expect("it is right");
+        let (desc, _) = Scene::from_text(&text, &path, &[]).expect("it is right");
         let mut world = load::load(&desc, &LoadOptions::default()).expect("it loads");
-        let mut state = Motion::new(&desc).pose(0).expect("it moves");
+        let mut state = Animator::new(&desc).pose(0).expect("it moves");
         state.instances[1] = glam::Affine3A::from_scale(glam::Vec3::ZERO);
         let errors = world.apply(&state).expect_err("it is flat");
         let source = errors[0].span.source.as_ref().expect("a place");

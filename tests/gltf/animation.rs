@@ -6,7 +6,7 @@ use reflet::{
         desc::{
             AnimationDesc, InstanceDesc, LightKind, Playback, RepeatDesc, SceneDesc, TimelineDesc,
         },
-        motion::Motion,
+        stages::{Animator, Scene},
     },
     world::World,
 };
@@ -97,10 +97,15 @@ pub fn cart_scene(names: &[&str]) -> (Folder, SceneDesc) {
     (folder, desc)
 }
 
-/// The world at a frame.
+/// The world at a frame, of a scene without a script.
 pub fn posed(desc: &SceneDesc, frame: u32) -> World {
-    let mut world = load_scene(desc).unwrap_or_else(|e| panic!("{e:#?}"));
-    let state = Motion::new(desc).pose(frame).expect("it can be posed");
+    posed_scene(&desc.clone().into(), frame)
+}
+
+/// The world at a frame.
+pub fn posed_scene(scene: &Scene, frame: u32) -> World {
+    let mut world = load_scene(scene).unwrap_or_else(|e| panic!("{e:#?}"));
+    let state = Animator::new(scene).pose(frame).expect("it can be posed");
     world.apply(&state).unwrap_or_else(|e| panic!("{e:#?}"));
     world
 }
@@ -144,7 +149,7 @@ fn only_what_an_animation_moves_is_dynamic() {
     // And nothing.
     for none in [None, Some(playing(&[]))] {
         desc.models[0].value.animation = none;
-        assert!(Motion::new(&desc).is_still());
+        assert!(desc.is_still());
         let world = posed(&desc, 12);
         assert!(world.instances.iter().all(|i| !i.dynamic));
         assert_eq!(world.animations.len(), 3, "but they are listed");
@@ -195,7 +200,9 @@ fn lights_and_cameras_follow_moving_instances() {
         ..instance("m")
     }];
     let mut world = load_scene(&desc).expect("it loads");
-    let mut state = Motion::new(&desc).pose(0).expect("it can be posed");
+    let mut state = Animator::new(&desc.clone().into())
+        .pose(0)
+        .expect("it can be posed");
     let moved = Affine3A::from_rotation_translation(
         Quat::from_euler(EulerRot::XYZ, 0.3, 1.0, -0.4),
         Vec3::new(1.0, 2.0, 3.0),
@@ -253,7 +260,9 @@ fn instances_of_one_file_play_what_they_like() {
     assert!((x("b/cart/box") - 4.0).abs() < 1e-5);
     // A script's time wins.
     let mut world = load_scene(&desc).expect("it loads");
-    let mut state = Motion::new(&desc).pose(0).expect("it can be posed");
+    let mut state = Animator::new(&desc.clone().into())
+        .pose(0)
+        .expect("it can be posed");
     state.animation_s[1] = Some(0.25);
     world.apply(&state).expect("it is a pose");
     assert!((find(&world, "b/cart/box").0.translation.x - 0.5).abs() < 1e-5);

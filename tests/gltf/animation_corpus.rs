@@ -10,7 +10,7 @@ use std::{
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4, Mat4};
 use reflet::scene::{
     desc::{AnimationDesc, Playback, TimelineDesc},
-    motion::Motion,
+    stages::{Animator, Scene},
 };
 use serde_json::Value;
 
@@ -269,7 +269,8 @@ fn poses_of_the_corpus_equal_a_second_evaluation() {
                 start: 0,
                 end: 12,
             });
-            let motion = Motion::new(&desc);
+            let scene = Scene::from(desc.clone());
+            let motion = Animator::new(&scene);
             let mut world = load_scene(&desc).unwrap_or_else(|e| panic!("{file}: {e:?}"));
             played += 1;
             let second = File::open(&path);

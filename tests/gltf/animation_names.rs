@@ -2,11 +2,11 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
-    app::scene::source,
-    scene::{desc::InstanceDesc, parse},
+    app::{args::SceneArgs, scene::SceneText},
+    scene::desc::InstanceDesc,
     world::{
         gltf,
-        load::{self, LoadOptions},
+        load::{self},
     },
 };
 use serde_json::{Value, json};
@@ -270,10 +270,10 @@ fn a_file_tells_what_it_can_play() {
 fn a_model_that_was_read_for_its_timeline_is_not_read_again() {
     let folder = Folder::new();
     let path = folder.write("m.glb", cart().glb());
-    let options = LoadOptions::default();
-    let (text, name) = source(Some(&path), &options, &[]).expect("it can be read");
-    assert!(text.contains("[timeline]"), "{text}");
-    let (desc, _) = parse::parse(&text, &name, &[]).expect("it is a scene");
+    let text = SceneText::read(Some(&path), &SceneArgs::default()).expect("it can be read");
+    let opened = text.open(&[], &<_>::default()).expect("it is a scene");
+    assert!(opened.scene.timeline.is_some());
+    let (desc, options) = (opened.scene.desc, opened.options);
     folder.write("m.glb", "something else by now");
     let world = load::load(&desc, &options).expect("it was read before");
     assert!(!world.meshes.is_empty() && !world.moving.players.is_empty());

@@ -2,12 +2,12 @@
 //! materials and files, and of that instance alone.
 
 use reflet::{
-    scene::{desc::SceneDesc, parse},
+    scene::stages::Scene,
     world::{Material, World},
 };
 
 use crate::{
-    animation::posed,
+    animation::posed_scene,
     kit::{Folder, stone},
 };
 
@@ -58,10 +58,10 @@ roughness = { rate = 0.25 }
 metallic = { rate = -0.25 }
 ";
 
-fn read(folder: &Folder, text: &str) -> Result<SceneDesc, String> {
+fn read(folder: &Folder, text: &str) -> Result<Scene, String> {
     folder.write("m.glb", stone().glb());
     let path = folder.write("scene.toml", text);
-    parse::load(&path, &[])
+    Scene::from_file(&path, &[])
         .map(|(desc, _)| desc)
         .map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
@@ -81,7 +81,7 @@ fn they_change_by_tracks() {
         (2, (0.625, 0.75), 0.5, (0.75, 0.25)),
         (8, (1.0, 0.0), 0.0, (1.0, 0.0)),
     ] {
-        let world = posed(&desc, frame);
+        let world = posed_scene(&desc, frame);
         let found = materials(&world);
         let of = |i: usize| (found[i].roughness, found[i].metallic);
         assert_eq!(of(0), (0.25, 1.0), "what stands still, in frame {frame}");
@@ -109,7 +109,7 @@ fn they_change_by_script_over_what_is_below_them() {
     );
     let text = format!("script = \"s.rhai\"\n{SCENE}");
     let desc = read(&folder, &text).expect("it is right");
-    let world = posed(&desc, 1);
+    let world = posed_scene(&desc, 1);
     let found = materials(&world);
     let of = |i: usize| (found[i].roughness, found[i].metallic);
     assert_eq!(of(0), (0.25, 0.125));
@@ -166,9 +166,7 @@ fn what_has_none_of_its_own_is_refused() {
         let script = format!("fn frame(ctx) {{ ctx.instance_material({call}); }}");
         folder.write("s.rhai", script);
         let desc = read(&folder, &format!("script = \"s.rhai\"\n{SCENE}")).expect("it is right");
-        let errors = reflet::scene::motion::Motion::new(&desc)
-            .pose(0)
-            .expect_err(call);
+        let errors = desc.pose(0).expect_err(call);
         assert!(
             errors[0].to_string().contains(says),
             "{call}: {}",

@@ -257,7 +257,7 @@ fn every_way_of_saving_a_script_ends_with_its_last_text() {
                 || {
                     let live = &session.borrow().live;
                     let script = live.desc().script.as_ref().expect("a script");
-                    live.problems.is_empty() && script.texts()[0].1 == text
+                    live.problems.is_empty() && script.texts[0].1 == text
                 },
             );
         }

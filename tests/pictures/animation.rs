@@ -11,9 +11,8 @@ use glam::{Quat, Vec3, camera::rh};
 use reflet::{
     render::Picture,
     scene::{
-        desc::{CameraDesc, SceneDesc},
-        motion::Motion,
-        parse,
+        desc::CameraDesc,
+        stages::{Animator, Scene},
     },
     world::{World, load},
 };
@@ -47,21 +46,21 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn read(folder: &Path, text: &str) -> (SceneDesc, World) {
-    let (desc, warnings) = parse::parse(text, &folder.join("scene.toml"), &[])
+fn read(folder: &Path, text: &str) -> (Scene, World) {
+    let (scene, warnings) = Scene::from_text(text, &folder.join("scene.toml"), &[])
         .unwrap_or_else(|errors| panic!("{errors:?}"));
     assert_eq!(warnings, []);
-    let world = load::load(&desc, &load::LoadOptions::default())
+    let world = load::load(&scene, &load::LoadOptions::default())
         .unwrap_or_else(|errors| panic!("{errors:?}"));
-    (desc, world)
+    (scene, world)
 }
 
 /// Each of these frames, all with one renderer.
 fn film(folder: &Path, text: &str, frames: &[u32]) -> Option<Vec<Picture>> {
     let gpu = gpu()?;
-    let (desc, mut world) = read(folder, text);
-    let motion = Motion::new(&desc);
-    let mut renderer = renderer(gpu, &desc, &world, false);
+    let (scene, mut world) = read(folder, text);
+    let motion = Animator::new(&scene);
+    let mut renderer = renderer(gpu, &scene, &world, false);
     let pictures = frames.iter().map(|frame| {
         let state = motion.pose(*frame).unwrap_or_else(|e| panic!("{e:?}"));
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));

@@ -5,7 +5,7 @@ use std::{path::Path, sync::OnceLock};
 use reflet::{
     gpu::Gpu,
     render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
-    scene::{desc::SceneDesc, parse},
+    scene::{desc::SceneDesc, stages::Scene},
     world::{World, load},
 };
 
@@ -25,7 +25,7 @@ pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
 /// The same as if it stood in `file`, beside the images that it names.
 pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-    let (desc, _) = parse::parse(text, file, &set).unwrap_or_else(|errors| {
+    let (desc, _) = Scene::from_text(text, file, &set).unwrap_or_else(|errors| {
         panic!(
             "{}",
             errors.iter().map(|e| e.to_string()).collect::<String>()
@@ -37,7 +37,7 @@ pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
             errors.iter().map(|e| e.to_string()).collect::<String>()
         )
     });
-    (desc, world)
+    (desc.desc, world)
 }
 
 /// Renders with the plan that drops what the scene does not use.
@@ -58,9 +58,8 @@ pub fn render_with(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov], general: b
 /// A renderer for a scene.
 pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Renderer {
     let options = RenderOptions {
-        reflection: desc.reflection,
-        image: desc.image,
         general,
+        ..RenderOptions::of(desc)
     };
     Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"))
 }

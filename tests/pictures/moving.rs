@@ -8,7 +8,7 @@ use std::{
 
 use reflet::{
     render::Picture,
-    scene::{desc::SceneDesc, motion::Motion, parse},
+    scene::stages::{Animator, Scene},
     world::{World, load},
 };
 
@@ -69,19 +69,19 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn read(folder: &Path, text: &str, set: &[String]) -> (SceneDesc, World) {
-    let read = parse::parse(text, &folder.join("scene.toml"), set);
-    let (desc, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let world = load::load(&desc, &load::LoadOptions::default());
-    (desc, world.unwrap_or_else(|errors| panic!("{errors:?}")))
+fn read(folder: &Path, text: &str, set: &[String]) -> (Scene, World) {
+    let read = Scene::from_text(text, &folder.join("scene.toml"), set);
+    let (scene, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
+    let world = load::load(&scene, &load::LoadOptions::default());
+    (scene, world.unwrap_or_else(|errors| panic!("{errors:?}")))
 }
 
 /// A frame, after another one with the same renderer.
 fn frames(folder: &Path, text: &str, set: &[String], wanted: [u32; 2]) -> Option<[Picture; 2]> {
     let gpu = gpu()?;
-    let (desc, mut world) = read(folder, text, set);
-    let motion = Motion::new(&desc);
-    let mut renderer = renderer(gpu, &desc, &world, false);
+    let (scene, mut world) = read(folder, text, set);
+    let motion = Animator::new(&scene);
+    let mut renderer = renderer(gpu, &scene, &world, false);
     Some(wanted.map(|frame| {
         let state = motion.pose(frame).unwrap_or_else(|e| panic!("{e:?}"));
         world.apply(&state).unwrap_or_else(|e| panic!("{e:?}"));

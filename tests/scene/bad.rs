@@ -5,7 +5,7 @@
 
 use std::{fs, path::Path};
 
-use reflet::scene::{diagnostic::render_all, parse};
+use reflet::scene::{diagnostic::render_all, stages::Scene};
 
 fn overrides(text: &str) -> Vec<String> {
     text.lines()
@@ -33,7 +33,7 @@ fn each_bad_scene_gives_its_exact_messages() {
     for file in &files {
         let text = fs::read_to_string(file).expect("a bad scene is still text");
         let name = Path::new(file.file_name().expect("files have names"));
-        let messages = match parse::parse(&text, name, &overrides(&text)) {
+        let messages = match Scene::from_text(&text, name, &overrides(&text)) {
             Ok((_, warnings)) => warnings, // a few files show warnings
             Err(messages) => messages,
         };

@@ -3,14 +3,10 @@
 use std::path::Path;
 
 use crate::common::Random;
-use reflet::scene::{
-    diagnostic::Diagnostic,
-    manual::EXAMPLE,
-    parse::{self, parse},
-};
+use reflet::scene::{diagnostic::Diagnostic, manual::EXAMPLE, parse, stages::Scene};
 
 fn errors(text: &str) -> Vec<Diagnostic> {
-    parse(text, Path::new("scene.toml"), &[]).expect_err("the text is wrong")
+    Scene::from_text(text, Path::new("scene.toml"), &[]).expect_err("the text is wrong")
 }
 
 #[test]
@@ -70,7 +66,7 @@ fn files_that_cannot_be_scenes_say_why() {
         path
     };
     let said = |path: &Path| {
-        let errors = parse::load(path, &[]).expect_err("it is no scene");
+        let errors = Scene::from_file(path, &[]).expect_err("it is no scene");
         assert_eq!(errors.len(), 1);
         (
             errors[0].name,
@@ -91,12 +87,12 @@ fn files_that_cannot_be_scenes_say_why() {
     assert_eq!(said(&large).0, "file-too-large");
     let mut just_fits = vec![b' '; parse::MOST_BYTES as usize];
     just_fits[..12].copy_from_slice(b"version = 1\n");
-    assert!(parse::load(&write("fits.toml", &just_fits), &[]).is_ok());
+    assert!(Scene::from_file(&write("fits.toml", &just_fits), &[]).is_ok());
     let (name, text) = said(&write("latin1.toml", b"version = 1\n# caf\xe9\n"));
     assert_eq!(name, "not-utf8");
     let marked = "latin1.toml:2:6\n  |\n2 | # caf\u{FFFD}\n  |      ^\n";
     assert!(text.contains(marked), "{text}");
-    let errors = parse::load(&folder.join("latin1.toml"), &[]).expect_err("no UTF-8");
+    let errors = Scene::from_file(&folder.join("latin1.toml"), &[]).expect_err("no UTF-8");
     let place = errors[0].to_json();
     assert_eq!(
         (&place["column"], &place["end_column"]),
@@ -104,7 +100,7 @@ fn files_that_cannot_be_scenes_say_why() {
     );
     let good = write("good.toml", b"version = 1\n");
     assert_eq!(
-        parse::load(&good, &[]).map(|(scene, _)| scene.folder),
+        Scene::from_file(&good, &[]).map(|(scene, _)| scene.desc.folder),
         Ok(folder.clone())
     );
     std::fs::remove_dir_all(&folder).expect("it was made here");
@@ -119,7 +115,8 @@ fn scripts_that_are_not_utf8_are_placed_in_their_file() {
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).expect("file");
     write("scene.toml", b"version = 1\nscript = \"s.rhai\"\n");
     let said = || {
-        let errors = parse::load(&folder.join("scene.toml"), &[]).expect_err("it is not UTF-8");
+        let errors =
+            Scene::from_file(&folder.join("scene.toml"), &[]).expect_err("it is not UTF-8");
         assert_eq!(errors.len(), 1, "{errors:?}");
         errors[0].to_string()
     };
@@ -160,7 +157,7 @@ fn the_first_message_that_is_left_out_is_counted() {
     let mistakes = |n: usize| -> String { (0..n).map(|i| format!("wrong{i} = 1\n")).collect() };
     let errors = |n: usize| {
         let text = format!("{}version = 1\n", mistakes(n));
-        parse::parse(&text, Path::new("scene.toml"), &[]).expect_err("it is full of mistakes")
+        Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("it is full of mistakes")
     };
     assert!(errors(100).iter().all(|e| e.name != "too-many-errors"));
     let last = errors(101).pop().expect("a message");
@@ -172,7 +169,7 @@ fn the_first_message_that_is_left_out_is_counted() {
 #[test]
 fn a_key_that_says_too_much_is_recognized_by_its_beginning() {
     let text = "version = 1\n[[instance]]\nmodel = \"a\"\ntranslation_in_meters = [0, 0, 0]\n";
-    let errors = parse::parse(text, Path::new("scene.toml"), &[]).expect_err("a wrong key");
+    let errors = Scene::from_text(text, Path::new("scene.toml"), &[]).expect_err("a wrong key");
     let text: String = errors.iter().map(ToString::to_string).collect();
     assert!(text.contains("did you mean `translation`?"), "{text}");
 }
@@ -188,7 +185,7 @@ fn a_script_waits_until_its_parameters_can_be_read() {
         let text = format!("version = 1\nscript = \"s.rhai\"\n{tables}");
         let file = folder.join("scene.toml");
         std::fs::write(&file, text).expect("a temporary file");
-        let errors = parse::load(&file, &[]).expect_err("it cannot be read");
+        let errors = Scene::from_file(&file, &[]).expect_err("it cannot be read");
         let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
         (texts.len(), texts.join("\n"))
     };
@@ -222,7 +219,7 @@ fn mutated_scenes_are_read_or_refused_and_never_panic() {
             }
         }
         let text = String::from_utf8_lossy(&bytes);
-        match parse(&text, Path::new("mutated.toml"), &[]) {
+        match Scene::from_text(&text, Path::new("mutated.toml"), &[]) {
             Ok(_) => good += 1,
             Err(errors) => {
                 assert!(!errors.is_empty());

@@ -4,9 +4,9 @@ use std::{fs, path::PathBuf};
 
 use reflet::scene::{
     dependencies::Dependencies,
-    desc::SceneDesc,
     diagnostic::{Diagnostic, render_all},
     parse,
+    stages::Scene,
 };
 
 use crate::common::Random;
@@ -31,9 +31,9 @@ impl Folder {
         fs::write(path, text).expect("it can be written");
     }
 
-    fn parse(&self, set: &[&str]) -> Result<(SceneDesc, Vec<Diagnostic>), String> {
+    fn parse(&self, set: &[&str]) -> Result<(Scene, Vec<Diagnostic>), String> {
         let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
-        let read = parse::load(&self.0.join("scene.toml"), &set);
+        let read = Scene::from_file(&self.0.join("scene.toml"), &set);
         read.map_err(|errors| {
             let folder = format!("{}/", self.0.display());
             render_all(&errors, false).replace(&folder, "")
@@ -136,7 +136,8 @@ fn a_scene_in_parts_equals_the_scene_in_one_piece() {
         + LIGHTS;
     let one = Folder::new("whole", &[("scene.toml", whole.as_str())]);
     let read = |folder: &Folder| {
-        let (mut scene, _) = folder.parse(&[]).expect("it is right");
+        let (scene, _) = folder.parse(&[]).expect("it is right");
+        let mut scene = scene.desc;
         scene.folder = PathBuf::new();
         scene.includes.clear();
         // Places differ, and nothing else.
@@ -272,7 +273,7 @@ fn what_was_looked_for_is_known_also_after_a_mistake() {
     let path = folder.0.join("scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
     let dependencies = Dependencies::default();
-    parse::parse_traced(&text, &path, &[], &dependencies).expect_err("two are missing");
+    Scene::from_text_traced(&text, &path, &[], &dependencies).expect_err("two are missing");
     let names: Vec<_> = dependencies.paths();
     let expected = ["a.toml", "b.toml", "gone.toml"].map(|n| folder.0.join(n));
     assert_eq!(names, expected);

@@ -4,12 +4,11 @@ use std::{fs, path::Path};
 
 use glam::Vec3;
 use reflet::scene::{
-    desc::SceneDesc,
     motion::{
-        FrameState, Motion,
+        FrameState,
         number::{CAMERA, Field, Form, LIGHT, MATERIAL},
     },
-    parse,
+    stages::{Animator, Scene},
 };
 
 const SCENE: &str = "
@@ -47,15 +46,15 @@ target = [4, 0, 0]
 intensity_cd = 10
 ";
 
-fn read(text: &str) -> Result<SceneDesc, String> {
-    let read = parse::parse(text, Path::new("scene.toml"), &[]);
+fn read(text: &str) -> Result<Scene, String> {
+    let read = Scene::from_text(text, Path::new("scene.toml"), &[]);
     read.map(|(desc, _)| desc)
         .map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
 fn pose(text: &str, frame: u32) -> Result<FrameState, String> {
     let desc = read(text)?;
-    let posed = Motion::new(&desc).pose(frame);
+    let posed = Animator::new(&desc).pose(frame);
     posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
@@ -66,9 +65,9 @@ fn scripted(name: &str, frame: &str) -> Result<FrameState, String> {
     let script = format!("fn frame(ctx) {{ {frame} }}");
     fs::write(folder.join("move.rhai"), script).expect("the script can be written");
     let text = format!("script = \"move.rhai\"\n{SCENE}");
-    let read = parse::parse(&text, &folder.join("scene.toml"), &[]);
+    let read = Scene::from_text(&text, &folder.join("scene.toml"), &[]);
     let (desc, _) = read.unwrap_or_else(|errors| panic!("{errors:?}"));
-    let posed = Motion::new(&desc).pose(0);
+    let posed = Animator::new(&desc).pose(0);
     posed.map_err(|errors| errors.iter().map(|e| e.to_string()).collect())
 }
 
@@ -287,8 +286,8 @@ fn what_a_surface_is_made_without_cannot_move() {
     let script = "fn frame(ctx) { ctx.material(\"plain\", #{ alpha_cutoff: 0.5 }); }";
     fs::write(folder.join("move.rhai"), script).expect("the script can be written");
     let text = format!("script = \"move.rhai\"\n{SCENE}[material.plain]\n");
-    let (desc, _) = parse::parse(&text, &folder.join("scene.toml"), &[]).expect("is right");
-    let errors = Motion::new(&desc).pose(0).expect_err("it is not cut out");
+    let (desc, _) = Scene::from_text(&text, &folder.join("scene.toml"), &[]).expect("is right");
+    let errors = Animator::new(&desc).pose(0).expect_err("it is not cut out");
     let error = errors[0].to_string();
     let message = "`alpha_cutoff` cannot be set, because `[material.plain]` has none";
     assert!(

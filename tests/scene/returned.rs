@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use reflet::scene::{motion::Motion, parse};
+use reflet::scene::stages::{Animator, Scene};
 
 const SCENE: &str = "script = \"walk.rhai\"\nversion = 1\nparams = { speed = 1.5 }\n\
                      timeline = { end = 10 }\n";
@@ -12,7 +12,7 @@ fn messages(name: &str, script: &str) -> Vec<String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("returned-{name}"));
     fs::create_dir_all(&folder).expect("temporary folder");
     fs::write(folder.join("walk.rhai"), script).expect("the script can be written");
-    let read = parse::parse(SCENE, &folder.join("scene.toml"), &[]);
+    let read = Scene::from_text(SCENE, &folder.join("scene.toml"), &[]);
     let errors = read.expect_err("it is wrong");
     errors.iter().map(|e| e.to_string()).collect()
 }
@@ -147,8 +147,8 @@ fn parameters_cannot_be_set_by_a_script() {
     let pose = |line: &str| {
         let script = format!("fn frame(ctx) {{\n    {line}\n}}\n");
         fs::write(folder.join("walk.rhai"), script).expect("written");
-        let (desc, _) = parse::parse(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
-        Motion::new(&desc).pose(0)
+        let (desc, _) = Scene::from_text(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
+        Animator::new(&desc).pose(0)
     };
     for line in [
         "ctx.params.speed = 3.0;",
@@ -184,8 +184,8 @@ fn printed_lines_say_where_they_come_from() {
                   print([1, \"a\"]); print(#{ a: 1 }); print(vec3(1, 2, 3));\n    \
                   debug(\"a\");\n    say::it(7);\n}\n";
     fs::write(folder.join("walk.rhai"), script).expect("written");
-    let (desc, _) = parse::parse(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
-    let log = Motion::new(&desc).pose(4).expect("it runs").log;
+    let (desc, _) = Scene::from_text(SCENE, &folder.join("scene.toml"), &[]).expect("is right");
+    let log = Animator::new(&desc).pose(4).expect("it runs").log;
     let lines: Vec<_> = (log.iter())
         .map(|line| {
             line.rsplit_once('/')
@@ -226,7 +226,7 @@ fn names_that_a_broken_script_would_add_are_not_reported() {
     let read = |script: &str, set: &[&str]| {
         fs::write(folder.join("hop.rhai"), script).expect("the script can be written");
         let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
-        parse::parse(SCENE, &folder.join("scene.toml"), &set)
+        Scene::from_text(SCENE, &folder.join("scene.toml"), &set)
     };
     let good = read(GOOD, &[]);
     assert!(good.is_ok(), "{good:?}");
@@ -254,6 +254,6 @@ fn names_that_a_broken_script_would_add_are_not_reported() {
     // What no script is needed for is still known.
     let wrong = SCENE.replace("\"hop1\"", "\"hop2\"");
     fs::write(folder.join("hop.rhai"), GOOD).expect("the script can be written");
-    let errors = parse::parse(&wrong, &folder.join("scene.toml"), &[]).expect_err("no hop2");
+    let errors = Scene::from_text(&wrong, &folder.join("scene.toml"), &[]).expect_err("no hop2");
     assert_eq!(errors[0].name, "dangling-name");
 }

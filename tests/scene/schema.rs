@@ -7,6 +7,7 @@ use reflet::scene::{
     manual::EXAMPLE,
     parse::{self, SectionRecord},
     schema::schema,
+    stages::Scene,
 };
 use serde_json::{Map, Value, json};
 
@@ -130,7 +131,9 @@ fn the_schema_refuses_what_the_reader_refuses() {
         }
         let text = fs::read_to_string(&path).expect("it can be read");
         let Some(json) = json_of(&text) else { continue };
-        let messages = parse::parse(&text, &path, &[]).err().unwrap_or_default();
+        let messages = Scene::from_text(&text, &path, &[])
+            .err()
+            .unwrap_or_default();
         let within = messages.iter().any(|m| !BEYOND_SCHEMA.contains(&m.name));
         let valid = is_valid(&schema, &schema, &json);
         assert_eq!(

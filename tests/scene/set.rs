@@ -4,15 +4,15 @@ use std::path::Path;
 
 use crate::common::Random;
 use glam::Vec3;
-use reflet::scene::{desc::*, diagnostic::Diagnostic, manual::EXAMPLE, parse::parse};
+use reflet::scene::{desc::*, diagnostic::Diagnostic, manual::EXAMPLE, stages::Scene};
 
 const SCENE: &str = "version = 1\n[material.m]\n[model.a]\nshape = { kind = \"box\" }\n\
                      [[instance]]\nmodel = \"a\"\n";
 
 fn read_with(text: &str, overrides: &[&str]) -> SceneDesc {
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    match parse(text, Path::new("scene.toml"), &overrides) {
-        Ok((scene, _)) => scene,
+    match Scene::from_text(text, Path::new("scene.toml"), &overrides) {
+        Ok((scene, _)) => scene.desc,
         Err(errors) => panic!("{}", errors[0]),
     }
 }
@@ -65,7 +65,7 @@ fn values_are_set_by_path_index_and_name() {
 #[test]
 fn a_setting_can_mend_what_the_file_has_wrong() {
     let text = "version = 1\n[image]\nsamples = 0\n";
-    assert!(parse(text, Path::new("scene.toml"), &[]).is_err());
+    assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_err());
     assert_eq!(read_with(text, &["image.samples=4"]).image.samples, 4);
     let empty = read_with("", &["version=1", "environment.color=[1, 1, 1]"]);
     assert_eq!(empty.environment.zenith, Vec3::ONE);
@@ -74,7 +74,8 @@ fn a_setting_can_mend_what_the_file_has_wrong() {
 #[test]
 fn places_are_in_the_option_that_is_wrong() {
     let overrides = ["image.samples=2", "image.size=[1, 2, 3]"].map(str::to_owned);
-    let errors = parse(SCENE, Path::new("scene.toml"), &overrides).expect_err("three sizes");
+    let errors =
+        Scene::from_text(SCENE, Path::new("scene.toml"), &overrides).expect_err("three sizes");
     let text = errors[0].to_string();
     let want = " --> --set:1:12\n  |\n1 | image.size=[1, 2, 3]\n  |            ^^^^^^^^^";
     assert!(errors.len() == 1 && text.ends_with(want), "{text}");
@@ -94,7 +95,7 @@ fn mutated_settings_never_panic() {
             let at = text.floor_char_boundary(random.below(text.len() + 1));
             text.insert(at, b"[]{}=.,\"'#\n -01ae"[random.below(17)] as char);
         }
-        if let Err(errors) = parse(EXAMPLE, Path::new("scene.toml"), &[text.clone()]) {
+        if let Err(errors) = Scene::from_text(EXAMPLE, Path::new("scene.toml"), &[text.clone()]) {
             let _ = errors.iter().map(Diagnostic::to_string).collect::<String>();
         }
     }
@@ -139,7 +140,7 @@ fn parameters_keep_their_kind() {
         ("at=[1, 2, 3]", "`at` is a list of 2, not a list of 3"),
     ] {
         let set = format!("params.{set}");
-        let read = parse(&text, Path::new("scene.toml"), std::slice::from_ref(&set));
+        let read = Scene::from_text(&text, Path::new("scene.toml"), std::slice::from_ref(&set));
         let errors = read.expect_err(&set);
         assert!(errors[0].to_string().contains(says), "{set}: {}", errors[0]);
     }

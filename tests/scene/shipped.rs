@@ -7,7 +7,10 @@ use std::{
 
 use crate::common::shared_folder;
 use reflet::{
-    scene::{diagnostic::Diagnostic, motion::Motion, parse},
+    scene::{
+        diagnostic::Diagnostic,
+        stages::{Animator, Scene},
+    },
     world::load::{self, LoadOptions},
 };
 
@@ -44,7 +47,7 @@ fn every_shipped_scene_loads() {
     for path in scenes {
         let name = path.display();
         let (desc, warnings) =
-            parse::load(&path, &[]).unwrap_or_else(|e| panic!("{name}\n{}", said(&e)));
+            Scene::from_file(&path, &[]).unwrap_or_else(|e| panic!("{name}\n{}", said(&e)));
         assert!(warnings.is_empty(), "{name}\n{}", said(&warnings));
         match load::load(&desc, &options) {
             Ok(world) => assert!(!world.instances.is_empty(), "{name} shows nothing"),
@@ -66,12 +69,12 @@ fn the_story_of_the_readme_holds_at_each_step() {
     fs::create_dir_all(&folder).expect("temporary folder");
     fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
     let read = |text: &str| {
-        let (desc, warnings) = parse::parse(text, &folder.join("my.toml"), &[])
+        let (desc, warnings) = Scene::from_text(text, &folder.join("my.toml"), &[])
             .unwrap_or_else(|e| panic!("{}", said(&e)));
         assert!(warnings.is_empty(), "{}", said(&warnings));
         let mut world =
             load::load(&desc, &LoadOptions::default()).unwrap_or_else(|e| panic!("{}", said(&e)));
-        let motion = Motion::new(&desc);
+        let motion = Animator::new(&desc);
         [0, 7].map(|frame| {
             let state = motion.pose(frame);
             let state = state.unwrap_or_else(|e| panic!("{}", said(&e)));
@@ -101,7 +104,7 @@ fn a_script_that_moves_a_scene_without_a_timeline_is_warned_about() {
     fs::write(folder.join(&readme.script_name), &readme.script).expect("written");
     let [scene, ..] = readme.scenes();
     let text = format!("{}{scene}", readme.script_line);
-    let (_, warnings) = parse::parse(&text, &folder.join("my.toml"), &[])
+    let (_, warnings) = Scene::from_text(&text, &folder.join("my.toml"), &[])
         .unwrap_or_else(|e| panic!("{}", said(&e)));
     let text = said(&warnings);
     for part in [

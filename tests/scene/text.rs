@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::{Mat4, Quat, Vec3};
-use reflet::scene::{desc::*, parse::parse};
+use reflet::scene::{desc::*, stages::Scene};
 
 fn read(text: &str) -> SceneDesc {
     let text = format!("version = 1\n{text}");
-    match parse(&text, Path::new("folder/scene.toml"), &[]) {
-        Ok((scene, _)) => scene,
+    match Scene::from_text(&text, Path::new("folder/scene.toml"), &[]) {
+        Ok((scene, _)) => scene.desc,
         Err(errors) => panic!("{}", errors[0]),
     }
 }

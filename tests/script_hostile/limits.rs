@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use reflet::scene::motion::Motion;
+use reflet::scene::stages::Animator;
 
 use crate::{folder, load};
 
@@ -67,7 +67,7 @@ fn limits_are_reported_where_they_are_met() {
              fn frame(ctx) {{\n{body}\n}}"
         );
         let desc = load(&folder, &script).expect(body);
-        let error = Motion::new(&desc).pose(0).expect_err(body)[0].to_string();
+        let error = Animator::new(&desc).pose(0).expect_err(body)[0].to_string();
         let is_there = places
             .iter()
             .any(|place| first_place(&error).contains(place));

@@ -7,7 +7,10 @@ mod values;
 
 use std::{fs, path::Path, time::Instant};
 
-use reflet::scene::{desc::SceneDesc, motion::Motion, parse, script::Script};
+use reflet::scene::{
+    script::Script,
+    stages::{Animator, Scene},
+};
 
 const SCENE: &str = "
 version = 1
@@ -194,8 +197,8 @@ fn a_lot() { let a = []; a.pad(40000, 1); a }
 fn fib(ctx, n) { fib(ctx, n - 1) + fib(ctx, n - 2) }
 ";
 
-fn desc() -> SceneDesc {
-    let read = parse::parse(SCENE, Path::new("scene.toml"), &[]);
+fn desc() -> Scene {
+    let read = Scene::from_text(SCENE, Path::new("scene.toml"), &[]);
     read.expect("the scene is right").0
 }
 
@@ -218,9 +221,8 @@ fn run((body, says): &(&str, &str)) -> Option<String> {
     let message = match Script::from_text("hostile.rhai", &text) {
         Err(error) => error.to_string(),
         Ok(script) => {
-            let mut scene = desc();
-            scene.script = Some(script);
-            match Motion::new(&scene).pose(3) {
+            let scene = Scene::new(desc().desc, script);
+            match Animator::new(&scene).pose(3) {
                 Err(errors) => errors[0].to_string(),
                 Ok(_) => "nothing was wrong".to_owned(),
             }
@@ -255,10 +257,10 @@ fn folder(name: &str) -> std::path::PathBuf {
     folder.join("scene")
 }
 
-fn load(folder: &Path, script: &str) -> Result<SceneDesc, String> {
+fn load(folder: &Path, script: &str) -> Result<Scene, String> {
     fs::write(folder.join("s.rhai"), script).expect("temporary file");
     let text = SCENE.replacen("version = 1", "version = 1\nscript = \"s.rhai\"", 1);
-    let read = parse::parse(&text, &folder.join("scene.toml"), &[]);
+    let read = Scene::from_text(&text, &folder.join("scene.toml"), &[]);
     read.map(|(desc, _)| desc).map_err(|errors| {
         let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
         texts.join("\n")
@@ -278,9 +280,9 @@ fn imports_stay_below_the_folder_of_the_scene() {
     fs::write(folder.join("parts/bad.rhai"), "fn f( {").expect("temporary file");
     let good = "import \"parts/legs\" as legs;\nfn frame(ctx) { ctx.place(\"ball\", [legs::twice(2), 0, 0]) }";
     let desc = load(&folder, good).expect("it is below");
-    let state = Motion::new(&desc).pose(0).expect("it runs");
+    let state = Animator::new(&desc).pose(0).expect("it runs");
     assert_eq!(state.instances[0].translation.x, 4.0);
-    assert_eq!(desc.script.as_ref().map(|s| s.files().len()), Some(2));
+    assert_eq!(desc.script.as_ref().map(|s| s.files.len()), Some(2));
     for (import, says) in [
         ("../out", "not below the scene's folder"),
         ("/etc/passwd", "not below the scene's folder"),

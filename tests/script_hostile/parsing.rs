@@ -3,8 +3,8 @@
 use std::{fmt::Write as _, fs, time::Instant};
 
 use reflet::scene::{
-    motion::Motion,
     script::{Halt, Script},
+    stages::Animator,
 };
 
 use crate::{folder, load, run};
@@ -76,7 +76,7 @@ fn literals_marks_and_directions() {
     let marked = "\u{feff}import \"parts/m\" as m;\nfn frame(ctx) { if m::f() != 7 { throw 1; } }";
     fs::write(folder.join("parts/m.rhai"), "\u{feff}fn f() { 7 }").expect("temporary file");
     let desc = load(&folder, marked).expect("the mark is accepted");
-    Motion::new(&desc).pose(0).expect("it runs");
+    Animator::new(&desc).pose(0).expect("it runs");
     let error = load(&folder, "\u{feff}let = 1;").expect_err("no name");
     assert!(error.contains("s.rhai:1:5"), "{error}");
 
@@ -139,7 +139,7 @@ fn lines_are_bounded_in_bytes_and_show_numbers() {
     let folder = folder("printed");
     let posed = |body: &str| {
         let desc = load(&folder, &format!("fn frame(ctx) {{\n{body}\n}}")).expect("it compiles");
-        Motion::new(&desc).pose(0).expect("it runs").log
+        Animator::new(&desc).pose(0).expect("it runs").log
     };
     let log = posed("let s = \"\"; s.pad(500000, 'é'); for i in 0..50 { print(s); }");
     let bytes: usize = log.iter().map(String::len).sum();
@@ -181,8 +181,8 @@ fn each_file_is_one_module() {
     }
     script += "fn frame(ctx) { m0::f() + m1::f() + m2::f() }";
     let desc = load(&folder, &script).expect("it compiles");
-    Motion::new(&desc).pose(0).expect("frames know all names");
-    assert_eq!(desc.script.map(|s| s.files().len()), Some(2));
+    Animator::new(&desc).pose(0).expect("frames know all names");
+    assert_eq!(desc.script.as_ref().map(|s| s.files.len()), Some(2));
     let error = load(&folder, "import \"./s\" as s;\nfn frame(ctx) { }").expect_err("itself");
     assert!(error.contains("imports itself"), "{error}");
     // A module that is refused is no longer open.
@@ -218,7 +218,7 @@ fn a_refused_import_is_an_error_whoever_catches_it() {
     }
     let late = "fn frame(ctx) {\n  try { import \"parts/none\" as n; } catch { }\n}";
     let desc = load(&folder, late).expect("nothing runs yet");
-    let error = Motion::new(&desc).pose(0).expect_err("it is refused")[0].to_string();
+    let error = Animator::new(&desc).pose(0).expect_err("it is refused")[0].to_string();
     assert!(
         error.contains("s.rhai:2:") && error.contains("at the top"),
         "{error}"

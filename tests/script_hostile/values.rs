@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use reflet::scene::motion::Motion;
+use reflet::scene::stages::Animator;
 
 use crate::{folder, load, run};
 
@@ -110,7 +110,7 @@ fn values_of_any_depth_are_made_used_and_freed() {
         for (done, says) in DONE {
             let script = format!("fn same(x) {{ x }}\nfn frame(ctx) {{\n{made}\n{done}\n}}");
             let desc = load(&folder, &script).expect("it compiles");
-            let posed = Motion::new(&desc).pose(0);
+            let posed = Animator::new(&desc).pose(0);
             match (posed, says) {
                 (Ok(_), "") => {}
                 (Err(errors), says) if !says.is_empty() => {
@@ -148,7 +148,7 @@ fn sorting_takes_any_comparison() {
     let folder = folder("sort");
     let pose = |body: &str| {
         let desc = load(&folder, &format!("fn frame(ctx) {{\n{body}\n}}")).expect("it compiles");
-        Motion::new(&desc).pose(0)
+        Animator::new(&desc).pose(0)
     };
     let many = "let a = []; for i in 0..2000 { a.push(i * 7919 % 2003); }";
     for body in [

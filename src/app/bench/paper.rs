@@ -13,7 +13,7 @@ use crate::{
     app::{
         args::SceneArgs,
         error::AppError,
-        scene::{ATRIUM, asset_folders, load_text},
+        scene::{ATRIUM, SceneText, asset_folders},
     },
     bench::{
         parameter::Parameter,
@@ -282,7 +282,11 @@ impl Stage {
                 set: changes.clone(),
                 assets: assets.to_vec(),
             };
-            let loaded = load_text(self.text, Path::new(self.file), &from)?;
+            let text = SceneText::new(self.text, Path::new(self.file), &from);
+            let opened = text.open(&[], &<_>::default());
+            let loaded = opened
+                .map_err(AppError::Scene)?
+                .load(self.file.to_owned())?;
             let name = format!("{what} ({})", self.place);
             subject(loaded, name, None)
         };

@@ -7,7 +7,7 @@ use crate::{
         scene::{LoadedScene, choose_camera},
     },
     bench::run::{FrameSeries, Subject},
-    scene::motion::Motion,
+    scene::stages::Animator,
 };
 
 use super::subject;
@@ -24,13 +24,13 @@ pub fn reel(
 ) -> Result<FrameSeries, AppError> {
     let frames = frames(&loaded, list)?;
     let index = choose_camera(&loaded, camera)?;
-    let desc = loaded.desc.clone();
+    let scene = loaded.scene.clone();
     let subject = subject(loaded, name, camera)?;
     let Some(frames) = frames else {
         return Ok(FrameSeries::still(subject));
     };
     let mover = move |subject: &mut Subject, frame| {
-        let state = Motion::new(&desc).pose(frame)?;
+        let state = Animator::new(&scene).pose(frame)?;
         subject.world.apply(&state)?;
         subject.camera = subject.world.cameras[index].value.clone();
         Ok(())
@@ -41,7 +41,7 @@ pub fn reel(
 /// None for a scene whose frames are all alike, and of which no list is asked for.
 fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, AppError> {
     let name = &loaded.name;
-    match (list, &loaded.desc.timeline) {
+    match (list, &loaded.scene.timeline) {
         (Some(list), Some(timeline)) => {
             let frames = FrameList::parse("--timeline", list, timeline)?;
             Ok(Some(frames.0))
@@ -51,8 +51,7 @@ fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, 
              with `end = 47`, or leave --timeline out"
         ))),
         (None, timeline) => {
-            let motion = Motion::new(&loaded.desc);
-            if motion.is_still() {
+            if loaded.scene.is_still() {
                 return Ok(None);
             }
             if let Some(timeline) = timeline.as_ref().filter(|t| t.end > t.start) {
@@ -63,7 +62,7 @@ fn frames(loaded: &LoadedScene, list: Option<&str>) -> Result<Option<Vec<u32>>, 
                      measured; with --timeline all, or such as {start}-{end}:{step}, others are"
                 );
             }
-            Ok(Some(vec![motion.first_frame()]))
+            Ok(Some(vec![loaded.scene.first_frame()]))
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::{
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
     render::{RebuildSummary, RenderError, RenderOptions},
-    scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState},
+    scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState, stages::Scene},
     world::{World, load},
 };
 
@@ -31,8 +31,8 @@ pub(super) struct Waiting {
 
 impl Waiting {
     /// As it is on disk.
-    pub(super) fn desc(&self) -> &Arc<SceneDesc> {
-        &self.read.desc
+    pub(super) fn scene(&self) -> &Arc<Scene> {
+        &self.read.scene
     }
 
     /// The frame that cannot be posed.
@@ -148,15 +148,15 @@ impl Live {
     /// kept, and the last good one stays.
     pub(super) fn take_pose(
         &mut self,
-        desc: &Arc<SceneDesc>,
+        scene: &Arc<Scene>,
         frame: u32,
         pose: Pose,
         reload: &mut Reload,
     ) {
-        if let Some(mut waiting) = self.waiting.take_if(|w| Arc::ptr_eq(w.desc(), desc)) {
+        if let Some(mut waiting) = self.waiting.take_if(|w| Arc::ptr_eq(w.scene(), scene)) {
             (self.frame, waiting.read.frame) = (frame, frame);
             self.show(waiting, pose, reload);
-        } else if self.waiting.is_none() && Arc::ptr_eq(&self.desc, desc) {
+        } else if self.waiting.is_none() && Arc::ptr_eq(&self.scene, scene) {
             self.frame = frame;
             let posed = pose.and_then(|state| self.apply(state));
             reload.ok = posed.is_ok();
@@ -222,11 +222,11 @@ impl Live {
         let relaid = if keeps_files {
             let options = load_options(&self.origin.from, &self.dependencies);
             self.asset_cache
-                .reuse_assets(&self.world, &read.desc, &options)?
+                .reuse_assets(&self.world, &read.scene, &options)?
         } else {
             None
         };
-        let wanted = options_of(&read.desc, self.overrides);
+        let wanted = options_of(&read.scene, self.overrides);
         if let Some(mut world) = relaid {
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
@@ -238,7 +238,7 @@ impl Live {
             reload.files = true;
             // Everything is looked for anew; what only the old scene named is forgotten.
             self.dependencies = read.options.dependencies.clone();
-            let (mut world, asset_cache) = load::load_with_cache(&read.desc, &read.options)?;
+            let (mut world, asset_cache) = load::load_with_cache(&read.scene, &read.options)?;
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
@@ -259,7 +259,7 @@ impl Live {
 
     /// The last step of taking over a scene.
     fn settle(&mut self, read: Read, state: Option<FrameState>) {
-        self.desc = read.desc;
+        self.scene = read.scene;
         (self.declared, self.parameters) = (read.declared, read.parameters);
         (self.frame, self.posed) = (read.frame, read.frame);
         self.log = state.map_or_else(Vec::new, |state| state.log);
@@ -318,11 +318,7 @@ pub(super) fn read_library(origin: &Origin) -> Result<ShaderLibrary, ShaderError
 }
 
 pub(super) fn options_of(desc: &SceneDesc, overrides: ViewOverrides) -> RenderOptions {
-    let mut options = RenderOptions {
-        reflection: desc.reflection,
-        image: desc.image,
-        general: false,
-    };
+    let mut options = RenderOptions::of(desc);
     options.reflection.method = overrides.method.unwrap_or(options.reflection.method);
     options.image.size = overrides.size.unwrap_or(options.image.size);
     options.image.samples = overrides.samples.unwrap_or(options.image.samples);

@@ -14,15 +14,12 @@ use super::{Live, Origin, Reload, catch_panic::catch_panic};
 use crate::{
     app::{
         params::{DeclaredParameters, ParameterOverrides},
-        scene::{load_options, source},
+        scene::{OpenedScene, SceneText},
         watch::{Change, Changes},
     },
     scene::{
-        dependencies::Dependencies,
-        desc::SceneDesc,
-        diagnostic::Diagnostic,
-        motion::{FrameState, Motion},
-        parse,
+        dependencies::Dependencies, desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState,
+        stages::Scene,
     },
     world::load::LoadOptions,
 };
@@ -33,7 +30,7 @@ pub(super) type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
 /// A scene as it is on disk, and which frame is wanted; nothing is loaded yet.
 #[derive(Debug)]
 pub(super) struct Read {
-    pub(super) desc: Arc<SceneDesc>,
+    pub(super) scene: Arc<Scene>,
     pub(super) warnings: Vec<Diagnostic>,
     pub(super) declared: DeclaredParameters,
     /// What of the values laid over the parameters still fits them.
@@ -42,6 +39,25 @@ pub(super) struct Read {
     pub(super) frame: u32,
     /// For loading: what was read and looked for already.
     pub(super) options: LoadOptions,
+}
+
+impl Read {
+    /// A scene that was opened; `frame` may be outside of its timeline.
+    pub(super) fn new(
+        opened: OpenedScene,
+        declared: DeclaredParameters,
+        parameters: ParameterOverrides,
+        frame: u32,
+    ) -> Self {
+        Self {
+            frame: within(&opened.scene, frame),
+            scene: Arc::new(opened.scene),
+            warnings: opened.warnings,
+            declared,
+            parameters,
+            options: opened.options,
+        }
+    }
 }
 
 /// What of what is shown goes on when another scene takes its place.
@@ -81,7 +97,7 @@ enum Work {
         keeps: Reuse,
     },
     Pose {
-        desc: Arc<SceneDesc>,
+        scene: Arc<Scene>,
         frame: u32,
     },
 }
@@ -104,7 +120,7 @@ pub(super) enum Outcome {
     },
     /// Another frame of this scene.
     Posed {
-        desc: Arc<SceneDesc>,
+        scene: Arc<Scene>,
         frame: u32,
         pose: Pose,
     },
@@ -137,15 +153,15 @@ impl ReloadJob {
             } => Outcome::Read {
                 read: read(&origin, &parameters, &texts, frame).map(|read| {
                     self.poses.store(true, Ordering::Relaxed);
-                    let pose = pose_of(&read.desc, read.frame);
+                    let pose = pose_of(&read.scene, read.frame);
                     (read, pose)
                 }),
                 parameters,
                 keeps,
             },
-            Work::Pose { desc, frame } => Outcome::Posed {
-                pose: pose_of(&desc, frame),
-                desc,
+            Work::Pose { scene, frame } => Outcome::Posed {
+                pose: pose_of(&scene, frame),
+                scene,
                 frame,
             },
         };
@@ -175,27 +191,20 @@ fn read_unguarded(
     texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let options = load_options(&origin.from, &Dependencies::default());
-    let (text, name) = source(origin.path.as_deref(), &options, &origin.from.set)?;
-    let declared = parse::params(&text, &name, &origin.from.set);
-    let declared: Option<DeclaredParameters> =
-        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect());
+    let text = SceneText::read(origin.path.as_deref(), &origin.from)?;
+    let declared = text.declared();
     let mut parameters = parameters.clone();
     if let Some(declared) = &declared {
         parameters.keep_what_fits(declared);
     }
-    let overrides = [origin.from.set.as_slice(), &parameters.settings()].concat();
-    let parsed = parse::parse_traced(&text, &name, &overrides, texts);
-    let (desc, warnings) = parsed.map_err(|mistakes| parameters.name_sliders(mistakes))?;
-    let frame = within(&desc, frame);
-    Ok(Read {
-        desc: Arc::new(desc),
-        warnings,
-        declared: declared.unwrap_or_default(),
+    let opened = text.open(&parameters.settings(), texts);
+    let opened = opened.map_err(|mistakes| parameters.name_sliders(mistakes))?;
+    Ok(Read::new(
+        opened,
+        declared.unwrap_or_default(),
         parameters,
         frame,
-        options,
-    })
+    ))
 }
 
 /// A frame moved into the timeline.
@@ -204,13 +213,10 @@ pub(super) fn within(desc: &SceneDesc, frame: u32) -> u32 {
 }
 
 /// A frame of a scene.
-pub(super) fn pose_of(desc: &SceneDesc, frame: u32) -> Pose {
-    let motion = Motion::new(desc);
-    if motion.is_still() {
-        return Ok(None);
-    }
-    let file = (desc.script.as_ref()).map_or_else(|| desc.folder.clone(), |s| s.name().into());
-    catch_panic(&file, || motion.pose(frame).map(Some))
+pub(super) fn pose_of(scene: &Scene, frame: u32) -> Pose {
+    let script = scene.script.as_ref();
+    let file = script.map_or_else(|| scene.folder.clone(), |s| s.name.clone().into());
+    catch_panic(&file, || scene.pose(frame))
 }
 
 impl Live {
@@ -243,19 +249,19 @@ impl Live {
     /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
     /// already.
     pub fn posing(&self, frame: u32) -> Option<ReloadJob> {
-        let (desc, is_known) = if let Some(waiting) = &self.waiting {
-            let frame = within(waiting.desc(), frame);
-            (waiting.desc(), frame == waiting.frame())
+        let (scene, is_known) = if let Some(waiting) = &self.waiting {
+            let frame = within(waiting.scene(), frame);
+            (waiting.scene(), frame == waiting.frame())
         } else {
             // A scene that waited and was never taken over has moved the wanted frame on.
             let was_left = self.posed != self.frame && self.problems.pose.is_empty();
-            let is_known = within(&self.desc, frame) == self.frame && !was_left;
-            (&self.desc, is_known)
+            let is_known = within(&self.scene, frame) == self.frame && !was_left;
+            (&self.scene, is_known)
         };
         (!is_known).then(|| {
             ReloadJob::new(Work::Pose {
-                frame: within(desc, frame),
-                desc: desc.clone(),
+                frame: within(scene, frame),
+                scene: scene.clone(),
             })
         })
     }
@@ -279,7 +285,7 @@ impl Live {
                 live.take_scene(read, keeps, reload);
                 live.judge(&parameters, is_trial, before, reload);
             }
-            Outcome::Posed { desc, frame, pose } => live.take_pose(&desc, frame, pose, reload),
+            Outcome::Posed { scene, frame, pose } => live.take_pose(&scene, frame, pose, reload),
         });
         reload.took += took;
         reload.parse += took;

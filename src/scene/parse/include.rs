@@ -55,8 +55,8 @@ impl Included {
     }
 
     /// The files.
-    pub fn into_files(self) -> Vec<Include> {
-        self.files.into_iter().map(|(_, file)| file).collect()
+    pub fn files(&self) -> impl Iterator<Item = &Include> {
+        self.files.iter().map(|(_, file)| file)
     }
 }
 

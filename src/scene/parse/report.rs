@@ -2,10 +2,7 @@
 
 use std::{collections::HashSet, ops::Range, path::Path, sync::Arc};
 
-use crate::scene::{
-    diagnostic::{Diagnostic, Severity, Source, Span},
-    script::Script,
-};
+use crate::scene::diagnostic::{Diagnostic, Returned, Severity, Source, Span};
 
 /// Errors kept per run; a file with more than these is not a scene with mistakes but something else.
 const MOST: usize = 100;
@@ -14,7 +11,7 @@ const MOST: usize = 100;
 ///
 /// All texts share one range of positions: the file begins at 0, every `--set` text after the one
 /// before it. A tree node's range therefore says by itself where it was written.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Report {
     sources: Vec<(usize, Arc<Source>)>,
     list: Vec<Diagnostic>,
@@ -37,12 +34,13 @@ impl Report {
         })
     }
 
-    /// Adds what a script returned and returns the position where it begins.
-    pub fn add_returned(&mut self, script: &Script, text: &str) -> usize {
+    /// Adds what a script returned, which messages call by the script's name, and returns the
+    /// position where it begins.
+    pub fn add_returned(&mut self, script: &str, returned: Returned, text: &str) -> usize {
         self.add(Source {
-            path: script.name().into(),
+            path: script.into(),
             text: text.to_owned(),
-            returned: Some(script.returned()),
+            returned: Some(returned),
         })
     }
 

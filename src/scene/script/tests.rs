@@ -19,8 +19,8 @@ use super::{
 };
 use crate::scene::{
     desc::SceneDesc,
-    motion::{FrameState, Motion, Names},
-    parse,
+    motion::{FrameState, Names},
+    stages::{Animator, Scene},
 };
 
 const SCENE: &str = "
@@ -44,16 +44,14 @@ model = \"walker\"
 ";
 
 fn scene() -> SceneDesc {
-    let read = parse::parse(SCENE, Path::new("scene.toml"), &[]);
-    read.expect("the scene is right").0
+    let read = Scene::from_text(SCENE, Path::new("scene.toml"), &[]);
+    read.expect("the scene is right").0.desc
 }
 
 fn frame(script: &str) -> Result<FrameState, String> {
-    let mut desc = scene();
     let script = Script::from_text("test.rhai", script).map_err(|e| e.to_string())?;
-    desc.script = Some(script);
-    let motion = Motion::new(&desc);
-    motion.pose(12).map_err(|e| e[0].to_string())
+    let scene = Scene::new(scene(), script);
+    Animator::new(&scene).pose(12).map_err(|e| e[0].to_string())
 }
 
 #[test]
@@ -78,14 +76,14 @@ fn the_example_of_the_introduction_runs() {
     let script = script.split("```").next().expect("its end");
     let script = Script::from_text("hop.rhai", script).expect("it compiles");
     let desc = scene();
-    let text = script
+    let (text, _) = script
         .setup(&desc.params, desc.timeline.as_ref())
         .expect("it runs");
     assert_eq!(text.matches("[[instance]]").count(), 31);
     let all = format!("{SCENE}{text}");
-    let (mut desc, _) = parse::parse(&all, Path::new("scene.toml"), &[]).expect("it is a scene");
-    desc.script = Some(script);
-    let moved = Motion::new(&desc).pose(12).expect("it moves").instances;
+    let (read, _) = Scene::from_text(&all, Path::new("scene.toml"), &[]).expect("it is a scene");
+    let scene = Scene::new(read.desc, script);
+    let moved = Animator::new(&scene).pose(12).expect("it moves").instances;
     assert_ne!(moved[3], moved[4]);
 }
 
@@ -98,9 +96,9 @@ fn calls_keep_nothing_for_the_next() {
             p.count += 1;
             ctx.place(\"ball\", ctx.position(\"ball\") + vec3(0, global::HEIGHT + p.count, 0));
         }";
-    let mut desc = scene();
-    desc.script = Some(Script::from_text("s.rhai", script).expect("it compiles"));
-    let motion = Motion::new(&desc);
+    let script = Script::from_text("s.rhai", script).expect("it compiles");
+    let scene = Scene::new(scene(), script);
+    let motion = Animator::new(&scene);
     let first = motion.pose(3).expect("it runs");
     let _ = motion.pose(9);
     let again = motion.pose(3).expect("it runs");
@@ -309,13 +307,13 @@ fn a_thousand_instances() {
     }";
     let script = Script::from_text("many.rhai", script).expect("it compiles");
     let names = Arc::new(Names::of(&desc));
-    desc.script = Some(script.clone());
-    let motion = Motion::new(&desc);
+    let scene = Scene::new(desc, script.clone());
+    let motion = Animator::new(&scene);
     let rest = motion.pose(0).expect("it runs");
     let mut best = f64::MAX;
     for _ in 0..50 {
         let started = std::time::Instant::now();
-        let _ = script.frame(rest.clone(), &names, &desc).expect("it runs");
+        let _ = script.frame(rest.clone(), &names, &scene).expect("it runs");
         best = best.min(started.elapsed().as_secs_f64() * 1e3);
     }
     println!("1,000 instances: {best:.2} ms a frame at best of 50");
@@ -333,11 +331,10 @@ fn a_halted_call_ends_before_any_limit_and_so_does_what_begins_under_it() {
         format!("fn frame(ctx) {{ [3, 2, 1].sort(|a, b| {{ {slow} }}); }}"),
     ] {
         let script = Script::from_text("slow.rhai", &script).expect("compiles");
-        let mut desc = scene();
-        desc.script = Some(script.clone());
+        let scene = Scene::new(scene(), script.clone());
         let halt = Halt::default();
         let call = || match script.has_frame() {
-            true => Motion::new(&desc).pose(3).map(drop),
+            true => Animator::new(&scene).pose(3).map(drop),
             false => script.setup(&[], None).map(drop).map_err(|e| vec![*e]),
         };
         let ended = thread::scope(|scope| {

@@ -12,10 +12,10 @@ use crate::{
         args::SceneArgs,
         error::AppError,
         live::Origin,
-        scene::{asset_folders, load_options, source},
+        scene::{SceneText, asset_folders},
     },
     gpu::ShaderLibrary,
-    scene::{dependencies::Dependencies, desc::SceneDesc, parse},
+    scene::{dependencies::Dependencies, desc::SceneDesc},
 };
 
 /// What is edited.
@@ -114,9 +114,10 @@ impl SceneCopy {
                 ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
             }
         };
-        let options = load_options(from, &Dependencies::default());
-        let (text, name) = source(path, &options, &from.set).map_err(AppError::Scene)?;
-        let (desc, _) = parse::parse(&text, &name, &from.set).map_err(AppError::Scene)?;
+        let opened = SceneText::read(path, from)
+            .and_then(|text| text.open(&[], &Dependencies::default()))
+            .map_err(AppError::Scene)?;
+        let (text, desc) = (opened.text, opened.scene.desc);
         let folder = Folder::new()?;
         let below = desc.folder.display().to_string();
         let local = |name: &str| {
@@ -125,9 +126,9 @@ impl SceneCopy {
                 .unwrap_or(Path::new(name));
             relative.display().to_string()
         };
-        let scripts = desc.script.iter().flat_map(|s| s.texts());
+        let scripts = desc.script.iter().flat_map(|s| &s.texts);
         for (name, script) in scripts {
-            folder.write(&local(&name), &script)?;
+            folder.write(&local(name), script)?;
         }
         for file in &desc.includes {
             folder.write(&file.name, &file.text)?;
@@ -141,7 +142,7 @@ impl SceneCopy {
         let own = std::path::absolute(&desc.folder).unwrap_or_else(|_| desc.folder.clone());
         from.assets = [vec![own], asset_folders(&from.assets)].concat();
         Ok(Self {
-            script: desc.script.as_ref().map(|script| local(script.name())),
+            script: desc.script.as_ref().map(|script| local(&script.name)),
             folder,
             from,
             text,
@@ -184,7 +185,7 @@ impl SceneCopy {
                 edited(format!("{SHADERS}/{name}"), text.to_owned(), None)
             }
             Edit::Script => {
-                let texts = self.desc.script.as_ref().map(|s| s.texts());
+                let texts = self.desc.script.as_ref().map(|s| &s.texts);
                 if let (Some(name), Some(texts)) = (&self.script, texts) {
                     return edited(name.clone(), texts[0].1.clone(), None);
                 }

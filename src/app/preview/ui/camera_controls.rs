@@ -186,7 +186,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::scene::parse;
+    use crate::scene::stages::Scene;
 
     fn camera_controls() -> CameraControls {
         let bounds = Bounds {
@@ -276,7 +276,7 @@ mod tests {
         camera.eye = Vec3::new(-0.000_01, 12.345_67, 1e3);
         for name in ["main", "my \"best\" view"] {
             let text = format!("version = 1\n{}", as_text(name, &camera));
-            let (desc, _) = parse::parse(&text, Path::new("copied.toml"), &[]).expect(&text);
+            let (desc, _) = Scene::from_text(&text, Path::new("copied.toml"), &[]).expect(&text);
             assert_eq!(desc.cameras[0].name, name);
             let read = &desc.cameras[0].value;
             assert!(read.eye.distance(camera.eye) < 2e-4 && read.up == camera.up);
@@ -287,7 +287,7 @@ mod tests {
         camera.target = Vec3::new(0.001, 0.002, 0.003);
         camera.eye = camera.target + Vec3::new(1e-6, 0.0, 2e-6);
         let text = format!("version = 1\n{}", as_text("near", &camera));
-        let (desc, _) = parse::parse(&text, Path::new("copied.toml"), &[]).expect(&text);
+        let (desc, _) = Scene::from_text(&text, Path::new("copied.toml"), &[]).expect(&text);
         let read = &desc.cameras[0].value;
         assert!(read.eye.distance(camera.eye) < 1e-9 && read.target.distance(camera.target) < 1e-9);
     }

@@ -207,7 +207,7 @@ mod tests {
     use egui_kittest::{Harness, kittest::Queryable as _};
 
     use super::*;
-    use crate::scene::parse;
+    use crate::scene::stages::Scene;
 
     struct State {
         problems: Problems,
@@ -232,7 +232,7 @@ mod tests {
 
     fn problems(text: &str) -> Problems {
         Problems {
-            scene: parse::parse(text, Path::new("my.toml"), &[]).expect_err("a mistake"),
+            scene: Scene::from_text(text, Path::new("my.toml"), &[]).expect_err("a mistake"),
             ..Problems::default()
         }
     }

@@ -187,7 +187,7 @@ fn a_material_as_scene_text_has_what_its_table_needs() {
     };
     let text = scene_text(&material);
     let scene = format!("version = 1\n[material.a]\n{text}");
-    let read = crate::scene::parse::parse(&scene, std::path::Path::new("a.toml"), &[]);
+    let read = crate::scene::stages::Scene::from_text(&scene, std::path::Path::new("a.toml"), &[]);
     let (scene, _) = read.unwrap_or_else(|e| panic!("{text}: {e:?}"));
     let read = &scene.materials[0].value;
     for field in &MATERIAL {

@@ -5,7 +5,7 @@ use std::path::Path;
 use egui_kittest::{Harness, kittest::Queryable as _};
 
 use super::*;
-use crate::scene::parse;
+use crate::scene::stages::Scene;
 
 fn area(width: f32, height: f32) -> Rect {
     Rect::from_min_size(pos2(20.0, 10.0), vec2(width, height))
@@ -38,7 +38,7 @@ fn what_was_drawn_for_the_area_fills_it() {
 
 #[test]
 fn a_scene_without_anything_says_so_and_what_to_write() {
-    let read = parse::parse("version = 1\n", Path::new("my.toml"), &[]);
+    let read = Scene::from_text("version = 1\n", Path::new("my.toml"), &[]);
     let (_, warnings) = read.expect("only a warning");
     let harness = Harness::new_ui(move |ui| empty_scene(ui, ui.max_rect(), &warnings));
     harness.get_by_label("Nothing stands in this scene");

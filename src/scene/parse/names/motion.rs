@@ -78,7 +78,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
 
 /// What moves in a scene without a timeline is hardly meant to stand still.
 fn warn_of_standing_still(scene: &SceneDesc, root: &DeTable, report: &mut Report) {
-    let script = scene.script.as_ref().filter(|script| script.has_frame());
+    let script = scene.script.as_ref().filter(|script| script.has_frame);
     let script = script.and_then(|_| root.get("script"));
     let (at, what) = match (first_motion(scene), script) {
         (Some(first), _) => (first, "something moves"),

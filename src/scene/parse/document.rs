@@ -1,0 +1,182 @@
+//! The document of a scene: the tree of its text, of what that includes, of `--set` and of what a
+//! script adds, and the description that is read from it. No program is run here.
+
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use super::{
+    OVERRIDE, Parsed, additions,
+    include::{self, Included},
+    names, params,
+    report::Report,
+    set,
+    syntax::{self, Shadow},
+    table::{Place, Table},
+    value::Node,
+};
+use crate::scene::{
+    dependencies::Dependencies,
+    desc::{At, Entry, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
+    diagnostic::{Diagnostic, Returned},
+};
+
+/// The texts that a document is made of; it borrows them.
+pub struct Texts<'t> {
+    text: &'t str,
+    folder: PathBuf,
+    overrides: &'t [String],
+    /// Where each override begins in the report.
+    bases: Vec<usize>,
+    included: Included,
+    report: Report,
+}
+
+impl<'t> Texts<'t> {
+    /// A scene's text and the files that it includes. `path` is what messages call it, and its
+    /// folder is where relative file names start; `overrides` are `path=value` texts that are laid
+    /// over it. Included files that are looked for are added to `dependencies`.
+    pub fn collect(
+        text: &'t str,
+        path: &Path,
+        overrides: &'t [String],
+        dependencies: &Dependencies,
+    ) -> Self {
+        let mut report = Report::default();
+        report.add_source(path, text);
+        let bases = overrides.iter();
+        let bases = bases.map(|text| report.add_source(Path::new(OVERRIDE), text));
+        let bases = bases.collect();
+        Self {
+            included: include::collect(text, path, dependencies, &mut report),
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            text,
+            overrides,
+            bases,
+            report,
+        }
+    }
+}
+
+/// A tree that is not yet read, and the messages about it so far.
+pub struct Document<'t> {
+    texts: &'t Texts<'t>,
+    root: Node<'t>,
+    /// What broken lines make doubtful.
+    shadows: Vec<Shadow>,
+    report: Report,
+}
+
+impl<'t> Document<'t> {
+    /// The tree of the texts.
+    pub fn new(texts: &'t Texts<'t>) -> Self {
+        let mut report = texts.report.clone();
+        let (root, mut shadows) = syntax::parse(texts.text, 0, &mut report);
+        let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
+        include::merge(&mut root, &texts.included, &mut shadows, &mut report);
+        for (text, base) in texts.overrides.iter().zip(&texts.bases) {
+            set::apply(&mut root, text, *base, &mut report);
+        }
+        Self {
+            texts,
+            root,
+            shadows,
+            report,
+        }
+    }
+
+    /// Where relative file names start.
+    pub fn folder(&self) -> &'t Path {
+        &self.texts.folder
+    }
+
+    /// The name of the script's file; `None` also where broken lines make it doubtful.
+    pub fn script(&mut self) -> Option<At<String>> {
+        let root = self.root.get_ref().as_table();
+        let root = root.filter(|_| self.shadows.is_empty());
+        let node = root?.get("script")?;
+        let Some(value) = node.get_ref().as_str() else {
+            self.report.note_lacking_names(); // its type is reported when the scene is read
+            return None;
+        };
+        Some(At {
+            value: value.to_owned(),
+            at: self.report.span(&node.span()),
+        })
+    }
+
+    /// What `setup` may know of the scene: its parameters and its timeline; `None` if these have
+    /// mistakes, which are reported when the scene is read.
+    pub fn setup_input(&self) -> Option<(Vec<Entry<ParamValue>>, Option<TimelineDesc>)> {
+        let mut unheard = self.report.unheard();
+        let root = self.root.get_ref().as_table()?;
+        let table = |key| root.get(key).and_then(|node| node.get_ref().as_table());
+        let timeline =
+            table("timeline").and_then(|t| Table::read(&mut unheard, t, Place::default()));
+        let values = table("params").map_or_else(Vec::new, |t| params::read(t, &mut unheard));
+        (unheard.errors() == 0).then_some((values, timeline))
+    }
+
+    /// The declared parameters, with overrides; `None` where that cannot be told.
+    pub fn params(&self) -> Option<Vec<Entry<ParamValue>>> {
+        let mut unheard = self.report.unheard();
+        let table = self.root.get_ref().as_table()?.get("params");
+        let params = match table {
+            Some(table) => params::read(table.get_ref().as_table()?, &mut unheard),
+            None => Vec::new(),
+        };
+        (self.report.errors() + unheard.errors() == 0).then_some(params)
+    }
+
+    /// Notes that the script adds nothing because of a mistake: an own one of it, or one that is
+    /// reported when the scene is read.
+    pub fn lacks_script(&mut self, mistake: Option<Diagnostic>) {
+        mistake.into_iter().for_each(|m| self.report.push(m));
+        self.report.note_lacking_names();
+    }
+
+    /// Lays scene text that `setup` returned beside the scene's own; `script` is what messages call
+    /// it.
+    pub fn add(&mut self, text: &'t str, script: &str, returned: Returned) {
+        let base = self.report.add_returned(script, returned, text);
+        additions::merge(&mut self.root, text, base, &mut self.report);
+    }
+
+    /// Reads the description of a scene with this script.
+    ///
+    /// # Errors
+    /// All mistakes of the texts, in their order, at most 100.
+    pub fn read(self, script: Option<ScriptDesc>) -> Parsed {
+        let Self {
+            texts,
+            root,
+            shadows,
+            mut report,
+        } = self;
+        let nothing = DeTable::new();
+        let table = root.get_ref().as_table().unwrap_or(&nothing);
+        let mut scene =
+            Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
+        scene.folder.clone_from(&texts.folder);
+        scene.script = script;
+        if shadows.is_empty() {
+            names::check(&scene, table, &texts.included, &mut report);
+        }
+        // Those of included files are there to be used, and stand nowhere by themselves.
+        let instances = &scene.instances;
+        let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
+        (scene.models).retain(|m| is_used(&m.name) || !texts.included.has(&m.at));
+        report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
+        if report.has("unsupported-version") {
+            // In another version other keys may be right.
+            report.retain(|d| d.name == "unsupported-version");
+        }
+        match report.finish() {
+            (messages, false) => {
+                scene.includes = texts.included.files().cloned().collect();
+                Ok((scene, messages))
+            }
+            (messages, true) => Err(messages),
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! The stages from scene text to a scene at a frame: document → `setup` → merged document →
+//! description → pose. Each is a function of what it is given and the files it reads.
+
+use std::{cell::OnceCell, collections::HashSet, ops::Deref, path::Path, sync::Arc};
+
+use super::{
+    dependencies::Dependencies,
+    desc::SceneDesc,
+    diagnostic::Diagnostic,
+    motion::{FrameState, Motion},
+    parse::{self, Document, Texts},
+    script::Script,
+};
+
+/// A description with its compiled script.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What is written, and what the script's `setup` added.
+    pub desc: SceneDesc,
+    script: Option<Script>,
+}
+
+/// A scene and warnings, or all messages, errors and warnings alike.
+pub type Read = Result<(Scene, Vec<Diagnostic>), Vec<Diagnostic>>;
+
+impl Deref for Scene {
+    type Target = SceneDesc;
+
+    fn deref(&self) -> &SceneDesc {
+        &self.desc
+    }
+}
+
+impl From<SceneDesc> for Scene {
+    /// A description without a script.
+    fn from(mut desc: SceneDesc) -> Self {
+        desc.script = None;
+        Self { desc, script: None }
+    }
+}
+
+impl Scene {
+    /// A description whose frames this script poses; its `setup` is not run.
+    pub fn new(mut desc: SceneDesc, script: Script) -> Self {
+        desc.script = Some(script.describe(Vec::new()));
+        let script = Some(script);
+        Self { desc, script }
+    }
+
+    /// Reads a scene file; `overrides` are `path=value` texts that are laid over it, as `--set`
+    /// takes.
+    ///
+    /// # Errors
+    /// As [`parse::read`], then as [`Scene::from_text`].
+    pub fn from_file(path: &Path, overrides: &[String]) -> Read {
+        Self::from_text(&parse::read(path)?, path, overrides)
+    }
+
+    /// Reads scene text. `path` is what messages call it, and its folder is where relative file
+    /// names start; `overrides` are `path=value` texts that are laid over it.
+    ///
+    /// # Errors
+    /// All mistakes of the text and its script, in their order, at most 100.
+    pub fn from_text(text: &str, path: &Path, overrides: &[String]) -> Read {
+        Self::from_text_traced(text, path, overrides, &Dependencies::default())
+    }
+
+    /// As [`Scene::from_text`]; the included files and scripts that are looked for are added to
+    /// `dependencies`, also when it fails.
+    ///
+    /// # Errors
+    /// As [`Scene::from_text`].
+    pub fn from_text_traced(
+        text: &str,
+        path: &Path,
+        overrides: &[String],
+        dependencies: &Dependencies,
+    ) -> Read {
+        let texts = Texts::collect(text, path, overrides, dependencies);
+        let additions = OnceCell::new(); // before the document, which borrows them
+        let mut document = Document::new(&texts);
+        let ran = match run_setup(&mut document, dependencies) {
+            Ok(ran) => ran,
+            Err(mistake) => {
+                document.lacks_script(mistake.map(|m| *m));
+                None
+            }
+        };
+        let ran = ran.map(|(script, text, log)| {
+            document.add(
+                additions.get_or_init(|| text),
+                script.name(),
+                script.returned(),
+            );
+            let desc = script.describe(log);
+            (script, desc)
+        });
+        let (script, script_desc) = ran.unzip();
+        let (desc, warnings) = document.read(script_desc)?;
+        Ok((Self { desc, script }, warnings))
+    }
+
+    /// The scene at a frame; `None` if frames cannot differ.
+    ///
+    /// # Errors
+    /// As [`Animator::pose`].
+    pub fn pose(&self, frame: u32) -> Result<Option<FrameState>, Vec<Diagnostic>> {
+        let animator = Animator::new(self);
+        (!self.desc.is_still())
+            .then(|| animator.pose(frame))
+            .transpose()
+    }
+}
+
+/// A compiled script, what its `setup` adds as scene text, and the lines that it printed.
+type Ran = (Script, String, Vec<String>);
+
+/// Loads the script that a document names and calls its `setup`. An error without a message is one
+/// that is reported when the document is read.
+fn run_setup(
+    document: &mut Document,
+    dependencies: &Dependencies,
+) -> Result<Option<Ran>, Option<Box<Diagnostic>>> {
+    let Some(file) = document.script() else {
+        return Ok(None);
+    };
+    let script = Script::load(document.folder(), &file, dependencies)?;
+    let (params, timeline) = document.setup_input().ok_or(None)?;
+    let (text, log) = script.setup(&params, timeline.as_ref())?;
+    Ok(Some((script, text, log)))
+}
+
+/// Poses the frames of a scene: names resolved, paths measured.
+#[derive(Debug)]
+pub struct Animator<'a> {
+    scene: &'a Scene,
+    motion: Motion<'a>,
+}
+
+impl<'a> Animator<'a> {
+    /// Prepares the motion of a scene.
+    pub fn new(scene: &'a Scene) -> Self {
+        let motion = Motion::new(&scene.desc);
+        Self { scene, motion }
+    }
+
+    /// The scene at a frame. Nothing but the arguments decides about it: not the frames before, not
+    /// the clock.
+    ///
+    /// # Errors
+    /// What the script does wrong, and cameras or lights that have no direction.
+    pub fn pose(&self, frame: u32) -> Result<FrameState, Vec<Diagnostic>> {
+        let mut state = self.motion.pose(frame);
+        if let Some(script) = &self.scene.script {
+            let (names, desc) = (self.motion.names(), &self.scene.desc);
+            let touched: HashSet<_>;
+            (state, touched) = script.frame(state, &Arc::clone(names), desc)?;
+            // What follows an instance follows where the script has put it.
+            let is_free = |kind, index| !touched.contains(&(kind, index));
+            self.motion.follow(&mut state, is_free);
+        }
+        self.motion.check(&state)?;
+        Ok(state)
+    }
+}
