@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::{gpu_or_skip, shaders};
 use reflet::{
-    gpu::{Checks, Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
+    gpu::{Gpu, GpuError, GroupLayout, Shader, ShaderLibrary, Timer, readback},
     render::{RenderOptions, Renderer},
     scene::stages::Scene,
     world::load,
@@ -53,13 +53,8 @@ fn texture(gpu: &Gpu, format: wgpu::TextureFormat, usage: wgpu::TextureUsages) -
 #[test]
 fn a_dispatch_doubles_a_buffer_and_paints_a_texture() {
     let Some(gpu) = gpu_or_skip() else { return };
-    let shader = Shader::new(
-        &gpu,
-        &library("double", DOUBLE),
-        "double",
-        Checks::TrustedBuiltin,
-    )
-    .expect("valid shader");
+    let library = library("double", DOUBLE);
+    let shader = Shader::new(&gpu, &library, "double").expect("valid shader");
     let group = GroupLayout::new(&gpu, "double", &[&shader.info], 0).expect("layout");
     let pipeline = shader
         .compute_pipeline(&gpu, "main", &[&group], &[("factor", 2.0)])
@@ -150,7 +145,7 @@ fn depth_is_read_back_as_written() {
 fn names_missing_on_either_side_are_errors() {
     let Some(gpu) = gpu_or_skip() else { return };
     let library = library("names", DOUBLE);
-    let shader = Shader::new(&gpu, &library, "names", Checks::All).expect("valid shader");
+    let shader = Shader::new(&gpu, &library, "names").expect("valid shader");
     let group = GroupLayout::new(&gpu, "names", &[&shader.info], 0).expect("layout");
     let missing = group.bind_with(&gpu, |_| None).expect_err("nothing bound");
     assert!(

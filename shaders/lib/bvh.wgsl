@@ -68,7 +68,8 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
     if HAS_CUTOUT {
         for (var layer = 0u; is_cut_out(hit); layer++) {
             if layer == MAX_LAYERS {
-                return Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
+                visits_left = 0u;
+                break;
             }
             hit = traverse(origin, direction, hit.t, t_max, shadow);
         }

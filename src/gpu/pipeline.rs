@@ -18,12 +18,12 @@ use super::{
 
 /// Which run-time checks wgpu adds to a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Checks {
+pub(crate) enum Checks {
     /// Every index is bounded and every loop ends.
     All,
     /// No bounds checks and no loop bounding, but only for text that was built into this
     /// program; for anything else this is [`Checks::All`]. The caller must have validated every
-    /// index that the shader reads from buffers.
+    /// index that the shader reads from buffers: no public function takes this.
     TrustedBuiltin,
 }
 
@@ -73,20 +73,16 @@ impl Shader {
     ///
     /// # Errors
     /// [`GpuError::Shader`] pointing at the author's line, or what wgpu says.
-    pub fn new(
-        gpu: &Gpu,
-        library: &ShaderLibrary,
-        name: &str,
-        checks: Checks,
-    ) -> Result<Self, GpuError> {
-        Self::from_source(gpu, &library.source(name)?, checks)
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
+        Self::from_source(gpu, &library.source(name)?, Checks::All)
     }
 
     /// Checks and creates assembled text.
-    ///
-    /// # Errors
-    /// As [`Shader::new`].
-    pub fn from_source(gpu: &Gpu, source: &ShaderSource, checks: Checks) -> Result<Self, GpuError> {
+    pub(crate) fn from_source(
+        gpu: &Gpu,
+        source: &ShaderSource,
+        checks: Checks,
+    ) -> Result<Self, GpuError> {
         let capabilities: Capabilities = reflect::capabilities(gpu.features);
         let info = reflect::check(source, capabilities)?;
         let module = gpu.scoped(&format!("shader {}", source.file), || {

@@ -94,7 +94,7 @@ pub struct ShaderSource {
     /// The whole WGSL text.
     pub text: String,
     /// Whether all of it is the text that was built into this program.
-    pub embedded: bool,
+    pub(crate) embedded: bool,
     /// For every line of `text`: the file and the line in it.
     lines: Vec<(Arc<str>, u32)>,
 }
@@ -199,7 +199,7 @@ impl ShaderLibrary {
     ///
     /// # Errors
     /// The folder has a file of that name.
-    pub fn with_generated(&self, name: &str, text: String) -> Result<Self, ShaderError> {
+    pub(crate) fn with_generated(&self, name: &str, text: String) -> Result<Self, ShaderError> {
         let path = format!("lib/{name}.wgsl");
         if self.files.contains_key(&path) {
             let file = format!("{}/{path}", self.root).into();

@@ -7,7 +7,7 @@ use crate::{
 
 use super::{
     frame_uniforms::FrameUniforms,
-    lights::ShadowSizes,
+    lights::{ShadowSizes, has_shadow_rays},
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
@@ -29,6 +29,7 @@ pub struct BindingKey {
     size: [u32; 2],
     targets: Vec<Target>,
     shadows: ShadowSizes,
+    shadow_rays: bool,
     has_rays: bool,
     color: Target,
     overrides: Vec<Override>,
@@ -47,15 +48,17 @@ impl BindingKey {
             size: options.image.size,
             targets: written_targets(passes, options),
             shadows,
+            shadow_rays: plan.shadow_rays,
             has_rays: (trace::PASS.needed)(plan, options),
             color: Target::last_color(options.image.samples),
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }
     }
 
-    /// Whether these lights use the shadow maps that there are.
+    /// Whether these lights use the shadow maps that there are, and shadow rays only if there are
+    /// any.
     pub fn fits_lights(&self, lights: &[Light]) -> bool {
-        self.shadows == ShadowSizes::of(lights)
+        self.shadows == ShadowSizes::of(lights) && (self.shadow_rays || !has_shadow_rays(lights))
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3, Vec4, camera::rh};
 use crate::{
     math::Bounds,
     scene::desc::{LightKind, ShadowMode},
-    world::{Light, MAX_LIGHTS},
+    world::Light,
 };
 
 use super::types::{GpuLight, LightBlock};
@@ -67,6 +67,12 @@ impl ShadowSizes {
     }
 }
 
+/// Whether some light casts its shadow by rays.
+pub fn has_shadow_rays(lights: &[Light]) -> bool {
+    let mut lights = lights.iter();
+    lights.any(|light| light.desc.shadow == ShadowMode::Ray)
+}
+
 /// The uniform block and the shadow views of one frame. `bounds` hold everything that casts.
 pub fn lights(
     lights: &[Light],
@@ -76,7 +82,7 @@ pub fn lights(
     let mut block = LightBlock::zeroed();
     let mut views = Vec::new();
     let (mut cubes, mut maps) = (0, 0);
-    for (light, out) in lights.iter().take(MAX_LIGHTS).zip(&mut block.lights) {
+    for (light, out) in lights.iter().zip(&mut block.lights) {
         *out = gpu_light(light);
         if light.desc.shadow != ShadowMode::Map {
             continue;

@@ -39,7 +39,7 @@ pub struct Pass {
     /// Values for overrides that only its shader declares.
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
     /// Run-time checks of its shader.
-    pub checks: Checks,
+    pub(crate) checks: Checks,
     /// Whether its shader has the entry point [`COUNTED`].
     pub counted: bool,
 }

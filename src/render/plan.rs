@@ -4,11 +4,11 @@ use glam::Vec3;
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{Method, ReflectionDesc, ReflectionMode, ShadowMode},
+    scene::desc::{Method, ReflectionDesc, ReflectionMode},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
-use super::textures::PoolSlot;
+use super::{lights::has_shadow_rays, textures::PoolSlot};
 
 /// One thing that was left out, and why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -76,16 +76,11 @@ fn reflects(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
 }
 
-fn casts_shadow_rays(world: &World) -> bool {
-    let mut lights = world.lights.iter();
-    lights.any(|light| light.desc.shadow == ShadowMode::Ray)
-}
-
 /// Whether a frame follows rays, so that it needs trees: for reflections that are traced, or for
 /// shadows that are.
 pub fn traces_rays(world: &World, settings: &ReflectionDesc) -> bool {
     let reflections = settings.method != Method::Ssr && reflects(world, settings.roughness_cutoff);
-    reflections || casts_shadow_rays(world)
+    reflections || has_shadow_rays(&world.lights)
 }
 
 impl Plan {
@@ -128,7 +123,7 @@ impl Plan {
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
-            shadow_rays: casts_shadow_rays(world),
+            shadow_rays: has_shadow_rays(&world.lights),
             bounces: if single_bounce { 1 } else { settings.bounces },
             pools,
             wraps,

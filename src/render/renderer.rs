@@ -349,7 +349,7 @@ impl Renderer {
         }
         if !self.bindings.key.fits_lights(&world.lights) {
             return refuse(
-                "its lights need other shadow maps than there are; call Renderer::change first"
+                "its lights need other shadow maps or rays than there are; call Renderer::change first"
                     .to_owned(),
             );
         }

@@ -69,13 +69,15 @@ impl WorldKey {
         self.poses == other.poses
     }
 
-    /// Whether a world differs in nothing but poses and the numbers of materials and lights, so that
-    /// its records fit the buffers that this one filled.
+    /// Whether a world differs in nothing but poses of what may move and the numbers of materials
+    /// and lights, so that its records fit the buffers that this one filled.
     pub fn is_posed_from(&self, world: &World) -> bool {
+        // By their bits, so that a pose with NaN is equal to itself.
+        let bits = |pose: Affine3A| pose.to_cols_array().map(f32::to_bits);
         let fits = |((tree, material), i): ((&TreeInstance, &usize), &Instance)| {
             tree.mesh == i.mesh
                 && *material == i.material
-                && tree.static_pose.is_none() == i.dynamic
+                && tree.static_pose.map(bits) == (!i.dynamic).then(|| bits(i.world_from_object))
         };
         let known = self.trees.iter().zip(&self.materials.1);
         self.upload.0.is_same(&world.meshes)

@@ -1,8 +1,10 @@
 //! A library's caller that passes a world which does not fit gets an error with the reason.
 
+use glam::Vec3;
 use reflet::{
     render::{RenderError, Renderer},
-    world::{Texture, World},
+    scene::desc::ShadowMode,
+    world::{Texture, TextureRef, World, Wrap},
 };
 
 use crate::common::shaders;
@@ -21,7 +23,7 @@ fn reason<T>(result: Result<T, RenderError>) -> String {
 type Damage = fn(&mut World);
 
 /// Worlds that no renderer takes, and what the reason names.
-const BROKEN: [(Damage, &str); 6] = [
+const BROKEN: [(Damage, &str); 7] = [
     (
         |w| w.instances[0].mesh = w.meshes.len(),
         "its mesh or material does not exist",
@@ -35,6 +37,18 @@ const BROKEN: [(Damage, &str); 6] = [
         "points past its",
     ),
     (|w| w.meshes[0].normals.truncate(1), "differ in length"),
+    (
+        |w| {
+            w.materials[0].base_color_texture = Some(TextureRef {
+                texture: w.textures.len(),
+                uv_set: 0,
+                transform: [Vec3::X, Vec3::Y],
+                wrap: [Wrap::Repeat; 2],
+                nearest: false,
+            })
+        },
+        "its texture does not exist",
+    ),
     (
         |w| {
             while w.lights.len() < 65 {
@@ -78,7 +92,7 @@ fn worlds_with_foreign_indices_or_too_many_lights_are_refused() {
 }
 
 /// Worlds that are not the uploaded one in another pose.
-const NOT_POSED: [(Damage, &str); 6] = [
+const NOT_POSED: [(Damage, &str); 8] = [
     (
         |w| drop(w.instances.pop()),
         "other meshes, textures, instances",
@@ -99,7 +113,19 @@ const NOT_POSED: [(Damage, &str); 6] = [
         |w| w.meshes[0].positions[0].x += 1.0,
         "other meshes, textures, instances",
     ),
+    (
+        |w| w.instances[0].world_from_object.translation.x += 1.0,
+        "other meshes, textures, instances",
+    ),
     (|w| w.lights.clear(), "other shadow maps"),
+    (
+        |w| {
+            let mut light = w.lights[0].clone();
+            light.desc.shadow = ShadowMode::Ray;
+            w.lights.push(light);
+        },
+        "shadow maps or rays",
+    ),
 ];
 
 #[test]

@@ -2,7 +2,7 @@
 //! one-dimensional dispatch would silently do nothing.
 
 use reflet::{
-    gpu::{Gpu, GroupLayout, Shader, pipeline::Checks, readback},
+    gpu::{Gpu, GroupLayout, Shader, readback},
     render::ray_list::{COUNTERS, RAY_COUNTER},
 };
 use wgpu::util::DeviceExt as _;
@@ -11,8 +11,7 @@ use crate::{common::shaders, kit::gpu};
 
 /// The workgroups that `arguments.wgsl` gives for this many rays.
 fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
-    let shader =
-        Shader::new(gpu, &shaders(), "arguments", Checks::All).unwrap_or_else(|e| panic!("{e}"));
+    let shader = Shader::new(gpu, &shaders(), "arguments").unwrap_or_else(|e| panic!("{e}"));
     let empty = GroupLayout::new(gpu, "empty", &[], 0).unwrap_or_else(|e| panic!("{e}"));
     let layout =
         GroupLayout::new(gpu, "arguments", &[&shader.info], 2).unwrap_or_else(|e| panic!("{e}"));
