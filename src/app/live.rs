@@ -1,5 +1,5 @@
-//! A scene that follows its files: what changed is read and built beside what is shown, and takes
-//! its place in one step; after a mistake the last good scene stays.
+//! Hot reload of a scene: changed files are read and built beside the current scene and replace it
+//! in one step; after an error the last good scene stays.
 
 use std::{
     collections::BTreeSet,
@@ -38,52 +38,52 @@ mod reload;
 mod reload_job;
 
 pub use parameter_trial::Refusal;
-use parameter_trial::Trials;
+use parameter_trial::TrialState;
 pub use pose::Edit;
-use reload::{Waiting, options_of, read_library};
-pub use reload_job::{Done, ReloadJob, Reuse};
+use reload::{PendingScene, options_of, read_library};
+pub use reload_job::{FinishedJob, ReloadJob, Reuse};
 use reload_job::{Read, pose_of};
 
-/// What is shown where there is no scene.
-const NOTHING: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
+/// Scene text shown while no valid scene exists.
+const EMPTY_SCENE: &str = "version = 1\n[camera.main]\neye = [0, 1, 4]\ntarget = [0, 0, 0]\n";
 
-/// Where a live scene comes from.
+/// Files and arguments of a live scene.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub struct SceneSource {
     /// Scene file or model; `None` is the built-in atrium.
     pub path: Option<PathBuf>,
-    /// What is changed in it, and where its files are.
-    pub from: SceneArgs,
-    /// Folder of shaders; `None` are the built-in ones.
+    /// Overrides and asset folders.
+    pub args: SceneArgs,
+    /// Shader folder; `None` for the built-in shaders.
     pub shaders: Option<PathBuf>,
 }
 
-/// What the viewer wants in place of what the scene says.
+/// View settings that replace those of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewOverrides {
-    /// Pixels.
+    /// Picture size, pixels.
     pub size: Option<[u32; 2]>,
-    /// How reflections are found.
+    /// Reflection method.
     pub method: Option<Method>,
-    /// Sub-frames.
+    /// Sub-frames per picture.
     pub samples: Option<u32>,
 }
 
-/// What keeps changes from being shown; the last good scene stays meanwhile.
+/// Errors that keep changes from being shown; the last good scene stays meanwhile.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Problems {
-    /// In the scene's text, script or files as they are on disk.
+    /// Errors in the scene's text, script or files on disk.
     pub scene: Vec<Diagnostic>,
-    /// In the frame that is wanted; other frames may be without.
+    /// Errors in the requested frame; other frames may be valid.
     pub pose: Vec<Diagnostic>,
-    /// In a shader.
+    /// Shader error.
     pub shader: Option<ShaderError>,
-    /// Why the device refused the last thing asked of it, such as a picture too large for it.
+    /// Error of the last device operation, such as a picture past its limits.
     pub refused: Option<String>,
 }
 
 impl Problems {
-    /// Whether everything on disk is what is shown.
+    /// Whether the newest content on disk is shown.
     pub fn is_empty(&self) -> bool {
         self.scene.is_empty()
             && self.pose.is_empty()
@@ -92,29 +92,29 @@ impl Problems {
     }
 }
 
-/// What was done for some changes.
+/// Work done for a set of changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reload {
-    /// Whether all of it is now shown.
+    /// Whether all changes are shown.
     pub ok: bool,
-    /// Model, image and other files were read.
+    /// Whether models, images and other files were read.
     pub files: bool,
-    /// Shaders that were checked and created.
+    /// Number of shader modules created.
     pub shaders: u32,
-    /// Pipelines that the driver made.
+    /// Number of pipelines created.
     pub pipelines: u32,
-    /// What the renderer made again.
+    /// Renderer parts that were rebuilt.
     pub rebuilt: RebuildSummary,
-    /// From the changes to being ready for the next frame.
+    /// Total time until the next frame can be rendered.
     pub took: Duration,
-    /// The part of it that texts were read, scripts run and the frame posed.
+    /// Part of it for reading texts, running scripts and posing the frame.
     pub parse: Duration,
-    /// The part of it that the driver compiled pipelines.
+    /// Part of it for pipeline compilation by the driver.
     pub driver: Duration,
 }
 
 impl Reload {
-    /// Both, one after the other.
+    /// Sum of two consecutive reloads.
     pub fn and(self, next: Self) -> Self {
         Self {
             ok: self.ok && next.ok,
@@ -129,38 +129,38 @@ impl Reload {
     }
 }
 
-/// A scene, its renderer and what is wrong with their files now.
+/// A scene with its renderer and the current errors in its files.
 #[derive(Debug)]
 pub struct Live {
     gpu: Arc<Gpu>,
-    origin: Origin,
+    source: SceneSource,
     library: ShaderLibrary,
     scene: Arc<Scene>,
     world: World,
     asset_cache: AssetCache,
     renderer: Renderer,
     overrides: ViewOverrides,
-    /// Models, images and other files that were looked for.
+    /// Models, images and other files, existing or not.
     dependencies: Dependencies,
-    /// Scripts and included files that were looked for.
+    /// Scripts and included files, existing or not.
     texts: Dependencies,
-    /// The same for a scene that is being read.
+    /// The same for a scene being read.
     pending_texts: Dependencies,
     read_since: SystemTime,
     declared: DeclaredParameters,
     parameters: ParameterOverrides,
-    /// Values that may take its place.
-    trials: Trials,
+    /// Requested values that are not accepted yet.
+    trial: TrialState,
     edits: Vec<Edit>,
-    /// The frame that is wanted, and the one that is shown.
+    /// Requested frame, and shown frame.
     frame: u32,
     posed: u32,
     log: Vec<String>,
-    /// What was saved, while the wanted frame of it cannot be posed.
-    waiting: Option<Waiting>,
-    /// Warnings about what is shown.
+    /// A saved scene whose requested frame cannot be posed.
+    pending: Option<PendingScene>,
+    /// Warnings about the shown scene.
     pub warnings: Vec<Diagnostic>,
-    /// What keeps the newest content from being shown.
+    /// Errors that keep the newest content from being shown.
     pub problems: Problems,
 }
 
@@ -168,14 +168,18 @@ impl Live {
     /// Reads and builds everything for the first time, at the first frame.
     ///
     /// # Errors
-    /// As the command `render`: there is nothing good to keep yet.
-    pub fn open(gpu: Arc<Gpu>, origin: Origin, overrides: ViewOverrides) -> Result<Self, AppError> {
+    /// As the command `render`: there is no last good scene yet.
+    pub fn open(
+        gpu: Arc<Gpu>,
+        source: SceneSource,
+        overrides: ViewOverrides,
+    ) -> Result<Self, AppError> {
         let read_since = SystemTime::now();
         let texts = Dependencies::default();
-        let read = reload_job::read(&origin, &ParameterOverrides::default(), &texts, 0);
+        let read = reload_job::read(&source, &ParameterOverrides::default(), &texts, 0);
         Self::build(
             gpu,
-            origin,
+            source,
             overrides,
             texts,
             read.map_err(AppError::Scene)?,
@@ -183,34 +187,34 @@ impl Live {
         )
     }
 
-    /// An empty picture in place of a scene that has mistakes, until it is read anew without.
+    /// Shows an empty scene in place of one with errors, until a reload succeeds.
     ///
     /// # Errors
-    /// As [`Live::open`], but none of the scene.
-    pub fn open_waiting(
+    /// As [`Live::open`], without scene errors.
+    pub fn open_empty(
         gpu: Arc<Gpu>,
-        origin: Origin,
+        source: SceneSource,
         overrides: ViewOverrides,
         mistakes: Vec<Diagnostic>,
     ) -> Result<Self, AppError> {
-        let empty = nothing(&origin).map_err(AppError::Scene)?;
+        let empty = empty_scene(&source).map_err(AppError::Scene)?;
         let (texts, now) = (Dependencies::default(), SystemTime::now());
-        let mut live = Self::build(gpu, origin, overrides, texts, empty, now)?;
-        live.warnings.clear(); // that there is nothing to see
+        let mut live = Self::build(gpu, source, overrides, texts, empty, now)?;
+        live.warnings.clear(); // of the empty scene
         live.problems.scene = mistakes;
         Ok(live)
     }
 
-    /// Builds what was read.
+    /// Loads a scene that was read and builds its renderer.
     fn build(
         gpu: Arc<Gpu>,
-        origin: Origin,
+        source: SceneSource,
         overrides: ViewOverrides,
         texts: Dependencies,
         read: Read,
         read_since: SystemTime,
     ) -> Result<Self, AppError> {
-        let library = read_library(&origin).map_err(|e| AppError::from_user_shader(&e))?;
+        let library = read_library(&source).map_err(|e| AppError::from_user_shader(&e))?;
         let state = pose_of(&read.scene, read.frame).map_err(AppError::Scene)?;
         let loaded = load::load_with_cache(&read.scene, &read.options);
         let (mut world, asset_cache) = loaded.map_err(AppError::Scene)?;
@@ -223,7 +227,7 @@ impl Live {
         let renderer = renderer.map_err(|error| AppError::from_render(error, true))?;
         Ok(Self {
             gpu,
-            origin,
+            source,
             library,
             log: state.map_or_else(Vec::new, |state| state.log),
             scene: read.scene,
@@ -237,17 +241,18 @@ impl Live {
             read_since,
             declared: read.declared,
             parameters: read.parameters,
-            trials: Trials::default(),
+            trial: TrialState::default(),
             edits: Vec::new(),
             frame: read.frame,
             posed: read.frame,
-            waiting: None,
+            pending: None,
             warnings,
             problems: Problems::default(),
         })
     }
 
-    /// What the shown scene was read from, and what was looked for since.
+    /// Files to watch: those of the shown scene and those searched since, with the time of the
+    /// read.
     pub fn watch_list(&self) -> (WatchList, SystemTime) {
         let kind = |path: &PathBuf| {
             if is_model(path) {
@@ -256,7 +261,7 @@ impl Live {
                 Change::Scene
             }
         };
-        let scene = self.origin.path.iter();
+        let scene = self.source.path.iter();
         let scene = scene.map(|path| (path.clone(), kind(path)));
         let texts = [&self.texts, &self.pending_texts]
             .into_iter()
@@ -270,7 +275,7 @@ impl Live {
             };
             (path, kind)
         });
-        // Among the world's files these have their names without links.
+        // The world lists these by their resolved paths.
         let resolved = self.scene.text_files();
         let read = self
             .world
@@ -284,16 +289,15 @@ impl Live {
         let files: BTreeSet<(PathBuf, Change)> = scene.chain(texts).chain(assets).collect();
         let list = WatchList {
             files: files.into_iter().collect(),
-            shader_folders: self.origin.shaders.iter().cloned().collect(),
+            shader_folders: self.source.shaders.iter().cloned().collect(),
         };
         (list, self.read_since)
     }
 
-    /// Renders with other overrides from now on.
+    /// Changes the overrides.
     ///
     /// # Errors
-    /// A picture past the adapter's limits, or what a shader or wgpu refuses; then the old overrides
-    /// stay.
+    /// A picture past the adapter's limits, a shader or wgpu error; then the old overrides stay.
     pub fn set_overrides(&mut self, overrides: ViewOverrides) -> Result<(), RenderError> {
         if overrides == self.overrides {
             return Ok(());
@@ -313,61 +317,61 @@ impl Live {
         self.renderer.render(&self.gpu, &self.world, camera)
     }
 
-    /// The scene as written.
+    /// Scene description.
     pub fn desc(&self) -> &SceneDesc {
         &self.scene
     }
 
-    /// The frames of the scene as it is on disk, also while it waits for one that can be posed.
+    /// Timeline of the scene on disk, also of a pending one.
     pub fn timeline(&self) -> Option<&TimelineDesc> {
-        let waiting = self.waiting.as_ref().map(Waiting::scene);
-        waiting.unwrap_or(&self.scene).timeline.as_ref()
+        let pending = self.pending.as_ref().map(PendingScene::scene);
+        pending.unwrap_or(&self.scene).timeline.as_ref()
     }
 
-    /// The scene as loaded, at the frame that is shown.
+    /// Loaded scene, posed at the shown frame.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// What shows it.
+    /// Renderer of the scene.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// Where it comes from.
-    pub fn origin(&self) -> &Origin {
-        &self.origin
+    /// Files and arguments of the scene.
+    pub fn source(&self) -> &SceneSource {
+        &self.source
     }
 
-    /// The script's parameters as the scene declares them, with its `--set`.
+    /// Script parameters declared by the scene, with `--set` applied.
     pub fn declared(&self) -> &DeclaredParameters {
         &self.declared
     }
 
-    /// What is laid over them.
+    /// Overrides of the declared parameters.
     pub fn parameters(&self) -> &ParameterOverrides {
         &self.parameters
     }
 
-    /// The frame that is shown.
+    /// Shown frame.
     pub fn posed_frame(&self) -> u32 {
         self.posed
     }
 
-    /// What the script printed in `setup`, then in the frame that is shown.
+    /// Output of the script in `setup`, then in the shown frame.
     pub fn log(&self) -> impl Iterator<Item = &String> {
         let of_setup = self.scene.script.iter().flat_map(|s| &s.setup_log);
         of_setup.chain(&self.log)
     }
 }
 
-/// A scene with nothing in it.
-fn nothing(origin: &Origin) -> Result<Read, Vec<Diagnostic>> {
+/// The scene of [`EMPTY_SCENE`].
+fn empty_scene(source: &SceneSource) -> Result<Read, Vec<Diagnostic>> {
     let from = SceneArgs {
-        assets: origin.from.assets.clone(),
+        assets: source.args.assets.clone(),
         ..SceneArgs::default()
     };
-    let text = SceneText::new(NOTHING, Path::new("nothing"), &from);
+    let text = SceneText::new(EMPTY_SCENE, Path::new("nothing"), &from);
     let opened = text.open(&[], &Dependencies::default())?;
     Ok(Read::new(opened, <_>::default(), <_>::default(), 0))
 }

@@ -324,15 +324,15 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     let slow = format!("if ctx.params.count == 3 {{ {SLOW} }} let all = [];");
     preview.save_script(&SCRIPT.replace("let all = [];", &slow), "slow");
     preview.taken("slow");
-    let tune = |preview: &Watched, to| {
-        let mut tuned = reflet::app::params::ParameterOverrides::default();
-        tuned.set("count", ParamValue::Integer(to), &count);
-        preview.worker.mailbox.post(Task::SetParameters(tuned));
+    let set_count = |preview: &Watched, to| {
+        let mut overrides = reflet::app::params::ParameterOverrides::default();
+        overrides.set("count", ParamValue::Integer(to), &count);
+        preview.worker.mailbox.post(Task::SetParameters(overrides));
     };
-    tune(&preview, 3);
+    set_count(&preview, 3);
     preview.begins();
     preview.look_from(1.0);
-    tune(&preview, 4);
+    set_count(&preview, 4);
     let seen = |facts: &SceneSummary| facts.bounds.max.x > 2.9; // four boxes
     preview.facts(seen);
     preview.rest();
@@ -349,7 +349,7 @@ fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_men
     let endless = SCRIPT.replace("fn setup(ctx) {", &format!("fn setup(ctx) {{ {SLOW}"));
     folder.write("sub/move.rhai", endless);
     let (live, is_waiting) =
-        preview::open(&gpu, live.origin().clone(), ViewOverrides::default(), true)
+        preview::open(&gpu, live.source().clone(), ViewOverrides::default(), true)
             .expect("it opens empty");
     assert!(is_waiting && live.problems.is_empty(), "it only waits");
     assert!(live.world().instances.is_empty());

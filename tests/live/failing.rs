@@ -5,13 +5,13 @@ use std::{fs, sync::Arc};
 use reflet::app::{
     args::SceneArgs,
     error::AppError,
-    live::{Live, Origin, ViewOverrides},
+    live::{Live, SceneSource, ViewOverrides},
     watch::Change,
 };
 
 use crate::{
     common::gpu_or_skip,
-    kit::{AtOnce, Folder, SCENE, open, picture},
+    kit::{Folder, RunNow, SCENE, open, picture},
     scripts::{SCRIPT, Session},
 };
 
@@ -115,19 +115,19 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
         "scene.toml",
         SCENE.replace("kind = \"box\"", "kind = \"bx\""),
     );
-    let origin = Origin {
+    let source = SceneSource {
         path: Some(path),
-        from: SceneArgs {
+        args: SceneArgs {
             set: Vec::new(),
             assets: Vec::new(),
         },
         shaders: None,
     };
-    let mistakes = match Live::open(gpu.clone(), origin.clone(), ViewOverrides::default()) {
+    let mistakes = match Live::open(gpu.clone(), source.clone(), ViewOverrides::default()) {
         Err(AppError::Scene(mistakes)) => mistakes,
         other => panic!("{other:?}"),
     };
-    let mut live = Live::open_waiting(gpu.clone(), origin, ViewOverrides::default(), mistakes)
+    let mut live = Live::open_empty(gpu.clone(), source, ViewOverrides::default(), mistakes)
         .unwrap_or_else(|e| panic!("{e:?}"));
     for changes in [[].into(), [Change::Scene].into()] {
         live.reload(&changes);

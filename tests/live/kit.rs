@@ -14,7 +14,7 @@ use std::{
 use reflet::{
     app::{
         args::SceneArgs,
-        live::{Live, Origin, Reload, Reuse, ViewOverrides},
+        live::{Live, Reload, Reuse, SceneSource, ViewOverrides},
         params::ParameterOverrides,
         watch::{Change, Changes, News, WatchList, Watcher},
     },
@@ -108,15 +108,15 @@ pub fn open(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>) -> Live {
 
 /// With `--set`.
 pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&str]) -> Live {
-    let origin = Origin {
+    let source = SceneSource {
         path: Some(scene.to_owned()),
-        from: SceneArgs {
+        args: SceneArgs {
             set: set.iter().map(|text| (*text).to_owned()).collect(),
             assets: Vec::new(),
         },
         shaders: shaders.map(Path::to_owned),
     };
-    match Live::open(gpu.clone(), origin, ViewOverrides::default()) {
+    match Live::open(gpu.clone(), source, ViewOverrides::default()) {
         Ok(live) => live,
         Err(error) => {
             error.print();
@@ -126,30 +126,30 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
 }
 
 /// What the preview does beside the picture, done at once.
-pub trait AtOnce {
+pub trait RunNow {
     /// Whether the frame is shown.
     fn pose_now(&mut self, frame: u32) -> bool;
-    fn tune_now(&mut self, tuned: ParameterOverrides) -> Reload;
+    fn set_parameters_now(&mut self, parameters: ParameterOverrides) -> Reload;
 }
 
-impl AtOnce for Live {
+impl RunNow for Live {
     fn pose_now(&mut self, frame: u32) -> bool {
-        if let Some(reload_job) = self.posing(frame) {
-            self.take(reload_job.run());
+        if let Some(reload_job) = self.pose_job(frame) {
+            self.finish_job(reload_job.run());
         }
         self.problems.pose.is_empty()
     }
 
-    fn tune_now(&mut self, tuned: ParameterOverrides) -> Reload {
-        self.tune(tuned);
-        let keeps = Reuse {
+    fn set_parameters_now(&mut self, parameters: ParameterOverrides) -> Reload {
+        self.set_parameters(parameters);
+        let reuse = Reuse {
             files: true,
             edits: true,
         };
         loop {
-            let reload_job = self.reading(keeps, self.posed_frame());
-            let reload = self.take(reload_job.run());
-            if !self.reads_again() {
+            let reload_job = self.read_job(reuse, self.posed_frame());
+            let reload = self.finish_job(reload_job.run());
+            if !self.must_read_again() {
                 return reload;
             }
         }

@@ -10,7 +10,7 @@ use reflet::{
 };
 
 use crate::{
-    kit::AtOnce,
+    kit::RunNow,
     scripts::{SCRIPT, Session},
 };
 
@@ -23,9 +23,9 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     let first = session.picture();
     let own = session.live.declared().clone();
     assert_eq!(own[0], ("count".to_owned(), ParamValue::Integer(2)));
-    let mut tuned = ParameterOverrides::default();
-    tuned.set("count", ParamValue::Integer(3), &own[0].1);
-    assert!(session.live.tune_now(tuned.clone()).ok);
+    let mut overrides = ParameterOverrides::default();
+    overrides.set("count", ParamValue::Integer(3), &own[0].1);
+    assert!(session.live.set_parameters_now(overrides.clone()).ok);
     let three = session.picture();
     assert!(three != first && three == session.afresh(10, &["params.count=3"]));
     // A save keeps it.
@@ -51,20 +51,20 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     };
     session.live.pose_now(10);
     let own = session.live.declared()[0].1.clone();
-    let tuned = |count| {
-        let mut tuned = ParameterOverrides::default();
-        tuned.set("count", ParamValue::Integer(count), &own);
-        tuned
+    let overrides = |count| {
+        let mut overrides = ParameterOverrides::default();
+        overrides.set("count", ParamValue::Integer(count), &own);
+        overrides
     };
-    assert!(session.live.tune_now(tuned(3)).ok);
+    assert!(session.live.set_parameters_now(overrides(3)).ok);
     let three = session.picture();
     let refused = |session: &mut Session| {
         let refusal = session.live.refusal().expect("is refused");
-        assert!(session.live.problems.is_empty() && *session.live.parameters() == tuned(3));
-        assert!(session.picture() == three && refusal.stays == tuned(3));
+        assert!(session.live.problems.is_empty() && *session.live.parameters() == overrides(3));
+        assert!(session.picture() == three && refusal.stays == overrides(3));
         refusal
     };
-    assert!(session.live.tune_now(tuned(60_000)).ok);
+    assert!(session.live.set_parameters_now(overrides(60_000)).ok);
     let refusal = refused(&mut session);
     let value = ("count".to_owned(), ParamValue::Integer(60_000));
     assert_eq!(refusal.values, [value]);
@@ -79,7 +79,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
             &format!("{place} if ctx.params.count == 5 {{ throw 5; }}"),
         );
         assert!(text != SCRIPT, "{place}");
-        session.live.tune(tuned(5));
+        session.live.set_parameters(overrides(5));
         assert!(session.save_script(&text).ok, "{:?}", session.live.problems);
         let why = refused(&mut session).why;
         assert_eq!(why.pose.is_empty(), place.contains("setup"));
@@ -88,11 +88,11 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
     let text = fs::read_to_string(&session.scene).expect("readable");
     fs::write(&session.scene, format!("{text}\n[")).expect("written");
     assert!(!session.live.reload(&[Change::Scene].into()).ok);
-    assert!(!session.live.tune_now(tuned(4)).ok && session.live.refusal().is_none());
+    assert!(!session.live.set_parameters_now(overrides(4)).ok && session.live.refusal().is_none());
     assert!(!session.live.problems.scene.is_empty() && session.picture() == three);
     fs::write(&session.scene, text).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
-    assert!(*session.live.parameters() == tuned(4) && session.live.refusal().is_none());
+    assert!(*session.live.parameters() == overrides(4) && session.live.refusal().is_none());
     assert!(session.picture() == session.afresh(10, &["params.count=4"]));
 }
 
@@ -102,19 +102,19 @@ fn parameters_outlive_a_save_that_fails() {
         return;
     };
     let count = session.live.declared()[0].1.clone();
-    let mut tuned = ParameterOverrides::default();
-    tuned.set("count", ParamValue::Integer(3), &count);
-    assert!(session.live.tune_now(tuned.clone()).ok);
+    let mut overrides = ParameterOverrides::default();
+    overrides.set("count", ParamValue::Integer(3), &count);
+    assert!(session.live.set_parameters_now(overrides.clone()).ok);
     let three = session.picture();
     let text = fs::read_to_string(&session.scene).expect("readable");
     let cut = text.find("[params]").expect("it has parameters");
     for part in ["", &text[..cut]] {
         fs::write(&session.scene, part).expect("written");
         assert!(!session.live.reload(&[Change::Scene].into()).ok, "{part}");
-        assert!(*session.live.parameters() == tuned, "{part}");
+        assert!(*session.live.parameters() == overrides, "{part}");
         assert!(session.picture() == three);
     }
     fs::write(&session.scene, format!("{text}# saved\n")).expect("written");
     assert!(session.live.reload(&[Change::Scene].into()).ok);
-    assert!(*session.live.parameters() == tuned && session.picture() == three);
+    assert!(*session.live.parameters() == overrides && session.picture() == three);
 }

@@ -18,7 +18,7 @@ use reflet::{
 
 use crate::{
     common::gpu_or_skip,
-    kit::{AtOnce, Folder, SCENE, Watch, open, open_with, picture},
+    kit::{Folder, RunNow, SCENE, Watch, open, open_with, picture},
     saves::{ROUNDS, SAVES, Save},
 };
 
@@ -300,10 +300,10 @@ fn an_edited_material_wins_over_motion_until_the_next_save() {
     session.live.pose_now(30);
     assert!(shiny(&session), "also in another frame");
     let count = session.live.declared()[0].1.clone();
-    let mut tuned = ParameterOverrides::default();
-    tuned.set("count", ParamValue::Integer(4), &count);
+    let mut overrides = ParameterOverrides::default();
+    overrides.set("count", ParamValue::Integer(4), &count);
     assert!(
-        session.live.tune_now(tuned).ok && shiny(&session),
+        session.live.set_parameters_now(overrides).ok && shiny(&session),
         "with other parameters"
     );
     assert!(session.save_script(&format!("{SCRIPT}// saved\n")).ok);

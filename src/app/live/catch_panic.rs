@@ -1,5 +1,5 @@
-//! The last guard around reading and posing: a panic ends as a message about the scene, and what is
-//! shown stays.
+//! Panic boundary of reading and posing: a panic becomes a diagnostic about the scene, and the last
+//! good scene stays.
 
 use std::{
     any::Any,
@@ -9,21 +9,21 @@ use std::{
 
 use crate::scene::diagnostic::Diagnostic;
 
-/// What the work on this file gives, or that it panicked.
+/// Result of `work`; a panic becomes a diagnostic about this file.
 pub(super) fn catch_panic<T>(
     file: &Path,
     work: impl FnOnce() -> Result<T, Vec<Diagnostic>>,
 ) -> Result<T, Vec<Diagnostic>> {
-    // What it works on is given up with it.
+    // Unwind safe: after a panic all its data is dropped.
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let text = format!("this is a bug in Reflet: {}", words(&*panic));
+        let text = format!("this is a bug in Reflet: {}", panic_message(&*panic));
         let help = "another text may work; please report this with the scene and its scripts";
         Err(vec![Diagnostic::in_file("internal", file, text).help(help)])
     })
 }
 
-/// What a panic says.
-fn words(panic: &(dyn Any + Send)) -> &str {
+/// Message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     text.or_else(|| panic.downcast_ref::<&str>().copied())
         .unwrap_or("it panicked")

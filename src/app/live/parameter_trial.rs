@@ -1,94 +1,93 @@
-//! Values that are laid over a script's parameters: tried on the scene as it is on disk, then taken
-//! over with it, or refused so that everything goes on with the values before.
+//! Parameter trials: overrides of script parameters are tried on the scene on disk, then accepted
+//! with it, or refused in favor of the previous values.
 
 use super::{Live, Problems, Reload};
 use crate::{app::params::ParameterOverrides, scene::desc::ParamValue};
 
-/// Values that do not work.
+/// Refused parameter values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// Names and values.
+    /// Names and refused values.
     pub values: Vec<(String, ParamValue)>,
-    /// What is laid over the parameters all the same.
+    /// Overrides that stay in force.
     pub stays: ParameterOverrides,
-    /// What is wrong with them.
+    /// Errors that they caused.
     pub why: Problems,
 }
 
-/// How far values that were asked for have come.
+/// State of requested values.
 #[derive(Clone, Debug)]
 enum Trial {
-    /// Laid over the next reading.
-    Wanted(ParameterOverrides),
-    /// It failed; whether that is their fault is seen by reading without them.
-    Doubted(ParameterOverrides, Box<Problems>),
+    /// To be used by the next read.
+    Requested(ParameterOverrides),
+    /// A read with them failed; a read without them tells whether they are the cause.
+    Suspected(ParameterOverrides, Box<Problems>),
 }
 
-/// What was asked for, and what is to be told of it.
+/// The current trial and the result to report.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trials {
-    now: Option<Trial>,
+pub(super) struct TrialState {
+    current: Option<Trial>,
     refusal: Option<Refusal>,
-    /// Whether the last reading says nothing about the scene itself.
-    reads_again: bool,
+    /// Whether the scene must be read again, without the tried values.
+    must_read_again: bool,
 }
 
 impl Live {
-    /// Lays other values over the script's parameters, for the next [`Live::reading`]. Those that
-    /// work stay; for those that do not, see [`Live::refusal`].
-    pub fn tune(&mut self, parameters: ParameterOverrides) {
-        self.trials.now = Some(Trial::Wanted(parameters));
+    /// Requests other parameter overrides for the next [`Live::read_job`]. Values that fail are
+    /// refused, see [`Live::refusal`].
+    pub fn set_parameters(&mut self, parameters: ParameterOverrides) {
+        self.trial.current = Some(Trial::Requested(parameters));
     }
 
-    /// What the next reading lays over the parameters.
-    pub(super) fn asked(&self) -> &ParameterOverrides {
-        match &self.trials.now {
-            Some(Trial::Wanted(parameters)) => parameters,
+    /// Overrides for the next read.
+    pub(super) fn requested_parameters(&self) -> &ParameterOverrides {
+        match &self.trial.current {
+            Some(Trial::Requested(parameters)) => parameters,
             _ => &self.parameters,
         }
     }
 
-    /// Whether the last reading failed with values that were only tried: nothing came of it, and the
-    /// scene must be read anew.
-    pub fn reads_again(&mut self) -> bool {
-        std::mem::take(&mut self.trials.reads_again)
+    /// Whether the last read failed with tried values, so that the scene must be read again.
+    pub fn must_read_again(&mut self) -> bool {
+        std::mem::take(&mut self.trial.must_read_again)
     }
 
-    /// Values that were refused since the last time.
+    /// Values refused since the last call.
     pub fn refusal(&mut self) -> Option<Refusal> {
-        self.trials.refusal.take()
+        self.trial.refusal.take()
     }
 
-    /// Judges what a reading with these values, `is_trial` if others are shown, came to; `before` it
-    /// there were these problems.
-    pub(super) fn judge(
+    /// Accepts or suspects the values of a finished read; `is_trial` if they differ from the shown
+    /// ones, `before` are the problems before the read.
+    pub(super) fn finish_trial(
         &mut self,
         asked: &ParameterOverrides,
         is_trial: bool,
         before: Problems,
         reload: &Reload,
     ) {
-        let now = self.trials.now.take();
-        let is_wanted = matches!(&now, Some(Trial::Wanted(wanted)) if wanted == asked);
-        // Where the text itself cannot be read, nothing is known of the values.
+        let now = self.trial.current.take();
+        let is_current = matches!(&now, Some(Trial::Requested(wanted)) if wanted == asked);
+        // An unreadable text says nothing about the values.
         let is_readable = reload.ok || !self.problems.pose.is_empty();
-        self.trials.now = match now {
+        self.trial.current = match now {
             now if is_trial && !reload.ok => {
                 let why = std::mem::replace(&mut self.problems, before);
-                self.waiting = None;
-                self.trials.reads_again = true;
-                if is_wanted {
-                    Some(Trial::Doubted(asked.clone(), why.into()))
+                self.pending = None;
+                self.trial.must_read_again = true;
+                if is_current {
+                    Some(Trial::Suspected(asked.clone(), why.into()))
                 } else {
                     now // newer ones
                 }
             }
-            Some(Trial::Doubted(parameters, why)) if is_readable => {
+            Some(Trial::Suspected(parameters, why)) if is_readable => {
                 self.refuse(&parameters, *why);
                 None
             }
-            Some(Trial::Doubted(parameters, _)) => Some(Trial::Wanted(parameters)),
-            now => now.filter(|_| !is_wanted),
+            Some(Trial::Suspected(parameters, _)) => Some(Trial::Requested(parameters)),
+            now => now.filter(|_| !is_current),
         };
     }
 
@@ -98,7 +97,7 @@ impl Live {
             .filter(|(name, value, own)| *value != self.parameters.get(name).unwrap_or(own))
             .map(|(name, value, _)| (name.clone(), value.clone()))
             .collect();
-        self.trials.refusal = (!values.is_empty()).then(|| Refusal {
+        self.trial.refusal = (!values.is_empty()).then(|| Refusal {
             values,
             stays: self.parameters.clone(),
             why,

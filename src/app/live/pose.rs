@@ -1,4 +1,4 @@
-//! Another frame of the shown scene, and edits of its materials that are not on disk.
+//! Posing of other frames, and material edits that are not on disk.
 
 use super::Live;
 use crate::{
@@ -11,18 +11,18 @@ use crate::{
     world::World,
 };
 
-/// A change of a material until the scene is next saved; it wins over motion.
+/// A material edit that lasts until the scene is saved; it overrides motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edit {
     /// Index of the material.
     pub material: usize,
-    /// Of each field of [`MATERIAL`]: what it is set to. Emission and its strength are set
-    /// together, for a material keeps only their product.
+    /// Value of each field of [`MATERIAL`], if set. Emission and its strength are set together,
+    /// since a material stores only their product.
     pub values: Values,
 }
 
 impl Edit {
-    /// Of nothing yet.
+    /// An edit without values.
     pub fn new(material: usize) -> Self {
         Self {
             material,
@@ -30,7 +30,7 @@ impl Edit {
         }
     }
 
-    /// What it makes of a material.
+    /// The material with the edit applied.
     pub fn over(&self, desc: &MaterialDesc) -> MaterialDesc {
         let mut desc = desc.clone();
         for (field, value) in MATERIAL.iter().zip(self.values) {
@@ -44,7 +44,7 @@ impl Edit {
     fn put(&self, world: &mut World) {
         let material = &mut world.materials[self.material];
         let desc = MaterialDesc {
-            checker: material.checker, // of which some numbers may be set
+            checker: material.checker, // has editable numbers
             ..MaterialDesc::default()
         };
         material.set_numbers(&self.over(&desc));
@@ -52,8 +52,7 @@ impl Edit {
 }
 
 impl Live {
-    /// Shows a posed frame: poses, the top level over them and the numbers of materials are uploaded,
-    /// nothing else is done again.
+    /// Shows a posed frame: uploads poses, the top-level tree and material numbers only.
     pub(super) fn apply(&mut self, state: Option<FrameState>) -> Result<(), Vec<Diagnostic>> {
         if let Some(state) = state {
             self.world.apply(&state)?;
@@ -68,19 +67,19 @@ impl Live {
         Ok(())
     }
 
-    /// What of a material is changed now.
+    /// The current edit of a material.
     pub fn edit_of(&self, material: usize) -> Edit {
         let known = self.edits.iter().find(|edit| edit.material == material);
         known.copied().unwrap_or_else(|| Edit::new(material))
     }
 
-    /// Changes a material until the scene is next saved.
+    /// Edits a material until the scene is saved.
     ///
     /// # Errors
-    /// As [`crate::render::Renderer::change`]; then nothing has changed.
+    /// As [`crate::render::Renderer::change`]; then nothing changes.
     pub fn edit(&mut self, edit: Edit) -> Result<RebuildSummary, RenderError> {
         if edit.material >= self.world.materials.len() {
-            return Ok(RebuildSummary::default()); // of a scene that is gone
+            return Ok(RebuildSummary::default()); // of a replaced scene
         }
         let materials = self.world.materials.clone();
         edit.put(&mut self.world);

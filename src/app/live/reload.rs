@@ -1,4 +1,4 @@
-//! Taking over what changed on disk, or a script's parameters.
+//! Adopts changes on disk and changed script parameters.
 
 use std::{
     sync::Arc,
@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    Edit, Live, Origin, Reload, ViewOverrides,
+    Edit, Live, Reload, SceneSource, ViewOverrides,
     reload_job::{Pose, Read, Reuse},
 };
 use crate::{
@@ -21,31 +21,30 @@ use crate::{
     world::{World, load},
 };
 
-/// A scene that was read well, but whose wanted frame cannot be posed: it is taken over with the
-/// first frame that can.
+/// A scene whose requested frame cannot be posed; it is adopted with the first frame that can.
 #[derive(Debug)]
-pub(super) struct Waiting {
+pub(super) struct PendingScene {
     read: Read,
-    keeps: Reuse,
+    reuse: Reuse,
 }
 
-impl Waiting {
-    /// As it is on disk.
+impl PendingScene {
+    /// The scene on disk.
     pub(super) fn scene(&self) -> &Arc<Scene> {
         &self.read.scene
     }
 
-    /// The frame that cannot be posed.
+    /// Frame that cannot be posed.
     pub(super) fn frame(&self) -> u32 {
         self.read.frame
     }
 }
 
-/// Why a scene is not taken over.
+/// Why a scene is not adopted.
 enum Refused {
-    /// It is wrong in itself; or the renderer refuses it, and no diagnostic says so.
+    /// Scene errors; empty for an error that is recorded elsewhere.
     Scene(Vec<Diagnostic>),
-    /// Its wanted frame cannot be posed.
+    /// The requested frame cannot be posed.
     Pose(Box<Read>, Vec<Diagnostic>),
 }
 
@@ -56,14 +55,14 @@ impl From<Vec<Diagnostic>> for Refused {
 }
 
 impl Live {
-    /// Takes over what changed on disk. Afterwards [`Live::watch_list`] may be another.
+    /// Reloads what changed on disk; [`Live::watch_list`] may change.
     pub fn reload(&mut self, changes: &Changes) -> Reload {
         let shaders = self.reload_shaders(changes);
-        match Self::after(changes) {
-            Some(keeps) => loop {
-                let done = self.reading(keeps, self.frame).run();
-                let read = self.take(done);
-                if !self.reads_again() {
+        match Self::reuse_after(changes) {
+            Some(reuse) => loop {
+                let done = self.read_job(reuse, self.frame).run();
+                let read = self.finish_job(done);
+                if !self.must_read_again() {
                     return shaders.and(read);
                 }
             },
@@ -71,7 +70,7 @@ impl Live {
         }
     }
 
-    /// What `work` did and how long it took.
+    /// Measures `work`: its duration, shaders and pipelines.
     pub(super) fn measured(&mut self, work: impl FnOnce(&mut Self, &mut Reload)) -> Reload {
         let started = Instant::now();
         let made = (
@@ -91,7 +90,7 @@ impl Live {
         reload
     }
 
-    /// Takes over the shaders on disk, if they are among what changed.
+    /// Reloads the shaders if they changed.
     pub fn reload_shaders(&mut self, changes: &Changes) -> Reload {
         self.measured(|live, reload| {
             if changes.contains(&Change::Shader) {
@@ -105,7 +104,7 @@ impl Live {
         let started = Instant::now();
         let options = *self.renderer.options();
         let world = &self.world;
-        let read = read_library(&self.origin).map_err(GpuError::Shader);
+        let read = read_library(&self.source).map_err(GpuError::Shader);
         reload.parse += started.elapsed();
         let built = read.map_err(RenderError::Gpu).and_then(|library| {
             let rebuilt = (self.renderer).change(&self.gpu, &library, world, &options)?;
@@ -119,24 +118,24 @@ impl Live {
             }
             Err(error) => {
                 reload.ok = false;
-                self.keep_problem(error);
+                self.record_problem(error);
             }
         }
     }
 
-    /// Shows the scene that was read; else its problems are kept.
-    pub(super) fn take_scene(
+    /// Shows a scene that was read, or records its errors.
+    pub(super) fn adopt_scene(
         &mut self,
         read: Result<(Read, Pose), Vec<Diagnostic>>,
-        keeps: Reuse,
+        reuse: Reuse,
         reload: &mut Reload,
     ) {
         self.texts = std::mem::take(&mut self.pending_texts);
-        if self.waiting.take().is_some() {
+        if self.pending.take().is_some() {
             self.problems.pose.clear();
         }
         match read {
-            Ok((read, pose)) => self.show(Waiting { read, keeps }, pose, reload),
+            Ok((read, pose)) => self.show(PendingScene { read, reuse }, pose, reload),
             Err(errors) => {
                 self.problems.scene = errors;
                 reload.ok = false;
@@ -144,19 +143,19 @@ impl Live {
         }
     }
 
-    /// Shows another frame, if it is of the scene that is shown or waits; else its problems are
-    /// kept, and the last good one stays.
-    pub(super) fn take_pose(
+    /// Shows a posed frame of the shown or pending scene, or records its errors; the last good
+    /// frame stays then.
+    pub(super) fn adopt_pose(
         &mut self,
         scene: &Arc<Scene>,
         frame: u32,
         pose: Pose,
         reload: &mut Reload,
     ) {
-        if let Some(mut waiting) = self.waiting.take_if(|w| Arc::ptr_eq(w.scene(), scene)) {
-            (self.frame, waiting.read.frame) = (frame, frame);
-            self.show(waiting, pose, reload);
-        } else if self.waiting.is_none() && Arc::ptr_eq(&self.scene, scene) {
+        if let Some(mut pending) = self.pending.take_if(|w| Arc::ptr_eq(w.scene(), scene)) {
+            (self.frame, pending.read.frame) = (frame, frame);
+            self.show(pending, pose, reload);
+        } else if self.pending.is_none() && Arc::ptr_eq(&self.scene, scene) {
             self.frame = frame;
             let posed = pose.and_then(|state| self.apply(state));
             reload.ok = posed.is_ok();
@@ -164,28 +163,28 @@ impl Live {
         }
     }
 
-    /// Takes over a scene; else its problems are kept, and it waits for a frame that can be posed.
-    fn show(&mut self, waiting: Waiting, pose: Pose, reload: &mut Reload) {
-        let Waiting { read, keeps } = waiting;
+    /// Shows a scene, or records its errors; it stays pending if its frame cannot be posed.
+    fn show(&mut self, pending: PendingScene, pose: Pose, reload: &mut Reload) {
+        let PendingScene { read, reuse } = pending;
         let names = self.material_names();
         let edited: Vec<_> = (self.edits.iter())
             .map(|edit| (names[edit.material].clone(), *edit))
             .collect();
-        let shown = self.try_show(read, pose, keeps.files, reload);
+        let shown = self.try_show(read, pose, reuse.files, reload);
         reload.ok &= shown.is_ok();
         self.problems.scene.clear();
         self.problems.pose.clear();
         match shown {
             Ok(()) => {
                 self.edits.clear();
-                if keeps.edits {
-                    self.edit_again(edited);
+                if reuse.edits {
+                    self.reapply_edits(edited);
                 }
             }
             Err(Refused::Scene(errors)) => self.problems.scene = errors,
             Err(Refused::Pose(read, errors)) => {
                 self.problems.pose = errors;
-                self.waiting = Some(Waiting { read: *read, keeps });
+                self.pending = Some(PendingScene { read: *read, reuse });
             }
         }
     }
@@ -194,8 +193,8 @@ impl Live {
         unique_names(self.world.materials.iter().map(|m| m.name.as_str()))
     }
 
-    /// Another number of things may give the materials other places.
-    fn edit_again(&mut self, edited: Vec<(String, Edit)>) {
+    /// Edits follow their materials by name, since indices may change.
+    fn reapply_edits(&mut self, edited: Vec<(String, Edit)>) {
         let names = self.material_names();
         for (name, mut edit) in edited {
             let found = names.iter().position(|known| *known == name);
@@ -211,7 +210,7 @@ impl Live {
         &mut self,
         read: Read,
         pose: Pose,
-        keeps_files: bool,
+        reuse_files: bool,
         reload: &mut Reload,
     ) -> Result<(), Refused> {
         let state = match pose {
@@ -219,31 +218,31 @@ impl Live {
             Err(errors) => return Err(Refused::Pose(Box::new(read), errors)),
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
-        let relaid = if keeps_files {
-            let options = load_options(&self.origin.from, &self.dependencies);
+        let reused = if reuse_files {
+            let options = load_options(&self.source.args, &self.dependencies);
             self.asset_cache
                 .reuse_assets(&self.world, &read.scene, &options)?
         } else {
             None
         };
         let wanted = options_of(&read.scene, self.overrides);
-        if let Some(mut world) = relaid {
+        if let Some(mut world) = reused {
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
-            let done = self.take_over(world, &wanted);
+            let done = self.adopt_world(world, &wanted);
             reload.rebuilt =
-                (reload.rebuilt).merged(done.map_err(|error| self.keep_problem(error))?);
+                (reload.rebuilt).merged(done.map_err(|error| self.record_problem(error))?);
         } else {
             reload.files = true;
-            // Everything is looked for anew; what only the old scene named is forgotten.
+            // A full load: dependencies of the old scene are dropped.
             self.dependencies = read.options.dependencies.clone();
             let (mut world, asset_cache) = load::load_with_cache(&read.scene, &read.options)?;
             if let Err(errors) = apply(&mut world) {
                 return Err(Refused::Pose(Box::new(read), errors));
             }
             let built = (self.renderer).with_world(&self.gpu, &self.library, &world, &wanted);
-            self.renderer = built.map_err(|error| self.keep_problem(error))?;
+            self.renderer = built.map_err(|error| self.record_problem(error))?;
             (self.world, self.asset_cache) = (world, asset_cache);
             reload.rebuilt = RebuildSummary {
                 upload: true,
@@ -257,7 +256,7 @@ impl Live {
         Ok(())
     }
 
-    /// The last step of taking over a scene.
+    /// Replaces the scene's state after its world was adopted.
     fn settle(&mut self, read: Read, state: Option<FrameState>) {
         self.scene = read.scene;
         (self.declared, self.parameters) = (read.declared, read.parameters);
@@ -268,8 +267,8 @@ impl Live {
         self.warnings.extend(self.world.warnings.iter().cloned());
     }
 
-    /// Shows a world that was relaid over the same meshes and textures.
-    fn take_over(
+    /// Shows a world with the meshes and textures of the old one.
+    fn adopt_world(
         &mut self,
         mut world: World,
         options: &RenderOptions,
@@ -283,8 +282,8 @@ impl Live {
         done
     }
 
-    /// Files an error under what it is about; scene errors are given back.
-    fn keep_problem(&mut self, error: RenderError) -> Vec<Diagnostic> {
+    /// Records an error in [`Problems`](super::Problems); scene errors are returned.
+    fn record_problem(&mut self, error: RenderError) -> Vec<Diagnostic> {
         match error {
             RenderError::Scene(diagnostic) => vec![*diagnostic],
             RenderError::Gpu(GpuError::Shader(error)) => {
@@ -292,7 +291,7 @@ impl Live {
                 Vec::new()
             }
             RenderError::Gpu(GpuError::Binding(text)) => {
-                let folder = self.origin.shaders.as_ref();
+                let folder = self.source.shaders.as_ref();
                 let file = folder.map_or("shaders".into(), |path| path.display().to_string());
                 self.problems.shader = Some(ShaderError {
                     file: file.into(),
@@ -310,8 +309,8 @@ impl Live {
     }
 }
 
-pub(super) fn read_library(origin: &Origin) -> Result<ShaderLibrary, ShaderError> {
-    match &origin.shaders {
+pub(super) fn read_library(source: &SceneSource) -> Result<ShaderLibrary, ShaderError> {
+    match &source.shaders {
         None => Ok(ShaderLibrary::embedded()),
         Some(folder) => ShaderLibrary::from_dir(folder),
     }

@@ -1,5 +1,5 @@
-//! The part of a change that runs scripts. It needs nothing of what is shown, so that any thread can
-//! do it while pictures are drawn.
+//! Reload jobs: the part of a reload that runs scripts. It uses nothing of the shown scene, so it
+//! can run on any thread while pictures are rendered.
 
 use std::{
     path::Path,
@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::{Live, Origin, Reload, catch_panic::catch_panic};
+use super::{Live, Reload, SceneSource, catch_panic::catch_panic};
 use crate::{
     app::{
         params::{DeclaredParameters, ParameterOverrides},
@@ -24,25 +24,25 @@ use crate::{
     world::load::LoadOptions,
 };
 
-/// What a script leaves of a frame, where frames differ.
+/// Pose of a frame; `None` where all frames are equal.
 pub(super) type Pose = Result<Option<FrameState>, Vec<Diagnostic>>;
 
-/// A scene as it is on disk, and which frame is wanted; nothing is loaded yet.
+/// A scene read from disk, without its assets, and the requested frame.
 #[derive(Debug)]
 pub(super) struct Read {
     pub(super) scene: Arc<Scene>,
     pub(super) warnings: Vec<Diagnostic>,
     pub(super) declared: DeclaredParameters,
-    /// What of the values laid over the parameters still fits them.
+    /// Overrides that still fit the declared parameters.
     pub(super) parameters: ParameterOverrides,
-    /// The wanted frame, moved into the timeline.
+    /// Requested frame, clamped to the timeline.
     pub(super) frame: u32,
-    /// For loading: what was read and looked for already.
+    /// Options for loading, with the dependencies so far.
     pub(super) options: LoadOptions,
 }
 
 impl Read {
-    /// A scene that was opened; `frame` may be outside of its timeline.
+    /// Of an opened scene; `frame` is clamped to its timeline.
     pub(super) fn new(
         opened: OpenedScene,
         declared: DeclaredParameters,
@@ -60,7 +60,7 @@ impl Read {
     }
 }
 
-/// What of what is shown goes on when another scene takes its place.
+/// State of the shown scene that its successor reuses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reuse {
     /// Models, images and other files.
@@ -70,7 +70,7 @@ pub struct Reuse {
 }
 
 impl Reuse {
-    /// Of two changes in one.
+    /// For two changes at once.
     pub fn and(self, other: Self) -> Self {
         Self {
             files: self.files && other.files,
@@ -79,22 +79,22 @@ impl Reuse {
     }
 }
 
-/// Reading the scene and posing its wanted frame, or posing another frame of a known scene.
+/// Reads the scene and poses the requested frame, or poses a frame of a scene that was read.
 #[derive(Debug)]
 pub struct ReloadJob {
     work: Work,
-    /// Whether it has come so far that it poses its frame.
+    /// Whether the job has reached posing.
     pub poses: Arc<AtomicBool>,
 }
 
 #[derive(Debug)]
 enum Work {
     Read {
-        origin: Origin,
+        source: SceneSource,
         parameters: ParameterOverrides,
         texts: Dependencies,
         frame: u32,
-        keeps: Reuse,
+        reuse: Reuse,
     },
     Pose {
         scene: Arc<Scene>,
@@ -102,9 +102,9 @@ enum Work {
     },
 }
 
-/// A finished job; [`Live::take`] shows its result.
+/// Result of a job for [`Live::finish_job`].
 #[derive(Debug)]
-pub struct Done {
+pub struct FinishedJob {
     pub(super) outcome: Outcome,
     since: SystemTime,
     took: Duration,
@@ -112,13 +112,13 @@ pub struct Done {
 
 #[derive(Debug)]
 pub(super) enum Outcome {
-    /// The scene and its wanted frame.
+    /// The scene and its requested frame.
     Read {
         read: Result<(Read, Pose), Vec<Diagnostic>>,
         parameters: ParameterOverrides,
-        keeps: Reuse,
+        reuse: Reuse,
     },
-    /// Another frame of this scene.
+    /// A frame of a scene that was read.
     Posed {
         scene: Arc<Scene>,
         frame: u32,
@@ -132,32 +132,32 @@ impl ReloadJob {
         Self { work, poses }
     }
 
-    /// The frame that is wanted; that of a scene which is not read yet may be outside of it.
+    /// Requested frame; not clamped before the scene is read.
     pub fn frame(&self) -> u32 {
         match self.work {
             Work::Read { frame, .. } | Work::Pose { frame, .. } => frame,
         }
     }
 
-    /// Does it, on this thread. A [`crate::scene::script::Halt`] over it ends its scripts, and then
-    /// what came of it is worth nothing.
-    pub fn run(self) -> Done {
+    /// Runs the job on this thread. After a [`crate::scene::script::Halt`] its result is
+    /// meaningless.
+    pub fn run(self) -> FinishedJob {
         let (since, started) = (SystemTime::now(), Instant::now());
         let outcome = match self.work {
             Work::Read {
-                origin,
+                source,
                 parameters,
                 texts,
                 frame,
-                keeps,
+                reuse,
             } => Outcome::Read {
-                read: read(&origin, &parameters, &texts, frame).map(|read| {
+                read: read(&source, &parameters, &texts, frame).map(|read| {
                     self.poses.store(true, Ordering::Relaxed);
                     let pose = pose_of(&read.scene, read.frame);
                     (read, pose)
                 }),
                 parameters,
-                keeps,
+                reuse,
             },
             Work::Pose { scene, frame } => Outcome::Posed {
                 pose: pose_of(&scene, frame),
@@ -165,7 +165,7 @@ impl ReloadJob {
                 frame,
             },
         };
-        Done {
+        FinishedJob {
             outcome,
             since,
             took: started.elapsed(),
@@ -173,25 +173,24 @@ impl ReloadJob {
     }
 }
 
-/// Reads the scene and runs its script's `setup`; scripts and included files that are looked for are
-/// added to `texts`.
+/// Reads the scene and runs its script's `setup`; adds scripts and included files to `texts`.
 pub(super) fn read(
-    origin: &Origin,
+    source: &SceneSource,
     parameters: &ParameterOverrides,
     texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let file = origin.path.as_deref().unwrap_or(Path::new("atrium"));
-    catch_panic(file, || read_unguarded(origin, parameters, texts, frame))
+    let file = source.path.as_deref().unwrap_or(Path::new("atrium"));
+    catch_panic(file, || read_uncaught(source, parameters, texts, frame))
 }
 
-fn read_unguarded(
-    origin: &Origin,
+fn read_uncaught(
+    source: &SceneSource,
     parameters: &ParameterOverrides,
     texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let text = SceneText::read(origin.path.as_deref(), &origin.from)?;
+    let text = SceneText::read(source.path.as_deref(), &source.args)?;
     let declared = text.declared();
     let mut parameters = parameters.clone();
     if let Some(declared) = &declared {
@@ -207,12 +206,12 @@ fn read_unguarded(
     ))
 }
 
-/// A frame moved into the timeline.
+/// The frame, clamped to the timeline.
 pub(super) fn within(desc: &SceneDesc, frame: u32) -> u32 {
     (desc.timeline.as_ref()).map_or(0, |t| frame.clamp(t.start, t.end))
 }
 
-/// A frame of a scene.
+/// Poses a frame of a scene.
 pub(super) fn pose_of(scene: &Scene, frame: u32) -> Pose {
     let script = scene.script.as_ref();
     let file = script.map_or_else(|| scene.folder.clone(), |s| s.name.clone().into());
@@ -220,40 +219,38 @@ pub(super) fn pose_of(scene: &Scene, frame: u32) -> Pose {
 }
 
 impl Live {
-    /// What changed files other than shaders need done, and what stays meanwhile; `None` without
-    /// such.
-    pub fn after(changes: &Changes) -> Option<Reuse> {
+    /// State that a reload after these changes can reuse; `None` if only shaders changed.
+    pub fn reuse_after(changes: &Changes) -> Option<Reuse> {
         let of_scene = [Change::Scene, Change::Script, Change::Asset];
         let is_any = of_scene.iter().any(|change| changes.contains(change));
         is_any.then(|| Reuse {
             files: !changes.contains(&Change::Asset),
-            // Materials are written in the scene.
+            // Scene text defines materials.
             edits: !changes.contains(&Change::Scene),
         })
     }
 
-    /// Reading the scene that is on disk, at a frame. Scripts that it looks for are in [`Live::watch_list`] as
-    /// soon as they are known.
-    pub fn reading(&mut self, keeps: Reuse, frame: u32) -> ReloadJob {
+    /// A job that reads the scene on disk and poses a frame. [`Live::watch_list`] lists its scripts
+    /// as soon as they are known.
+    pub fn read_job(&mut self, reuse: Reuse, frame: u32) -> ReloadJob {
         self.read_since = SystemTime::now();
         self.pending_texts = Dependencies::default();
         ReloadJob::new(Work::Read {
-            origin: self.origin.clone(),
-            parameters: self.asked().clone(),
+            source: self.source.clone(),
+            parameters: self.requested_parameters().clone(),
             texts: self.pending_texts.clone(),
             frame,
-            keeps,
+            reuse,
         })
     }
 
-    /// Posing another frame, moved into the timeline; `None` where what is known of it is shown
-    /// already.
-    pub fn posing(&self, frame: u32) -> Option<ReloadJob> {
-        let (scene, is_known) = if let Some(waiting) = &self.waiting {
-            let frame = within(waiting.scene(), frame);
-            (waiting.scene(), frame == waiting.frame())
+    /// A job that poses a frame, clamped to the timeline; `None` if its result is shown already.
+    pub fn pose_job(&self, frame: u32) -> Option<ReloadJob> {
+        let (scene, is_known) = if let Some(pending) = &self.pending {
+            let frame = within(pending.scene(), frame);
+            (pending.scene(), frame == pending.frame())
         } else {
-            // A scene that waited and was never taken over has moved the wanted frame on.
+            // A pending scene that was replaced may have changed the requested frame.
             let was_left = self.posed != self.frame && self.problems.pose.is_empty();
             let is_known = within(&self.scene, frame) == self.frame && !was_left;
             (&self.scene, is_known)
@@ -266,10 +263,10 @@ impl Live {
         })
     }
 
-    /// Shows the result of a job; after a mistake the last good scene stays, and
-    /// [`Live::problems`] says why. Afterwards [`Live::watch_list`] may be another.
-    pub fn take(&mut self, done: Done) -> Reload {
-        let Done {
+    /// Shows the result of a job; after an error the last good scene stays and [`Live::problems`]
+    /// lists the errors. [`Live::watch_list`] may change.
+    pub fn finish_job(&mut self, done: FinishedJob) -> Reload {
+        let FinishedJob {
             outcome,
             since,
             took,
@@ -278,14 +275,14 @@ impl Live {
             Outcome::Read {
                 read,
                 parameters,
-                keeps,
+                reuse,
             } => {
                 live.read_since = since;
                 let (is_trial, before) = (parameters != live.parameters, live.problems.clone());
-                live.take_scene(read, keeps, reload);
-                live.judge(&parameters, is_trial, before, reload);
+                live.adopt_scene(read, reuse, reload);
+                live.finish_trial(&parameters, is_trial, before, reload);
             }
-            Outcome::Posed { scene, frame, pose } => live.take_pose(&scene, frame, pose, reload),
+            Outcome::Posed { scene, frame, pose } => live.adopt_pose(&scene, frame, pose, reload),
         });
         reload.took += took;
         reload.parse += took;

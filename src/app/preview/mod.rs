@@ -16,7 +16,7 @@ use eframe::{
 use super::{
     args::PreviewArgs,
     error::{AppError, print_diagnostics},
-    live::{Live, Origin, ViewOverrides},
+    live::{Live, SceneSource, ViewOverrides},
 };
 use crate::{
     gpu::{Gpu, GpuOptions},
@@ -70,9 +70,9 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
     let gpu = Arc::new(Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?);
-    let origin = Origin {
+    let source = SceneSource {
         path: args.scene.clone(),
-        from: args.from.clone(),
+        args: args.from.clone(),
         shaders: args.shaders.clone(),
     };
     let overrides = ViewOverrides {
@@ -80,7 +80,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         method: args.method.map(Method::from),
         samples: Some(1),
     };
-    let (live, is_waiting) = open(&gpu, origin, overrides, args.camera.is_none())?;
+    let (live, is_waiting) = open(&gpu, source, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
     let summary = SceneSummary::of(&live);
     let method = args.method.map_or(summary.method, Method::from);
@@ -137,11 +137,11 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
 /// As [`Live::open`], without `waits`.
 pub fn open(
     gpu: &Arc<Gpu>,
-    origin: Origin,
+    source: SceneSource,
     overrides: ViewOverrides,
     waits: bool,
 ) -> Result<(Live, bool), AppError> {
-    let waits = waits && origin.path.as_deref().is_some_and(Path::is_file);
+    let waits = waits && source.path.as_deref().is_some_and(Path::is_file);
     let halt = Halt::default();
     if waits {
         let halt = halt.clone();
@@ -150,12 +150,12 @@ pub fn open(
             halt.halt();
         });
     }
-    match halt.over(|| Live::open(gpu.clone(), origin.clone(), overrides)) {
+    match halt.over(|| Live::open(gpu.clone(), source.clone(), overrides)) {
         Err(AppError::Scene(errors)) if waits => {
             let mistakes = if halt.is_halted() { Vec::new() } else { errors };
             print_diagnostics(&mistakes);
             Ok((
-                Live::open_waiting(gpu.clone(), origin, overrides, mistakes)?,
+                Live::open_empty(gpu.clone(), source, overrides, mistakes)?,
                 true,
             ))
         }

@@ -11,7 +11,7 @@ use crate::{
     app::{
         args::SceneArgs,
         error::AppError,
-        live::Origin,
+        live::SceneSource,
         scene::{SceneText, asset_folders},
     },
     gpu::ShaderLibrary,
@@ -152,10 +152,10 @@ impl SceneCopy {
     }
 
     /// What to open.
-    pub fn origin(&self) -> Origin {
-        Origin {
+    pub fn origin(&self) -> SceneSource {
+        SceneSource {
             path: Some(self.folder.0.join(SCENE)),
-            from: self.from.clone(),
+            args: self.from.clone(),
             shaders: Some(self.folder.0.join(SHADERS)),
         }
     }

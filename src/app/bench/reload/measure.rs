@@ -106,7 +106,7 @@ pub fn saves(
         }
         let started = Instant::now();
         let camera = live.world().cameras[0].value.clone();
-        let own_shaders = live.origin().shaders.is_some();
+        let own_shaders = live.source().shaders.is_some();
         (live.render(&camera)).map_err(|error| AppError::from_render(error, own_shaders))?;
         let frame = started.elapsed();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;

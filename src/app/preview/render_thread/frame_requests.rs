@@ -19,7 +19,7 @@ impl Worker {
     /// Handles requests whose frames are posed.
     pub(super) fn handle_frame_requests(&mut self) {
         while let Some(first) = self.frame_requests.front() {
-            if self.live.posing(first.view.frame).is_some() {
+            if self.live.pose_job(first.view.frame).is_some() {
                 return;
             }
             let Some(FrameRequest { view, action }) = self.frame_requests.pop_front() else {

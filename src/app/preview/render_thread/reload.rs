@@ -18,7 +18,7 @@ impl Worker {
     /// Reloads shaders; queues a read of the scene for all other changes.
     pub(super) fn reload(&mut self, changes: &Changes, since: Instant) {
         let before = self.live.reload_shaders(changes);
-        match Live::after(changes) {
+        match Live::reuse_after(changes) {
             Some(reuse) => self.reload_jobs.queue(PendingRead {
                 reuse,
                 saved_at: Some(since),
@@ -33,7 +33,7 @@ impl Worker {
 
     /// Queues a read of the scene with other parameters.
     pub(super) fn set_parameters(&mut self, overrides: ParameterOverrides) {
-        self.live.tune(overrides);
+        self.live.set_parameters(overrides);
         self.reload_jobs.queue(PendingRead {
             reuse: Reuse {
                 files: true,
@@ -52,7 +52,7 @@ impl Worker {
         let is_behind = self.reload_jobs.posing.is_none()
             && self
                 .wanted_frame()
-                .is_some_and(|(frame, _)| self.live.posing(frame).is_some());
+                .is_some_and(|(frame, _)| self.live.pose_job(frame).is_some());
         if is_behind {
             Some(Instant::now())
         } else {
@@ -111,7 +111,7 @@ impl Worker {
                 }
                 old => {
                     let wanted = old.map_or(wanted, |(_, of)| of.then(wanted));
-                    let reload_job = self.live.reading(wanted.reuse, frame);
+                    let reload_job = self.live.read_job(wanted.reuse, frame);
                     self.reload_jobs.reading =
                         Some((RunningJob::start(reload_job, mailbox), wanted));
                 }
@@ -121,8 +121,8 @@ impl Worker {
         let (done, wanted) = (running.answer()?, *wanted);
         self.reload_jobs.reading = None;
         self.reload_jobs.posing = None; // of the scene before
-        let reload = wanted.before.and(self.live.take(done));
-        if self.live.reads_again() {
+        let reload = wanted.before.and(self.live.finish_job(done));
+        if self.live.must_read_again() {
             self.reload_jobs.queue(wanted);
             return Some(false);
         }
@@ -153,7 +153,7 @@ impl Worker {
         let Some((frame, plays)) = self.wanted_frame() else {
             return false;
         };
-        let reload_job = self.live.posing(frame);
+        let reload_job = self.live.pose_job(frame);
         let wanted = reload_job.as_ref().map(ReloadJob::frame);
         let old = self.reload_jobs.posing.take();
         // Playback shows each finished frame, however late.
@@ -175,7 +175,7 @@ impl Worker {
         };
         self.reload_jobs.posing = None;
         let before = self.live.problems.clone();
-        let is_shown = self.live.take(done).ok;
+        let is_shown = self.live.finish_job(done).ok;
         if self.live.problems != before {
             // The job may have adopted a saved scene.
             self.watch(watcher);

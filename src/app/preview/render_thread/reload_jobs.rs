@@ -12,7 +12,7 @@ use std::{
 
 use crate::{
     app::{
-        live::{Done, Reload, ReloadJob, Reuse},
+        live::{FinishedJob, Reload, ReloadJob, Reuse},
         preview::mailbox::Mailbox,
     },
     scene::script::Halt,
@@ -37,7 +37,7 @@ pub(super) struct PendingRead {
 /// A reload job on its thread; dropping it halts its scripts.
 pub(super) struct RunningJob {
     halt: Halt,
-    answer: Receiver<Done>,
+    answer: Receiver<FinishedJob>,
     pub(super) started: Instant,
     pub(super) frame: u32,
     poses: Arc<AtomicBool>,
@@ -79,7 +79,7 @@ impl RunningJob {
     }
 
     /// Its result, if it ends within `SCRIPT_WAIT` of its start.
-    pub(super) fn answer(&self) -> Option<Done> {
+    pub(super) fn answer(&self) -> Option<FinishedJob> {
         let patience = SCRIPT_WAIT.saturating_sub(self.started.elapsed());
         // A job catches its own panics, so that a result always comes.
         self.answer.recv_timeout(patience).ok()
