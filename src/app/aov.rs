@@ -1,5 +1,5 @@
-//! How intermediate pictures look as PNG: distances as grays from near to far, weights as they are,
-//! directions and codes as colors.
+//! AOVs as PNG: distances as grays from near to far, weights unchanged, directions and codes as
+//! colors.
 
 use crate::{
     math::srgb_from_linear,
@@ -24,10 +24,10 @@ pub fn view(plane: &Plane) -> Vec<u8> {
             }
         })),
         PlaneData::F32(values) => match plane.channels {
-            // Weights from 0 to 1, which masks are made of. Rounded up, so that exactly those over
-            // 1/255, which count as reflective, are over 1 here.
+            // Weights from 0 to 1, used as masks. Rounded up, so that exactly those over 1/255,
+            // which count as reflective, are over 1 here.
             ["Y"] => opaque(values.iter().map(|weight| [byte_up(*weight); 3])),
-            // Meters have no largest value.
+            // Distances have no fixed maximum.
             [_] => opaque(grays(values).into_iter().map(|gray| [gray; 3])),
             ["X", "Y", "Z"] => opaque(
                 values
@@ -52,8 +52,8 @@ fn opaque(colors: impl Iterator<Item = [u8; 3]>) -> Vec<u8> {
     colors.flat_map(|[r, g, b]| [r, g, b, 255]).collect()
 }
 
-/// A steady color for ids without names, never near black; black where there is none. Neighbors
-/// differ: the multiplier is 2^32 divided by the golden ratio.
+/// Stable color of an id, never near black; black for none. Fibonacci hashing (2^32 divided by the
+/// golden ratio) separates neighbors.
 fn hashed(ids: &[u32]) -> [u8; 3] {
     if ids[0] == u32::MAX {
         return [0; 3];

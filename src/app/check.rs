@@ -14,9 +14,9 @@ use crate::{
     world::World,
 };
 
-/// Frames are posed for so long; what a script or a track does wrong mostly shows in few of them.
+/// Time budget for posing frames; most errors of scripts and tracks show in a few frames.
 const POSING: Duration = Duration::from_secs(2);
-/// Lines that a script printed in its frames are shown up to so many.
+/// Maximum number of displayed lines printed by a script in its frames.
 const MOST_LINES: usize = 100;
 
 /// Reports every problem of a scene.
@@ -49,7 +49,7 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
     print_out(&format!("{}: ok{frames}{warnings}\n", loaded.name))
 }
 
-/// What the script printed: as much as is shown, of the first frames.
+/// Output of the script in the first frames, truncated.
 #[derive(Default)]
 struct Log {
     lines: Vec<(u32, String)>,
@@ -75,8 +75,8 @@ impl Log {
     }
 }
 
-/// Poses frames while there is time, at least the first and the last unless a script meets a limit;
-/// how many. What the script prints is added to `log`.
+/// Poses frames within the time budget, at least the first and the last unless a script exceeds a
+/// limit; returns their number. Script output is added to `log`.
 fn pose_all(
     animator: &Animator,
     world: &mut World,
@@ -89,7 +89,7 @@ fn pose_all(
     let mut posed = 0;
     for frame in spread(first, last) {
         let is_end = frame == first || frame == last;
-        // A frame that met a limit may have taken all its time, and so would the last.
+        // A frame that exceeded a limit may have used all its time; the last one would too.
         let met_limit = wrong.iter().any(|(_, e)| e.name == "script-limit");
         if met_limit || (!is_end && started.elapsed() > POSING) {
             break;
@@ -118,7 +118,7 @@ fn pose_all(
     }
 }
 
-/// Both ends, then ever finer steps between them: each frame once.
+/// Both ends, then successively finer steps between them; each frame once.
 fn spread(first: u32, last: u32) -> impl Iterator<Item = u32> {
     let length = last - first;
     let most = u32::BITS - length.leading_zeros();

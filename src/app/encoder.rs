@@ -1,5 +1,5 @@
-//! Rendered frames become files, on threads of their own: each waits for its picture, encodes it
-//! and writes it, while the next ones render.
+//! Encoder threads: each waits for a rendered picture, encodes it and writes its file while later
+//! frames render.
 
 use std::{
     collections::HashSet,
@@ -19,63 +19,63 @@ use super::{
 };
 use crate::{gpu::Gpu, render::PendingPicture};
 
-/// Pictures that may wait for an encoder: enough that neither side waits for the other's hiccups.
-const WAITING: usize = 2;
+/// Queue length between renderer and encoders; absorbs short stalls of either.
+const QUEUE_LENGTH: usize = 2;
 
-/// Most encoders; more would only wait for the disk.
-const MOST: usize = 8;
+/// Maximum number of encoder threads; more would only wait for the disk.
+const MAX_THREADS: usize = 8;
 
-/// Where the frames go.
+/// Destination of the frames.
 pub enum Target {
-    /// A file for each.
+    /// One file per frame.
     Files {
-        /// What kind of file.
+        /// Kind of file.
         output: PictureFile,
         /// Name of each frame's file.
         names: Vec<PathBuf>,
     },
-    /// All in one.
+    /// One video file.
     Film(Box<Mutex<Film>>),
 }
 
-/// A frame on its way to its file.
+/// A submitted frame, not yet written.
 pub struct Rendered {
-    /// In the list of frames.
+    /// Index in the list of frames.
     pub index: usize,
-    /// Its number.
+    /// Frame number.
     pub frame: u32,
-    /// What the GPU is busy with.
+    /// Picture being rendered.
     pub picture: PendingPicture,
     /// Its fingerprint.
     pub mark: String,
-    /// When it was begun.
+    /// Start of its rendering.
     pub started: Instant,
 }
 
-/// Frames without a picture, and why.
+/// Failed frames, each with its error.
 pub type Failures = Vec<(u32, String)>;
 
-/// What all encoders of a command share.
+/// State shared by the encoder threads of a command.
 pub struct Encoders<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
     progress: Mutex<Progress>,
     failures: Mutex<Failures>,
-    /// Why the disk takes no more.
+    /// Error of a full disk.
     full: Mutex<Option<String>>,
-    /// Frames that were written.
+    /// Frames written by this run.
     written: Mutex<HashSet<u32>>,
 }
 
-/// How it went.
+/// Result of the run.
 pub struct Outcome {
-    /// Frames that have their file.
+    /// Number of frames with a file.
     pub done: usize,
-    /// Frames that were written now.
+    /// Frames written by this run.
     pub written: HashSet<u32>,
     /// Frames that could not be encoded or written.
     pub failures: Failures,
-    /// Why the disk takes no more; nothing was written after that.
+    /// Error of a full disk; nothing was written after it.
     pub full: Option<String>,
 }
 
@@ -92,42 +92,41 @@ impl<'a> Encoders<'a> {
         }
     }
 
-    /// Starts them, and gives the place where they get their frames from. They end when it is
-    /// dropped; it refuses frames when they have ended.
+    /// Starts the threads and returns the sender of their queue. They end when it is dropped;
+    /// sending fails once they have ended.
     pub fn spawn<'scope>(&'scope self, scope: &'scope Scope<'scope, '_>) -> SyncSender<Rendered> {
         let count = match self.target {
             // Frames of one film must come in order.
             Target::Film(_) => 1,
-            // Half of the cores: scripts and the driver need the others.
-            Target::Files { .. } => {
-                thread::available_parallelism().map_or(1, |cores| (cores.get() / 2).clamp(1, MOST))
-            }
+            // Half of the cores; scripts and the driver use the others.
+            Target::Files { .. } => thread::available_parallelism()
+                .map_or(1, |cores| (cores.get() / 2).clamp(1, MAX_THREADS)),
         };
-        let (sender, queue) = sync_channel(WAITING);
+        let (sender, queue) = sync_channel(QUEUE_LENGTH);
         let queue = Arc::new(Mutex::new(queue));
         for _ in 0..count {
             let queue = queue.clone();
-            scope.spawn(move || while self.one(&queue) {});
+            scope.spawn(move || while self.encode_next(&queue) {});
         }
         sender
     }
 
-    /// Tells that a frame has no picture.
+    /// Reports a failed frame.
     pub fn failed(&self, frame: u32, why: &str) {
         lock(&self.progress).failed(frame, why);
     }
 
-    /// Prints something beside the progress.
-    pub fn aside(&self, print: impl FnOnce()) {
-        lock(&self.progress).aside(print);
+    /// Prints lines above the progress bar.
+    pub fn print_above(&self, print: impl FnOnce()) {
+        lock(&self.progress).print_above(print);
     }
 
-    /// Whether the disk takes no more frames.
+    /// Whether the disk is full.
     pub fn is_full(&self) -> bool {
         lock(&self.full).is_some()
     }
 
-    /// How it went.
+    /// Result of the run.
     pub fn finish(self) -> Outcome {
         fn inner<T>(mutex: Mutex<T>) -> T {
             mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
@@ -142,8 +141,8 @@ impl<'a> Encoders<'a> {
         }
     }
 
-    /// Waits for a frame and writes it; whether another may follow.
-    fn one(&self, queue: &Mutex<Receiver<Rendered>>) -> bool {
+    /// Waits for a frame and writes it; returns whether to continue.
+    fn encode_next(&self, queue: &Mutex<Receiver<Rendered>>) -> bool {
         let Ok(rendered) = lock(queue).recv() else {
             return false;
         };
@@ -167,7 +166,7 @@ impl<'a> Encoders<'a> {
                 let why = error.to_string();
                 self.failed(frame, &why);
                 lock(&self.failures).push((frame, why));
-                // A film with a hole is none.
+                // A film must have all its frames.
                 !matches!(self.target, Target::Film(_))
             }
         }
@@ -180,7 +179,7 @@ impl<'a> Encoders<'a> {
             Target::Film(film) => {
                 let mut film = lock(film);
                 film.add(&picture.display)?;
-                Ok(("added to", film.goal().to_owned()))
+                Ok(("added to", film.path().to_owned()))
             }
             Target::Files { output, names } => {
                 let name = names[rendered.index].clone();

@@ -1,4 +1,4 @@
-//! How a command fails: what people read, and the exit code that scripts read.
+//! Errors of commands: messages and exit codes.
 
 use std::{
     fmt,
@@ -13,42 +13,41 @@ use crate::{
     scene::diagnostic::{Diagnostic, render_all},
 };
 
-/// Why a command failed.
+/// Error of a command.
 #[derive(Clone, Debug)]
 pub enum AppError {
-    /// The command line asks for something that cannot be: exit code 2.
+    /// Invalid arguments: exit code 2.
     Usage(String),
-    /// The scene or a file that it refers to is wrong: exit code 3.
+    /// Errors in the scene or its files: exit code 3.
     Scene(Vec<Diagnostic>),
     /// A picture to compare or a table of samples cannot be read or written: exit code 2.
     Picture(Vec<Diagnostic>),
-    /// A comparison crossed a threshold, which it said on standard output: exit code 6.
+    /// A comparison crossed a threshold, as reported on standard output: exit code 6.
     Threshold,
-    /// Ctrl-C or SIGTERM stopped it; what was done until then is kept, and the text says where: exit
-    /// code 130 or 143.
+    /// Interrupted by Ctrl-C or SIGTERM; finished files stay, as the text says: exit code 130 or
+    /// 143.
     Interrupted(String),
     /// No usable GPU (4), a shader of the user's own (2) or a bug (1).
     Gpu(GpuError),
-    /// Some frames of a film have no picture: exit code 5.
+    /// Failed frames of a sequence: exit code 5.
     Frames(Vec<(u32, String)>),
-    /// A frame of a film in one file has no picture, so there is no film: exit code 5.
+    /// A failed frame of a video file, which is therefore not written: exit code 5.
     NoFilm {
-        /// The film.
-        goal: PathBuf,
-        /// Frames that have no picture, and why.
+        /// Path of the film.
+        path: PathBuf,
+        /// Failed frames, each with its error.
         failures: Vec<(u32, String)>,
-        /// Frames that were not rendered after that.
+        /// Frames that were not tried.
         untried: Vec<u32>,
     },
-    /// The disk takes no more, and a film was ended by that: what was to be written, why not, and
-    /// the frames without a file. Exit code 5.
+    /// A full disk ended a sequence: exit code 5.
     Unwritten {
-        /// File and reason.
+        /// File and error.
         why: String,
         /// Frames without a file.
         missing: Vec<u32>,
     },
-    /// A full disk or one that cannot be written to, or an encoder of films that ends: exit code 1.
+    /// A full or read-only disk, or a failed video encoder: exit code 1.
     Disk(String),
     /// Anything else: exit code 1.
     Internal(String),
@@ -65,7 +64,7 @@ impl AppError {
             Self::Threshold => 6,
             Self::Interrupted(_) => super::shutdown::exit_code(),
             Self::Gpu(GpuError::NoAdapter(_) | GpuError::OutOfMemory(_) | GpuError::Lost(_)) => 4,
-            // The scene, or the picture that it asks for, is too large.
+            // The scene or its picture is too large.
             Self::Gpu(GpuError::Limit { .. }) => 3,
             Self::Gpu(_) | Self::Disk(_) | Self::Internal(_) => 1,
         }
@@ -93,7 +92,7 @@ impl AppError {
             }
             Self::Frames(failed) => print_failures(failed),
             Self::NoFilm {
-                goal,
+                path,
                 failures,
                 untried,
             } => {
@@ -103,13 +102,13 @@ impl AppError {
                     1 => format!("; 1 frame was not tried: {}", spans(untried)),
                     n => format!("; {n} frames were not tried: {}", spans(untried)),
                 };
-                eprintln!("there is no film {}{rest}", goal.display());
+                eprintln!("there is no film {}{rest}", path.display());
             }
             Self::Threshold => {}
         }
     }
 
-    /// A file that cannot be written: whether others may still be depends on why.
+    /// A file that cannot be written; a full disk is fatal for all others too.
     pub fn unwritten(path: &Path, error: &io::Error) -> Self {
         use io::ErrorKind::{QuotaExceeded, ReadOnlyFilesystem, StorageFull};
         let text = format!("cannot write {}: {error}", path.display());
@@ -119,7 +118,7 @@ impl AppError {
         }
     }
 
-    /// What keeps a picture from being rendered; `own_shaders` are those of the user.
+    /// Render error; `own_shaders` if the shaders come from the user.
     pub fn from_render(error: RenderError, own_shaders: bool) -> Self {
         match error {
             RenderError::Gpu(GpuError::Shader(error)) if own_shaders => {
@@ -130,7 +129,7 @@ impl AppError {
         }
     }
 
-    /// A shader of a folder that the user named is the user's to mend; a built-in one is a bug.
+    /// Shader error: a usage error for a user's folder, a bug for built-in shaders.
     pub fn from_user_shader(error: &ShaderError) -> Self {
         Self::Usage(format!("--shaders: {error}"))
     }
@@ -144,7 +143,7 @@ fn print_failures(failed: &[(u32, String)]) {
     }
 }
 
-/// In one line.
+/// The message in one line.
 impl fmt::Display for AppError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -158,7 +157,7 @@ impl fmt::Display for AppError {
                 f.write_str(all.first().map_or("", |first| first.message.as_str()))
             }
             Self::Frames(failed) => write!(f, "{} frames failed", failed.len()),
-            Self::NoFilm { goal, .. } => write!(f, "there is no film {}", goal.display()),
+            Self::NoFilm { path, .. } => write!(f, "there is no film {}", path.display()),
             Self::Threshold => f.write_str("a threshold was crossed"),
         }
     }

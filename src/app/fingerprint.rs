@@ -1,4 +1,5 @@
-//! What a frame was made from, as a number: `--resume` keeps a file only if it is still the same.
+//! Fingerprints: hashes of all inputs of a frame; `--resume` keeps a file only if its fingerprint
+//! matches.
 
 #[cfg(unix)]
 use std::time::Duration;
@@ -8,14 +9,14 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use super::{args::RenderArgs, error::AppError, render_session::RenderSession};
 
-/// Of the texts of this program and its shaders, made by `build.rs`.
+/// Hash of the program's source and shaders, from `build.rs`.
 const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 
-/// The same for all frames of a command: program, scene, script, assets, settings and device. The
-/// files' contents count and not their paths, so that shards on several machines agree.
+/// Hash of all inputs that frames share: program, scene, script, assets, settings and device. File
+/// contents are hashed, not paths, so that shards on several machines agree.
 ///
 /// # Errors
-/// A file that can no longer be read, or that was saved since the scene was opened.
+/// A file that cannot be read any more, or that was modified since the scene was opened.
 pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppError> {
     let loaded = &session.loaded;
     let mut hash = Xxh3Default::new();
@@ -27,7 +28,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         let bytes = fs::read(path).map_err(|error| {
             AppError::Internal(format!("cannot read {}: {error}", path.display()))
         })?;
-        // After it was read, so that no save falls between.
+        // Checked after reading, to detect a save in between.
         check_unchanged(path, session.opened)?;
         Ok::<_, AppError>(bytes)
     };
@@ -59,7 +60,7 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
     Ok(hash.digest128())
 }
 
-/// Refuses a file that was saved since: what is loaded may be what it was before.
+/// Refuses a file modified since then: the loaded content may be outdated.
 fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
     let changed = fs::metadata(path).and_then(|file| changed_at(&file));
     match changed {
@@ -71,8 +72,7 @@ fn check_unchanged(path: &Path, since: SystemTime) -> Result<(), AppError> {
     }
 }
 
-/// When its content or its name was last changed: also when another file got this name, however old
-/// its content is.
+/// Time of the last change of content or name, so that a renamed older file counts.
 #[cfg(unix)]
 fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
     use std::os::unix::fs::MetadataExt as _;
@@ -85,7 +85,7 @@ fn changed_at(file: &fs::Metadata) -> io::Result<SystemTime> {
     file.modified()
 }
 
-/// Of one frame, in hexadecimal digits.
+/// Fingerprint of one frame, hexadecimal.
 pub fn of_frame(run: u128, frame: u32) -> String {
     let mut hash = Xxh3Default::new();
     hash.update(&run.to_le_bytes());
@@ -123,7 +123,7 @@ mod tests {
             Err(AppError::Internal(text)) => assert!(text.contains("was saved while"), "{text}"),
             other => panic!("{other:?}"),
         }
-        // Moved there, with a time of long ago.
+        // Renamed over it, with an old modification time.
         let old = fs::File::options().write(true).open(&path).expect("there");
         old.set_modified(now - 2 * hour).expect("settable");
         assert_eq!(check_unchanged(&path, now - hour).is_err(), cfg!(unix));

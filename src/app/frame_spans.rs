@@ -1,6 +1,6 @@
-//! Numbers of frames as text.
+//! Frame numbers as text.
 
-/// Frames in rising order as `--frames` takes them, such as `1,3,5-9`.
+/// Ascending frame numbers in the syntax of `--frames`, such as `1,3,5-9`.
 pub fn spans(frames: &[u32]) -> String {
     let follows = |a: &u32, b: &u32| a + 1 == *b;
     let part = |run: &[u32]| match run {

@@ -1,4 +1,4 @@
-//! Which frames: `--frames`, `--timeline` and `--shard`, and the name of each frame's file.
+//! Frame lists: `--frames`, `--timeline` and `--shard`, and the file name of each frame.
 
 use std::{
     borrow::Cow,
@@ -14,27 +14,27 @@ use crate::scene::desc::TimelineDesc;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList(pub Vec<u32>);
 
-/// Most `#`s in a name: more digits than any number has.
+/// Maximum number of `#`s in a name; more than a frame number has digits.
 const MOST_DIGITS: usize = 20;
 
-/// Most characters of an argument that a message repeats.
+/// Maximum length of a quoted argument, characters.
 const REPEATED: usize = 60;
 
 /// `--shard i/n`: every n-th frame, from the i-th.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// Number of the part, from 1.
     pub index: u32,
-    /// How many parts there are.
+    /// Number of parts.
     pub count: u32,
 }
 
 impl FrameList {
-    /// Reads what `option` says: `all`, or numbers and ranges with commas between, such as `0-949`,
-    /// `1-20:2` or `1,3,5-9`; every frame must be one of the timeline's.
+    /// Parses the value of `option`: `all`, or comma-separated numbers and ranges such as `0-949`,
+    /// `1-20:2` or `1,3,5-9`, within the timeline.
     ///
     /// # Errors
-    /// [`AppError::Usage`] saying which part is wrong.
+    /// [`AppError::Usage`] with the invalid part.
     pub fn parse(option: &str, text: &str, timeline: &TimelineDesc) -> Result<Self, AppError> {
         let usage = |why: String| AppError::Usage(format!("{option} {}: {why}", clipped(text)));
         let mut frames = Vec::new();
@@ -53,7 +53,7 @@ impl FrameList {
                     )));
                 }
             }
-            // The first repeated frame ends it: a list never grows beyond the timeline.
+            // The first repeated frame is an error, so a list never exceeds the timeline.
             for frame in (first..=last).step_by(step as usize) {
                 if !known.insert(frame) {
                     return Err(usage(format!("frame {frame} is there twice")));
@@ -74,7 +74,7 @@ impl FrameList {
     }
 }
 
-/// What a message repeats of an argument: the start of a long one.
+/// An argument shortened for a message.
 pub fn clipped(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(REPEATED) {
         Some((end, _)) => format!("{}…", &text[..end]).into(),
@@ -114,7 +114,7 @@ fn range(part: &str) -> Result<[u32; 3], String> {
         None => 1,
     };
     let ends = frames.split_once("..").or_else(|| {
-        // A leading minus is a number that is not allowed, not a range.
+        // A leading minus is a negative number, not a range.
         let dash = frames.get(1..).and_then(|rest| rest.find('-'))? + 1;
         Some((&frames[..dash], &frames[dash + 1..]))
     });
@@ -131,10 +131,10 @@ fn range(part: &str) -> Result<[u32; 3], String> {
     Ok([first, last, step])
 }
 
-/// Reads `--shard`.
+/// Parses `--shard`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Description of the error.
 pub fn parse_shard(text: &str) -> Result<Shard, String> {
     let parts = text.split_once('/');
     let pair = parts.and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
@@ -145,7 +145,7 @@ pub fn parse_shard(text: &str) -> Result<Shard, String> {
     }
 }
 
-/// A file name with a place for the frame's number, `film.####.png`.
+/// A file name with a frame number placeholder, `film.####.png`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
     folder: PathBuf,
@@ -158,8 +158,7 @@ impl Template {
     /// Splits a name at its `#`s; `None` without any.
     ///
     /// # Errors
-    /// [`AppError::Usage`] where they stand in two places or are more than 20, or the name is not
-    /// UTF-8.
+    /// [`AppError::Usage`] for two placeholders, more than 20 `#`s, or a name that is not UTF-8.
     pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
         let shown = path.display().to_string();
         let shown = clipped(&shown);
@@ -194,7 +193,7 @@ impl Template {
         }))
     }
 
-    /// The file of a frame; numbers with more digits than `#`s keep them all.
+    /// File of a frame; longer numbers are not truncated.
     pub fn path(&self, frame: u32) -> PathBuf {
         let digits = self.digits;
         let name = format!("{}{frame:0digits$}{}", self.before, self.after);
@@ -269,7 +268,7 @@ mod tests {
         }
     }
 
-    /// Were it all expanded first, the list would take 48 GB.
+    /// The expanded list would take 48 GB.
     #[test]
     fn the_first_repeated_frame_ends_a_list() {
         let timeline = TimelineDesc {

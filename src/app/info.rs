@@ -1,4 +1,4 @@
-//! `info`: what a scene holds, in counts, meters and bytes.
+//! `info`: contents of a scene as counts, meters and bytes.
 
 use std::fmt::Write as _;
 
@@ -22,7 +22,7 @@ use crate::{
     world::{Mesh, World, animation::Listed, bvh::Trees},
 };
 
-/// What `info --json` prints.
+/// Output of `info --json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
     /// The scene file, or the built-in atrium.
@@ -31,9 +31,9 @@ pub struct Info {
     pub cameras: Vec<String>,
     /// Unique meshes.
     pub meshes: usize,
-    /// Triangles of the unique meshes: what is stored.
+    /// Triangles of the unique meshes, as stored.
     pub triangles_stored: usize,
-    /// Triangles over all instances: what is seen.
+    /// Triangles of all instances, as rendered.
     pub triangles_placed: usize,
     /// Placements of meshes.
     pub instances: usize,
@@ -53,7 +53,7 @@ pub struct Info {
     pub animations: Vec<Listed>,
     /// First frame, last frame and frames a second; `None` without a timeline.
     pub timeline: Option<Timeline>,
-    /// What moves, and by what.
+    /// Animated values and their sources.
     pub moves: Vec<String>,
     /// Parameters of the script, as scene text.
     pub params: Vec<String>,
@@ -71,11 +71,11 @@ pub struct Info {
     pub texture_bytes: u64,
     /// Trees that rays are traced through, bytes.
     pub tree_bytes: u64,
-    /// Most reflections in a row that this scene can show.
+    /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
-    /// What rendering leaves out, and why that changes nothing.
+    /// Features that the plan drops, and why that changes nothing.
     pub left_out: Vec<Dropped>,
-    /// Warnings that loading printed.
+    /// Warnings of loading.
     pub warnings: usize,
     /// Every file that was read.
     pub files: Vec<String>,
@@ -92,7 +92,7 @@ pub struct Timeline {
     pub fps: f32,
 }
 
-/// Prints what a scene holds.
+/// Prints the contents of a scene.
 ///
 /// # Errors
 /// [`AppError::Scene`] when it cannot be loaded.
@@ -178,7 +178,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     })
 }
 
-/// What `[motion]` moves, and the script.
+/// Names of what `[motion]` and the script animate.
 fn moves(desc: &SceneDesc) -> Vec<String> {
     fn of<T>(kind: &str, list: &[Entry<T>]) -> Vec<String> {
         let named = list.iter();
@@ -197,7 +197,7 @@ fn moves(desc: &SceneDesc) -> Vec<String> {
     tracks.concat().into_iter().chain(script).collect()
 }
 
-/// What vertices and indices will take.
+/// GPU memory of vertices and indices.
 fn geometry_bytes(world: &World) -> u64 {
     let mesh = |mesh: &Mesh| {
         mesh.positions.len() * size_of::<GpuVertex>()
@@ -207,7 +207,7 @@ fn geometry_bytes(world: &World) -> u64 {
     world.meshes.iter().map(mesh).sum::<usize>() as u64
 }
 
-/// What the texture pools will take: each image at the size of its pool, with all its mips.
+/// GPU memory of the texture pools: each image at its pool's size, with all mips.
 fn texture_bytes(world: &World) -> u64 {
     let places = textures::assign_slots(&world.textures);
     let layer = |place: &textures::PoolSlot| {

@@ -1,4 +1,4 @@
-//! The commands: from the command line to files, text and an exit code.
+//! The commands: they turn a command line into files, text and an exit code.
 
 use std::{
     ffi::OsString,
@@ -44,7 +44,7 @@ pub use error::AppError;
 /// Runs one command line; help and usage errors of the parser print and exit by themselves.
 ///
 /// # Errors
-/// Whatever the command says.
+/// Error of the command.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError> {
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     match cli.command {
@@ -75,7 +75,7 @@ fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
     }
 }
 
-/// Writes to standard output. A reader that has seen enough (`reflet manual | head`) is no error.
+/// Writes to standard output. A closed pipe (`reflet manual | head`) is no error.
 ///
 /// # Errors
 /// [`AppError::Internal`] for anything else that stops the writing.

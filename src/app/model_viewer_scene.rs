@@ -1,4 +1,4 @@
-//! A scene around a bare model, for looking at it: as it is, in daylight, and playing.
+//! Model viewer scene: generated scene text for a bare model, with daylight and its animations.
 
 use std::{
     collections::HashSet,
@@ -21,9 +21,9 @@ use crate::{
     },
 };
 
-/// Frames a second where neither the file nor the command says it.
+/// Default frame rate.
 const FPS: f64 = 24.0;
-/// Last frame that a timeline may have.
+/// Maximum frame number of a timeline.
 const LAST_FRAME: f64 = 1e6;
 
 const SUN: &str = "[light.sun]\nkind = \"directional\"\ndirection = [-0.5, -1, -0.7]\n\
@@ -40,15 +40,15 @@ pub fn is_model(path: &Path) -> bool {
             .any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// How overrides of what is shown of a stage begin.
-const OF_USD: &str = "model.model.usd";
+/// Prefix of overrides that choose parts of a USD stage.
+const USD_PREFIX: &str = "model.model.usd";
 
-/// A scene for looking at one model. All of its animations play once where none moves what another
-/// moves, else the first, on a timeline as long as that; a stage keeps its own frame numbers and the
-/// even light of its domes. A glTF file is read here once: `options` keep it for the load.
+/// Scene text that shows one model. All its animations play once if they move different properties,
+/// else the first one; the timeline has their length. A stage keeps its frame numbers and the mean
+/// radiance of its dome lights. `options` cache a glTF file that is read here for the load.
 ///
 /// # Errors
-/// A stage that cannot be converted. What is wrong with a glTF file is said when it is loaded.
+/// A stage that cannot be converted. Errors of a glTF file are reported by the load.
 pub fn model_viewer_scene(
     path: &Path,
     options: &LoadOptions,
@@ -64,19 +64,19 @@ pub fn model_viewer_scene(
             }
         })?;
     if let Some((name, duration_s)) = chosen(&playable) {
-        let film = film(duration_s, &playable, fps_of(overrides));
-        let (name, start_s) = (toml_text(name), film.frames[0] / film.fps);
+        let range = frame_range(duration_s, &playable, fps_of(overrides));
+        let (name, start_s) = (toml_text(name), range.frames[0] / range.fps);
         // Writing to a string cannot fail.
         let _ = write!(
             text,
             "animation = {{ name = {name}, repeat = \"once\", start_s = {start_s} }}\n\
              [timeline]\nfps = {}\nstart = {}\nend = {}\n",
-            film.fps, film.frames[0], film.frames[1]
+            range.fps, range.frames[0], range.frames[1]
         );
     }
     text.push_str(SUN);
     match playable.stage.dome_radiance {
-        // A stage that says what its sky sends is not given another.
+        // Dome lights of the stage replace the default sky.
         Some(sky) => {
             let _ = write!(
                 text,
@@ -88,11 +88,12 @@ pub fn model_viewer_scene(
     Ok(text)
 }
 
-/// `--set model.model.usd.…`: what of the stage is shown. Mistakes are said when all is read.
+/// `--set model.model.usd.…`: chosen parts of the stage. Errors are reported when the scene is
+/// read.
 fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
     let asked = overrides
         .iter()
-        .filter(|o| o.trim_start().starts_with(OF_USD));
+        .filter(|o| o.trim_start().starts_with(USD_PREFIX));
     let asked: Vec<_> = asked.cloned().collect();
     let texts = Texts::collect(text, path, &asked, &Dependencies::default());
     let scene = Document::new(&texts).read(None);
@@ -103,7 +104,7 @@ fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
     })
 }
 
-/// What the model can play.
+/// Animations of the model, and metadata of its stage.
 fn playable(
     path: &Path,
     name: &str,
@@ -128,7 +129,7 @@ fn playable(
     Ok(options.preloaded_models.read(&glb, &sandbox))
 }
 
-/// What is played, and how long that takes; broken animations cannot be.
+/// The animation to play and its duration; broken ones are skipped.
 fn chosen(playable: &Playable) -> Option<(&str, f64)> {
     let clips = playable.clips.iter();
     let whole: Vec<_> = clips
@@ -148,26 +149,26 @@ fn chosen(playable: &Playable) -> Option<(&str, f64)> {
     Some((name, f64::from(first.duration_s)))
 }
 
-/// The frames that show an animation.
-struct Film {
+/// Frame rate and frames of an animation.
+struct FrameRange {
     fps: f64,
     frames: [f64; 2],
 }
 
-fn film(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> Film {
+fn frame_range(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> FrameRange {
     if let Some(stage) = playable.stage.time
         && asked_fps.is_none_or(|fps| fps == stage.rate)
         && stage.rate > 0.0
         && stage.rate <= 1000.0
     {
-        // Frames are numbered as the stage numbers them, if it counts in whole frames from 0 on.
+        // Time codes of the stage are used as frame numbers if they are whole and not negative.
         let end = stage.origin + duration_s * stage.rate;
         let end = stage.end_time_code.map_or(end, |code| code.max(end));
-        // Times have 32 bits, so that a whole number of frames may be a little more or less.
+        // Tolerance for times rounded to 32 bits.
         let last = (end - 1e-3).ceil();
         let whole = stage.origin.fract() == 0.0 && stage.origin >= 0.0 && last <= LAST_FRAME;
         if whole {
-            return Film {
+            return FrameRange {
                 fps: stage.rate,
                 frames: [stage.origin, last.max(stage.origin)],
             };
@@ -175,13 +176,13 @@ fn film(duration_s: f64, playable: &Playable, asked_fps: Option<f64>) -> Film {
     }
     let fps = asked_fps.unwrap_or(FPS);
     let last = (duration_s * fps - 1e-3).ceil();
-    Film {
+    FrameRange {
         fps,
         frames: [0.0, last.clamp(0.0, LAST_FRAME)],
     }
 }
 
-/// `--set timeline.fps=…`: the film keeps its length.
+/// `--set timeline.fps=…`; the duration stays.
 fn fps_of(overrides: &[String]) -> Option<f64> {
     let of = |text: &String| {
         let (key, value) = text.split_once('=')?;
@@ -197,11 +198,11 @@ mod tests {
     use crate::world::gltf::{Stage, StageTime};
 
     #[test]
-    fn films_are_as_long_as_their_animation() {
+    fn timelines_are_as_long_as_their_animation() {
         let none = Playable::default();
         let frames = |duration: f64, playable: &Playable, fps: Option<f64>| {
-            let film = film(duration, playable, fps);
-            (film.fps, film.frames)
+            let range = frame_range(duration, playable, fps);
+            (range.fps, range.frames)
         };
         assert_eq!(frames(2.0, &none, None), (24.0, [0.0, 48.0]));
         assert_eq!(frames(2.01, &none, None), (24.0, [0.0, 49.0]));

@@ -1,4 +1,4 @@
-//! Files of pictures and films: there whole or not at all.
+//! Picture and film files, written atomically.
 
 pub mod exr;
 pub mod format;

@@ -1,4 +1,4 @@
-//! Script parameters that are set beside the scene's text: the same thing as `--set params.x=…`.
+//! Overrides of script parameters, equal to `--set params.x=…`.
 
 use crate::scene::{
     desc::ParamValue,
@@ -6,26 +6,26 @@ use crate::scene::{
     parse::OVERRIDE,
 };
 
-/// Names and values that a scene declares, in its order.
+/// Declared parameters in the scene's order.
 pub type DeclaredParameters = Vec<(String, ParamValue)>;
 
-/// Values laid over those that a scene declares.
+/// Overrides of declared values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterOverrides(Vec<(String, ParamValue)>);
 
 impl ParameterOverrides {
-    /// Whether everything is as declared.
+    /// Whether there are no overrides.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The value laid over that of this name.
+    /// Override of this parameter.
     pub fn get(&self, name: &str) -> Option<&ParamValue> {
         let found = self.0.iter().find(|(known, _)| known == name);
         found.map(|(_, value)| value)
     }
 
-    /// Lays a value over the declared one, or takes it away where they are the same.
+    /// Sets an override; removes it where it equals the declared value.
     pub fn set(&mut self, name: &str, value: ParamValue, declared: &ParamValue) {
         self.0.retain(|(known, _)| known != name);
         if value != *declared {
@@ -33,7 +33,7 @@ impl ParameterOverrides {
         }
     }
 
-    /// Forgets values whose parameter is gone, is of another kind or now has that value itself.
+    /// Drops overrides of missing parameters, of other kinds, and equal to the declared value.
     pub fn keep_what_fits(&mut self, declared: &DeclaredParameters) {
         let fits = |(name, value): &(String, ParamValue)| {
             let own = declared.iter().find(|(known, _)| known == name);
@@ -42,7 +42,7 @@ impl ParameterOverrides {
         self.0.retain(fits);
     }
 
-    /// As `--set` takes them.
+    /// As arguments of `--set`.
     pub fn settings(&self) -> Vec<String> {
         let text = |(name, value): &(String, ParamValue)| {
             format!("params.{}={}", key(name), value_text(value))
@@ -50,8 +50,8 @@ impl ParameterOverrides {
         self.0.iter().map(text).collect()
     }
 
-    /// The same mistakes; one in a value of these is said to be at its slider, for nobody wrote
-    /// such a setting.
+    /// The same errors; those in overrides are attributed to their sliders, since no text contains
+    /// them.
     pub fn name_sliders(&self, mut mistakes: Vec<Diagnostic>) -> Vec<Diagnostic> {
         let settings = self.settings();
         for mistake in &mut mistakes {
@@ -65,7 +65,7 @@ impl ParameterOverrides {
         mistakes
     }
 
-    /// All parameters with their values now, as scene text.
+    /// All parameters with their current values, as scene text.
     pub fn as_text(&self, declared: &DeclaredParameters) -> String {
         let line = |(name, own): &(String, ParamValue)| {
             let value = self.get(name).unwrap_or(own);
@@ -76,8 +76,7 @@ impl ParameterOverrides {
     }
 }
 
-/// Whether a parameter may have either. Lists of numbers must also be of one length: each place may
-/// have its meaning.
+/// Whether two values have the same kind; lists of numbers must also have the same length.
 pub fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
     match (a, b) {
         (ParamValue::Numbers(a), ParamValue::Numbers(b)) => a.len() == b.len(),
@@ -85,7 +84,7 @@ pub fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
     }
 }
 
-/// A name as TOML writes it: bare where that is possible.
+/// TOML key: bare where possible.
 pub fn key(name: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !name.is_empty() && name.chars().all(is_bare) {
@@ -95,7 +94,7 @@ pub fn key(name: &str) -> String {
     }
 }
 
-/// JSON's escapes are TOML's, but for the delete character.
+/// JSON escapes are valid TOML, except for the delete character.
 fn quoted(text: &str) -> String {
     let json = serde_json::Value::from(text).to_string();
     json.replace('\u{7f}', "\\u007f")
@@ -119,7 +118,7 @@ fn value_text(value: &ParamValue) -> String {
     }
 }
 
-/// With a point or an exponent, so that it stays a float.
+/// With a point or exponent, so that it parses as a float.
 fn number(x: f64) -> String {
     format!("{x:?}")
 }
@@ -140,7 +139,7 @@ mod tests {
     #[test]
     fn settings_and_scene_text_read_back_as_they_were() {
         let own = declared(TEXT, &[]);
-        let mut tuned = ParameterOverrides::default();
+        let mut overrides = ParameterOverrides::default();
         for (name, value) in [
             ("count", ParamValue::Integer(-7)),
             ("speed", ParamValue::Number(1e-9)),
@@ -150,25 +149,25 @@ mod tests {
             ("a b", ParamValue::Integer(2)),
         ] {
             let old = own.iter().find(|(known, _)| known == name);
-            tuned.set(name, value.clone(), &old.expect("is declared").1);
-            let read = declared(TEXT, &tuned.settings());
+            overrides.set(name, value.clone(), &old.expect("is declared").1);
+            let read = declared(TEXT, &overrides.settings());
             assert!(read.contains(&(name.to_owned(), value)), "{read:?}");
         }
-        let text = format!("version = 1\n{}", tuned.as_text(&own));
-        assert_eq!(declared(&text, &[]), declared(TEXT, &tuned.settings()));
+        let text = format!("version = 1\n{}", overrides.as_text(&own));
+        assert_eq!(declared(&text, &[]), declared(TEXT, &overrides.settings()));
     }
 
     #[test]
     fn a_mistake_of_a_slider_is_not_said_to_be_in_a_setting() {
         let own = declared(TEXT, &[]);
-        let mut tuned = ParameterOverrides::default();
-        tuned.set("count", ParamValue::Integer(4), &own[0].1);
+        let mut overrides = ParameterOverrides::default();
+        overrides.set("count", ParamValue::Integer(4), &own[0].1);
         let written = "params.speed='fast'".to_owned();
-        let all = [tuned.settings(), vec![written]].concat();
+        let all = [overrides.settings(), vec![written]].concat();
         let text = TEXT.replace("count = 3", "count = 'three'");
         let mistakes = crate::scene::stages::Scene::from_text(&text, "scene.toml".as_ref(), &all)
             .expect_err("two");
-        let mistakes = tuned.name_sliders(mistakes);
+        let mistakes = overrides.name_sliders(mistakes);
         let shown: Vec<_> = mistakes.iter().map(ToString::to_string).collect();
         assert!(shown[0].contains("--> the slider `count`"), "{shown:?}");
         assert!(shown[1].contains("--> --set:1:14"), "{shown:?}");
@@ -177,12 +176,12 @@ mod tests {
     #[test]
     fn what_no_longer_fits_is_forgotten() {
         let own = declared(TEXT, &[]);
-        let mut tuned = ParameterOverrides::default();
-        tuned.set("count", ParamValue::Integer(4), &own[0].1);
-        tuned.set("speed", ParamValue::Number(2.0), &own[1].1);
-        tuned.keep_what_fits(&own);
-        assert_eq!(tuned.settings(), ["params.count=4", "params.speed=2.0"]);
-        let mut other = tuned.clone();
+        let mut overrides = ParameterOverrides::default();
+        overrides.set("count", ParamValue::Integer(4), &own[0].1);
+        overrides.set("speed", ParamValue::Number(2.0), &own[1].1);
+        overrides.keep_what_fits(&own);
+        assert_eq!(overrides.settings(), ["params.count=4", "params.speed=2.0"]);
+        let mut other = overrides.clone();
         other.keep_what_fits(&declared(
             &TEXT.replace("count = 3", "count = 'three'"),
             &[],
@@ -190,7 +189,7 @@ mod tests {
         assert_eq!(other.settings(), ["params.speed=2.0"]);
         other.keep_what_fits(&declared("version = 1", &[]));
         assert!(other.is_empty());
-        tuned.set("count", ParamValue::Integer(3), &own[0].1);
-        assert_eq!(tuned.settings(), ["params.speed=2.0"]);
+        overrides.set("count", ParamValue::Integer(3), &own[0].1);
+        assert_eq!(overrides.settings(), ["params.speed=2.0"]);
     }
 }

@@ -1,4 +1,4 @@
-//! How far a film is: a bar on a terminal, a plain line for each frame elsewhere.
+//! Progress of a sequence: a bar on a terminal, a line per frame elsewhere.
 
 use std::{
     io::{IsTerminal as _, Write as _, stderr, stdout},
@@ -18,18 +18,18 @@ pub struct Progress {
     rendered: usize,
     started: Instant,
     form: ProgressForm,
-    /// The bar, while its line is open.
+    /// The bar, while it is displayed.
     open: Option<String>,
 }
 
-/// To the start of the line, and without what stands there.
+/// Carriage return and erase line.
 const CLEAR: &str = "\r\x1b[2K";
 
-/// Columns of the bar itself.
+/// Width of the bar, columns.
 const BAR: usize = 24;
 
 impl Progress {
-    /// Of a command with so many frames.
+    /// Progress over so many frames.
     pub fn new(total: usize, form: Option<ProgressForm>) -> Self {
         let on_terminal = stderr().is_terminal();
         let usual = if on_terminal {
@@ -47,26 +47,25 @@ impl Progress {
         }
     }
 
-    /// A frame's file was there already.
+    /// Reports a frame whose file is kept.
     pub fn keep(&mut self, frame: u32, path: &Path) {
         self.kept += 1;
         self.show(frame, "kept", path, None);
     }
 
-    /// A frame is written: `verb` it to a file, `wrote` or `added to`.
+    /// Reports a written frame; `verb` is `wrote` or `added to`.
     pub fn done(&mut self, frame: u32, verb: &str, path: &Path, seconds: f64) {
         self.rendered += 1;
         self.show(frame, verb, path, Some(seconds));
     }
 
-    /// Frames that have their file.
+    /// Number of frames with a file.
     pub fn written(&self) -> usize {
         self.kept + self.rendered
     }
 
-    /// Prints other lines to standard error: above the bar, which would else be in one line with
-    /// them.
-    pub fn aside(&self, print: impl FnOnce()) {
+    /// Prints lines to standard error, above the bar.
+    pub fn print_above(&self, print: impl FnOnce()) {
         let Some(bar) = &self.open else {
             return print();
         };
@@ -109,21 +108,21 @@ impl Progress {
         let _ = stderr().flush(); // only the bar is late then
     }
 
-    /// Ends the line of a bar that is not full.
+    /// Ends the line of an incomplete bar.
     pub fn end(&self) {
         if self.open.is_some() {
             eprintln!();
         }
     }
 
-    /// Tells a reader of JSON that a frame has no picture; people read it at the end.
+    /// Reports a failed frame as JSON; the other forms list failures at the end.
     pub fn failed(&self, frame: u32, why: &str) {
         if matches!(self.form, ProgressForm::Json) {
             print_line(&json!({ "frame": frame, "failed": why }));
         }
     }
 
-    /// The time that is left, from the frames rendered so far.
+    /// Estimated remaining time, from the frames rendered so far.
     fn left(&self) -> String {
         if self.rendered == 0 {
             return String::new();
@@ -141,6 +140,6 @@ impl Progress {
 
 fn print_line(line: &serde_json::Value) {
     let mut out = stdout().lock();
-    // A reader that has left is no reason to stop rendering.
+    // A closed pipe does not stop rendering.
     let _ = writeln!(out, "{line}").and_then(|()| out.flush());
 }

@@ -1,4 +1,4 @@
-//! `render`: a scene becomes pictures or a film.
+//! `render`: renders a scene to pictures or a film.
 
 use std::{
     path::Path,
@@ -20,11 +20,11 @@ use crate::{files::sweep, gpu::ShaderLibrary, render::aov::Aov, scene::desc::Met
 /// Renders one picture, or the frames of a film.
 ///
 /// # Errors
-/// Whatever stops it; no file is left half written.
+/// The first fatal error; no partial file is left.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let (started, opened) = (Instant::now(), SystemTime::now());
-    // Cheap checks first: a typo must not cost a minute of rendering.
-    let many = sequence::is_wanted(args)?;
+    // Cheap checks first, before rendering.
+    let many = sequence::is_sequence(args)?;
     let output = if many {
         None
     } else {
@@ -122,7 +122,7 @@ fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
     Ok(aovs)
 }
 
-/// The flags that are scene values, as overrides: one mechanism, and they win over `--set`.
+/// Flags for scene values as overrides; they win over `--set`.
 fn overrides(args: &RenderArgs) -> Vec<String> {
     let size = args.size.map(|[w, h]| format!("image.size=[{w}, {h}]"));
     let samples = args

@@ -11,15 +11,15 @@ use crate::{
     },
 };
 
-/// Everything that pictures of one scene are made with.
+/// Everything that renders pictures of one scene.
 pub struct RenderSession {
     /// The device, which the encoders of a film share.
     pub gpu: Arc<Gpu>,
     /// The scene, posed for the next picture.
     pub loaded: LoadedScene,
-    /// Further pictures of every frame.
+    /// AOVs of every frame.
     pub aovs: Vec<Aov>,
-    /// When the first of its files was opened, or before.
+    /// Time before the first of its files was opened.
     pub opened: SystemTime,
     /// Whether the shaders come from the user.
     pub own_shaders: bool,
@@ -28,10 +28,10 @@ pub struct RenderSession {
 }
 
 impl RenderSession {
-    /// Opens the device and makes the scene ready for its first picture.
+    /// Opens the device, loads the scene and builds the renderer.
     ///
     /// # Errors
-    /// No usable adapter, a scene past its limits, a shader that does not build.
+    /// No usable adapter, a scene past its limits, a shader error.
     pub fn new(
         args: &RenderArgs,
         loaded: LoadedScene,
@@ -58,7 +58,7 @@ impl RenderSession {
         })
     }
 
-    /// Renders the scene as it is posed.
+    /// Renders the posed scene.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -69,7 +69,7 @@ impl RenderSession {
         self.renderer.picture(&self.gpu, world, camera, &self.aovs)
     }
 
-    /// Starts a picture of the scene as it is posed, with linear color or without.
+    /// Starts a picture of the posed scene, with or without linear color.
     ///
     /// # Errors
     /// As [`Renderer::begin_picture`].
@@ -82,7 +82,7 @@ impl RenderSession {
             .begin_picture(&self.gpu, world, camera, PictureRequest { color, aovs })
     }
 
-    /// Counts what the passes do, in a frame that is rendered for it.
+    /// Renders a frame that counts the work of each pass.
     ///
     /// # Errors
     /// As [`Renderer::counts`].

@@ -1,4 +1,4 @@
-//! From the command line to a loaded scene: the file or the built-in atrium, overrides, assets.
+//! Scene opening from command-line arguments: file or built-in atrium, overrides, asset folders.
 
 use std::{
     env,
@@ -22,55 +22,55 @@ use crate::{
 /// Environment variable with asset folders, separated as in `PATH`.
 pub const ASSETS_ENV: &str = "REFLET_ASSETS";
 
-/// The scene that is built into the binary.
+/// Built-in scene.
 pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 
-/// The text of a scene that is to be opened.
+/// Text of a scene to open.
 #[derive(Debug)]
 pub struct SceneText {
     text: String,
-    /// What messages call it.
+    /// Name in messages.
     file: PathBuf,
-    /// Of `--set`.
+    /// Overrides of `--set`.
     set: Vec<String>,
     options: LoadOptions,
 }
 
-/// A scene as it is on disk; nothing is loaded yet.
+/// A scene read from disk, without its assets.
 #[derive(Debug)]
 pub struct OpenedScene {
-    /// Its text, for fingerprints.
+    /// Scene text, for fingerprints.
     pub text: String,
-    /// What was laid over it.
+    /// Overrides applied to it.
     pub overrides: Vec<String>,
-    /// As written, after overrides and its script's `setup`.
+    /// Description after overrides and the script's `setup`.
     pub scene: Scene,
-    /// About its text and its script.
+    /// Warnings about its text and its script.
     pub warnings: Vec<Diagnostic>,
-    /// For loading: what was read and looked for already.
+    /// Options for loading, with the dependencies so far.
     pub options: LoadOptions,
 }
 
-/// A scene as written and as loaded.
+/// A loaded scene with its description.
 #[derive(Debug)]
 pub struct LoadedScene {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
-    /// As written, after overrides and its script's `setup`.
+    /// Description after overrides and the script's `setup`.
     pub scene: Scene,
-    /// As loaded.
+    /// Loaded scene.
     pub world: World,
-    /// The scene's text, for fingerprints.
+    /// Scene text, for fingerprints.
     pub text: String,
-    /// What was laid over it.
+    /// Overrides applied to it.
     pub overrides: Vec<String>,
-    /// How many warnings were printed.
+    /// Number of printed warnings.
     pub num_warnings: usize,
 }
 
 impl SceneText {
-    /// Reads a scene's text: the file's, one around a model, or the built-in atrium's. A model is
-    /// read for that, and kept for the load.
+    /// Reads the scene text: of the file, of a model viewer scene, or of the built-in atrium. A
+    /// model is read for that and cached for the load.
     ///
     /// # Errors
     /// As [`parse::read`], and a stage that cannot be converted.
@@ -92,7 +92,7 @@ impl SceneText {
         })
     }
 
-    /// A text that is at hand; `file` is what messages call it.
+    /// From a text in memory; `file` is its name in messages.
     pub fn new(text: &str, file: &Path, from: &SceneArgs) -> Self {
         Self {
             text: text.to_owned(),
@@ -102,17 +102,17 @@ impl SceneText {
         }
     }
 
-    /// The parameters that it declares; `None` where that cannot be told.
+    /// Declared parameters; `None` if the text cannot be parsed.
     pub fn declared(&self) -> Option<DeclaredParameters> {
         let declared = parse::params(&self.text, &self.file, &self.set);
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
-    /// Reads the scene and runs its script's `setup`; `more` is laid over it after `--set`. Scripts
-    /// and included files that are looked for are added to `texts`, also when it fails.
+    /// Reads the scene and runs its script's `setup`; `more` are overrides after `--set`. Adds
+    /// scripts and included files to `texts`, also on errors.
     ///
     /// # Errors
-    /// All mistakes of the scene's texts.
+    /// All errors in the scene's texts.
     pub fn open(
         self,
         more: &[String],
@@ -132,11 +132,11 @@ impl SceneText {
 }
 
 impl OpenedScene {
-    /// Loads what the scene refers to, prints what its `setup` printed and all warnings to standard
-    /// error; `name` is what messages call it.
+    /// Loads the assets of the scene, and prints the output of `setup` and all warnings to standard
+    /// error; `name` is used in messages.
     ///
     /// # Errors
-    /// [`AppError::Scene`] with every error that was found.
+    /// [`AppError::Scene`] with all errors.
     pub fn load(mut self, name: String) -> Result<LoadedScene, AppError> {
         for line in self.scene.script.iter().flat_map(|s| &s.setup_log) {
             eprintln!("{line}");
@@ -158,11 +158,11 @@ impl OpenedScene {
     }
 }
 
-/// Reads and loads a scene, and prints its warnings to standard error; `more` is laid over it after
+/// Reads and loads a scene, and prints its warnings to standard error; `more` are overrides after
 /// `--set`.
 ///
 /// # Errors
-/// [`AppError::Scene`] with every error that was found.
+/// [`AppError::Scene`] with all errors.
 pub fn load_scene(
     path: Option<&Path>,
     from: &SceneArgs,
@@ -175,7 +175,7 @@ pub fn load_scene(
     opened.map_err(AppError::Scene)?.load(name)
 }
 
-/// How files are loaded; what is looked for is noted in `dependencies`.
+/// Load options; searched files are recorded in `dependencies`.
 pub fn load_options(from: &SceneArgs, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
@@ -191,10 +191,10 @@ pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
     given.iter().cloned().chain(listed).collect()
 }
 
-/// Which camera is named; without a name `main`, else the first.
+/// Index of the named camera; without a name `main`, else the first.
 ///
 /// # Errors
-/// [`AppError::Usage`] with the names that exist.
+/// [`AppError::Usage`] with the existing names.
 pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     let cameras = &loaded.world.cameras;
     let named = |name: &str| cameras.iter().position(|camera| camera.name == name);

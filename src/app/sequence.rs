@@ -1,5 +1,5 @@
-//! Many frames of one scene: loaded once, posed and submitted in turn; reading back, encoding and
-//! writing run beside the next ones.
+//! Frame sequences: the scene is loaded once, frames are posed and submitted in order; readback,
+//! encoding and writing overlap with later frames.
 
 use std::{
     path::Path,
@@ -26,11 +26,11 @@ use crate::{
     scene::{desc::TimelineDesc, stages::Animator},
 };
 
-/// Whether a command asks for frames of a film and not for one picture.
+/// Whether a command renders a sequence of frames instead of one picture.
 ///
 /// # Errors
-/// As [`Template::new`]; [`AppError::Usage`] for an ending that there is not, and a film with `#`.
-pub fn is_wanted(args: &RenderArgs) -> Result<bool, AppError> {
+/// As [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with `#`.
+pub fn is_sequence(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
     let format = Format::expect(&args.output)?;
     if matches!(format, Format::Film(_)) && template.is_some() {
@@ -43,10 +43,10 @@ pub fn is_wanted(args: &RenderArgs) -> Result<bool, AppError> {
     Ok(args.frames.is_some() || template.is_some() || Format::is_film(&args.output))
 }
 
-/// The frames of a command, and the timeline that they are of.
+/// The frames of a command, from its arguments and the timeline.
 ///
 /// # Errors
-/// [`AppError::Usage`] for frames that the scene does not have, or that would share a file.
+/// [`AppError::Usage`] for frames outside of the timeline, or frames that share a file.
 pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<FrameList, AppError> {
     let Some(timeline) = timeline else {
         return Err(AppError::Usage(
@@ -88,11 +88,10 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
     Ok(frames)
 }
 
-/// Checks where the frames would go, before anything is rendered. A folder for frames of their own
-/// is created where only it is missing.
+/// Checks the output paths before rendering. The last folder of a path is created if missing.
 ///
 /// # Errors
-/// [`AppError::Usage`] for a path that cannot be written, and for frames of which there are none.
+/// [`AppError::Usage`] for a path that cannot be written, and for an empty list of frames.
 pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppError> {
     if Format::is_film(&args.output) {
         return check_writable(&args.output);
@@ -106,12 +105,12 @@ pub fn check_output(args: &RenderArgs, frames: &FrameList) -> Result<(), AppErro
     if template.is_some() {
         create_last_folder(&args.output)?;
     }
-    // The largest number makes the longest name.
+    // The largest frame number has the longest name.
     let last = frames.0.iter().max().unwrap_or(first);
     PictureFile::new(&template.map_or_else(|| args.output.clone(), |t| t.path(*last))).map(drop)
 }
 
-/// Creates the folder of a file where its own folder is there already.
+/// Creates the folder of a file if only that folder is missing.
 fn create_last_folder(path: &Path) -> Result<(), AppError> {
     let folder = folder_of(path);
     if folder.exists() || !folder_of(folder).is_dir() {
@@ -128,9 +127,8 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
 /// Renders the frames.
 ///
 /// # Errors
-/// [`AppError::Frames`] with those that failed; the others are there. [`AppError::Unwritten`] as soon
-/// as the disk takes no more; if all were to be one film, [`AppError::NoFilm`] and
-/// [`AppError::Disk`].
+/// [`AppError::Frames`] with the failed frames; all others are written. [`AppError::Unwritten`] for
+/// a full disk. For a video file [`AppError::NoFilm`] and [`AppError::Disk`] instead.
 pub fn render(
     args: &RenderArgs,
     mut session: RenderSession,
@@ -170,11 +168,11 @@ pub fn render(
         let sender = encoders.spawn(scope);
         let mut failures = Failures::new();
         for (index, frame, mark) in wanted {
-            if shutdown::is_wanted() || encoders.is_full() {
+            if shutdown::is_requested() || encoders.is_full() {
                 break;
             }
             let started = Instant::now();
-            match begin(&mut session, &animator, frame, has_color, &encoders) {
+            match begin_frame(&mut session, &animator, frame, has_color, &encoders) {
                 Ok(picture) => {
                     let rendered = Rendered {
                         index,
@@ -199,7 +197,7 @@ pub fn render(
         failures
     });
     let outcome = encoders.finish();
-    judge(outcome, &target, failures, asked, frames.0.len())?;
+    check_outcome(outcome, &target, failures, asked, frames.0.len())?;
     if let Target::Film(film) = target {
         let film = film.into_inner();
         let film = film.map_err(|_| AppError::Internal("the encoder has failed".to_owned()))?;
@@ -208,9 +206,9 @@ pub fn render(
     Ok(())
 }
 
-/// Whether every frame has its file; `failures` are those that could not be rendered, `asked` those
-/// that were to be, of `total`.
-fn judge(
+/// Checks that every frame was written; `failures` could not be rendered, `asked` were requested,
+/// of `total`.
+fn check_outcome(
     outcome: Outcome,
     target: &Target,
     mut failures: Failures,
@@ -231,7 +229,7 @@ fn judge(
         missing.sort_unstable();
         return Err(AppError::Unwritten { why, missing });
     }
-    if shutdown::is_wanted() && outcome.done < total {
+    if shutdown::is_requested() && outcome.done < total {
         return Err(stopped(target, outcome.done, total, failures));
     }
     match target {
@@ -243,9 +241,9 @@ fn judge(
             untried.retain(|frame| !outcome.written.contains(frame) && !failed(*frame));
             untried.sort_unstable();
             let film = film.lock().unwrap_or_else(PoisonError::into_inner);
-            let goal = film.goal().to_owned();
+            let path = film.path().to_owned();
             Err(AppError::NoFilm {
-                goal,
+                path,
                 failures,
                 untried,
             })
@@ -253,10 +251,10 @@ fn judge(
     }
 }
 
-/// What a stopped command says.
+/// Error of an interrupted command.
 fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> AppError {
     if !failures.is_empty() {
-        // What is wrong with the scene matters more than where the signal came.
+        // Scene errors first: they matter more than the interruption.
         AppError::Frames(failures).print();
     }
     AppError::Interrupted(match target {
@@ -267,7 +265,7 @@ fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> Ap
     })
 }
 
-/// Where the frames go, and that they can go there.
+/// Destination of the frames, checked.
 fn target(
     args: &RenderArgs,
     session: &RenderSession,
@@ -292,24 +290,24 @@ fn target(
     })
 }
 
-/// Starts one frame's picture; else why not, and whether no other will do better.
-fn begin(
+/// Starts rendering a frame; the error says whether it is fatal for all frames.
+fn begin_frame(
     session: &mut RenderSession,
     animator: &Animator,
     frame: u32,
     has_color: bool,
     encoders: &Encoders,
 ) -> Result<PendingPicture, (String, bool)> {
-    let wrong_scene = |errors: Vec<crate::scene::diagnostic::Diagnostic>| {
-        encoders.aside(|| print_diagnostics(&errors));
+    let scene_error = |errors: Vec<crate::scene::diagnostic::Diagnostic>| {
+        encoders.print_above(|| print_diagnostics(&errors));
         let first = errors.first().map(|e| e.message.clone());
         (first.unwrap_or_default(), false)
     };
-    let state = animator.pose(frame).map_err(wrong_scene)?;
+    let state = animator.pose(frame).map_err(scene_error)?;
     for line in &state.log {
-        encoders.aside(|| eprintln!("frame {frame}: {line}"));
+        encoders.print_above(|| eprintln!("frame {frame}: {line}"));
     }
-    session.loaded.world.apply(&state).map_err(wrong_scene)?;
+    session.loaded.world.apply(&state).map_err(scene_error)?;
     session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,

@@ -16,7 +16,7 @@ fn signal() -> &'static Arc<AtomicUsize> {
     SIGNAL.get_or_init(Arc::default)
 }
 
-/// Takes the signals as shutdown requests from now on; see [`is_wanted`].
+/// Handles the signals as shutdown requests from now on; see [`is_requested`].
 pub fn listen() {
     static LISTENING: OnceLock<()> = OnceLock::new();
     LISTENING.get_or_init(|| {
@@ -31,8 +31,8 @@ pub fn listen() {
     });
 }
 
-/// Whether somebody wants the program to stop.
-pub fn is_wanted() -> bool {
+/// Whether a shutdown was requested.
+pub fn is_requested() -> bool {
     signal().load(Ordering::SeqCst) != 0
 }
 

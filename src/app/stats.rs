@@ -12,14 +12,14 @@ use crate::{
     },
 };
 
-/// What `--stats` prints: the frame's numbers, what they were measured on, and what follows.
+/// Output of `--stats`: statistics of the frame, its adapter, and derived values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Adapter, driver and API.
     pub adapter: String,
     /// Whether the adapter is the CPU.
     pub software: bool,
-    /// The frame's own numbers.
+    /// Statistics of the frame.
     #[serde(flatten)]
     pub frame: FrameStats,
     /// Sum of the passes, milliseconds; 0 without timestamps.
@@ -33,14 +33,14 @@ pub struct Report {
     pub load_ms: f64,
     /// From the program's start to the finished picture, milliseconds.
     pub first_picture_ms: f64,
-    /// What the passes did, of one more frame; none without `--counters`.
+    /// Work counters of the passes, from one more frame; none without `--counters`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counts: Option<Vec<PassCounts>>,
-    /// Most memory the program held at once, bytes, where the system tells.
+    /// Peak resident memory, bytes, where the system reports it.
     pub peak_resident_bytes: Option<u64>,
 }
 
-/// Times around the frame.
+/// Times outside of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportContext {
     /// See [`Report::load_ms`].
@@ -50,8 +50,8 @@ pub struct ReportContext {
 }
 
 impl Report {
-    /// The frame's numbers with the adapter they came from.
-    pub fn new(gpu: &Gpu, frame: FrameStats, around: ReportContext) -> Self {
+    /// Report of a frame on an adapter.
+    pub fn new(gpu: &Gpu, frame: FrameStats, context: ReportContext) -> Self {
         let info = &gpu.adapter_info;
         let driver = [info.driver.as_str(), info.driver_info.as_str()].join(" ");
         Self {
@@ -61,14 +61,14 @@ impl Report {
             times_disagree: frame.times_disagree(),
             rays_per_s: frame.rays_per_s(),
             frame,
-            load_ms: around.load_ms,
-            first_picture_ms: around.first_picture_ms,
+            load_ms: context.load_ms,
+            first_picture_ms: context.first_picture_ms,
             counts: None,
             peak_resident_bytes: peak_resident_bytes(),
         }
     }
 
-    /// The table that `--stats text` prints.
+    /// Table of `--stats text`.
     pub fn table(&self) -> String {
         let frame = &self.frame;
         let mut out = String::new();
@@ -137,7 +137,7 @@ impl Report {
     }
 }
 
-/// What a pass did, without what it never does.
+/// Nonzero counters of a pass.
 fn counted(pass: &PassCounts) -> String {
     let named = pass.counts.named().into_iter();
     let texts = named.filter(|(_, count)| *count > 0);
@@ -168,12 +168,12 @@ fn list(shares: &[Share]) -> String {
     }
 }
 
-/// Bytes for people.
+/// Bytes with a unit.
 pub fn mebibytes(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / (1024.0 * 1024.0))
 }
 
-/// The high-water mark of resident memory, where the system keeps one.
+/// Peak resident memory, where the system reports it.
 fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

@@ -1,9 +1,8 @@
-//! Names of things that may share one, made distinct: what finds a thing again after everything was
-//! read anew.
+//! Unique names for items that may share one, so that they are found again after a reload.
 
 use std::collections::HashMap;
 
-/// The names, each once: the first of several keeps its own, the next are `name#2`, `name#3` and so on.
+/// Makes names unique: the first keeps its name, the next become `name#2`, `name#3` and so on.
 pub fn unique_names<'n>(names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
     let mut counts = HashMap::new();
     let each = names.into_iter().map(|name| {

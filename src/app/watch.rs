@@ -1,11 +1,10 @@
-//! Watches the files that a scene was read from and says which kind of them has new content.
+//! File watcher: reports which kinds of a scene's files have new content.
 //!
-//! Folders are watched, not files: editors save by renaming another file over the old one, and a
-//! watch on a file would die with it. An event only says where to look; the hash of the content
-//! decides. A file's hash is taken before anybody reads the file again, so a save that comes while
-//! it is read is seen as another change.
+//! Folders are watched, not files: editors save by renaming a new file over the old one, which ends
+//! a watch on the file. An event only triggers a check; the content hash decides. Files are hashed
+//! before they are read again, so a save during the read is another change.
 //!
-//! Where the system refuses a watch, which is told, the files are looked at now and then instead.
+//! Where the system refuses a watch, this is reported and the files are polled instead.
 
 mod folders;
 mod resolved_paths;
@@ -27,44 +26,44 @@ use self::{
 };
 use crate::files::{Stamp, content_hash, written_since};
 
-/// What has new content.
+/// Kind of file with new content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Change {
-    /// A shader, or its folder gained or lost one.
+    /// A shader was changed, added or removed.
     Shader,
     /// A model, buffer, image or stage.
     Asset,
     /// The scene text.
     Scene,
-    /// The scene's script, or what that imports.
+    /// The scene's script, or an import of it.
     Script,
 }
 
 /// The kinds of files that changed together.
 pub type Changes = BTreeSet<Change>;
 
-/// What to watch.
+/// Files and folders to watch.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WatchList {
-    /// Files that were read or looked for, as they were named; they need not exist.
+    /// Files by their unresolved names; they need not exist.
     pub files: Vec<(PathBuf, Change)>,
     /// Folders of shaders.
     pub shader_folders: Vec<PathBuf>,
 }
 
-/// An event is acted on after this long without another…
+/// Debounce: delay after the last event…
 const QUIET: Duration = Duration::from_millis(10);
-/// …but never later than this after the first.
+/// …and maximum delay after the first.
 const MOST_WAIT: Duration = Duration::from_millis(30);
-/// How often folders that do not exist are looked for, and files that no event tells of.
-const LOOK: Duration = Duration::from_millis(250);
+/// Poll interval for missing folders, and for files without events.
+const POLL_INTERVAL: Duration = Duration::from_millis(250);
 
-/// What a watcher has to say.
+/// Report of a watcher.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum News {
-    /// What changed and when the first word of it came.
+    /// Changes, with the time of the first event.
     Changed(Changes, Instant),
-    /// Why and where saves are seen only now and then, and what to do; `None` when that is over.
+    /// Why and where files are polled, and what to do; `None` once events work again.
     Trouble(Option<String>),
 }
 
@@ -74,7 +73,7 @@ enum Message {
     Stop,
 }
 
-/// A thread that watches until it is dropped.
+/// A watching thread, which ends when this is dropped.
 #[derive(Debug)]
 pub struct Watcher {
     messages: Sender<Message>,
@@ -82,17 +81,17 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Starts watching nothing; `report` is called from the watching thread.
+    /// Starts with an empty list; `report` is called on the watching thread.
     ///
     /// # Errors
-    /// When the system has no thread for it.
+    /// The system cannot start a thread.
     pub fn new(report: impl Fn(News) + Send + 'static) -> Result<Self, String> {
         Self::on(
             |events| {
                 Box::new(move || {
                     let events = events.clone();
                     let system = notify::recommended_watcher(move |event| {
-                        // Nobody listens any more while the program ends.
+                        // The receiver may be gone at shutdown.
                         let _ = events.send(Message::Event(event));
                     })?;
                     Ok(Box::new(system) as System)
@@ -102,7 +101,7 @@ impl Watcher {
         )
     }
 
-    /// On a system that is asked by what is made of where its events go.
+    /// With a custom backend, created from the event sender.
     fn on(
         start: impl FnOnce(Sender<Message>) -> Start,
         report: impl Fn(News) + Send + 'static,
@@ -124,10 +123,10 @@ impl Watcher {
         })
     }
 
-    /// Watches these from now on in place of those before. `read_since` is when reading them
-    /// began: a file that is new here and was written since then counts as changed.
+    /// Replaces the watch list. `read_since` is the start of their read: a file that is new in the
+    /// list and was written since then counts as changed.
     pub fn watch(&self, list: WatchList, read_since: SystemTime) {
-        // A thread that ended has nothing left to watch for.
+        // Sending fails once the thread has ended.
         let _ = self.messages.send(Message::Watch(list, read_since));
     }
 }
@@ -145,21 +144,21 @@ type Hash = [u8; 32];
 
 struct Watched {
     change: Change,
-    /// Of its content, or why that cannot be read.
+    /// Hash of its content, or the read error.
     hash: Result<Hash, io::ErrorKind>,
-    /// Of when it was last looked at.
+    /// Metadata at the last check.
     stamp: Option<Stamp>,
-    /// Every place whose change may change what the name means: itself and the links on its way.
+    /// All paths that affect it: its own and the links to it.
     resolved_paths: Vec<PathBuf>,
 }
 
-/// The state of the watching thread.
+/// State of the watching thread.
 struct Watching {
     folders: Folders,
-    /// As named, and resolved.
+    /// By name, with resolved paths.
     shader_folders: Vec<(PathBuf, PathBuf)>,
     files: HashMap<PathBuf, Watched>,
-    /// The trouble that was told last.
+    /// Last reported limitation.
     told: Option<String>,
 }
 
@@ -173,14 +172,14 @@ impl Watching {
                 report(News::Trouble(trouble));
             }
             let first = if self.folders.is_incomplete() {
-                // Also while events of other folders come all the time.
-                if looked.elapsed() >= LOOK {
+                // Also during continuous events of other folders.
+                if looked.elapsed() >= POLL_INTERVAL {
                     let started = Instant::now();
                     send(report, self.look_around(), started);
                     looked = Instant::now();
                     continue;
                 }
-                inbox.recv_timeout(LOOK.saturating_sub(looked.elapsed()))
+                inbox.recv_timeout(POLL_INTERVAL.saturating_sub(looked.elapsed()))
             } else {
                 inbox.recv().map_err(|_| RecvTimeoutError::Disconnected)
             };
@@ -208,7 +207,7 @@ impl Watching {
         }
     }
 
-    /// Looks at what no event tells of.
+    /// Polls files without events.
     fn look_around(&mut self) -> Changes {
         if self.watch_folders() {
             return self.look_at(None);
@@ -228,7 +227,7 @@ impl Watching {
         self.look_at(Some(&touched))
     }
 
-    /// Looks at what the events were about.
+    /// Checks the files of the events.
     fn settle(&mut self, touched: &Touched) -> Changes {
         let is_folder = |path: &PathBuf| self.folders.contains(path);
         if touched.everything || touched.paths.iter().any(is_folder) {
@@ -239,7 +238,7 @@ impl Watching {
         self.look_at(Some(&touched.paths))
     }
 
-    /// Hashes the files that the paths may mean, or all; the kinds of those that differ.
+    /// Hashes the files affected by the paths, or all files; returns the kinds of changed ones.
     fn look_at(&mut self, paths: Option<&BTreeSet<PathBuf>>) -> Changes {
         let mut changes = Changes::new();
         if !self.find_shaders().is_empty() {
@@ -250,7 +249,7 @@ impl Watching {
                 |paths: &BTreeSet<PathBuf>| file.resolved_paths.iter().any(|p| paths.contains(p));
             if paths.is_none_or(is_meant) {
                 file.resolved_paths = resolved_paths(name);
-                // Before the content: a save in between is looked at again.
+                // Metadata before content, so that a save in between is checked again.
                 file.stamp = Stamp::of(name);
                 let hash = content_hash(name).map_err(|error| error.kind());
                 if hash != file.hash {
@@ -260,7 +259,7 @@ impl Watching {
             }
         }
         if self.watch_folders() && paths.is_some() {
-            // What came into a folder before it was watched was told by nobody.
+            // Files added to a folder before its watch have no events.
             changes.extend(self.look_at(None));
         }
         changes
@@ -279,7 +278,7 @@ impl Watching {
                 fresh.push(name.clone());
             }
         }
-        // Watch first, hash second: what is saved in between is told by an event.
+        // Watch first, hash second, so that a save in between has an event.
         self.watch_folders();
         let mut changes = Changes::new();
         for name in fresh {
@@ -304,7 +303,7 @@ impl Watching {
         self.files.insert(name.to_owned(), file);
     }
 
-    /// Takes in shaders that are new in their folders; which ones.
+    /// Adds new shaders in the watched folders; returns them.
     fn find_shaders(&mut self) -> Vec<PathBuf> {
         let mut found = Vec::new();
         let folders = self.shader_folders.iter();
@@ -323,7 +322,7 @@ impl Watching {
         found
     }
 
-    /// Asks the system to watch what it should and does not; whether anything was added.
+    /// Adds missing watches; returns whether any was added.
     fn watch_folders(&mut self) -> bool {
         let parents = self.files.values().flat_map(|file| &file.resolved_paths);
         let mut wanted: BTreeSet<PathBuf> = parents
@@ -336,7 +335,7 @@ impl Watching {
     }
 }
 
-/// Where something happened.
+/// An event's paths.
 #[derive(Default)]
 struct Touched {
     paths: BTreeSet<PathBuf>,
@@ -348,7 +347,7 @@ impl Touched {
     fn add(&mut self, event: notify::Result<notify::Event>) {
         match event {
             Ok(event) if event.need_rescan() => self.everything = true,
-            // Reading a file is no change; and it is what a reload does.
+            // Ignores reads, which reloads cause themselves.
             Ok(event) if matches!(event.kind, EventKind::Access(_)) => {}
             Ok(event) => self.paths.extend(event.paths),
             Err(_) => self.everything = true,

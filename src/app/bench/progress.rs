@@ -95,7 +95,7 @@ impl Watch for Progress {
     }
 
     fn is_stopped(&self) -> bool {
-        shutdown::is_wanted()
+        shutdown::is_requested()
     }
 }
 

@@ -11,10 +11,10 @@ use xxhash_rust::xxh3::Xxh3Default;
 use super::format::FINGERPRINT_KEY;
 use crate::render::{Picture, Plane, PlaneData};
 
-/// Name under which an EXR carries the hash of its samples.
+/// EXR attribute with the hash of the samples.
 const SAMPLES: &str = "reflet-samples";
 
-/// The fingerprint in an EXR whose samples are those that were written.
+/// Fingerprint of an EXR whose samples match their hash.
 pub fn fingerprint(path: &Path) -> Option<String> {
     let layer = read_first_flat_layer_from_file(path).ok()?.layer_data;
     let text = |key| match layer.attributes.other.get(&Text::from(key))? {
@@ -38,11 +38,11 @@ fn hash_of(channels: &AnyChannels<FlatSamples>) -> String {
     format!("{:032x}", hash.digest128())
 }
 
-/// Linear color as R, G, B, A and every plane as `name.channel`, in one part: the layout that
-/// most viewers understand.
+/// Linear color as R, G, B, A and every plane as `name.channel`, in one part: the layout that most
+/// viewers support.
 ///
 /// # Errors
-/// What the encoder says.
+/// Encoder error.
 pub fn encode(picture: &Picture, mark: Option<&str>) -> Result<Vec<u8>, String> {
     let mut channels = SmallVec::new();
     for (index, name) in ["R", "G", "B", "A"].into_iter().enumerate() {

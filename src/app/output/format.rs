@@ -1,4 +1,4 @@
-//! The formats of pictures and films, by the ending of a file's name.
+//! Picture and film formats by file extension.
 
 use std::{ops::RangeInclusive, path::Path};
 
@@ -7,7 +7,7 @@ use crate::app::error::AppError;
 /// Name of the text in PNG files and of the attribute in EXR files that holds a frame's fingerprint.
 pub const FINGERPRINT_KEY: &str = "reflet-fingerprint";
 
-/// What an output file holds.
+/// Contents of an output file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Format {
     /// One picture.
@@ -28,17 +28,17 @@ pub enum PictureFormat {
 /// The format of a film in one file.
 #[derive(Debug, PartialEq)]
 pub struct FilmFormat {
-    /// Ending of the name, without its dot.
+    /// File extension, without its dot.
     pub ending: &'static str,
     /// ffmpeg's container and encoder; none for APNG, which is built in.
     pub ffmpeg: Option<(&'static str, &'static str)>,
-    /// Frames a second that it can have.
+    /// Allowed frame rates.
     pub fps: RangeInclusive<f32>,
 }
 
-/// All formats of films.
+/// All film formats.
 pub const FILMS: [FilmFormat; 5] = [
-    // A frame's duration is a fraction of 16-bit numbers.
+    // Frame durations are fractions of 16-bit numbers.
     film("apng", None, 1.0 / 65535.0, 65535.0),
     film("mp4", Some(("mp4", "libx264")), 0.001, 1000.0),
     film("mov", Some(("mov", "libx264")), 0.001, 1000.0),
@@ -61,7 +61,7 @@ const fn film(
 }
 
 impl Format {
-    /// What a name's ending says.
+    /// Format of a file extension.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -71,21 +71,21 @@ impl Format {
         }
     }
 
-    /// The same for a name that must have a known ending.
+    /// The same for a file name, with an error for unknown extensions.
     ///
     /// # Errors
-    /// [`AppError::Usage`] with the endings that there are.
+    /// [`AppError::Usage`] with the known extensions.
     pub fn expect(path: &Path) -> Result<Self, AppError> {
         Self::of(path).ok_or_else(|| unknown(path))
     }
 
-    /// Whether a name is that of a film.
+    /// Whether a file name has a film extension.
     pub fn is_film(path: &Path) -> bool {
         matches!(Self::of(path), Some(Self::Film(_)))
     }
 }
 
-/// An ending that no picture has.
+/// Error of an unknown extension.
 pub fn unknown(path: &Path) -> AppError {
     let of = |is_external: bool| {
         let some = FILMS.iter().filter(|f| f.ffmpeg.is_some() == is_external);
@@ -101,10 +101,10 @@ pub fn unknown(path: &Path) -> AppError {
 }
 
 impl FilmFormat {
-    /// Refuses a rate, frames a second, that the format would change.
+    /// Refuses a frame rate that the format cannot store.
     ///
     /// # Errors
-    /// The rates that it can have, and what to do.
+    /// The allowed rates, and what to do.
     pub fn check_rate(&self, fps: f32) -> Result<(), String> {
         if self.fps.contains(&fps) {
             return Ok(());

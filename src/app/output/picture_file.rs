@@ -1,4 +1,4 @@
-//! A picture's file, with the PNG files of its AOVs beside it: there whole or not at all.
+//! Picture files with the PNG files of their AOVs, written atomically.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::{
     render::{Picture, aov::Aov},
 };
 
-/// An output path that looked writable when the command began.
+/// An output path that was writable at the start of the command.
 #[derive(Clone, Debug)]
 pub struct PictureFile {
     path: PathBuf,
@@ -22,10 +22,10 @@ pub struct PictureFile {
 }
 
 impl PictureFile {
-    /// Checks extension and folder before any time is spent on rendering.
+    /// Checks extension and folder before rendering.
     ///
     /// # Errors
-    /// [`AppError::Usage`] saying which part of the path is wrong.
+    /// [`AppError::Usage`] with the invalid part of the path.
     pub fn new(path: &Path) -> Result<Self, AppError> {
         let Format::Picture(format) = Format::expect(path)? else {
             return Err(unknown(path));
@@ -55,8 +55,8 @@ impl PictureFile {
         }
     }
 
-    /// Writes the picture and its planes; no file gets its name before all are complete and on
-    /// disk. Returns what was written.
+    /// Writes the picture and its planes; files are renamed once all are complete and synced.
+    /// Returns their paths.
     ///
     /// # Errors
     /// [`AppError::Disk`] or [`AppError::Internal`] naming the file; nothing new is left behind.
@@ -99,7 +99,7 @@ impl PictureFile {
         Ok(encoded.into_iter().map(|(path, _)| path).collect())
     }
 
-    /// The same kind of file under another name beside it, which is not checked again.
+    /// The same kind of file with another name, unchecked.
     pub fn renamed(&self, path: PathBuf) -> Self {
         Self {
             path,
@@ -117,7 +117,7 @@ impl PictureFile {
         std::iter::once(self.path.clone()).chain(beside).collect()
     }
 
-    /// Whether all of them are there, whole and with this fingerprint.
+    /// Whether all of them exist, complete and with this fingerprint.
     pub fn is_done(&self, planes: &[&str], mark: &str) -> bool {
         let found = match self.format {
             PictureFormat::Png => png::fingerprint,
@@ -129,7 +129,7 @@ impl PictureFile {
             .all(|path| found(path).as_deref() == Some(mark))
     }
 
-    /// `out.png` and `depth` make `out.depth.png`.
+    /// `out.png` and `depth` give `out.depth.png`.
     fn beside(&self, name: &str) -> PathBuf {
         self.path.with_extension(format!("{name}.png"))
     }

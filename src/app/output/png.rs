@@ -4,10 +4,10 @@ use std::{fs::File, io::BufReader, path::Path};
 
 use super::format::FINGERPRINT_KEY;
 
-/// RGBA to an opaque PNG; `mark` is kept in it as text.
+/// Encodes RGBA as an opaque PNG with `mark` as text.
 ///
 /// # Errors
-/// What the encoder says.
+/// Encoder error.
 pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, size[0], size[1]);
@@ -27,13 +27,13 @@ pub fn encode(size: [u32; 2], rgba: &[u8], mark: Option<&str>) -> Result<Vec<u8>
     Ok(bytes)
 }
 
-/// Without alpha, which display colors do not have.
+/// Drops alpha, which display colors do not use.
 pub fn rgb(rgba: &[u8]) -> Vec<u8> {
     let texels = rgba.chunks_exact(4);
     texels.flat_map(|t| [t[0], t[1], t[2]]).collect()
 }
 
-/// The fingerprint in a PNG that ends as PNGs do.
+/// Fingerprint of a complete PNG.
 pub fn fingerprint(path: &Path) -> Option<String> {
     let file = BufReader::new(File::open(path).ok()?);
     let mut reader = ::png::Decoder::new(file).read_info().ok()?;

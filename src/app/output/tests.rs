@@ -1,4 +1,4 @@
-//! Picture files: what is in them, and that no broken one is ever left.
+//! Tests of picture files: contents and atomic writing.
 
 use std::{
     fs,

@@ -1,4 +1,4 @@
-//! Films in one file: APNG built in, the others through ffmpeg. The file gets its name when it is
+//! Video files: APNG built in, other formats through ffmpeg. The file gets its name once it is
 //! complete.
 
 use std::{
@@ -12,12 +12,12 @@ use std::{
 use super::{format::FilmFormat, png::rgb, writable::check_writable};
 use crate::{app::error::AppError, files::Temporary};
 
-/// Most of what ffmpeg says that a message repeats, bytes: the last of it.
+/// Maximum length of ffmpeg's output in a message, bytes; its end is quoted.
 const MAX_MESSAGE_BYTES: usize = 600;
 
-/// A film that is being written.
+/// A video file being written.
 pub struct Film {
-    goal: PathBuf,
+    path: PathBuf,
     temporary: Temporary,
     encoder: Encoder,
 }
@@ -27,12 +27,12 @@ enum Encoder {
     Ffmpeg(Pipe),
 }
 
-/// An ffmpeg that takes pixels; it does not outlive this.
+/// An ffmpeg process that reads pixels from a pipe; killed on drop.
 struct Pipe {
     child: Child,
     pixels: Option<ChildStdin>,
-    /// Gathers what it says: it would wait for somebody to listen.
-    words: Option<JoinHandle<String>>,
+    /// Drains its standard error, since a full pipe would block it.
+    stderr: Option<JoinHandle<String>>,
 }
 
 impl Film {
@@ -60,35 +60,35 @@ impl Film {
             }
         };
         Ok(Self {
-            goal: path.to_owned(),
+            path: path.to_owned(),
             temporary,
             encoder,
         })
     }
 
-    /// The name that it will have.
-    pub fn goal(&self) -> &Path {
-        &self.goal
+    /// Final path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Adds a frame, RGBA.
     ///
     /// # Errors
-    /// [`AppError::Disk`] with what the encoder says; there will be no film.
+    /// [`AppError::Disk`] with the encoder's message; no film is written then.
     pub fn add(&mut self, rgba: &[u8]) -> Result<(), AppError> {
         let result = match &mut self.encoder {
             Encoder::Apng(writer) => writer.write_image_data(&rgb(rgba)).map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.add(&rgb(rgba)),
         };
-        result.map_err(|why| failed(&self.goal, &why))
+        result.map_err(|why| failed(&self.path, &why))
     }
 
-    /// Ends the film and gives it its name.
+    /// Completes the file and renames it to its final path.
     ///
     /// # Errors
     /// As [`Film::add`].
     pub fn finish(self) -> Result<PathBuf, AppError> {
-        let goal = self.goal;
+        let path = self.path;
         let ended = match self.encoder {
             Encoder::Apng(writer) => writer.finish().map_err(apng_failed),
             Encoder::Ffmpeg(pipe) => pipe.finish(),
@@ -102,17 +102,17 @@ impl Film {
             file.sync_all().map_err(Why::from)
         });
         synced
-            .and_then(|()| self.temporary.rename_to(&goal).map_err(Why::from))
-            .map_err(|why| failed(&goal, &why))?;
-        Ok(goal)
+            .and_then(|()| self.temporary.rename_to(&path).map_err(Why::from))
+            .map_err(|why| failed(&path, &why))?;
+        Ok(path)
     }
 }
 
 /// Why a film cannot be written.
 enum Why {
-    /// What the system says of its file.
+    /// File error.
     File(String),
-    /// What its encoder says.
+    /// Encoder error.
     Encoder(String),
 }
 
@@ -129,17 +129,17 @@ fn apng_failed(error: png::EncodingError) -> Why {
     }
 }
 
-/// No film, why, and what to do.
-fn failed(goal: &Path, why: &Why) -> AppError {
-    let frames = goal.with_extension("####.png");
-    let (goal, frames) = (goal.display(), frames.display());
+/// Error with its cause and what to do.
+fn failed(path: &Path, why: &Why) -> AppError {
+    let frames = path.with_extension("####.png");
+    let (path, frames) = (path.display(), frames.display());
     AppError::Disk(match why {
         Why::File(why) => format!(
-            "cannot write {goal}: {why}; there is no film: make room, or write frames ({frames}), \
+            "cannot write {path}: {why}; there is no film: make room, or write frames ({frames}), \
              with which --resume goes on"
         ),
         Why::Encoder(why) => format!(
-            "cannot write {goal}: {why}; there is no film: mend that, or write .apng or frames \
+            "cannot write {path}: {why}; there is no film: mend that, or write .apng or frames \
              ({frames})"
         ),
     })
@@ -161,23 +161,23 @@ impl Pipe {
         self.end()
     }
 
-    /// Waits for its end. It may succeed after it could not write all: what it says tells.
+    /// Waits for its end. Some failed writes leave exit code 0, so its output is checked too.
     fn end(&mut self) -> Result<(), Why> {
         self.pixels = None; // the end of its input
-        let words = self.words.take().and_then(|words| words.join().ok());
-        let words = words.unwrap_or_default();
+        let stderr = self.stderr.take().and_then(|stderr| stderr.join().ok());
+        let stderr = stderr.unwrap_or_default();
         let status = self.child.wait()?;
-        if words.is_empty() && status.success() {
+        if stderr.is_empty() && status.success() {
             Ok(())
-        } else if words.is_empty() {
+        } else if stderr.is_empty() {
             Err(Why::Encoder(format!("ffmpeg ended with {status}")))
         } else {
-            Err(Why::Encoder(format!("ffmpeg says: {words}")))
+            Err(Why::Encoder(format!("ffmpeg says: {stderr}")))
         }
     }
 }
 
-/// The last of what is said until the end.
+/// Reads all output and returns its end.
 fn end_of(mut from: impl Read) -> String {
     let (mut said, mut part) = (Vec::new(), [0; 4096]);
     while let Ok(length @ 1..) = from.read(&mut part) {
@@ -189,14 +189,14 @@ fn end_of(mut from: impl Read) -> String {
     let cut = said.len() == MAX_MESSAGE_BYTES;
     let text = String::from_utf8_lossy(&said);
     let text = text.trim();
-    // The first line may have lost its beginning.
+    // The first line may be cut off.
     let whole = text.split_once('\n').filter(|_| cut);
     whole.map_or(text, |(_, rest)| rest).replace('\n', "; ")
 }
 
 impl Drop for Pipe {
     fn drop(&mut self) {
-        // After a finished film these find nothing to do.
+        // No effect after a normal end.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -217,10 +217,10 @@ fn apng(temporary: &Temporary, size: [u32; 2], fps: f32, frames: usize) -> Resul
         .map_err(|e| e.to_string())
 }
 
-/// Seconds of a frame as a fraction of 16-bit numbers.
+/// Frame duration in seconds as a fraction of 16-bit numbers.
 fn delay(fps: f32) -> (u16, u16) {
     if fps < 0.5 {
-        // Whole seconds; 65535 is the longest that the format has.
+        // Whole seconds; 65535 is the format's maximum.
         ((1.0 / fps).round() as u16, 1)
     } else if fps.fract() == 0.0 || fps > 65.0 {
         (1, fps.round() as u16)
@@ -230,7 +230,7 @@ fn delay(fps: f32) -> (u16, u16) {
 }
 
 fn ffmpeg(
-    goal: &Path,
+    path: &Path,
     size: [u32; 2],
     fps: f32,
     container: &str,
@@ -247,11 +247,11 @@ fn ffmpeg(
     }
     let size = format!("{width}x{height}");
     let rate = fps.to_string();
-    // A relative path with a colon in it would be that of a protocol.
-    let goal = path::absolute(goal).map_err(|e| e.to_string())?;
+    // ffmpeg reads a relative path with a colon as a protocol.
+    let path = path::absolute(path).map_err(|e| e.to_string())?;
     let mut command = Command::new("ffmpeg");
     command
-        // With `-xerror` a write that fails ends it.
+        // `-xerror` exits on a failed write.
         .args([
             "-hide_banner",
             "-loglevel",
@@ -264,7 +264,7 @@ fn ffmpeg(
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate, "-i", "pipe:0",
         ])
         .args(["-an", "-c:v", codec, "-crf", "18", "-pix_fmt", "yuv420p"])
-        // Display colors are sRGB; most players take BT.709 for granted.
+        // Display colors are sRGB; most players assume BT.709.
         .args([
             "-vf",
             "scale=out_color_matrix=bt709:out_range=tv,\
@@ -277,16 +277,16 @@ fn ffmpeg(
         .stdout(Stdio::null())
         .stderr(Stdio::piped());
     if matches!(container, "mp4" | "mov") {
-        // Players on the web begin before they have all of it.
+        // Index first, for playback while downloading.
         command.args(["-movflags", "+faststart"]);
     }
     #[cfg(unix)]
     {
         use std::os::unix::process::CommandExt as _;
-        // Ctrl-C of a terminal is for this program, which then writes no film and says so.
+        // Ctrl-C in a terminal must reach this program only, which reports it.
         command.process_group(0);
     }
-    let child = command.arg(goal).spawn();
+    let child = command.arg(path).spawn();
     let mut child = child.map_err(|error| match error.kind() {
         ErrorKind::NotFound => {
             "ffmpeg is not installed, and films other than .apng need it; install it, or write \
@@ -300,7 +300,7 @@ fn ffmpeg(
     Ok(Encoder::Ffmpeg(Pipe {
         child,
         pixels: Some(pixels),
-        words: Some(thread::spawn(move || end_of(errors))),
+        stderr: Some(thread::spawn(move || end_of(errors))),
     }))
 }
 

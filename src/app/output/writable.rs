@@ -1,4 +1,4 @@
-//! Whether a file can be created where the command line says.
+//! Checks that an output file can be created.
 
 use std::{fs, io, path::Path};
 
@@ -7,10 +7,10 @@ use crate::{
     files::{Temporary, folder_of},
 };
 
-/// Checks that a file can be created, before any time is spent on rendering it.
+/// Checks that a file can be created, before rendering.
 ///
 /// # Errors
-/// [`AppError::Usage`] saying which part of the path is wrong.
+/// [`AppError::Usage`] with the invalid part of the path.
 pub fn check_writable(path: &Path) -> Result<(), AppError> {
     let shown = path.display();
     let usage = |text: String| Err(AppError::Usage(text));
@@ -24,14 +24,14 @@ pub fn check_writable(path: &Path) -> Result<(), AppError> {
             folder.display()
         ));
     }
-    // The hidden name that files are written under may be shorter than this one.
+    // The temporary name may be shorter than this one.
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
             return usage(format!("--output {shown}: {error}"));
         }
         _ => {}
     }
-    // Creating a file is the only test of permissions that means anything.
+    // Only creating a file tests permissions reliably.
     if let Err(error) = Temporary::create(path) {
         return usage(format!(
             "--output {shown}: cannot write to {}: {error}",

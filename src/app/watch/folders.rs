@@ -1,5 +1,5 @@
-//! The folders that the system is asked to watch: which it does, which do not exist yet, and which
-//! it refuses and why. What is refused is asked for again, less and less often.
+//! Folder watches: active, missing and refused ones. Refused watches are retried with exponential
+//! backoff.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,17 +10,17 @@ use std::{
 
 use notify::{ErrorKind, RecursiveMode};
 
-/// What tells the system's events.
+/// Backend of system events.
 pub type System = Box<dyn notify::Watcher + Send>;
-/// Asks the system for that.
+/// Creates a backend.
 pub type Start = Box<dyn FnMut() -> notify::Result<System> + Send>;
 
-/// After a refusal the system is asked again after this long…
+/// First delay before a refused watch is retried…
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
-/// …then twice as long each time, up to this.
+/// …doubled each time, up to this.
 const MOST_PAUSE: Duration = Duration::from_secs(8);
 
-/// Something that the system has refused.
+/// A refused watch.
 #[derive(Debug)]
 struct Refusal {
     why: String,
@@ -46,12 +46,12 @@ impl Refusal {
 #[derive(Debug)]
 enum Folder {
     Watched,
-    /// There is none, so nothing can be saved in it.
+    /// The folder does not exist.
     Missing,
     Refused(Refusal),
 }
 
-/// The folders, by what they are called.
+/// Folders by path.
 pub struct Folders {
     start: Start,
     system: Result<System, Refusal>,
@@ -59,7 +59,7 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// None yet.
+    /// Empty.
     pub fn new(mut start: Start) -> Self {
         let system = start().map_err(|error| Refusal::new(no_system(&error), None));
         Self {
@@ -69,7 +69,7 @@ impl Folders {
         }
     }
 
-    /// Watches these and no others, as far as the system does; whether any was added.
+    /// Watches exactly these folders, as far as the system allows; returns whether any was added.
     pub fn watch(&mut self, wanted: &BTreeSet<PathBuf>) -> bool {
         if let Err(refusal) = &self.system
             && refusal.is_due()
@@ -108,8 +108,7 @@ impl Folders {
         added
     }
 
-    /// Gives up every watch: a folder that goes away takes its watch along, also when another takes
-    /// its name.
+    /// Drops all watches: a removed folder loses its watch, also when another takes its name.
     pub fn forget(&mut self) {
         let Ok(system) = &mut self.system else { return };
         for (folder, state) in &mut self.folders {
@@ -120,23 +119,23 @@ impl Folders {
         }
     }
 
-    /// Whether it is one of them.
+    /// Whether this folder is in the list.
     pub fn contains(&self, folder: &Path) -> bool {
         self.folders.contains_key(folder)
     }
 
-    /// Whether nothing tells what happens in some of them.
+    /// Whether some folders have no events.
     pub fn is_incomplete(&self) -> bool {
         let is_watched = |state: &Folder| matches!(state, Folder::Watched);
         self.system.is_err() || !self.folders.values().all(is_watched)
     }
 
-    /// Whether files in it can change though nothing tells.
+    /// Whether files in this folder must be polled.
     pub fn is_silent(&self, folder: &Path) -> bool {
         self.system.is_err() || matches!(self.folders.get(folder), Some(Folder::Refused(_)))
     }
 
-    /// What the system refuses, and what to do about it.
+    /// Description of the refused watches, and what to do.
     pub fn trouble(&self) -> Option<String> {
         const MEANWHILE: &str = "meanwhile they are looked at four times a second";
         if let Err(refusal) = &self.system {
@@ -156,7 +155,7 @@ impl Folders {
     }
 }
 
-/// Why nothing can be watched.
+/// Why no backend is available.
 fn no_system(error: &notify::Error) -> String {
     let (why, what) = match &error.kind {
         // EMFILE: of the user's watchers, or of the process's open files.
@@ -189,7 +188,7 @@ fn not_watched(error: &notify::Error, folder: &Path) -> String {
     format!("the system does not tell of files saved in {folder}: {why}; {what}")
 }
 
-/// Without the paths that the whole error repeats.
+/// The error without its paths.
 fn cause(error: &notify::Error) -> String {
     match &error.kind {
         ErrorKind::Io(error) => error.to_string(),

@@ -1,21 +1,21 @@
-//! What a file's name means: its own place and the links on the way to it.
+//! Symbolic link resolution: a file's own path and the links to it.
 
 use std::{
     fs,
     path::{Component, Path, PathBuf},
 };
 
-/// Links in a row before a path is given up; as in Linux.
+/// Maximum number of chained links; as in Linux.
 const MOST_LINKS: u32 = 40;
 
-/// Without links, or at least absolute.
+/// The path without links, or at least absolute.
 pub fn canonical(path: &Path) -> PathBuf {
     path.canonicalize()
         .or_else(|_| std::path::absolute(path))
         .unwrap_or_else(|_| path.to_owned())
 }
 
-/// The file's own place and those of the links on the way to it, each with a folder that is no link.
+/// The file's own path and those of the links to it, each in a folder without links.
 pub fn resolved_paths(name: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut rest = std::path::absolute(name).unwrap_or_else(|_| name.to_owned());
@@ -32,7 +32,7 @@ pub fn resolved_paths(name: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The first link of an absolute path, and what follows it.
+/// The first link of an absolute path, and the rest of the path.
 fn first_link(path: &Path) -> Option<(PathBuf, PathBuf)> {
     let mut before = PathBuf::new();
     let mut parts = path.components();

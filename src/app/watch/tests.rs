@@ -1,4 +1,4 @@
-//! Watching on a system that refuses to: its limits, a folder that may not be listed.
+//! Tests of watching with refused watches: system limits and unreadable folders.
 
 use std::sync::{
     Arc, Mutex, PoisonError,
@@ -9,10 +9,10 @@ use notify::{Config, ErrorKind, RecursiveMode, WatcherKind};
 
 use super::*;
 
-/// How the system refuses a folder, if it does.
+/// Refusal of a folder, if any.
 type Refuses = Arc<Mutex<Option<fn() -> ErrorKind>>>;
 
-/// A system that can refuse folders.
+/// A backend that can refuse folders.
 struct Moody {
     system: notify::RecommendedWatcher,
     refuses: Refuses,
@@ -39,7 +39,7 @@ impl notify::Watcher for Moody {
     }
 }
 
-/// A watcher over a file of its own, on a system that refuses folders, or at first to start.
+/// A watcher over a temporary file, with a backend that refuses folders, or its first start.
 struct Case {
     path: PathBuf,
     refuses: Refuses,
@@ -99,7 +99,7 @@ impl Case {
         news.expect("something is told")
     }
 
-    /// The next trouble that is told, whatever is told before.
+    /// The next reported limitation; skips other reports.
     fn trouble(&self) -> Option<String> {
         loop {
             if let News::Trouble(why) = self.next() {
@@ -108,7 +108,7 @@ impl Case {
         }
     }
 
-    /// Replaces the file in one step: no look at it finds it empty.
+    /// Replaces the file atomically, so that it is never seen empty.
     fn save(&self, text: &str) {
         let beside = self.path.with_extension("next");
         fs::write(&beside, text).expect("written");
@@ -142,9 +142,9 @@ fn a_reached_limit_is_told_and_saves_are_seen_nonetheless_until_it_is_over() {
     for round in 0..5 {
         case.save_is_seen(&format!("round {round}"));
     }
-    // Content decides, as ever.
+    // The content hash still decides.
     case.save("round 4");
-    thread::sleep(3 * LOOK);
+    thread::sleep(3 * POLL_INTERVAL);
     let told: Vec<News> = case.news.try_iter().collect();
     let mut changes = told.iter().filter(|n| matches!(n, News::Changed(..)));
     assert_eq!(changes.next(), None);
