@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::math::spline::hermite;
 
-/// What a channel moves of its node.
+/// Animated property of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Property {
     /// Meters.
@@ -14,29 +14,29 @@ pub enum Property {
     Rotation,
     /// A factor along each axis.
     Scale,
-    /// Whether the node and what is below it is seen: not 0.
+    /// Visibility of the node and its children: not 0.
     Visible,
 }
 
-/// How values run between keys.
+/// Interpolation between keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Keeps a key's value until the next.
+    /// Step: the value of the previous key.
     Step,
-    /// Straight; along the shorter arc for rotations.
+    /// Linear; slerp along the shorter arc for rotations.
     Linear,
     /// Cubic Hermite spline.
     Cubic,
 }
 
-/// Values at points of time. Before the first key and after the last one their values hold.
+/// Keyframes; the first and last values extend outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampler {
     /// Seconds, increasing, at least one.
     pub times_s: Vec<f32>,
     /// One for each key; for [`Interpolation::Cubic`] three: in-tangent, value, out-tangent.
     pub values: Vec<DVec4>,
-    /// How values run between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
 }
 
@@ -83,7 +83,7 @@ impl Sampler {
     }
 }
 
-/// From one unit quaternion to another along the shorter arc (appendix C.4).
+/// Slerp along the shorter arc (appendix C.4).
 fn slerp(a: DVec4, b: DVec4, u: f64) -> DVec4 {
     let cos = a.dot(b);
     let b = if cos < 0.0 { -b } else { b };
@@ -99,23 +99,23 @@ fn slerp(a: DVec4, b: DVec4, u: f64) -> DVec4 {
 pub struct Channel {
     /// Index of the node in its file.
     pub node: usize,
-    /// What is moved.
+    /// Animated property.
     pub property: Property,
-    /// Its values.
+    /// Keyframes.
     pub sampler: Sampler,
 }
 
 /// An animation of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
-    /// What it moves.
+    /// Channels.
     pub channels: Vec<Channel>,
     /// Time of its last key, seconds.
     pub duration_s: f32,
 }
 
 impl Animation {
-    /// Over these channels.
+    /// Animation of these channels.
     pub fn new(channels: Vec<Channel>) -> Self {
         let ends = channels.iter().filter_map(|c| c.sampler.times_s.last());
         Self {
@@ -125,18 +125,18 @@ impl Animation {
     }
 }
 
-/// An animation that a file has, played or not.
+/// An animation of a file, played or not.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Listed {
     /// Name of the `[model.NAME]`.
     pub model: String,
-    /// By which scene text selects it.
+    /// Name in scene text.
     pub name: String,
     /// Time of its last key, seconds; 0 where it is broken.
     pub duration_s: f32,
-    /// Properties of nodes that it moves; 0 where it is broken.
+    /// Number of animated properties; 0 where it is broken.
     pub channels: usize,
-    /// Whether some placement plays it.
+    /// Whether some instance plays it.
     pub played: bool,
 }
 
@@ -169,7 +169,7 @@ impl Local {
         }
     }
 
-    /// Replaces one of its parts; a matrix is split first, and loses its shear.
+    /// Replaces one component; a matrix is decomposed first and loses its shear.
     pub fn set(&mut self, property: Property, value: DVec4) {
         if let Self::Matrix(matrix) = self {
             let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
@@ -196,8 +196,8 @@ impl Local {
     }
 }
 
-/// A scale of 0 along some axes makes a flat thing, which has no inverse: it is kept very thin
-/// instead. One of 0 along all axes stays, and hides.
+/// A scale of 0 along some axes is singular, so it is replaced by a tiny one. A scale of 0 along
+/// all axes hides.
 fn not_flat(scale: Vec3) -> Vec3 {
     const THINNEST: f32 = 1e-5;
     let least = scale.abs().max_element() * THINNEST;

@@ -1,4 +1,4 @@
-//! The trees that rays traverse: built on the CPU, packed into two buffers for the GPU.
+//! Acceleration structures: BVHs built on the CPU and packed into two buffers for the GPU.
 //!
 //! Node buffer, 80 bytes (5 × `vec4u`) each, with absolute child and primitive indices:
 //!
@@ -52,7 +52,7 @@ pub const NONE: u32 = u32::MAX;
 /// Entries of the traversal stack in `shaders/lib/bvh.wgsl`; trees that need more are refused.
 pub const STACK_SIZE: u32 = 24;
 
-/// Farthest coordinate that trees hold, meters: areas and reciprocals stay finite in f32.
+/// Maximum coordinate in trees, meters, so that areas and reciprocals are finite in f32.
 pub const MAX_REACH_M: f32 = 1e15;
 /// Words of a node.
 const NODE_WORDS: usize = size_of::<CwBvhNode>() / 4;
@@ -73,17 +73,17 @@ pub struct Trees {
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
     /// may move.
     pub top_instances: Vec<u32>,
-    /// Most stack entries that traversal needs below the top level.
+    /// Maximum stack depth of traversal below the top level.
     mesh_stack_need: u32,
 }
 
-/// A top level over posed instances that is not in its place yet.
+/// A rebuilt top level that is not applied yet.
 pub struct TopLevel {
     /// Records of [`Trees::top_instances`].
     records: Vec<TraceInstance>,
-    /// Over those that rays can hit; none where no trees were built.
+    /// Tree over the instances that rays can hit; none where no trees were built.
     tree: Option<Tree>,
-    /// Instances that the tree's boxes stand for.
+    /// Instances of the tree's boxes.
     ids: Vec<u32>,
 }
 
@@ -141,8 +141,8 @@ impl Trees {
         Ok(trees)
     }
 
-    /// For a world in which no ray is followed: stand-ins for the buffers, and the records of the
-    /// instances, which shading reads too.
+    /// For a plan without rays: placeholder buffers, and the instance records, which shading reads
+    /// too.
     pub fn unbuilt(world: &World) -> Self {
         let record = |i: &Instance| {
             TraceInstance::new(&i.world_from_object, &world.materials[i.material], NONE)
@@ -160,7 +160,7 @@ impl Trees {
         }
     }
 
-    /// Whether rays can be followed through them.
+    /// Whether they can be traversed.
     pub fn is_built(&self) -> bool {
         !self.top_range.is_empty()
     }
@@ -211,7 +211,7 @@ impl Trees {
         Ok(TopLevel { records, tree, ids })
     }
 
-    /// Puts a top level of these trees in its place.
+    /// Applies a rebuilt top level.
     pub fn set_top_level(&mut self, top: TopLevel) {
         for (id, record) in self.top_instances.iter().zip(top.records) {
             self.instances[*id as usize] = record;
@@ -233,7 +233,7 @@ impl Trees {
     }
 }
 
-/// Nodes kept for a top level over `instances`: every inner node has at least two children.
+/// Nodes reserved for a top level over `instances`: every inner node has at least two children.
 fn top_capacity(instances: usize) -> usize {
     instances.max(1)
 }
@@ -247,7 +247,7 @@ fn check_nodes(nodes: &[CwBvhNode], stack_need: u32, limit: u64) -> Result<(), B
     check_stack(stack_need)
 }
 
-/// Refuses trees deeper than the traversal's stack, which would lose nodes.
+/// Refuses trees deeper than the traversal's stack, which would skip nodes.
 fn check_stack(need: u32) -> Result<(), Box<Diagnostic>> {
     if need <= STACK_SIZE {
         return Ok(());
@@ -284,7 +284,7 @@ fn has_area([a, b, c]: [Vec3; 3]) -> bool {
 }
 
 fn within_reach(min: Vec3, max: Vec3) -> bool {
-    // Written so that NaN is not within.
+    // False for NaN.
     min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
 }
 

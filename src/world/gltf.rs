@@ -1,5 +1,5 @@
-//! One glTF 2.0 file becomes a [`Model`]: meshes, materials, placements, lights and cameras, with
-//! everything in the file treated as hostile until checked.
+//! Reads a glTF 2.0 file into a [`Model`]: meshes, materials, placements, lights and cameras. All
+//! content is untrusted until validated.
 //!
 //! The JSON is read into plain data of our own (`schema`), because ready-made readers refuse valid
 //! files and panic on broken ones.
@@ -43,35 +43,35 @@ pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
 pub use uri::Sandbox;
 
-/// What one file holds; transforms are relative to the model.
+/// Contents of one file; transforms are relative to the model.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// One for each primitive that has triangles.
+    /// One mesh per primitive with triangles.
     pub meshes: Vec<Mesh>,
     /// The file's materials and last the default one; their textures index [`Model::images`].
     pub materials: Vec<Material>,
-    /// Images in the way that materials use them.
+    /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
-    /// Where meshes stand.
+    /// Mesh placements.
     pub placements: Vec<Attached<Placement>>,
     /// KHR_lights_punctual, in the space of their nodes.
     pub lights: Vec<Attached<Light>>,
     /// Perspective cameras by name, in the space of their nodes.
     pub cameras: Vec<Attached<(String, CameraDesc)>>,
-    /// The nodes.
+    /// Node hierarchy.
     pub rig: Arc<Rig>,
-    /// What can move them.
+    /// Animations.
     pub clips: Vec<Clip>,
     /// The USD stage that it was converted from.
     pub stage: Stage,
     /// Named, counted warnings.
     pub warnings: Vec<Diagnostic>,
-    /// The file and the buffers that it names.
+    /// The file and its buffers.
     pub files: Vec<PathBuf>,
 }
 
 impl Model {
-    /// What it can play.
+    /// Animations, and metadata of the stage.
     pub fn playable(&self) -> Playable {
         Playable {
             clips: self.clips.clone(),
@@ -80,18 +80,18 @@ impl Model {
     }
 }
 
-/// Something that hangs on a node.
+/// An item attached to a node.
 #[derive(Clone, Debug)]
 pub struct Attached<T> {
-    /// Index of the node that moves it; `None` for what stays where it is, such as skinned meshes.
+    /// Index of the animated node; `None` for static items, such as skinned meshes.
     pub node: Option<usize>,
-    /// Its own place there.
+    /// Transform in the node's space.
     pub node_from_object: Affine3A,
-    /// Where it is at rest. Finite, perhaps singular.
+    /// Rest transform. Finite, perhaps singular.
     pub model_from_object: Affine3A,
     /// Whether it is hidden unless an animation shows it.
     pub hidden: bool,
-    /// What hangs there.
+    /// The attached item.
     pub value: T,
 }
 
@@ -115,11 +115,11 @@ pub struct ImageUse {
     pub index: usize,
     /// Whether it is sampled as color.
     pub srgb: bool,
-    /// Where its encoded bytes are; an error matters only if the image is used.
+    /// Location of its encoded bytes; an error is reported only if the image is used.
     pub source: Result<ImageSource, Fault>,
 }
 
-/// Where encoded bytes are.
+/// Location of encoded bytes.
 #[derive(Clone, Debug)]
 pub enum ImageSource {
     /// In a buffer or `data:` URI.
@@ -128,14 +128,14 @@ pub enum ImageSource {
     File(PathBuf),
 }
 
-/// An error inside a file that the caller names.
+/// An error inside a file; the caller adds the file name.
 #[derive(Clone, Debug)]
 pub struct Fault {
     /// Kebab-case kind.
     pub name: &'static str,
-    /// Place and what is wrong.
+    /// Place and error message.
     pub message: String,
-    /// What to do.
+    /// Help text.
     pub help: Option<String>,
 }
 
@@ -149,13 +149,13 @@ impl Fault {
         }
     }
 
-    /// Adds what to do.
+    /// Adds help text.
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Puts a place before the message.
+    /// Prefixes the message with a place.
     pub fn at(mut self, place: &str) -> Self {
         self.message = format!("{place}: {}", self.message);
         self
@@ -202,16 +202,16 @@ impl Notes {
     }
 }
 
-/// Most bytes that one file's geometry may decode to.
+/// Maximum decoded geometry of one file, bytes.
 const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 
-/// Most errors that are listed for one file.
+/// Maximum number of listed errors per file.
 const MAX_ERRORS: usize = 20;
 
 /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]).
 ///
 /// # Errors
-/// Everything wrong with it, each with its place inside the file.
+/// All errors, each with its place inside the file.
 pub fn read(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
     read_faults(path, sandbox).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
@@ -245,7 +245,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
         let what = "animations are broken and cannot be played";
         notes.add("animation-broken", 1, what, &fault.message);
     }
-    let visit = node::walk(&root, &data, &model.clips, &mut notes).map_err(one)?;
+    let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = notes.into_warnings(path);
@@ -265,5 +265,5 @@ fn finite(values: &[f32]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// The direction that nodes of lights and cameras look.
+/// Local view direction of lights and cameras.
 const FORWARD: Vec3 = Vec3::NEG_Z;

@@ -1,4 +1,4 @@
-//! A scene description and the files it names become a [`World`].
+//! Loads a scene description and its files into a [`World`].
 
 use std::{
     collections::HashMap,
@@ -34,7 +34,7 @@ mod vertex_streams;
 pub use asset_cache::AssetCache;
 pub use preloaded_models::PreloadedModels;
 
-/// Where files are looked up and what loading may cost.
+/// Asset folders and limits of loading.
 #[derive(Clone, Debug)]
 pub struct LoadOptions {
     /// Folders searched after the scene's own, in this order.
@@ -45,9 +45,9 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
-    /// Where it is noted what was looked for.
+    /// Records the files that were searched.
     pub dependencies: Dependencies,
-    /// What was read already.
+    /// Models that were read before.
     pub preloaded_models: PreloadedModels,
 }
 
@@ -64,15 +64,15 @@ impl Default for LoadOptions {
     }
 }
 
-/// Loads every file that the scene names, once each, and places everything.
+/// Loads every file of the scene once and places all instances.
 ///
 /// # Errors
-/// Everything found wrong with the scene's names and files, in the order of the scene text.
+/// All errors in the scene's names and files, in the order of the scene text.
 pub fn load(desc: &SceneDesc, options: &LoadOptions) -> Result<World, Vec<Diagnostic>> {
     load_with_cache(desc, options).map(|(world, _)| world)
 }
 
-/// As [`load`], with what a later text of the same scene needs to be loaded without its files.
+/// As [`load`], with an asset cache for later texts of the scene.
 ///
 /// # Errors
 /// As [`load`].
@@ -89,7 +89,7 @@ pub fn load_with_cache(
     loader.finish(models)
 }
 
-/// Everything that is known while loading.
+/// State of loading.
 struct Loader<'a> {
     desc: &'a SceneDesc,
     options: &'a LoadOptions,
@@ -102,18 +102,18 @@ struct Loader<'a> {
     /// Files already read, by canonical path and what of a stage is read; `None` after an error.
     files: HashMap<(PathBuf, usd::Choice), Option<usize>>,
     loaded: Vec<Model>,
-    /// Which loaded model and mesh became which mesh of the world.
+    /// World mesh of each loaded model and mesh.
     meshes: HashMap<place::MeshKey, usize>,
     materials: HashMap<place::MaterialKey, usize>,
     materials_by_name: HashMap<String, Vec<usize>>,
 }
 
-/// What a `[model.NAME]` became.
+/// Result of a `[model.NAME]`.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     /// Index into [`Loader::loaded`].
     File(usize),
-    /// Its mesh is in the world.
+    /// A shape, whose mesh is in the world.
     Shape(usize),
     /// An error was reported.
     Broken,
@@ -261,7 +261,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// A stage is read as the glTF file that it is converted to, but known by its own files.
+    /// A stage is read from its converted glTF file; its own files are the dependencies.
     fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
         let named = |fault: Fault| {
             let mut error = Diagnostic::in_file(fault.name, path, fault.message);
@@ -278,7 +278,7 @@ impl<'a> Loader<'a> {
         Ok(model)
     }
 
-    /// Files of texts come after those that are kept: another text may have others.
+    /// Text files come after the cached ones: another text may have others.
     fn add_texts(&mut self) {
         self.add_files(&self.desc.text_files());
     }
@@ -317,7 +317,7 @@ impl<'a> Loader<'a> {
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
-        let kept = AssetCache {
+        let asset_cache = AssetCache {
             sources: asset_cache::sources(self.desc),
             models,
             loaded: self.loaded,
@@ -327,7 +327,7 @@ impl<'a> Loader<'a> {
             mesh_warnings,
             files,
         };
-        Ok((self.world, kept))
+        Ok((self.world, asset_cache))
     }
 }
 
@@ -350,7 +350,7 @@ impl Loader<'_> {
     }
 }
 
-/// The last guard: whatever a file makes the reader do wrong ends as a message about that file.
+/// Panic boundary: a reader's panic becomes an error about its file.
 fn read_guarded(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
     let worker = thread::scope(|scope| scope.spawn(|| gltf::read(path, sandbox)).join());
     worker.unwrap_or_else(|_| {

@@ -1,4 +1,4 @@
-//! SceneDesc → CPU data: everything that needs a file or a tree, and nothing that needs a GPU.
+//! Loaded scenes: SceneDesc → CPU data, including asset files and BVHs, without a GPU.
 
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ pub struct World {
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
-    /// What rays that leave the scene see.
+    /// Radiance of rays that leave the scene.
     pub environment: EnvironmentDesc,
     /// The animations of all files.
     pub animations: Vec<animation::Listed>,
@@ -48,10 +48,10 @@ pub struct World {
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.
     pub files: Vec<PathBuf>,
-    /// What may change from frame to frame.
+    /// Animated parts.
     pub moving: pose::Moving,
-    /// U before anything moved, meters: where nothing stands still, poses would change it. `None`
-    /// measures what is there.
+    /// U at load, meters: without static geometry, poses would change it. `None` computes it from
+    /// the current bounds.
     pub rest_unit_m: Option<f32>,
 }
 
@@ -98,8 +98,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// The transform of what an animation hides, now or in some other frame: no ray and no draw
-    /// meets it.
+    /// Transform of a hidden instance: no ray hits it and no draw shows it.
     pub const HIDDEN: Affine3A = Affine3A::ZERO;
 
     /// Whether it is hidden now.
@@ -131,9 +130,9 @@ pub struct Material {
     pub occlusion_strength: f32,
     /// Cut-out threshold; `None` is opaque.
     pub alpha_cutoff: Option<f32>,
-    /// Whether backs are seen.
+    /// Whether it is double-sided.
     pub double_sided: bool,
-    /// Part in reflections.
+    /// Reflection mode.
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
     pub checker: Option<crate::scene::desc::CheckerDesc>,
@@ -242,7 +241,7 @@ pub struct Texture {
 pub struct Light {
     /// Name from scene text or file.
     pub name: String,
-    /// Everything else, as the scene text says it.
+    /// All other values, as in scene text.
     pub desc: LightDesc,
     /// Distance at which a file's light ends (KHR_lights_punctual `range`), meters; `None` is endless.
     pub range_m: Option<f32>,

@@ -1,4 +1,4 @@
-//! A frame's poses laid over a loaded world: instances, lights, cameras and material values.
+//! Posing: applies a frame's transforms, lights, cameras and material values to a loaded world.
 
 use std::borrow::Cow;
 
@@ -17,10 +17,10 @@ use crate::{
     },
 };
 
-/// What of a world can change from frame to frame, and what the scene calls it.
+/// Animated parts of a world, with their names in the scene.
 #[derive(Clone, Debug, Default)]
 pub struct Moving {
-    /// What placed files play.
+    /// Animation players of placed files.
     pub players: Vec<Player>,
     /// Instances that may move.
     pub instances: Vec<MovingInstance>,
@@ -30,29 +30,29 @@ pub struct Moving {
     pub cameras: Vec<Moved<CameraDesc>>,
     /// Materials whose numbers may change.
     pub materials: Vec<MovingMaterial>,
-    /// What places each of `SceneDesc::instances`: its `[motion.instance.NAME]`, else its own
-    /// table.
+    /// Transform source of each of `SceneDesc::instances`: its `[motion.instance.NAME]`, else its
+    /// own table.
     pub placed_at: Vec<Span>,
 }
 
-/// What something that may move hangs on.
+/// Parent of a movable item.
 #[derive(Clone, Debug)]
 pub struct Anchor {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
     /// Of its copy in a grid, meters in world space.
     pub offset: Vec3,
-    /// Index into [`Moving::players`] and slot of the node that moves it, if an animation does.
+    /// Index into [`Moving::players`] and slot of its animated node, if any.
     pub node: Option<(usize, usize)>,
-    /// From its own space to that node's, or to the model's where there is none.
+    /// Transform from its space to that node's, or to the model's without one.
     pub local: Affine3A,
 }
 
-/// The nodes of every player at one time.
+/// Node transforms of every player at one time.
 type Poses = [Vec<PosedNode>];
 
 impl Anchor {
-    /// World from its own space, and whether it is seen.
+    /// Transform from its space to the world, and visibility.
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
         let node = self.node.map(|(player, slot)| &poses[player][slot]);
@@ -62,16 +62,16 @@ impl Anchor {
     }
 }
 
-/// One mesh of something that may move.
+/// A movable mesh instance.
 #[derive(Clone, Debug)]
 pub struct MovingInstance {
     /// Index into [`World::instances`].
     pub instance: usize,
-    /// What it hangs on.
+    /// Its parent.
     pub anchor: Anchor,
     /// Of its copy at rest.
     pub world_from_model: Affine3A,
-    /// Whether it turned front into back at load.
+    /// Whether its transform mirrored at load.
     pub mirrored: bool,
 }
 
@@ -80,16 +80,16 @@ pub struct MovingInstance {
 pub struct Moved<T> {
     /// Which of the world's.
     pub index: usize,
-    /// What it hangs on.
+    /// Its parent.
     pub anchor: Anchor,
     /// As the file has it, in its own space.
     pub rest: T,
 }
 
-/// What tells how a material changes.
+/// Source of a material animation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialSource {
-    /// The default of shapes, over which something changes.
+    /// Default material of shapes, with animated overrides.
     Plain,
     /// A `[material.NAME]`, by its index in `SceneDesc::materials`.
     Named(usize),
@@ -97,9 +97,9 @@ pub enum MaterialSource {
     File {
         /// Indices into `FrameState::file_materials`; the later wins.
         changes: Vec<usize>,
-        /// What the file says.
+        /// Material of the file.
         own: Box<MaterialDesc>,
-        /// What the scene lays over it at rest.
+        /// Static overrides of the scene.
         overrides: Box<MaterialDesc>,
     },
 }
@@ -107,20 +107,20 @@ pub enum MaterialSource {
 /// A material whose numbers may change.
 #[derive(Clone, Debug)]
 pub struct MovingMaterial {
-    /// What tells how.
+    /// Source of the animation.
     pub from: MaterialSource,
     /// Index into [`World::materials`].
     pub material: usize,
-    /// What the instance lays over it, which wins.
+    /// Overrides of the instance, which win.
     pub over: MaterialDesc,
-    /// What changes of that, as an index into `FrameState::overrides`.
+    /// Animated overrides of the instance, as an index into `FrameState::overrides`.
     pub over_change: Option<usize>,
-    /// As it was loaded; each frame begins with it.
+    /// Material as loaded; the base of each frame.
     pub rest: Material,
 }
 
 impl MovingMaterial {
-    /// What the instance lays over it in a frame, where `below` is what it lies on.
+    /// Overrides of the instance in a frame, applied to `below`.
     fn over_at(&self, state: &FrameState, below: &MaterialDesc) -> Cow<'_, MaterialDesc> {
         let change = self.over_change.map(|index| &state.overrides[index]);
         match change.filter(|change| **change != MaterialChange::default()) {
@@ -137,7 +137,7 @@ impl World {
         moves && self.materials[material].reflection != ReflectionMode::None
     }
 
-    /// Takes over the poses of a frame. What was applied before leaves no trace.
+    /// Applies the poses of a frame, independent of earlier frames.
     ///
     /// # Errors
     /// `bad-pose` for instances whose transform is not finite, and for those that no animation
@@ -206,7 +206,7 @@ impl World {
             let (pose, seen) = moving.anchor.place(state, poses);
             let usable = invertible(&pose);
             let wrong = if moving.anchor.node.is_some() {
-                // Files hide things by a scale of 0, and turn them over through it.
+                // Files use a scale of 0 to hide, and cross it to mirror.
                 placed.push(if usable && seen {
                     pose
                 } else {
@@ -240,10 +240,10 @@ impl World {
         }
     }
 
-    /// Bounds of everything at all times of the animations that are played; at rest what only the
-    /// scene itself moves.
+    /// Bounds over the whole time of played animations; instances moved by the scene only are at
+    /// rest.
     pub fn bounds_over_time(&self) -> Bounds {
-        /// Times that are looked at.
+        /// Number of sampled times.
         const TIMES: u32 = 32;
         let moving = &self.moving;
         let is_animated = |m: &&MovingInstance| m.anchor.node.is_some();

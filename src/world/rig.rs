@@ -1,4 +1,4 @@
-//! The nodes of a file and how its animations move them.
+//! Node hierarchy of a file, and its animation players.
 
 use std::sync::Arc;
 
@@ -23,28 +23,28 @@ pub struct RigNode {
     pub parent: Option<usize>,
     /// Parent from node.
     pub local: Local,
-    /// Whether it and what is below it is seen.
+    /// Visibility of the node and its children.
     pub visible: bool,
     /// The product of all `local` down to here.
     pub model_from_node: Affine3A,
 }
 
-/// What a placed file plays. All copies of an instance play the same.
+/// Animation player of a placed file, shared by all copies of an instance.
 #[derive(Clone, Debug)]
 pub struct Player {
     /// Index into `SceneDesc::instances`; `None` for a model that no instance names.
     pub desc: Option<usize>,
     /// When it is played.
     pub timing: AnimationDesc,
-    /// What is played; where two move the same, the later wins.
+    /// Played animations; the later wins for the same property.
     animations: Vec<Arc<Animation>>,
-    /// Nodes that it moves, parents first.
+    /// Animated nodes, parents first.
     moved: Vec<MovedNode>,
     /// Index into `moved` of each node of the file.
     slots: Vec<Option<usize>>,
 }
 
-/// A node that is animated, or below one that is.
+/// An animated node, or a descendant of one.
 #[derive(Clone, Debug)]
 struct MovedNode {
     parent: Parent,
@@ -52,26 +52,26 @@ struct MovedNode {
     visible: bool,
 }
 
-/// What a moved node hangs on.
+/// Parent of an animated node.
 #[derive(Clone, Copy, Debug)]
 enum Parent {
-    /// Another moved node.
+    /// Another animated node.
     Slot(usize),
-    /// A node that stays where it is, and whether it is seen.
+    /// A static node, with its visibility.
     Still(Affine3A, bool),
 }
 
-/// Where the nodes of a player are at one time.
+/// Node transforms of a player at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedNode {
     /// Perhaps singular.
     pub model_from_node: Affine3A,
-    /// Whether it is seen.
+    /// Visibility.
     pub visible: bool,
 }
 
 impl Player {
-    /// Of some animations over the nodes of a file.
+    /// Player of some animations of a file.
     pub fn new(
         rig: &Rig,
         animations: Vec<Arc<Animation>>,
@@ -112,7 +112,7 @@ impl Player {
         }
     }
 
-    /// Where a node of the file is found in [`Player::pose`], if it moves.
+    /// Slot of a node in [`Player::pose`], if animated.
     pub fn slot(&self, node: usize) -> Option<usize> {
         self.slots.get(node).copied().flatten()
     }
@@ -164,7 +164,7 @@ impl Player {
 }
 
 impl Rig {
-    /// Whether a node and all above it are seen at rest.
+    /// Whether a node and all its ancestors are visible at rest.
     fn is_seen(&self, node: &RigNode) -> bool {
         let mut next = Some(node);
         while let Some(node) = next {

@@ -21,7 +21,7 @@ use crate::scene::diagnostic::Diagnostic;
 /// Longest edge that a picture is rendered with, pixels; larger images are reduced to it.
 pub const LARGEST_KEPT_PX: u32 = 2048;
 
-/// What decoding may cost.
+/// Limits of decoding.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureLimits {
     /// Largest width and height, pixels.
@@ -37,7 +37,7 @@ pub struct TextureLimits {
 pub struct TextureRequest {
     /// Which image of `file`, for messages.
     pub name: String,
-    /// The file to blame.
+    /// File for error messages.
     pub file: PathBuf,
     /// Encoded bytes.
     pub source: ImageSource,
@@ -112,7 +112,7 @@ pub fn decode_all(
     }
 }
 
-/// Decoders are other people's code fed with strangers' bytes: a panic there is an error here.
+/// Panic boundary: third-party decoders process untrusted bytes.
 fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Err(fault(
@@ -142,7 +142,7 @@ fn open<'a>(source: &'a ImageSource, limits: &TextureLimits) -> Result<Box<dyn I
     }
 }
 
-/// By content: names and stated types are often wrong.
+/// Format by content, since names and MIME types are often wrong.
 fn sniff(input: &mut dyn Input) -> Result<Format, Fault> {
     let mut magic = Vec::new();
     let unreadable = |e: std::io::Error| fault("image-broken", format!("cannot be read: {e}"));

@@ -23,9 +23,9 @@ use crate::scene::{
 mod conversion_record;
 mod tool;
 
-/// Environment variable that names the converter's command.
+/// Environment variable with the converter's command.
 pub const TOOL_ENV: &str = "REFLET_USD";
-/// Environment variable that names the folder where conversions are kept.
+/// Environment variable with the cache folder of conversions.
 pub const CACHE_ENV: &str = "REFLET_CACHE";
 
 /// A stage as glTF.
@@ -35,16 +35,16 @@ pub struct Converted {
     pub glb: PathBuf,
     /// Every file that the conversion read.
     pub files: Vec<PathBuf>,
-    /// What glTF could not carry, and whether the cache was used.
+    /// Conversion losses, and whether the cache was used.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// What of a stage is converted: arguments of the converter, none where nothing is asked for.
+/// Converted parts of a stage, as arguments of the converter; empty by default.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Choice(Vec<String>);
 
 impl Choice {
-    /// What the scene text asks for.
+    /// Choice of the scene text.
     pub fn of(desc: &StageDesc) -> Self {
         let mut arguments = Vec::new();
         for variant in &desc.variants {
@@ -65,11 +65,11 @@ impl Choice {
     }
 }
 
-/// How often a stage is converted whose files change meanwhile.
+/// Maximum conversions of a stage whose files change meanwhile.
 const MOST_TRIES: usize = 3;
 
-/// Converts what is chosen of a stage, or finds the conversion of the same content. Layers and textures may lie in
-/// `roots` too.
+/// Converts the chosen parts of a stage, or finds a cached conversion of the same content. Layers
+/// and textures may lie in `roots` too.
 ///
 /// # Errors
 /// A missing converter, with the command that installs it; a stage that it refuses, with its reason;
@@ -102,7 +102,7 @@ pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Conve
         return Ok(converted(stage, glb, record));
     }
     let known = earlier.map_or_else(Inputs::default, |record| record.inputs);
-    let (record, is_steady) = convert_anew(&tool, (stage, choice), roots, &glb, known)?;
+    let (record, is_steady) = run_conversion(&tool, (stage, choice), roots, &glb, known)?;
     let mut result = converted(stage, glb, &record);
     if !is_steady {
         let message = format!(
@@ -117,9 +117,9 @@ pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Conve
     Ok(result)
 }
 
-/// Converts a stage to `glb`, again where its files change meanwhile; says whether they rested at
-/// last. `known` are those that it is likely to read.
-fn convert_anew(
+/// Converts a stage to `glb`, again if its files change meanwhile; returns whether they were stable
+/// at last. `known` are files that it probably reads.
+fn run_conversion(
     tool: &Tool,
     (stage, choice): (&Path, &Choice),
     roots: &[PathBuf],
@@ -172,7 +172,7 @@ impl Drop for Fresh {
     }
 }
 
-/// Whether this conversion is spoken of for the first time: a command may ask for it twice.
+/// Whether this conversion was not reported yet: a command may request it twice.
 fn is_news(name: &str) -> bool {
     static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
@@ -191,10 +191,10 @@ fn converted(stage: &Path, glb: PathBuf, record: &Record) -> Converted {
     }
 }
 
-/// Warnings of one name that are told one by one; of more, the first speaks for all.
+/// Maximum number of listed warnings of one name; above it the first is shown with a count.
 const MOST_OF_A_NAME: usize = 3;
 
-/// What the converter's warnings say to those who only want the picture.
+/// Summary of the converter's warnings.
 fn told(stage: &Path, warnings: &[SidecarWarning]) -> Vec<Diagnostic> {
     let mut names: Vec<&str> = Vec::new();
     for warning in warnings {

@@ -1,4 +1,4 @@
-//! What traversal reads of triangles and instances, as it lies in the buffers.
+//! Buffer layout of triangles and instances for traversal.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -7,7 +7,7 @@ use crate::{math::in_f64, world::Material};
 
 /// Flag: hits ask `alpha_passes` first.
 pub const ALPHA_TESTED: u32 = 1;
-/// Flag: the back is seen.
+/// Flag: double-sided.
 pub const DOUBLE_SIDED: u32 = 2;
 /// Flag: clockwise is the front, because a mirroring transform was baked in.
 pub const FLIPPED: u32 = 4;
@@ -47,7 +47,7 @@ pub struct TraceInstance {
 }
 
 impl TraceInstance {
-    /// The record of an instance that stands there.
+    /// Record of an instance with this transform.
     pub(super) fn new(world_from_object: &Affine3A, material: &Material, tree_root: u32) -> Self {
         // Inverted in f64, so that only its storage rounds.
         let inverse = in_f64(world_from_object).matrix3.inverse().as_mat3();

@@ -1,4 +1,4 @@
-//! Ray tracing on the CPU in f64: what the GPU's traversal is held against.
+//! Reference ray tracer on the CPU in f64, for tests of GPU traversal.
 //!
 //! The rule, on both sides: nearest hits pass single-sided triangles from behind; shadow rays
 //! ([`Oracle::any`]) are blocked by either side; triangles with cut-outs count where the alpha
@@ -19,9 +19,9 @@ pub struct Ray {
     pub origin: DVec3,
     /// Not zero; any length.
     pub direction: DVec3,
-    /// Hits at or before this are not seen.
+    /// Hits at or before this are ignored.
     pub t_min: f64,
-    /// Hits at or after this are not seen.
+    /// Hits at or after this are ignored.
     pub t_max: f64,
 }
 
@@ -140,7 +140,7 @@ impl Oracle {
         })
     }
 
-    /// The world-space point that weights name in a triangle.
+    /// World-space point of barycentric weights in a triangle.
     pub fn point(&self, instance: u32, triangle: u32, bary: DVec2) -> DVec3 {
         let corner = self.corner(instance, triangle);
         corner.base + corner.edge1 * bary.x + corner.edge2 * bary.y
@@ -162,7 +162,7 @@ impl Oracle {
     }
 }
 
-/// Traversal of the packed trees, for scenes too large for [`Oracle`]'s brute force.
+/// Traversal of the packed trees on the CPU, for scenes too large for brute force.
 impl Trees {
     /// The nearest hit, as [`Oracle::nearest`].
     pub fn nearest(

@@ -1,5 +1,4 @@
-//! Which instances are baked into the static tree and which are placed by the top level, and
-//! whether that fits the device.
+//! Assignment of instances to the static tree or the top level, within device limits.
 
 use super::TraceTriangle;
 use crate::{
@@ -9,9 +8,9 @@ use crate::{
 
 /// Extra triangles that copies of one static mesh may take before it is stored once instead.
 const MAX_COPIED_TRIANGLES: usize = 1 << 18;
-/// Meshes this small are copied always: a placement in the top level costs more than they do.
+/// Meshes this small are always copied: a top-level instance costs more.
 const SMALL_MESH: usize = 64;
-/// Which instances go where.
+/// Assignment of instances.
 pub(super) struct Placement {
     /// Instances baked into the static tree.
     pub baked: Vec<u32>,
@@ -22,10 +21,10 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Copies what may be copied within `limit` bytes of triangles.
+    /// Copies static meshes within `limit` bytes of triangles.
     ///
     /// # Errors
-    /// Even without copies there are too many triangles.
+    /// Too many triangles even without copies.
     pub fn within(world: &World, limit: u64) -> Result<Self, Box<Diagnostic>> {
         let mut placement = Self::of(world, MAX_COPIED_TRIANGLES, SMALL_MESH);
         if placement.triangle_bytes(world) > limit {

@@ -1,5 +1,5 @@
-//! Building: sizes, limits, degenerate input. Traversal is held against brute force in
-//! `tests/trace_oracle`.
+//! Tests of building: sizes, limits, degenerate input. `tests/trace_oracle` tests traversal against
+//! brute force.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
@@ -246,7 +246,7 @@ fn a_pose_whose_top_level_is_too_deep_is_refused_and_changes_nothing() {
     let meshes = vec![triangle_mesh(&[unit_triangle()])];
     let mut world = world(meshes, &[(0, Affine3A::IDENTITY, true); 20]);
     let mut trees = Trees::build(&world, LIMIT).unwrap();
-    // As if the meshes' trees had left no room on the stack.
+    // As if the mesh trees used the whole stack.
     trees.mesh_stack_need = STACK_SIZE + 1;
     let before = (trees.nodes.clone(), trees.instances.clone());
     for (i, instance) in world.instances.iter_mut().enumerate() {

@@ -1,4 +1,4 @@
-//! One compressed wide tree over boxes, by obvhs.
+//! Compressed wide BVH over boxes, built by obvhs.
 
 use std::{borrow::Cow, time::Duration};
 
@@ -13,9 +13,9 @@ use obvhs::{
 pub(super) struct Tree {
     /// The root is first, children stand behind their parents; never empty.
     pub nodes: Vec<CwBvhNode>,
-    /// Which box stands at each place of the leaf order.
+    /// Box index at each position of the leaf order.
     pub order: Vec<u32>,
-    /// Most entries that traversal has on its stack at once.
+    /// Maximum stack depth of traversal.
     pub stack_need: u32,
 }
 
@@ -43,9 +43,9 @@ impl Tree {
     }
 }
 
-/// The boxes, those that share a center with another one grown by a little of their own. The builder
-/// pairs each box with its nearest neighbor; among equal ones all choose alike, one pair comes of
-/// each round, and a thousand copies in one place would take a thousand rounds.
+/// The boxes, with those that share a center enlarged by distinct small amounts. The builder pairs
+/// each box with its nearest neighbor; among coincident boxes only one pair forms per round, so a
+/// thousand copies would take a thousand rounds.
 fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
     let center = |b: &Aabb| ((b.min + b.max) * 0.5).to_array().map(f32::to_bits);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
@@ -61,7 +61,7 @@ fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
         let original = &boxes[pair[1]];
         let size = (original.max - original.min).max_element();
         let reach = original.min.abs().max(original.max.abs()).max_element();
-        // Weyl's sequence: never the same twice, in no order that neighbors in space share.
+        // Weyl sequence: distinct values, uncorrelated with spatial order.
         let share = (equal.wrapping_mul(0x9e37_79b9) >> 8) as f32 / (1u32 << 24) as f32;
         let growth = (size * 1e-3).max(reach * 1e-5) * share;
         let axis = [Vec3A::X, Vec3A::Y, Vec3A::Z][equal as usize % 3];
@@ -70,7 +70,7 @@ fn distinct(boxes: &[Aabb]) -> Cow<'_, [Aabb]> {
     grown
 }
 
-/// Shifts what nodes refer to: children by `node_shift`, primitives by `primitive_shift`.
+/// Shifts indices in nodes: children by `node_shift`, primitives by `primitive_shift`.
 pub(super) fn rebase(nodes: &mut [CwBvhNode], node_shift: u32, primitive_shift: u32) {
     for node in nodes {
         node.child_base_idx += node_shift;

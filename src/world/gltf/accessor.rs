@@ -1,5 +1,5 @@
-//! Buffer views and accessors: every count, range, stride and alignment is checked before a byte
-//! is read (by `gather`).
+//! Buffer views and accessors: every count, range, stride and alignment is validated before bytes
+//! are read (by `gather`).
 
 use std::sync::atomic::AtomicU64;
 
@@ -9,18 +9,18 @@ use super::{
     schema::{Accessor, BufferView, Root},
 };
 
-/// Most elements of an accessor that has no data behind it; nothing else bounds those.
+/// Maximum number of elements of an accessor without data, which nothing else bounds.
 const MAX_VIRTUAL_ELEMENTS: u64 = 1 << 22;
 
-/// The document's buffers and what may still be decoded from them.
+/// The document's buffers, with a decode budget.
 pub struct Data<'a> {
     root: &'a Root,
     buffers: Vec<Option<Bytes>>,
-    /// What may still be decoded.
+    /// Remaining decode budget.
     pub(super) bytes_left: AtomicU64,
 }
 
-/// Where the elements of an accessor lie; all offsets are inside the view.
+/// Layout of an accessor's elements; all offsets are inside the view.
 pub struct Layout {
     pub component: Component,
     pub lanes: usize,
@@ -69,11 +69,11 @@ pub(super) fn fault(text: String) -> Fault {
 /// The layout of one element.
 #[derive(Clone, Copy)]
 pub struct Shape {
-    /// Numbers in it.
+    /// Number of components.
     pub lanes: usize,
     /// Bytes from one to the next when tightly packed; matrix columns start at multiples of 4.
     pub pitch: usize,
-    /// Bytes up to its last number; less than `pitch` for some matrices.
+    /// Bytes up to its last component; less than `pitch` for some matrices.
     pub bytes: usize,
 }
 
@@ -125,7 +125,7 @@ impl<'a> Data<'a> {
                 .map_err(|f| f.at(&format!("bufferView {i}")))?;
         }
         for (i, accessor) in root.accessors.iter().enumerate() {
-            // Future types are an error only where they are used.
+            // Unknown types are an error only where they are used.
             if shape(&accessor.kind, 1).is_some() {
                 data.layout(i)?;
             }
@@ -328,7 +328,7 @@ impl Run {
     }
 }
 
-/// What core glTF allows for positions, and tangent frames.
+/// Core glTF: positions, and tangent frames.
 pub fn float_only(component: Component, _normalized: bool) -> bool {
     component == Component::F32
 }

@@ -1,4 +1,4 @@
-//! Animations of a file: their channels, checked and decoded.
+//! Animations of a file: validates and decodes their channels.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -18,14 +18,14 @@ use super::{
 };
 use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampler};
 
-/// An animation by its name; a broken one matters only where it is played.
+/// A named animation; a broken one is an error only where it is played.
 #[derive(Clone, Debug)]
 pub struct Clip {
-    /// Its own, made unique; `animation 0` where it has none.
+    /// Unique name; `animation 0` without one.
     pub name: String,
-    /// Its channels, or why it cannot be played.
+    /// Its channels, or its error.
     pub animation: Result<Arc<Animation>, Fault>,
-    /// What of it is left out.
+    /// Warnings about ignored parts.
     pub notes: Notes,
 }
 
@@ -33,26 +33,26 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-animation", text)
 }
 
-/// What a file can play.
+/// Animations of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Playable {
-    /// Its animations.
+    /// The animations.
     pub clips: Vec<Clip>,
     /// The USD stage that it was converted from.
     pub stage: Stage,
 }
 
-/// What the converter says of a stage; nothing where the file comes from none.
+/// Stage metadata from the converter; empty for other files.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stage {
-    /// Its time.
+    /// Time mapping.
     pub time: Option<StageTime>,
-    /// What its dome lights send from everywhere, nits.
+    /// Mean radiance of its dome lights, nits.
     pub dome_radiance: Option<[f32; 3]>,
 }
 
 impl Stage {
-    /// Of a file's scene.
+    /// From the extras of a file's scene.
     pub fn of(root: &Root) -> Self {
         let scene = root.scenes.get(root.scene.unwrap_or(0));
         let usd = scene.and_then(|scene| scene.extras.get("usd"));
@@ -65,7 +65,7 @@ impl Stage {
     }
 }
 
-/// How the seconds of a converted file relate to the time codes of its stage.
+/// Mapping from seconds of the converted file to time codes of its stage.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct StageTime {
@@ -174,7 +174,7 @@ impl Reader<'_> {
         Ok(Animation::new(channels))
     }
 
-    /// Which node and what of it; `None` where that cannot be animated here.
+    /// Target node and property; `None` where it is not supported.
     fn target(
         &self,
         target: &schema::ChannelTarget,
@@ -258,7 +258,7 @@ impl Reader<'_> {
                 }
             }
         }
-        // A switch has nothing between its values.
+        // Visibility is not interpolated.
         let interpolation = match property {
             Property::Visible => Interpolation::Step,
             _ => interpolation,

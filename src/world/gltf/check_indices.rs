@@ -1,8 +1,8 @@
-//! Whether the indices inside a document point at something.
+//! Validates the indices inside a document.
 
 use super::{Fault, label, schema::Root};
 
-/// Dangling indices are errors even where nothing shows them: the file is damaged.
+/// Dangling indices are errors even in unused objects: the file is damaged.
 pub fn check(root: &Root) -> Result<(), Fault> {
     let exists =
         |kind: &str, index: Option<usize>, count: usize, place: &dyn Fn() -> String| match index

@@ -1,5 +1,5 @@
-//! From the bytes of a `.gltf` or `.glb` file to its JSON and its binary chunk, with every length
-//! checked before it is believed.
+//! Parses the container of a `.gltf` or `.glb` file into JSON and binary chunk; all lengths are
+//! validated.
 
 use std::{ops::Range, sync::Arc};
 
@@ -80,7 +80,7 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
             format!("GLB version {version}, only version 2 is supported"),
         ));
     }
-    // What lies behind the stated length is not part of the asset.
+    // Bytes past the stated length are not part of the asset.
     let bytes = &bytes.slice(0..length as usize).ok_or_else(|| {
         broken(format!(
             "the GLB header says {length} bytes, the file has {}; was it cut off?",
@@ -118,7 +118,7 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
 }
 
 fn parse(json: &[u8]) -> Result<Root, Fault> {
-    // Checked first, so that a glTF 1.0 file is told so rather than where its JSON differs.
+    // Checked first, so that glTF 1.0 gets its own error message.
     #[derive(serde::Deserialize)]
     struct Head {
         #[serde(default)]
@@ -133,7 +133,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     check_version(&head.asset)?;
     extension::check_required(&head.required)?;
     serde_json::from_slice(json).or_else(|first| {
-        // The specification lets integers be written as 1.0; that is rare enough for a second try.
+        // The specification allows integers written as 1.0; rare, so a second try.
         let mut value = serde_json::from_slice(json).map_err(unreadable)?;
         integers_from_floats(&mut value);
         serde_json::from_value(value).map_err(|_| unreadable(first))

@@ -1,5 +1,4 @@
-//! Which glTF extensions are read, which may be ignored silently, and which change the picture
-//! when ignored.
+//! glTF extensions: supported, safely ignored, and ignored with a warning.
 
 use super::{Fault, Notes, schema::Root};
 
@@ -18,7 +17,7 @@ pub const SUPPORTED: [&str; 11] = [
     "KHR_texture_transform",
 ];
 
-/// Ignored, and the picture is the same or has a fallback that the file itself carries.
+/// Ignored: the picture is the same, or the file has a fallback.
 const HARMLESS: [&str; 4] = [
     "EXT_meshopt_compression",
     "KHR_animation_pointer",
@@ -49,7 +48,7 @@ pub fn check_required(required: &[String]) -> Result<(), Fault> {
     )))
 }
 
-/// Warns of used extensions that are ignored although they change the look.
+/// Warns about ignored extensions that change the appearance.
 pub fn note_ignored(root: &Root, notes: &mut Notes) {
     for name in &root.extensions_used {
         let name = name.as_str();

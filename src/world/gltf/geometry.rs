@@ -1,4 +1,4 @@
-//! The meshes that nodes place, converted on all cores.
+//! Reads the meshes that nodes use, on all cores.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -15,7 +15,7 @@ use super::{
     skin,
 };
 
-/// Reads every mesh that the walk placed, once for each skin that it is used with.
+/// Reads every placed mesh, once for each skin.
 ///
 /// # Errors
 /// One for every primitive and skin that is broken.

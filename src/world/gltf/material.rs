@@ -1,5 +1,4 @@
-//! glTF materials and their textures to [`Material`]: core metallic-roughness and the extensions
-//! that this renderer can show.
+//! glTF materials and textures as [`Material`]: core metallic-roughness and supported extensions.
 
 use std::{collections::HashMap, path::Path};
 
@@ -226,7 +225,7 @@ fn specular_glossiness(
     Ok(())
 }
 
-/// KHR_materials_unlit: the base color shines by itself and nothing else does.
+/// KHR_materials_unlit: the base color is emission, without other lighting.
 fn unlit(material: &mut Material, place: &str, notes: &mut Notes) {
     notes.add(
         "unlit-as-emission",
@@ -247,7 +246,7 @@ fn unlit(material: &mut Material, place: &str, notes: &mut Notes) {
     material.occlusion_texture = None;
 }
 
-/// Collects which images are used in which way.
+/// Collects the used images and their color spaces.
 struct Textures<'a> {
     root: &'a Root,
     data: &'a Data<'a>,
@@ -258,7 +257,7 @@ struct Textures<'a> {
 }
 
 impl Textures<'_> {
-    /// `None` where the texture has only an image that this reader cannot decode.
+    /// `None` if the texture has only images of unsupported formats.
     fn reference(
         &mut self,
         info: &TextureInfo,

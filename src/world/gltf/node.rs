@@ -1,5 +1,5 @@
-//! The node tree: checked to be a tree, walked with an explicit stack, flattened into placements,
-//! lights and cameras.
+//! Node hierarchy: validated to be a tree, traversed with an explicit stack, flattened into
+//! placements, lights and cameras.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -25,19 +25,19 @@ use crate::{
     },
 };
 
-/// Deepest tree; far beyond what tools write, and names stay short.
+/// Maximum depth; far beyond real files.
 const MAX_DEPTH: usize = 256;
 
-/// Most placements of one file.
+/// Maximum number of placements of one file.
 const MAX_PLACEMENTS: usize = 1 << 20;
 
 /// A mesh of the file, and the skin that poses it.
 pub type MeshUse = (usize, Option<usize>);
 
-/// Which model mesh and material the shown primitives of a mesh became.
+/// Model mesh and material of each visible primitive of a mesh.
 pub type Primitives = HashMap<MeshUse, Vec<(usize, usize)>>;
 
-/// What the walk found.
+/// Result of the traversal.
 #[derive(Default)]
 pub struct Visit {
     meshes: Vec<Attached<(MeshUse, String)>>,
@@ -52,7 +52,7 @@ impl Visit {
         self.meshes.iter().map(|placed| placed.value.0)
     }
 
-    /// Where a node of the scene stands.
+    /// Transform of a node of the scene.
     pub fn model_from_node(&self, node: usize) -> Option<Affine3A> {
         let node = self.rig.nodes.get(node)?.as_ref()?;
         Some(node.model_from_node)
@@ -63,9 +63,9 @@ fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-node", text)
 }
 
-/// Walks the default scene; the first scene if none is the default; all roots if there is no scene.
-/// What is hidden is left out, unless one of `clips` may show it.
-pub fn walk(
+/// Traverses the default scene; the first scene without a default; all roots without a scene.
+/// Hidden nodes are skipped, unless one of `clips` may show them.
+pub fn traverse(
     root: &Root,
     data: &Data<'_>,
     clips: &[Clip],
@@ -149,7 +149,7 @@ pub fn walk(
     Ok(visit)
 }
 
-/// A node that is yet to be visited.
+/// A node to be visited.
 struct Step {
     node: usize,
     parent: Affine3A,
@@ -158,7 +158,7 @@ struct Step {
     hidden: bool,
 }
 
-/// Nodes that an animation shows and hides.
+/// Nodes with animated visibility.
 fn switched(clips: &[Clip]) -> HashSet<usize> {
     let animations = clips.iter().filter_map(|c| c.animation.as_ref().ok());
     let channels = animations.flat_map(|a| &a.channels);
@@ -200,7 +200,7 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
             }
         }
     }
-    // With one parent each, what cannot be reached from a root lies on or below a cycle.
+    // With one parent each, nodes unreachable from a root are on or below a cycle.
     let mut stack: Vec<_> = (0..root.nodes.len())
         .filter(|&i| parents[i].is_none())
         .collect();
@@ -217,7 +217,7 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
     }
 }
 
-/// A node with what is needed to keep what it shows.
+/// A visited node with the state to collect its contents.
 struct Found<'a> {
     root: &'a Root,
     node: &'a Node,
@@ -241,7 +241,7 @@ impl Found<'_> {
         if self.node.skin.is_some() {
             let what = "skinned meshes stand still in the pose of the file's nodes";
             self.notes.add("skin-rest-pose", 1, what, self.path);
-            // The joints alone place a skinned mesh, as the specification says.
+            // A skinned mesh is placed by its joints only, as specified.
             let mut placed = self.attached((used, self.path.to_owned()));
             (placed.node, placed.model_from_object) = (None, Affine3A::IDENTITY);
             self.visit.meshes.push(placed);
@@ -263,7 +263,7 @@ impl Found<'_> {
         Ok(())
     }
 
-    /// Something in the space of this node.
+    /// An item in the space of this node.
     fn attached<T>(&self, value: T) -> Attached<T> {
         Attached {
             node: Some(self.index),
@@ -313,7 +313,7 @@ fn too_many() -> Fault {
     Fault::new("instances-too-many", text)
 }
 
-/// Turns the walk into the model's placements, one for each shown primitive.
+/// Creates the model's placements, one for each visible primitive.
 pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) -> Result<(), Fault> {
     for placed in visit.meshes {
         let (used, name) = &placed.value;

@@ -1,5 +1,5 @@
-//! One glTF primitive becomes one [`Mesh`]: attributes checked against each other, strips and fans
-//! cut into triangles, broken geometry repaired or dropped with a note.
+//! Reads a glTF primitive into a [`Mesh`]: validates attributes, triangulates strips and fans,
+//! repairs or drops broken geometry with a warning.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::world::Mesh;
 
-/// Reads a primitive; `None` where it has nothing to show (points, lines, no positions).
+/// Reads a primitive; `None` without triangles (points, lines, no positions).
 ///
 /// # Errors
 /// Accessors of wrong type or count, indices out of range, an unknown mode.

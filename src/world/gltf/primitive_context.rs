@@ -1,10 +1,10 @@
-//! A primitive with the accessors and the pose that reading it takes.
+//! Context for reading a primitive: accessors and skin pose.
 
 use glam::Affine3A;
 
 use super::{Fault, accessor::Data, schema::Primitive};
 
-/// A primitive and what its reading depends on.
+/// A primitive with its context.
 pub struct Context<'a> {
     /// Its document's accessors.
     pub data: &'a Data<'a>,

@@ -1,5 +1,5 @@
-//! Makes a read mesh keep [`Mesh`]'s promises: finite, no zero-area triangles, unit normals,
-//! bounds; what had to be changed is noted.
+//! Mesh repair: establishes the invariants of [`Mesh`] (finite, no zero-area triangles, unit
+//! normals, bounds) and warns about changes.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -121,7 +121,7 @@ fn fix_normals(mesh: &mut Mesh, notes: &mut Notes) {
     }
 }
 
-/// Normalizes; where one has no direction all are dropped, to be generated where needed.
+/// Normalizes; if any has no direction, all are dropped and generated where needed.
 fn fix_tangents(mesh: &mut Mesh) {
     for tangent in &mut mesh.tangents {
         let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };

@@ -1,5 +1,5 @@
-//! The parts of glTF 2.0's JSON that are read here, as plain data: lenient where the specification
-//! leaves room, checked by the modules that use it.
+//! Supported subset of the glTF 2.0 JSON schema as plain data; validated by the modules that use
+//! it.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    /// Each an [`Animation`], read one by one: a broken one matters only where it is played.
+    /// Each an [`Animation`], parsed one by one: a broken one is an error only where it is played.
     pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
 }
@@ -72,7 +72,7 @@ pub struct Spot {
 #[serde(default)]
 pub struct Scene {
     pub nodes: Vec<usize>,
-    /// Anything; the USD converter leaves its stage's time here.
+    /// Arbitrary data; the USD converter stores stage metadata here.
     pub extras: serde_json::Value,
 }
 

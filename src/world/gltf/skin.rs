@@ -1,4 +1,4 @@
-//! Skinning, once: vertices stand where the file's own node transforms put their joints.
+//! Static skinning: vertices in the pose of the file's node transforms.
 
 use glam::{Affine3A, Mat3A, Mat4, Vec3, Vec3A, Vec4};
 
@@ -79,7 +79,7 @@ pub fn apply(context: &Context<'_>, pose: &[Affine3A], mesh: &mut Mesh) -> Resul
             .map_err(|f| f.at(&weights))?;
         for ((blend, joints), weights) in blends.iter_mut().zip(joints).zip(weights) {
             for (joint, weight) in joints.into_iter().zip(weights) {
-                // Unused slots may hold anything.
+                // Unused slots may have any value.
                 if weight == 0.0 {
                     continue;
                 }

@@ -1,5 +1,4 @@
-//! Which file a URI inside a glTF file may mean: relative or `data:` only, and never outside the
-//! allowed folders.
+//! Resolution of URIs inside glTF files: relative or `data:` only, within the allowed folders.
 
 use std::{
     fs::File,
@@ -20,7 +19,7 @@ pub struct Sandbox {
 }
 
 impl Sandbox {
-    /// The same folders; what is looked for is added to `dependencies`.
+    /// The same folders; searched files are recorded in `dependencies`.
     pub fn with_dependencies(self, dependencies: &Dependencies) -> Self {
         let dependencies = dependencies.clone();
         Self {
@@ -78,7 +77,7 @@ impl Sandbox {
         let folder = (folder.canonicalize())
             .map_err(|e| Fault::new("file-not-found", format!("\"{}\": {e}", folder.display())))?;
         let inside = |path: &Path| self.roots.iter().any(|root| path.starts_with(root));
-        // First by name alone, so that nothing outside is even looked at.
+        // Lexical check first, so that no outside path is accessed.
         let mut path = folder;
         for part in Path::new(&name).components() {
             match part {
@@ -131,7 +130,7 @@ impl Sandbox {
         if bytes.try_reserve_exact(size).is_err() {
             return Err(too_large());
         }
-        // The file may grow meanwhile: the cap holds for what is read, not for what was promised.
+        // The file may grow meanwhile: the limit applies to the bytes read.
         let mut limited = file.take(self.max_file_bytes.saturating_add(1));
         limited.read_to_end(&mut bytes).map_err(unreadable)?;
         if bytes.len() as u64 > self.max_file_bytes {
@@ -141,7 +140,7 @@ impl Sandbox {
     }
 }
 
-/// What a URI of a buffer or image means.
+/// Parsed URI of a buffer or image.
 pub enum Target {
     /// Content of a `data:` URI.
     Data(Vec<u8>),
@@ -149,7 +148,7 @@ pub enum Target {
     Relative(String),
 }
 
-/// Takes a URI apart.
+/// Parses a URI.
 pub fn parse(uri: &str) -> Result<Target, Fault> {
     if uri
         .get(..5)
@@ -190,7 +189,7 @@ fn has_scheme(uri: &str) -> bool {
     })
 }
 
-/// Replaces `%41` by `A`; a `%` that starts no such code stays, as many exporters write it raw.
+/// Replaces `%41` by `A`; other `%` stay, since many exporters do not encode them.
 fn percent_decode(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let digit = |at: usize| bytes.get(at).and_then(|b| (*b as char).to_digit(16));
@@ -240,7 +239,7 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
     Some(out)
 }
 
-/// The start of a name that may be very long, for messages.
+/// A name shortened for messages.
 pub fn shorten(name: &str) -> String {
     const MOST: usize = 80;
     if name.chars().count() <= MOST {

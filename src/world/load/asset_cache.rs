@@ -1,5 +1,5 @@
-//! The next text of a scene whose files did not change: everything is placed and shaded anew, and
-//! no file is read, no mesh finished and no image decoded.
+//! Asset cache for reloads with unchanged files: instances and materials are built again, but no
+//! file is read, no vertex stream generated and no image decoded.
 
 use std::{collections::HashMap, mem, path::PathBuf};
 
@@ -17,27 +17,27 @@ use crate::{
     world::{Mesh, Shared, World, gltf::Model, usd},
 };
 
-/// A model's name and what it is made from.
+/// A model's name and source.
 type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 
-/// What is kept of a loaded scene beside its [`World`].
+/// Assets of a loaded scene that its [`World`] does not hold.
 #[derive(Debug)]
 pub struct AssetCache {
     pub(super) sources: Vec<NamedSource>,
     pub(super) models: Vec<Source>,
-    /// Without their meshes, which are in the world.
+    /// Models without their meshes, which are in the world.
     pub(super) loaded: Vec<Model>,
     pub(super) meshes: HashMap<MeshKey, usize>,
     pub(super) needs: Vec<Needs>,
     /// The world's textures.
     pub(super) images: Vec<(ImageKey, bool)>,
-    /// About meshes, which are not finished again.
+    /// Warnings about meshes, whose streams are not generated again.
     pub(super) mesh_warnings: Vec<Diagnostic>,
-    /// Without those of the script.
+    /// Files without those of the script.
     pub(super) files: Vec<PathBuf>,
 }
 
-/// What tells whether two texts name the same geometry.
+/// Key that is equal for texts with the same geometry.
 pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
     let named = desc.models.iter().map(|entry| {
         let source = match &entry.value.source {
@@ -50,12 +50,12 @@ pub(super) fn sources(desc: &SceneDesc) -> Vec<NamedSource> {
 }
 
 impl AssetCache {
-    /// The world of another text over the same files: all but its meshes and textures, which are
-    /// those of `world`. `None` when it needs another file, shape, image or mesh attribute; then
-    /// everything must be loaded.
+    /// The world of a changed text over the same files, without meshes and textures, which are
+    /// those of `world`. `None` if it needs another file, shape, image or mesh attribute and must
+    /// be loaded.
     ///
     /// # Errors
-    /// Everything found wrong with the scene's names, as [`super::load`].
+    /// All errors in the scene's names, as [`super::load`].
     pub fn reuse_assets(
         &mut self,
         world: &World,
@@ -68,7 +68,7 @@ impl AssetCache {
         let mut loader = Loader::new(desc, options);
         loader.loaded = mem::take(&mut self.loaded);
         loader.meshes = self.meshes.clone();
-        // Placing asks for nothing but names and bounds.
+        // Placing uses only names and bounds.
         let stub = |mesh: &Mesh| Mesh {
             name: mesh.name.clone(),
             bounds: mesh.bounds,
@@ -90,7 +90,7 @@ impl AssetCache {
         }
     }
 
-    /// Whether what is kept was enough.
+    /// Whether the cached assets suffice.
     fn place(&self, loader: &mut Loader<'_>) -> Result<bool, Vec<Diagnostic>> {
         loader.check_names(&self.models);
         loader.fail_on_errors()?;

@@ -1,4 +1,4 @@
-//! The camera of a scene that has none.
+//! Default camera for scenes without one.
 
 use glam::Vec3;
 
@@ -11,11 +11,10 @@ use crate::{
     world::World,
 };
 
-/// Part of the picture's half sides that the scene fills at most.
+/// Maximum fraction of the picture that the scene fills.
 const FILLED: f32 = 0.9;
 
-/// Adds a camera `main` that sees the whole scene in a picture of `size` pixels, if there is no
-/// camera at all.
+/// Adds a camera `main` that frames the whole scene at `size` pixels, if there is no camera.
 pub fn add_default(world: &mut World, size: [u32; 2]) {
     if !world.cameras.is_empty() {
         return;
@@ -44,8 +43,8 @@ pub fn add_default(world: &mut World, size: [u32; 2]) {
     });
 }
 
-/// How far the eye must be from the center of a box, in the direction `to_eye`, to have every
-/// corner within [`FILLED`] of the picture. `half_angle`: of the vertical field of view, radians.
+/// Distance from the center of a box, in the direction `to_eye`, at which every corner is within
+/// [`FILLED`] of the picture. `half_angle`: of the vertical field of view, radians.
 fn fitting_distance(bounds: &Bounds, to_eye: Vec3, half_angle: f32, aspect: f32) -> f32 {
     let right = Vec3::Y.cross(to_eye).normalize();
     let up = to_eye.cross(right);

@@ -1,4 +1,4 @@
-//! Names that the scene text uses and the files must have.
+//! Checks names in the scene text that refer to contents of files.
 
 use super::{Loader, Source, did_you_mean, error_at};
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
 };
 
 impl Loader<'_> {
-    /// Reports names that point nowhere.
+    /// Reports unresolved names.
     pub fn check_names(&mut self, sources: &[Source]) {
         let desc = self.desc;
         for instance in &desc.instances {

@@ -1,4 +1,4 @@
-//! Lights and cameras: the scene text's, then those that files bring along with their models.
+//! Lights and cameras of the scene text, then those of model files.
 
 use std::collections::HashSet;
 
@@ -18,7 +18,7 @@ use crate::{
 /// Lights and cameras found so far.
 pub struct Extras {
     lights: Vec<Light>,
-    /// How many there are; more than can be used are counted, not kept.
+    /// Number of lights; those past the limit are counted only.
     light_count: usize,
     cameras: Vec<Entry<CameraDesc>>,
     camera_names: HashSet<String>,

@@ -13,7 +13,7 @@ use crate::{
     world::{Material, TextureRef, World, Wrap, gltf::ImageSource, texture::TextureRequest},
 };
 
-/// Which image: a file by its canonical path, or an image inside a loaded file.
+/// Image key: a file by its canonical path, or an image inside a loaded file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ImageKey {
     File(PathBuf),
@@ -37,7 +37,7 @@ impl TextureTable {
         index
     }
 
-    /// Leaves the requests that the world's materials use, and points the materials at them.
+    /// Drops unused requests and assigns texture indices to the world's materials.
     pub fn take_used(&mut self, world: &mut World) -> Vec<(ImageKey, TextureRequest)> {
         let mut new_index = vec![None; self.requests.len()];
         let mut used = Vec::new();
@@ -66,7 +66,7 @@ pub fn slots(material: &mut Material) -> [&mut Option<TextureRef>; 5] {
 }
 
 impl Loader<'_> {
-    /// A file's material with `desc` laid over it; only images that remain in use are asked for.
+    /// A file's material with the overrides of `desc`; only images still in use are requested.
     pub fn file_material(&mut self, loaded: usize, index: usize, desc: &MaterialDesc) -> Material {
         let mut material = self.loaded[loaded].materials[index].clone();
         if desc.base_color_texture.is_some() || desc.checker.is_some() {
@@ -116,7 +116,7 @@ impl Loader<'_> {
         self.textures.index(key, request)
     }
 
-    /// Lays `desc` over `material`.
+    /// Applies the overrides of `desc` to `material`.
     pub fn apply(&mut self, desc: &MaterialDesc, material: &mut Material) {
         fn set<T>(slot: &mut T, value: Option<T>) {
             if let Some(value) = value {
@@ -181,7 +181,7 @@ impl Loader<'_> {
         })
     }
 
-    /// The `[material.NAME]` laid over `base`, or an error that names what is close.
+    /// The `[material.NAME]` applied to `base`, or an error with a similar name.
     pub fn named_material(&mut self, name: &At<String>, base: Material) -> Material {
         let desc = self.desc;
         let Some(entry) = desc.materials.iter().find(|m| m.name == name.value) else {
@@ -201,7 +201,7 @@ impl Loader<'_> {
         material
     }
 
-    /// Many placements may meet the same mistake.
+    /// Many instances may have the same error.
     pub fn report_once(&mut self, error: Diagnostic) {
         if !self.errors.contains(&error) {
             self.errors.push(error);

@@ -1,4 +1,4 @@
-//! Which material a placement has: the model's or the file's, after all overrides.
+//! Material binding of instances: the model's or file's material, after all overrides.
 
 use super::{
     Loader,
@@ -90,8 +90,8 @@ impl Loader<'_> {
         }
     }
 
-    /// What changes of a file's material, as indices into `FrameState::file_materials`: what holds
-    /// for all of them first.
+    /// Animated overrides of a file's material, as indices into `FrameState::file_materials`; those
+    /// for all materials first.
     fn changes_of(&self, model: usize, material: &str) -> Vec<usize> {
         let model = self.desc.models[model].name.as_str();
         let all = file_materials(self.desc);
@@ -102,8 +102,7 @@ impl Loader<'_> {
         ["*", material].into_iter().filter_map(of).collect()
     }
 
-    /// A material that comes from a `[material.NAME]`: if that may change, it is stored apart from
-    /// those that are equal to it now.
+    /// Binds a `[material.NAME]`; an animated one is stored apart from equal materials.
     fn add_moving_material(
         &mut self,
         key: MaterialKey,
@@ -137,7 +136,7 @@ impl Loader<'_> {
         let alike = |m: &&MovingMaterial| {
             m.from == from && m.over == over && m.over_change.is_none() && m.rest == material
         };
-        // What changes with an instance is its own.
+        // Materials animated per instance are not shared.
         let mut known = self.world.moving.materials.iter();
         let same = known.find(|m| over_change.is_none() && alike(m));
         let index = same.map_or(self.world.materials.len(), |m| m.material);

@@ -1,23 +1,23 @@
-//! Where parts of a placed model are, and what moves them.
+//! Transforms of the parts of a placed model, static or animated.
 
 use glam::Affine3A;
 
 use super::repeat::Copy;
 use crate::world::{World, gltf::Attached, pose::Anchor};
 
-/// A copy of a model that is being placed.
+/// A model copy being placed.
 pub struct ModelInstance<'a> {
     /// Index of the `[[instance]]`; `None` for a model that no instance names.
     pub desc: Option<usize>,
-    /// Whether that may move.
+    /// Whether the instance may move.
     pub dynamic: bool,
-    /// Index into `Moving::players`, if it plays something.
+    /// Index into `Moving::players`, if it plays an animation.
     pub player: Option<usize>,
-    /// Which copy.
+    /// Copy in the grid.
     pub copy: &'a Copy,
 }
 
-/// Where a part of it is at rest, and what moves it, if anything does.
+/// Rest transform of a part, and its animation, if any.
 pub struct Place {
     pub world: Affine3A,
     pub world_from_model: Affine3A,
@@ -32,14 +32,14 @@ impl Place {
 }
 
 impl ModelInstance<'_> {
-    /// The place of something that hangs on a node of its file.
+    /// Transform of an item attached to a node of its file.
     pub fn of<T>(&self, world: &World, part: &Attached<T>) -> Place {
         let transforms = [part.node_from_object, part.model_from_object];
         self.place(world, part.node, transforms)
     }
 
-    /// The place of something on `node`; the transforms are from its own space to the node's and
-    /// to the model's.
+    /// Transform of an item on `node`; the arguments transform from its space to that of the node
+    /// and of the model.
     pub fn place(
         &self,
         world: &World,

@@ -1,4 +1,4 @@
-//! Instances: which mesh stands where with which material, from scene text and file nodes.
+//! Instance placement: mesh, transform and material from scene text and file nodes.
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ pub type MeshKey = (usize, usize);
 /// Model of the scene, material of its file, and the instance if that changes the material.
 pub type MaterialKey = (usize, usize, Option<usize>);
 
-/// Most instances of a scene.
+/// Maximum number of instances of a scene.
 const MAX_INSTANCES: usize = 1 << 20;
 
 /// One model placed once or on a grid.
@@ -49,7 +49,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     let (dynamic, changes) = (moving(desc), changing_overrides(desc));
     for (index, instance) in desc.instances.iter().enumerate() {
         let name = &instance.model.value;
-        // A name without a model was reported before.
+        // Unknown models were reported before.
         if let Some(model) = desc.models.iter().position(|m| m.name == *name) {
             named[model] = true;
             jobs.push(Job {
@@ -78,7 +78,7 @@ fn jobs(desc: &SceneDesc) -> Vec<Job<'_>> {
     jobs
 }
 
-/// For each `[[instance]]` the table that says where it is in a frame.
+/// For each `[[instance]]` the table of its transform.
 fn placed_at(desc: &SceneDesc) -> Vec<Span> {
     let moved = desc.motion.instances.iter();
     let moved: HashMap<_, _> = moved.map(|e| (e.name.as_str(), &e.at)).collect();
@@ -111,7 +111,7 @@ impl Loader<'_> {
         self.list_animations(sources);
     }
 
-    /// Lists what the files can play.
+    /// Lists the animations of the files.
     fn list_animations(&mut self, sources: &[Source]) {
         let desc = self.desc;
         for (entry, source) in desc.models.iter().zip(sources) {
@@ -139,7 +139,7 @@ impl Loader<'_> {
         }
     }
 
-    fn warn_of_dropped(&mut self, job: &Job<'_>, dropped: &[String], kept: usize) {
+    fn warn_of_dropped(&mut self, job: &Job<'_>, dropped: &[String], placed: usize) {
         let Some(first) = dropped.first() else {
             return;
         };
@@ -147,7 +147,7 @@ impl Loader<'_> {
             "{} of {} placements have a transform that is singular or not finite and are dropped; \
              first: {first}",
             dropped.len(),
-            dropped.len() + kept
+            dropped.len() + placed
         );
         self.world.warnings.push(Diagnostic {
             severity: Severity::Warning,
@@ -176,9 +176,9 @@ impl Loader<'_> {
             match source {
                 Source::Broken => return,
                 Source::Shape(mesh) => {
-                    let look = (*mesh, self.shape_material(job, &model.value));
+                    let binding = (*mesh, self.shape_material(job, &model.value));
                     let place = stand.place(&self.world, None, [Affine3A::IDENTITY; 2]);
-                    self.push(name, look, place, dropped);
+                    self.push(name, binding, place, dropped);
                 }
                 Source::File(loaded) => {
                     self.place_file(job, *loaded, &name, &stand, dropped);
@@ -192,7 +192,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Makes ready what the placement of a file plays; gives its index, if it plays anything.
+    /// Adds the player of a placed file; returns its index, if it plays animations.
     fn add_player(&mut self, job: &Job<'_>, source: &Source) -> Option<usize> {
         let Source::File(loaded) = source else {
             return None;
@@ -245,7 +245,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Adds an instance; `look` is its mesh and its material.
+    /// Adds an instance; `binding` is its mesh and material.
     fn push(
         &mut self,
         name: String,
@@ -283,7 +283,7 @@ impl Loader<'_> {
         });
     }
 
-    /// The world's mesh for a file's mesh: moved there when first placed, shared afterwards.
+    /// The world's mesh for a file's mesh: moved on first use, shared afterwards.
     fn file_mesh(&mut self, loaded: usize, mesh: usize) -> usize {
         *self.meshes.entry((loaded, mesh)).or_insert_with(|| {
             self.world

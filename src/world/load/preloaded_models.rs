@@ -1,4 +1,4 @@
-//! Models that were read before the scene around them was written, so that they are not read again.
+//! Cache of models that were read to generate their scene text, so that loading reuses them.
 
 use std::{
     path::{Path, PathBuf},
@@ -13,22 +13,22 @@ use crate::world::gltf::{Model, Playable, Sandbox};
 pub struct PreloadedModels(Arc<Mutex<Vec<(PathBuf, Model)>>>);
 
 impl PreloadedModels {
-    /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and keeps it for the next
-    /// load; gives what it can play. Of a file that is wrong nothing is kept: loading it says why.
+    /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
+    /// load; returns its animations. Invalid files are not cached; the load reports their errors.
     pub fn read(&self, path: &Path, sandbox: &Sandbox) -> Playable {
         let Ok(model) = read_guarded(path, sandbox) else {
             return Playable::default();
         };
         let playable = model.playable();
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.push((path.to_owned(), model));
+        let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        models.push((path.to_owned(), model));
         playable
     }
 
-    /// Gives what was read.
+    /// Takes a cached model.
     pub(super) fn take(&self, path: &Path) -> Option<Model> {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = kept.iter().position(|(known, _)| known == path)?;
-        Some(kept.swap_remove(found).1)
+        let mut models = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = models.iter().position(|(known, _)| known == path)?;
+        Some(models.swap_remove(found).1)
     }
 }

@@ -1,4 +1,4 @@
-//! The copies of an instance: their names and transforms.
+//! Copies of an instance in its grid: names and transforms.
 
 use glam::{Affine3A, Vec3};
 
@@ -6,11 +6,11 @@ use crate::scene::{desc::InstanceDesc, motion::transform};
 
 /// One copy of a placed model.
 pub struct Copy {
-    /// What its name ends in.
+    /// Suffix of its name.
     pub suffix: String,
-    /// Of its cell in the grid, meters.
+    /// Offset of its grid cell, meters.
     pub offset: Vec3,
-    /// Of this copy.
+    /// Transform of this copy.
     pub world_from_model: Affine3A,
 }
 

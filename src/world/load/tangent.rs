@@ -103,7 +103,7 @@ fn split(mesh: &mut Mesh, corners: Vec<Vec4>) {
         .collect();
 }
 
-/// Where texture coordinates are degenerate any direction along the surface will do.
+/// Degenerate texture coordinates: any direction in the surface.
 fn usable(tangent: Option<Vec4>, normal: glam::Vec3) -> Vec4 {
     let tangent = tangent.unwrap_or(Vec4::ZERO);
     let direction = tangent.truncate().try_normalize().filter(|d| d.is_finite());

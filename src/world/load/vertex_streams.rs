@@ -1,5 +1,5 @@
-//! What meshes need only because of the materials they meet: tangents and second texture
-//! coordinates, made where needed and dropped elsewhere.
+//! Vertex streams that depend on materials: tangents and second texture coordinates, generated
+//! where needed and dropped elsewhere.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,23 +12,23 @@ use crate::{
     world::{Mesh, World},
 };
 
-/// What a mesh needs for its materials.
+/// Streams that a mesh needs for its materials.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Needs {
-    /// Which texture coordinates a normal map uses.
+    /// Texture coordinate set of the normal map.
     tangents_from: Option<u32>,
     uv1: bool,
 }
 
 impl Needs {
-    /// Whether a mesh that was finished for `self` will do for `other`.
+    /// Whether streams generated for `self` suffice for `other`.
     pub fn cover(self, other: Self) -> bool {
         let tangents = other.tangents_from.is_none() || other.tangents_from == self.tangents_from;
         tangents && (self.uv1 || !other.uv1)
     }
 }
 
-/// What the materials need of each mesh.
+/// Streams needed by the materials of each mesh.
 pub fn needs(world: &World) -> Vec<Needs> {
     let mut needs = vec![Needs::default(); world.meshes.len()];
     for instance in &world.instances {
@@ -49,7 +49,7 @@ pub fn needs(world: &World) -> Vec<Needs> {
     needs
 }
 
-/// Brings every mesh into the form that its materials need.
+/// Generates or drops the vertex streams of every mesh.
 ///
 /// # Errors
 /// `internal` where the tangent generator panicked on a mesh.
@@ -80,7 +80,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
     match need.tangents_from {
         None => mesh.tangents = Vec::new(),
         Some(uv_set) if mesh.tangents.is_empty() => {
-            // Other people's code on a stranger's geometry: a panic there is an error here.
+            // Panic boundary: a third-party library processes untrusted geometry.
             let work = AssertUnwindSafe(|| tangent::generate(mesh, uv_set));
             if catch_unwind(work).is_err() {
                 let text = "generating its tangents panicked; please report this";

@@ -1,4 +1,4 @@
-//! What is kept of a conversion, and whether it still is one of its stage.
+//! Cache record of a conversion, and its validation.
 
 use std::{
     collections::BTreeMap,
@@ -11,19 +11,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::{content_hash, written_since};
 
-/// What the converter writes beside its output.
+/// Sidecar of the converter's output.
 #[derive(Deserialize)]
 pub(super) struct Sidecar {
     #[serde(default)]
     pub(super) files: Vec<PathBuf>,
-    /// Files that were looked for and are not there; a conversion is out of date when they come.
+    /// Missing files that were searched; the conversion is outdated once they exist.
     #[serde(default)]
     pub(super) absent: Vec<PathBuf>,
     #[serde(default)]
     pub(super) warnings: Vec<SidecarWarning>,
 }
 
-/// Something that glTF could not carry.
+/// A conversion loss.
 #[derive(Deserialize, Serialize)]
 pub(super) struct SidecarWarning {
     pub(super) name: String,
@@ -31,7 +31,7 @@ pub(super) struct SidecarWarning {
     pub(super) message: String,
 }
 
-/// A conversion that is kept: good as long as converter, inputs and output are what they were.
+/// A cached conversion, valid while converter, inputs and output are unchanged.
 #[derive(Deserialize, Serialize)]
 pub(super) struct Record {
     /// The converter's version.
@@ -39,18 +39,18 @@ pub(super) struct Record {
     /// Length and hash of the converted file.
     pub(super) glb: (u64, String),
     pub(super) inputs: Inputs,
-    /// Those of the inputs that were read.
+    /// Hashes of the inputs.
     pub(super) files: Vec<PathBuf>,
     pub(super) warnings: Vec<SidecarWarning>,
 }
 
 impl Record {
-    /// What is kept there; `None` for what is no record.
+    /// Reads a record; `None` if it is invalid.
     pub(super) fn read(path: &Path) -> Option<Self> {
         serde_json::from_slice(&fs::read(path).ok()?).ok()
     }
 
-    /// Whether the same conversion would give the same file.
+    /// Whether the record is still valid.
     pub(super) fn holds(&self, glb: &Path, converter: &str) -> bool {
         self.converter == converter
             && fs::metadata(glb).is_ok_and(|file| file.len() == self.glb.0)
@@ -64,13 +64,12 @@ pub(super) fn output(glb: &Path) -> Option<(u64, String)> {
     Some((fs::metadata(glb).ok()?.len(), hash_of(glb)?))
 }
 
-/// Files that a conversion read or looked for, each with the hash of its content, or none where
-/// there was nothing to read.
+/// Files that a conversion read or searched, each with its content hash, or none if missing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub(super) struct Inputs(BTreeMap<PathBuf, Option<String>>);
 
 impl Inputs {
-    /// As they are now.
+    /// Their current state.
     pub(super) fn of<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         let hashed = paths.into_iter().map(|path| (path.clone(), hash_of(path)));
         Self(hashed.collect())
@@ -81,8 +80,9 @@ impl Inputs {
         self.0.keys()
     }
 
-    /// Whether none of these changed in a conversion that began `since`, with `before` known of some
-    /// of them. A conversion alone tells what it reads, so the others are judged by their times.
+    /// Whether none of these changed in a conversion that began `since`, with `before` known of
+    /// some of them. The read files are only known afterwards, so the others are checked by
+    /// modification time.
     pub(super) fn are_steady(&self, before: &Self, since: SystemTime) -> bool {
         self.0.iter().all(|(path, hash)| match before.0.get(path) {
             Some(earlier) => earlier == hash,

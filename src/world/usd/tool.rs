@@ -1,4 +1,4 @@
-//! The converter as a process: where it is, which one it is, and one run of it.
+//! The converter process: lookup, version and execution.
 
 use std::{
     collections::BTreeMap,
@@ -12,20 +12,20 @@ use std::{
 use super::TOOL_ENV;
 use crate::world::gltf::Fault;
 
-/// How the converter begins a line about how far it is.
+/// Prefix of the converter's progress lines.
 const PROGRESS: &str = "converting: ";
 
 /// The converter's command.
 #[derive(Debug)]
 pub(super) struct Tool {
     pub(super) path: PathBuf,
-    /// What it says of itself, with a hash of its code: another one may convert otherwise.
+    /// Version and code hash, which identify it in the cache.
     pub(super) version: String,
 }
 
 impl Tool {
-    /// The one named by [`TOOL_ENV`], else of the checkout that this binary was built in, else
-    /// whatever the `PATH` has. It is asked for its version once in a process.
+    /// From [`TOOL_ENV`], else from the checkout of this binary, else from `PATH`. Its version is
+    /// queried once per process.
     pub(super) fn find() -> Result<Self, Fault> {
         static VERSIONS: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
         let path = place();
@@ -83,7 +83,7 @@ impl Tool {
     }
 }
 
-/// A word of a command after a space, in quotes where a shell would read it otherwise.
+/// Shell-quoted argument after a space.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-,./_".contains(c);
     match word.chars().all(plain) {
@@ -105,8 +105,8 @@ fn place() -> PathBuf {
         .unwrap_or_else(|| "reflet-usd".into())
 }
 
-/// Shows progress as it comes, on a terminal in one line that is gone at the end; returns the other
-/// lines but warnings, which are in the sidecar.
+/// Shows progress, on a terminal in one transient line; returns the other lines without warnings,
+/// which are in the sidecar.
 fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
     let on_terminal = stderr().is_terminal();
     let mut errors = Vec::new();
@@ -132,8 +132,8 @@ fn pass_on(stage: &Path, said: impl Read) -> Vec<String> {
     errors
 }
 
-/// Lets the system end the process when this one ends, however that comes about. The signal comes
-/// with the end of the thread that starts the process, so that thread must wait for it.
+/// Ends the process with its parent (PR_SET_PDEATHSIG). The signal is sent when the spawning thread
+/// ends, so that thread must wait for the process.
 #[cfg(target_os = "linux")]
 #[expect(
     unsafe_code,
@@ -151,7 +151,7 @@ fn end_with_this(command: &mut Command) {
         if asked != 0 {
             return Err(io::Error::last_os_error());
         }
-        // This process may have ended before the signal was asked for.
+        // The parent may have ended before the call.
         match u32::try_from(parent) == Ok(this) {
             true => Ok(()),
             false => Err(ErrorKind::BrokenPipe.into()),
@@ -161,7 +161,7 @@ fn end_with_this(command: &mut Command) {
     unsafe { command.pre_exec(ask) };
 }
 
-/// Elsewhere the converter's own limits end it.
+/// On other systems the converter's own limits end it.
 #[cfg(not(target_os = "linux"))]
 fn end_with_this(_command: &mut Command) {}
 
