@@ -44,7 +44,7 @@ pub fn is_model(path: &Path) -> bool {
 const USD_PREFIX: &str = "model.model.usd";
 
 /// Scene text that shows one model. All its animations play once if they move different properties,
-/// else the first one; the timeline has their length. A stage keeps its frame numbers and the mean
+/// else the first one; the timeline has their length. A stage keeps its frame numbers and the total
 /// radiance of its dome lights. `options` cache a glTF file that is read here for the load.
 ///
 /// # Errors

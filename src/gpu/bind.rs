@@ -11,12 +11,12 @@ use super::{
 /// A resource with its name in the shaders.
 pub type Named<'a> = (&'static str, wgpu::BindingResource<'a>);
 
-/// A bind group's layout with the names behind its numbers.
+/// A bind group layout with the variable names of its bindings.
 #[derive(Clone, Debug)]
 pub struct GroupLayout {
     /// Shader or group name, for labels and messages.
     pub label: String,
-    /// What the group holds, by number.
+    /// Bindings by number.
     pub bindings: Vec<Binding>,
     /// The layout on the device.
     pub layout: wgpu::BindGroupLayout,
@@ -57,8 +57,7 @@ impl GroupLayout {
         })
     }
 
-    /// The layout of what one entry point uses of `@group(group)`: what only other entry points of
-    /// the shader use need not be bound for it.
+    /// The layout of the bindings that one entry point uses of `@group(group)`.
     ///
     /// # Errors
     /// As [`GroupLayout::new`].
@@ -77,8 +76,8 @@ impl GroupLayout {
     /// A bind group whose resources `lookup` finds by name.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] naming shader and variable where `lookup` knows nothing; whatever
-    /// wgpu says about resources that do not fit.
+    /// [`GpuError::Binding`] naming shader and variable where `lookup` finds nothing; wgpu's error
+    /// for resources that do not fit.
     pub fn bind_with<'a>(
         &self,
         gpu: &Gpu,
@@ -128,7 +127,7 @@ impl GroupLayout {
     /// Whether the group's names are exactly `names`, in any order.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] naming the first one that is missing on either side.
+    /// [`GpuError::Binding`] naming the first one missing on either side.
     pub fn check_names(&self, names: &[&str]) -> Result<(), GpuError> {
         if let Some(extra) = names
             .iter()
@@ -158,8 +157,7 @@ impl GroupLayout {
 /// The bindings of one group over all modules that share it, by number; stages are joined.
 ///
 /// # Errors
-/// A sentence naming both places when the same number has two names or kinds, or the same name
-/// two numbers.
+/// A message with both places if a number has two names or kinds, or a name two numbers.
 pub fn merged_bindings(modules: &[&ShaderModuleInfo], group: u32) -> Result<Vec<Binding>, String> {
     let mut merged: Vec<Binding> = Vec::new();
     let all = modules.iter().flat_map(|module| &module.bindings);
@@ -195,8 +193,8 @@ pub fn merged_bindings(modules: &[&ShaderModuleInfo], group: u32) -> Result<Vec<
     Ok(merged)
 }
 
-/// The kind that serves both, if one does: a texture that one shader samples and another only
-/// loads is filterable; a buffer is as large as the larger view of it.
+/// The kind compatible with both, if any: a texture that one shader samples and another only loads
+/// is filterable; a buffer has the larger size.
 fn joined_type(a: wgpu::BindingType, b: wgpu::BindingType) -> Option<wgpu::BindingType> {
     use wgpu::{BindingType as B, TextureSampleType as T};
     match (a, b) {
@@ -238,8 +236,8 @@ fn joined_type(a: wgpu::BindingType, b: wgpu::BindingType) -> Option<wgpu::Bindi
     }
 }
 
-/// What a pipeline over these groups asks for beyond `limits`, one sentence each; empty is good.
-/// Pure, so that a test holds `Limits::default()` even where the adapter allows more.
+/// Violations of `limits` by a pipeline over these groups, one message each. Pure, so that tests
+/// enforce `Limits::default()` on any adapter.
 pub fn over_limits(groups: &[&[Binding]], limits: &wgpu::Limits) -> Vec<String> {
     let mut problems = Vec::new();
     let last_used = groups.iter().rposition(|group| !group.is_empty());
@@ -272,7 +270,7 @@ pub fn over_limits(groups: &[&[Binding]], limits: &wgpu::Limits) -> Vec<String> 
     problems
 }
 
-/// What a binding counts as, and how many of those a stage may have.
+/// Limit category of a binding, and its limit per stage.
 fn limit_of(ty: &wgpu::BindingType, limits: &wgpu::Limits) -> (&'static str, u32) {
     use wgpu::{BindingType as B, BufferBindingType as Buffer};
     match ty {

@@ -1,11 +1,11 @@
-//! Counts what is costly to make on the device, so that a reload can say what it made again.
+//! Counters of compiled shaders and pipelines, for reload statistics.
 
 use std::{
     sync::atomic::{AtomicU32, AtomicU64, Ordering},
     time::{Duration, Instant},
 };
 
-/// How many costly things were made so far; a reload is measured by what it adds.
+/// Running counts; a reload is measured by their difference.
 #[derive(Debug, Default)]
 pub struct CompileStats {
     pub(super) shaders: AtomicU32,
@@ -14,22 +14,22 @@ pub struct CompileStats {
 }
 
 impl CompileStats {
-    /// Shader modules, checked and created.
+    /// Number of shader modules created.
     pub fn shaders(&self) -> u32 {
         self.shaders.load(Ordering::Relaxed)
     }
 
-    /// Pipelines, created by the driver.
+    /// Number of pipelines created.
     pub fn pipelines(&self) -> u32 {
         self.pipelines.load(Ordering::Relaxed)
     }
 
-    /// How long the driver took for them.
+    /// Time spent in the driver for them.
     pub fn driver_time(&self) -> Duration {
         Duration::from_nanos(self.driver_ns.load(Ordering::Relaxed))
     }
 
-    /// Counts the pipeline that `make` gives, and the time it takes.
+    /// Counts and times the pipeline creation by `make`.
     pub(super) fn pipeline<P>(&self, make: impl FnOnce() -> P) -> P {
         let started = Instant::now();
         let created = make();

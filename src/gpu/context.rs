@@ -1,4 +1,4 @@
-//! The device: which adapter is taken, what is asked of it, and how its errors reach people.
+//! Device creation: adapter selection, limits, features and error reporting.
 
 use std::{
     env,
@@ -8,57 +8,58 @@ use std::{
 
 use super::{compile_stats::CompileStats, error::GpuError};
 
-/// Environment variable that names the adapter, as `--adapter` does.
+/// Environment variable with the adapter filter, as `--adapter`.
 pub const ADAPTER_ENV: &str = "REFLET_ADAPTER";
 
-/// Largest buffer that is asked for: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
+/// Maximum requested buffer size: drivers mishandle 2 GiB and more, and sizes are multiples of 4.
 const MAX_BUFFER_BYTES: u64 = (2 << 30) - 4;
 
-/// Largest picture side that is asked for.
+/// Maximum requested texture size, pixels.
 const MAX_TEXTURE_SIDE: u32 = 16384;
 
-/// Most layers of a texture array that are asked for.
+/// Maximum requested number of texture array layers.
 const MAX_ARRAY_LAYERS: u32 = 2048;
 
-/// How long to wait for submitted work before calling the GPU hung. Software drivers are slow.
+/// Timeout for submitted work; large, because software drivers are slow.
 const SUBMISSION_TIMEOUT: Duration = Duration::from_secs(600);
 
-/// How to choose the adapter.
+/// Adapter selection.
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
-    /// Part of the adapter's name, any case. `None` takes [`ADAPTER_ENV`], else the fastest kind.
+    /// Substring of the adapter's name, case-insensitive. `None` uses [`ADAPTER_ENV`], else the
+    /// fastest type.
     pub adapter_filter: Option<String>,
 }
 
-/// An open device and what is known about it.
+/// An open device with its properties.
 #[derive(Debug)]
 pub struct Gpu {
-    /// What the device belongs to; windows get their surfaces from it.
+    /// Instance of the device, which creates surfaces.
     pub instance: wgpu::Instance,
-    /// What the device was opened on.
+    /// Adapter of the device.
     pub adapter: wgpu::Adapter,
-    /// Name, driver and kind of the adapter.
+    /// Name, driver and type of the adapter.
     pub adapter_info: wgpu::AdapterInfo,
     /// The device.
     pub device: wgpu::Device,
     /// Its only queue.
     pub queue: wgpu::Queue,
-    /// What the device was opened with: the defaults, with larger buffers and textures.
+    /// Limits of the device: the defaults, with larger buffers and textures.
     pub limits: wgpu::Limits,
-    /// Optional features that are on: timestamps, where present.
+    /// Enabled optional features: timestamps, where present.
     pub features: wgpu::Features,
-    /// What was made on it.
+    /// Compile statistics of the device.
     pub compile_stats: CompileStats,
     /// The first error outside an error scope.
     fault: Arc<Mutex<Option<GpuError>>>,
 }
 
 impl Gpu {
-    /// Opens the adapter that the options name, else the fastest kind that opens: discrete,
-    /// integrated, virtual, software.
+    /// Opens the adapter of the options, else the fastest type that opens: discrete, integrated,
+    /// virtual, software.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] when none exists, none matches or none opens.
+    /// [`GpuError::NoAdapter`] if none exists, matches or opens.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
         let descriptor = wgpu::InstanceDescriptor {
             backends: wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12,
@@ -140,10 +141,10 @@ impl Gpu {
         self.adapter_info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Runs `create` and turns what wgpu says about it into an error that names `what`.
+    /// Runs `create` in error scopes; errors name `what`.
     ///
     /// # Errors
-    /// Whatever wgpu reports: validation, memory, internal.
+    /// Any wgpu error: validation, memory, internal.
     pub fn scoped<T>(&self, what: &str, create: impl FnOnce() -> T) -> Result<T, GpuError> {
         let scopes = [
             wgpu::ErrorFilter::Internal,
@@ -153,8 +154,8 @@ impl Gpu {
         .map(|filter| self.device.push_error_scope(filter));
         let created = create();
         let mut first = None;
-        // Scopes are a stack: the last one pushed is popped first. What follows from exhausted
-        // memory is reported as invalid too, so memory goes before validation.
+        // Scopes are a stack: the last one pushed is popped first. Exhausted memory causes
+        // validation errors too, so memory is checked first.
         for scope in scopes.into_iter().rev() {
             first = pollster::block_on(scope.pop()).or(first);
         }
@@ -206,7 +207,7 @@ impl Gpu {
         })
     }
 
-    /// The first error outside an error scope, if any. It stays: the device is not usable.
+    /// The first error outside an error scope, if any. It is permanent: the device is not usable.
     ///
     /// # Errors
     /// That error.

@@ -1,34 +1,34 @@
-//! What can go wrong between here and the GPU.
+//! Errors of the GPU layer.
 
 use std::fmt;
 
 use super::shader::ShaderError;
 
-/// Why the GPU did not do what was asked.
+/// Error of the GPU layer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GpuError {
-    /// No adapter can be used; the text says what to install or what to choose.
+    /// No usable adapter; the text says what to install or choose.
     NoAdapter(String),
-    /// Something is larger than this adapter or Reflet allows.
+    /// A limit of this adapter or of Reflet is exceeded.
     Limit {
-        /// What is too large, such as `triangle buffer`.
+        /// Name of the resource, such as `triangle buffer`.
         what: String,
         /// Its size.
         wanted: u64,
-        /// The largest size that works.
+        /// Its maximum size.
         limit: u64,
         /// Unit of both, such as `bytes`.
         unit: &'static str,
     },
-    /// A shader does not assemble or validate.
+    /// A shader fails to assemble or validate.
     Shader(ShaderError),
-    /// A name is bound that a shader does not declare, or the reverse.
+    /// A bound name that the shader does not declare, or the reverse.
     Binding(String),
-    /// GPU memory ran out while doing the named thing.
+    /// Out of GPU memory in the named operation.
     OutOfMemory(String),
-    /// wgpu refused a call: a bug in Reflet.
+    /// wgpu validation error: a bug in Reflet.
     Validation(String),
-    /// The device stopped working or did not answer.
+    /// The device was lost or timed out.
     Lost(String),
 }
 

@@ -1,4 +1,5 @@
-//! wgpu without opinions: device, shaders, bindings by name, timings, readback. Knows no scene.
+//! GPU layer over wgpu: device, shaders, bindings by name, timestamps, readback. Independent of
+//! scenes.
 
 pub mod bind;
 pub mod compile_stats;

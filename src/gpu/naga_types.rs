@@ -1,4 +1,4 @@
-//! naga's words in wgpu's.
+//! Conversion of naga types to wgpu types.
 
 use naga::{ImageDimension, StorageAccess, StorageFormat};
 
@@ -33,7 +33,7 @@ pub(super) fn storage_access(access: StorageAccess) -> wgpu::StorageTextureAcces
     }
 }
 
-/// The storage formats that WebGPU guarantees everywhere.
+/// Storage formats that WebGPU guarantees.
 pub(super) fn storage_format(format: StorageFormat) -> Option<wgpu::TextureFormat> {
     use StorageFormat as S;
     use wgpu::TextureFormat as T;

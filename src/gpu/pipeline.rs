@@ -1,5 +1,4 @@
-//! Shader modules and pipelines on the device, made inside error scopes and cached by their
-//! shader, so that asking for the same pipeline again costs nothing.
+//! Shader modules and pipelines, created in error scopes. Pipelines are cached per shader.
 
 use std::{
     collections::HashMap,
@@ -16,10 +15,10 @@ use super::{
     shader::{ShaderError, ShaderLibrary, ShaderSource},
 };
 
-/// Which run-time checks wgpu adds to a shader.
+/// Run-time checks of a shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Checks {
-    /// Every index is bounded and every loop ends.
+    /// Bounds checks and loop bounding.
     All,
     /// No bounds checks and no loop bounding, but only for text that was built into this
     /// program; for anything else this is [`Checks::All`]. The caller must have validated every
@@ -30,7 +29,7 @@ pub(crate) enum Checks {
 /// A checked shader on the device.
 #[derive(Clone, Debug)]
 pub struct Shader {
-    /// What it declares.
+    /// Reflection of the module.
     pub info: ShaderModuleInfo,
     /// The module.
     pub module: wgpu::ShaderModule,
@@ -38,7 +37,7 @@ pub struct Shader {
     renders: PipelineCache<wgpu::RenderPipeline>,
 }
 
-/// Pipelines by everything that makes them differ; clones of a shader share them.
+/// Pipeline cache, shared by clones of the shader.
 type PipelineCache<P> = Arc<Mutex<HashMap<String, P>>>;
 
 fn get_or_create<P: Clone>(
@@ -72,7 +71,7 @@ impl Shader {
     /// Loads, checks and creates the shader `name`.
     ///
     /// # Errors
-    /// [`GpuError::Shader`] pointing at the author's line, or what wgpu says.
+    /// [`GpuError::Shader`] at the line in the author's file, or a wgpu error.
     pub fn new(gpu: &Gpu, library: &ShaderLibrary, name: &str) -> Result<Self, GpuError> {
         Self::from_source(gpu, &library.source(name)?, Checks::All)
     }
@@ -160,8 +159,8 @@ impl Shader {
         })
     }
 
-    /// The render pipeline that `make` builds on the layout of these groups; `state` tells apart
-    /// what differs beside groups and constants.
+    /// A cached render pipeline, created by `make` with the layout of these groups; `state` is the
+    /// rest of its cache key.
     ///
     /// # Errors
     /// [`GpuError::Shader`] for an unknown override or exceeded limits, or what wgpu says.
@@ -182,7 +181,7 @@ impl Shader {
         })
     }
 
-    /// Whether every constant is an override of this shader and none without a default is left.
+    /// Checks that every constant is an override of this shader and that all required ones are set.
     ///
     /// # Errors
     /// [`GpuError::Shader`] naming the first that does not fit.

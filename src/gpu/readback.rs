@@ -1,4 +1,4 @@
-//! Textures and buffers back to the CPU, tightly packed.
+//! Readback of textures and buffers, tightly packed.
 
 use std::{
     sync::mpsc::{Receiver, channel},
@@ -9,16 +9,16 @@ use bytemuck::Pod;
 
 use super::{context::Gpu, error::GpuError};
 
-/// Largest staging buffer: a 16384 × 16384 float picture is read in bands of rows.
+/// Maximum staging buffer size: a 16384 × 16384 float picture is read in bands of rows.
 const MAX_BAND_BYTES: u64 = 64 << 20;
 
-/// How long an answer may take once the work is done.
+/// Timeout of the map callback after the work is done.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Mip 0, layer 0 of a 2D texture, rows from the top, no padding. Needs `COPY_SRC`.
 ///
 /// # Errors
-/// [`GpuError::Validation`] for a format without a fixed texel size, or what wgpu says.
+/// [`GpuError::Validation`] for a format without a fixed texel size, or a wgpu error.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
     read_texture_layer(gpu, texture, 0, 0)
 }
@@ -48,7 +48,7 @@ pub fn read_texture_layer(
 /// A whole buffer as values of `T`; a rest shorter than one `T` is dropped. Needs `COPY_SRC`.
 ///
 /// # Errors
-/// What wgpu says about the copy.
+/// A wgpu error of the copy.
 pub fn read_buffer<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, GpuError> {
     if buffer.size() == 0 {
         return Ok(Vec::new());
@@ -118,21 +118,21 @@ fn aspect(format: wgpu::TextureFormat) -> wgpu::TextureAspect {
     }
 }
 
-/// Copies to the CPU, being recorded; they are submitted together.
+/// A batch of readback copies, submitted together.
 pub struct Downloads {
     encoder: wgpu::CommandEncoder,
     copies: Vec<Copy>,
 }
 
-/// What one copy leaves in its staging buffer.
+/// Layout of one copy in its staging buffer.
 struct Copy {
     staging: wgpu::Buffer,
-    /// Without and with padding.
+    /// Bytes per row without and with padding.
     row_bytes: [u64; 2],
 }
 
 impl Downloads {
-    /// None yet.
+    /// Empty.
     pub fn new(gpu: &Gpu) -> Self {
         let label = Some("readback");
         Self {
@@ -141,7 +141,7 @@ impl Downloads {
         }
     }
 
-    /// Adds mip 0, layer 0 of a texture, which comes out as [`read_texture`] gives it.
+    /// Adds mip 0, layer 0 of a texture, with the result of [`read_texture`].
     ///
     /// # Errors
     /// As [`read_texture`].
@@ -153,7 +153,7 @@ impl Downloads {
     /// Adds a whole buffer, which is not empty.
     ///
     /// # Errors
-    /// What wgpu says about the staging buffer.
+    /// A wgpu error of the staging buffer.
     pub fn buffer(&mut self, gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<(), GpuError> {
         let size = buffer.size();
         let staging = staging_buffer(gpu, size)?;
@@ -207,11 +207,10 @@ impl Downloads {
         Ok(())
     }
 
-    /// Submits the copies and does not wait for them: work that is submitted later may overwrite
-    /// what they read.
+    /// Submits the copies without waiting; later submissions may overwrite their sources.
     ///
     /// # Errors
-    /// What wgpu says about the submission.
+    /// A wgpu error of the submission.
     pub fn start(self, gpu: &Gpu) -> Result<Pending, GpuError> {
         let submission = gpu.submit(self.encoder)?;
         let (sender, answers) = channel();
@@ -231,7 +230,7 @@ impl Downloads {
     }
 }
 
-/// Copies on their way to the CPU. Dropping them gives them up.
+/// Submitted copies. Dropping them discards the result.
 pub struct Pending {
     copies: Vec<Copy>,
     submission: wgpu::SubmissionIndex,
@@ -239,8 +238,8 @@ pub struct Pending {
 }
 
 impl Pending {
-    /// Waits for the copies, but not for what was submitted after them, and gives the bytes of
-    /// each without padding, in the order in which they were added.
+    /// Waits for the copies, but not for later submissions, and returns the bytes of each without
+    /// padding, in order.
     ///
     /// # Errors
     /// A lost or silent device.
@@ -256,7 +255,7 @@ impl Pending {
         let lost = |why: String| GpuError::Lost(format!("results could not be read back: {why}"));
         gpu.wait_for(&self.submission)?;
         for _ in &self.copies {
-            // Another thread's wait may be what delivers the answer, a moment after ours is over.
+            // A wait on another thread may run the callback, shortly after this wait returns.
             let answer = self.answers.recv_timeout(ANSWER_TIMEOUT);
             answer
                 .map_err(|error| error.to_string())

@@ -1,4 +1,4 @@
-//! Checks shaders with naga before any driver sees them, and lists what they declare.
+//! Shader reflection: validates WGSL with naga and lists its declarations.
 
 use std::{error::Error, sync::Arc};
 
@@ -14,7 +14,7 @@ use super::{
     shader::{ShaderError, ShaderSource},
 };
 
-/// What a checked shader declares.
+/// Declarations of a validated shader.
 #[derive(Clone, Debug)]
 pub struct ShaderModuleInfo {
     /// Its name, such as `ssr`.
@@ -31,18 +31,18 @@ pub struct ShaderModuleInfo {
     pub structs: Vec<StructLayout>,
 }
 
-/// A function that a pipeline can start at.
+/// An entry point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryPoint {
     /// Name of the function.
     pub name: String,
-    /// Exactly one stage.
+    /// Its stage.
     pub stage: wgpu::ShaderStages,
     /// Threads of a workgroup; zeros outside compute.
     pub workgroup_size: [u32; 3],
 }
 
-/// A resource that a shader wants.
+/// A resource binding of a shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Binding {
     /// `@group`.
@@ -51,7 +51,7 @@ pub struct Binding {
     pub binding: u32,
     /// Name of the variable.
     pub name: String,
-    /// What must be bound.
+    /// Required resource type.
     pub ty: wgpu::BindingType,
     /// The stages that use it.
     pub visibility: wgpu::ShaderStages,
@@ -61,7 +61,7 @@ pub struct Binding {
     pub declared_at: String,
 }
 
-/// A constant that is set when a pipeline is made.
+/// A pipeline-overridable constant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
     /// Key in a pipeline's constants: the `@id`, else the name.
@@ -72,7 +72,7 @@ pub struct Override {
     pub optional: bool,
 }
 
-/// How a struct lies in memory.
+/// Memory layout of a struct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StructLayout {
     /// Its name.
@@ -83,7 +83,7 @@ pub struct StructLayout {
     pub fields: Vec<FieldLayout>,
 }
 
-/// How a member of a struct lies in it.
+/// Memory layout of a struct member.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FieldLayout {
     /// Its name.
@@ -122,7 +122,7 @@ pub fn capabilities(features: wgpu::Features) -> Capabilities {
 /// Parses and validates a shader and lists what it declares. Needs no GPU.
 ///
 /// # Errors
-/// The first thing that naga does not accept, at the line that the author edited.
+/// The first naga error, at the line in the author's file.
 pub fn check(
     source: &ShaderSource,
     capabilities: Capabilities,
@@ -164,7 +164,7 @@ fn validation_error(
     at_first_place(source, &message, labels)
 }
 
-/// naga's labels: the first one with a place says where, the others become notes.
+/// naga's labels: the first one with a location is the place, the others are notes.
 fn at_first_place<'a>(
     source: &ShaderSource,
     message: &str,
@@ -192,7 +192,7 @@ fn at_first_place<'a>(
     error
 }
 
-/// A validated module on its way to a [`ShaderModuleInfo`].
+/// Builder of a [`ShaderModuleInfo`] from a validated module.
 struct Reflection<'a> {
     source: &'a ShaderSource,
     module: &'a Module,
@@ -384,7 +384,7 @@ impl Reflection<'_> {
         }
     }
 
-    /// Every texture with every sampler it is sampled through.
+    /// Every pair of texture and sampler used together.
     fn pairs(
         &self,
     ) -> impl Iterator<Item = (Handle<naga::GlobalVariable>, Handle<naga::GlobalVariable>)> {

@@ -1,5 +1,4 @@
-//! Shader text: where it comes from, how `#import` is resolved, and how errors point at the
-//! line that the author edited.
+//! Shader sources: library folders, `#import` resolution, and mapping of errors to source lines.
 
 use std::{borrow::Cow, collections::BTreeMap, fmt, fs, path::Path, sync::Arc};
 
@@ -11,7 +10,7 @@ const MAX_SHADER_BYTES: u64 = 1 << 20;
 /// `(path below shaders/, text)` of every shader, made by `build.rs`.
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// A place in a file that a person edited.
+/// A location in a source file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {
     /// The file, such as `shaders/lib/bvh.wgsl`.
@@ -22,20 +21,20 @@ pub struct Location {
     pub column: u32,
     /// The text of that line.
     pub text: String,
-    /// How many bytes of the line are meant, at least 1.
+    /// Length of the range, bytes, at least 1.
     pub length: u32,
 }
 
-/// Why a shader cannot be used.
+/// A shader error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ShaderError {
-    /// The shader or folder, where there is no better place.
+    /// The shader or folder, without a location.
     pub file: Arc<str>,
-    /// What is wrong and what was expected.
+    /// Message.
     pub message: String,
-    /// Where, if it is a place in a file.
+    /// Location in a file, if any.
     pub location: Option<Location>,
-    /// What else the compiler had to say.
+    /// Further compiler notes.
     pub notes: Vec<String>,
 }
 
@@ -84,23 +83,23 @@ impl fmt::Display for ShaderError {
 
 impl std::error::Error for ShaderError {}
 
-/// A shader with all its imports, ready to be checked.
+/// An assembled shader with all its imports.
 #[derive(Clone, Debug)]
 pub struct ShaderSource {
-    /// The name it was asked for, such as `ssr`.
+    /// Its name, such as `ssr`.
     pub name: String,
     /// Its own file, for messages.
     pub file: Arc<str>,
     /// The whole WGSL text.
     pub text: String,
-    /// Whether all of it is the text that was built into this program.
+    /// Whether all of it was built into this program.
     pub(crate) embedded: bool,
     /// For every line of `text`: the file and the line in it.
     lines: Vec<(Arc<str>, u32)>,
 }
 
 impl ShaderSource {
-    /// The place that a byte range of [`ShaderSource::text`] came from.
+    /// Source location of a byte range of [`ShaderSource::text`].
     pub fn locate(&self, range: std::ops::Range<usize>) -> Option<Location> {
         let before = self.text.get(..range.start)?;
         let index = before.matches('\n').count();
@@ -122,11 +121,11 @@ impl ShaderSource {
 /// All shaders of a folder: passes at the top, shared code in `lib/`.
 #[derive(Clone, Debug)]
 pub struct ShaderLibrary {
-    /// What file names start with in messages.
+    /// Prefix of file names in messages.
     root: String,
     /// Text by path below the root, such as `lib/bvh.wgsl`.
     files: BTreeMap<String, Cow<'static, str>>,
-    /// Text by the same paths of what the program writes itself.
+    /// Generated texts by the same paths.
     generated: BTreeMap<String, String>,
     embedded: bool,
 }
@@ -195,7 +194,7 @@ impl ShaderLibrary {
         }
     }
 
-    /// This library with a `lib/NAME.wgsl` that the program writes itself.
+    /// This library with a generated `lib/NAME.wgsl`.
     ///
     /// # Errors
     /// The folder has a file of that name.
@@ -243,7 +242,7 @@ impl ShaderLibrary {
             .filter_map(|path| path.strip_prefix("lib/")?.strip_suffix(".wgsl"))
     }
 
-    /// `NAME.wgsl` with every import put in its place, once.
+    /// `NAME.wgsl` with every import included once.
     ///
     /// # Errors
     /// Unknown shader, unknown import, an import that is not a plain name, a cycle.
@@ -282,14 +281,14 @@ impl ShaderLibrary {
     }
 }
 
-/// A shader being put together.
+/// A shader being assembled.
 struct Assembly<'a> {
     library: &'a ShaderLibrary,
     text: String,
     lines: Vec<(Arc<str>, u32)>,
-    /// Paths whose inclusion has begun, outermost first.
+    /// Paths being included, outermost first.
     open: Vec<String>,
-    /// Paths that are in the text already.
+    /// Paths included so far.
     done: Vec<String>,
 }
 

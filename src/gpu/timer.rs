@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::{context::Gpu, error::GpuError, readback};
 
-/// Most passes that one frame times; later ones run untimed.
+/// Maximum number of timed passes per frame; later ones run untimed.
 const MAX_PASSES: u32 = 256;
 
 /// Times the passes of one frame at a time: hand out writes, resolve, submit, read.
@@ -26,7 +26,7 @@ impl Timer {
     /// A timer; one that reports nothing where the device has no timestamps.
     ///
     /// # Errors
-    /// What wgpu says about its buffer.
+    /// A wgpu error of its buffer.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
         let has_timestamps = gpu.features.contains(wgpu::Features::TIMESTAMP_QUERY);
         let queries = if has_timestamps {
@@ -53,7 +53,7 @@ impl Timer {
         })
     }
 
-    /// Whether it reports anything.
+    /// Whether timestamps are supported.
     pub fn is_available(&self) -> bool {
         self.queries.is_some()
     }
@@ -105,7 +105,7 @@ impl Timer {
     /// use; passes of the same name are added up. Waits for the GPU and starts a new frame.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<(String, f64)>, GpuError> {
         let mut names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
         let names = std::mem::take(&mut *names);

@@ -1,11 +1,11 @@
-//! Which draws cannot touch a picture.
+//! Frustum culling of draws.
 
 use glam::{Mat4, Vec3};
 
 use crate::math::Bounds;
 
-/// Whether a box lies wholly outside one of the planes of a clip volume (left, right, top, bottom,
-/// behind). Depth is reversed and may be infinite, so there is no far plane to miss.
+/// Whether a box lies outside one of the clip planes (left, right, top, bottom, near). There is no
+/// far plane: depth is reversed and may be infinite.
 pub fn is_outside(clip_from_world: &Mat4, bounds: &Bounds) -> bool {
     if bounds.is_empty() {
         return true;

@@ -1,20 +1,20 @@
-//! Why there is no picture.
+//! Render errors.
 
 use std::{fmt, path::Path};
 
 use crate::{gpu::GpuError, scene::diagnostic::Diagnostic};
 
-/// Why there is no picture.
+/// Render errors.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RenderError {
     /// The scene cannot be rendered: too large, or broken geometry.
     Scene(Box<Diagnostic>),
-    /// The GPU or a shader refused.
+    /// GPU or shader error.
     Gpu(GpuError),
 }
 
 impl RenderError {
-    /// As messages about the scene.
+    /// Converts to scene diagnostics.
     pub fn into_diagnostics(self) -> Vec<Diagnostic> {
         match self {
             Self::Scene(diagnostic) => vec![*diagnostic],

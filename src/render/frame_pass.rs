@@ -1,4 +1,4 @@
-//! What every pass of the frame can do: be built and be recorded.
+//! Interface of frame passes: building and recording.
 
 use crate::gpu::GpuError;
 
@@ -6,17 +6,17 @@ use super::{pass_builder::PassBuilder, sub_frame::SubFrame};
 
 /// A pass of the frame.
 pub trait FramePass: Sized {
-    /// Builds its pipelines and binds them.
+    /// Creates its pipelines and bind groups.
     ///
     /// # Errors
-    /// What a shader or wgpu refuses.
+    /// A shader or wgpu error.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError>;
 
     /// Records it.
     fn record(&self, frame: &mut SubFrame<'_>);
 }
 
-/// A pass that the plan may leave out records nothing then.
+/// A pass that the plan drops records nothing.
 impl<P: FramePass> FramePass for Option<P> {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         P::new(builder).map(Some)

@@ -1,4 +1,4 @@
-//! Meshes → the shared vertex and index buffers.
+//! Packing of meshes into the shared vertex and index buffers.
 
 use bytemuck::{Pod, cast_slice};
 use glam::{Vec3, Vec4};
@@ -10,7 +10,7 @@ use crate::{
 
 use super::types::{GpuVertex, NONE};
 
-/// Where a mesh lies in the shared buffers.
+/// Ranges of a mesh in the shared buffers.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshRange {
     /// First vertex.
@@ -25,10 +25,10 @@ pub struct MeshRange {
     pub has_colors: bool,
 }
 
-/// A filled buffer, never of zero size.
+/// An initialized buffer, never of zero size.
 ///
 /// # Errors
-/// More bytes than the adapter allows, by `name`, or what wgpu says.
+/// A size past the adapter's limit, by `name`, or a wgpu error.
 pub fn buffer<T: Pod>(
     gpu: &Gpu,
     name: &str,
@@ -50,7 +50,7 @@ pub fn buffer<T: Pod>(
     Ok(buffer)
 }
 
-/// The vertex buffer, the index buffer and where each mesh lies in them.
+/// The vertex buffer, the index buffer and the ranges of each mesh.
 ///
 /// # Errors
 /// As [`buffer`].

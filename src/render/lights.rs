@@ -1,4 +1,4 @@
-//! World lights → the lights' uniform block and the views from which shadow maps are drawn.
+//! Lights: the uniform block and the shadow map views.
 
 use bytemuck::Zeroable;
 use glam::{Mat4, Vec3, Vec4, camera::rh};
@@ -26,7 +26,7 @@ pub const SHADOW_MAP: u32 = 1;
 /// [`GpuLight::shadow`].
 pub const SHADOW_RAY: u32 = 2;
 
-/// One picture that the shadow pass draws.
+/// One shadow map view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowView {
     /// Whether it is a face of a cube map, else a flat map.
@@ -37,21 +37,21 @@ pub struct ShadowView {
     pub clip_from_world: Mat4,
 }
 
-/// Map sizes and numbers, which change only when lights come or go.
+/// Sizes and counts of shadow maps; constant for a set of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowSizes {
-    /// Edge of every cube face, pixels: the largest that a point light asks for.
+    /// Edge of every cube face, pixels: the maximum over point lights.
     pub cube_px: u32,
     /// Cube maps.
     pub cubes: u32,
-    /// Edge of every flat map, pixels: the largest that a light asks for.
+    /// Edge of every flat map, pixels: the maximum over spot and directional lights.
     pub map_px: u32,
     /// Flat maps.
     pub maps: u32,
 }
 
 impl ShadowSizes {
-    /// What these lights ask for.
+    /// Shadow maps of these lights.
     pub fn of(lights: &[Light]) -> Self {
         let mut sizes = Self::default();
         for light in lights.iter().filter(|l| l.desc.shadow == ShadowMode::Map) {
@@ -67,13 +67,13 @@ impl ShadowSizes {
     }
 }
 
-/// Whether some light casts its shadow by rays.
+/// Whether some light has ray-traced shadows.
 pub fn has_shadow_rays(lights: &[Light]) -> bool {
     let mut lights = lights.iter();
     lights.any(|light| light.desc.shadow == ShadowMode::Ray)
 }
 
-/// The uniform block and the shadow views of one frame. `bounds` hold everything that casts.
+/// The uniform block and the shadow views of one frame. `bounds` contain all shadow casters.
 pub fn lights(
     lights: &[Light],
     sizes: ShadowSizes,

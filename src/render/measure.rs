@@ -1,5 +1,5 @@
-//! Measures a frame by rendering it again with probes: no probe makes a picture, and none is part
-//! of a frame that is timed.
+//! Measurement of a frame by rendering it again with probes, which are not part of pictures or
+//! timed frames.
 
 use crate::{
     gpu::{Gpu, GpuError},
@@ -19,11 +19,11 @@ use super::{
 };
 
 impl Renderer {
-    /// Renders the frame once more and counts what its passes do; a pass that did not run is not
-    /// listed. Sums over all sub-frames.
+    /// Renders the frame once more with work counters; passes that did not run are not listed. Sums
+    /// over all sub-frames.
     ///
     /// # Errors
-    /// As [`Renderer::render`], and shaders of one's own without the entry point `counted`.
+    /// As [`Renderer::render`], and custom shaders without the entry point `counted`.
     pub fn counts(
         &mut self,
         gpu: &Gpu,
@@ -48,9 +48,9 @@ impl Renderer {
         Ok(sums)
     }
 
-    /// Milliseconds that the rays of the trace pass take without shading: the same rays, their
-    /// hits written; surfaces are looked up only where a path may go on. Measured right after the
-    /// trace pass, in a frame of its own. None where nothing is traced or nothing is timed.
+    /// Traversal time of the trace pass without shading, milliseconds: the same rays and hits;
+    /// surfaces are evaluated only where a path may continue. Measured right after the trace pass,
+    /// in a separate frame. None without traced rays or timestamps.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -78,8 +78,8 @@ impl Renderer {
         Ok(sum_ms)
     }
 
-    /// Marches without refusing anything, and gives planes of that: at every pixel whose cause is
-    /// `hit` the march crossed something, whether or not its rules take it.
+    /// AOVs of a march that accepts every crossing: the cause is `hit` wherever the ray crossed a
+    /// surface.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -101,7 +101,7 @@ impl Renderer {
         Ok(planes.collect::<Result<_, _>>()?)
     }
 
-    /// Builds what a probe needs, the first time; it lasts until the passes are built again.
+    /// Builds the passes of a probe on first use; they last until the passes are rebuilt.
     fn build_probe(&mut self, gpu: &Gpu, probe: Probe) -> Result<(), GpuError> {
         let is_ready = match probe {
             Probe::Count => !self.bindings.probes.counted.is_empty(),
@@ -131,7 +131,7 @@ impl Renderer {
     }
 }
 
-/// The counting twins of the passes that the frame records.
+/// Counting variants of the recorded passes.
 fn counted(builder: &PassBuilder<'_>) -> Result<Vec<Counted>, GpuError> {
     let size = builder.resources.targets.size;
     let make = |pass: &'static Pass| {

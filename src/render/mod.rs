@@ -1,4 +1,4 @@
-//! World → picture: the frame, its passes and what it reports.
+//! Renderer: the frame, its passes and its statistics.
 
 pub mod aov;
 pub(crate) mod bindings;

@@ -1,20 +1,20 @@
-//! What to render with.
+//! Render options.
 
 use crate::scene::desc::{ImageDesc, ReflectionDesc, SceneDesc};
 
-/// What to render with.
+/// Render options.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderOptions {
-    /// How reflections are found.
+    /// Reflection settings.
     pub reflection: ReflectionDesc,
     /// Size, sub-frames, tone.
     pub image: ImageDesc,
-    /// Leave nothing out, to compare with the specialized frame.
+    /// Drop no features, to compare with the specialized frame.
     pub general: bool,
 }
 
 impl RenderOptions {
-    /// As a scene says, without what it does not use.
+    /// Options of a scene, with specialization.
     pub fn of(desc: &SceneDesc) -> Self {
         Self {
             reflection: desc.reflection,

@@ -1,4 +1,4 @@
-//! Builds the pipelines of passes and binds them.
+//! Creates pipelines and bind groups of passes.
 
 use crate::gpu::{Gpu, GpuError, Named, Shader};
 
@@ -12,19 +12,19 @@ use super::{
     targets::Target,
 };
 
-/// What building a pass takes.
+/// Context for building passes.
 pub struct PassBuilder<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// What the frame contains.
+    /// Plan of the frame.
     pub plan: &'a Plan,
-    /// What it is rendered with.
+    /// Render options.
     pub options: &'a RenderOptions,
-    /// Of the passes that are needed.
+    /// Shaders of the needed passes.
     pub shaders: &'a Shaders,
     /// Groups 0 and 1.
     pub shared: &'a SharedGroups,
-    /// What passes are bound to.
+    /// Bindable resources.
     pub resources: Resources<'a>,
 }
 
@@ -51,7 +51,7 @@ impl PassBuilder<'_> {
     /// A compute pass; `aliases` give targets other names in its shader.
     ///
     /// # Errors
-    /// What the shader or wgpu refuses, by file and name.
+    /// A shader or wgpu error, by file and name.
     pub fn compute(
         &self,
         pass: &'static Pass,

@@ -11,23 +11,22 @@ use super::{
     targets::Target,
 };
 
-/// What a render gives.
+/// A finished picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Pixels.
     pub size: [u32; 2],
-    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty where it was not
-    /// asked for.
+    /// Linear radiance, RGBA, exposure not applied, mean of the sub-frames; empty if not requested.
     pub color: Vec<f32>,
     /// Display color, RGBA, sRGB.
     pub display: Vec<u8>,
-    /// The AOVs that were asked for.
+    /// Requested AOVs.
     pub planes: Vec<Plane>,
-    /// What it cost.
+    /// Statistics of its frame.
     pub stats: FrameStats,
 }
 
-/// What a picture is to hold besides its display color.
+/// Requested contents besides display color.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureRequest<'a> {
     /// Linear radiance.
@@ -36,8 +35,8 @@ pub struct PictureRequest<'a> {
     pub aovs: &'a [Aov],
 }
 
-/// A picture that is being rendered, or on its way to the CPU. It may be taken on another thread
-/// while the renderer goes on with the next one.
+/// A picture being rendered or read back. Another thread may wait for it while the renderer
+/// continues.
 pub struct PendingPicture {
     download: Download,
     /// The target that holds the sum of the sub-frames, if it is requested.
@@ -106,8 +105,8 @@ impl Renderer {
             .take(gpu)
     }
 
-    /// Starts a picture without timing its passes, and does not wait for its end: the next one may
-    /// be posed and started meanwhile.
+    /// Starts a picture without timing or waiting, so that the next one can be posed and started
+    /// meanwhile.
     ///
     /// # Errors
     /// As [`Renderer::render`].

@@ -1,5 +1,5 @@
-//! Probes: passes that take the place of others to measure them. What they do is counted, rays are
-//! followed without being shaded, or the march takes every crossing.
+//! Probes: variants of passes for measurement. They count work, trace rays without shading, or
+//! accept every crossing of the march.
 
 use serde::Serialize;
 
@@ -7,24 +7,24 @@ use crate::gpu::{Gpu, GpuError, readback};
 
 use super::pass::ComputePass;
 
-/// What is different in a frame that is rendered to be measured.
+/// Kind of measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Probe {
-    /// Passes count what they do.
+    /// Passes count their work.
     Count,
-    /// After the trace pass its rays are followed once more, without shading.
+    /// After the trace pass its rays are traced once more, without shading.
     Traverse,
-    /// The march takes every crossing, whatever it would refuse.
+    /// The march accepts every crossing.
     AcceptAll,
 }
 
-/// What a pass did over all pixels. It depends on the scene and its settings, not on the machine.
+/// Work of a pass over all pixels. It depends on the scene and its settings, not on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Depth buffer reads: steps of the march and of the bisection after it.
     pub march_steps: u64,
-    /// Walks through the trees from their root: one for each ray, bounces and shadow rays
-    /// included, and one more for each cut-out that a ray passes.
+    /// Traversals from the root: one for each ray, including bounces and shadow rays, and one more
+    /// for each cut-out that a ray passes.
     pub traversals: u64,
     /// Nodes of all trees that were read.
     pub visited_nodes: u64,
@@ -33,7 +33,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Their names with their values, in the order in which shaders write them.
+    /// Names and values in the order of the shaders.
     pub fn named(&self) -> [(&'static str, u64); 4] {
         [
             ("march_steps", self.march_steps),
@@ -43,7 +43,7 @@ impl Counts {
         ]
     }
 
-    /// Both together.
+    /// Sum of both.
     pub fn plus(self, other: Self) -> Self {
         Self {
             march_steps: self.march_steps + other.march_steps,
@@ -53,7 +53,7 @@ impl Counts {
         }
     }
 
-    /// Of the pixels of a counting pass.
+    /// Sum over the pixels of a counting pass.
     fn of(pixels: &[[u32; 4]]) -> Self {
         let of_pixel = |&[steps, traversals, nodes, triangles]: &[u32; 4]| Self {
             march_steps: steps.into(),
@@ -68,28 +68,28 @@ impl Counts {
     }
 }
 
-/// What one pass did.
+/// Work of one pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct PassCounts {
     /// Name of the pass.
     pub pass: &'static str,
-    /// What it did.
+    /// Its work.
     #[serde(flatten)]
     pub counts: Counts,
 }
 
-/// Passes that exist only once a probe was asked for.
+/// Passes of probes, built on demand.
 #[derive(Debug, Default)]
 pub struct Probes {
-    /// Which count.
+    /// Counting passes.
     pub counted: Vec<Counted>,
-    /// Follows the rays without shading.
+    /// Traces the rays without shading.
     pub traverse: Option<ComputePass>,
-    /// Marches and takes every crossing.
+    /// Marches and accepts every crossing.
     pub accept_all: Option<ComputePass>,
 }
 
-/// A pass that counts, and where each pixel's counts are.
+/// A counting pass, with its texture of counts.
 #[derive(Debug)]
 pub struct Counted {
     pass: ComputePass,
@@ -101,7 +101,7 @@ impl Counted {
     /// `make` builds the pass over the view that is named `counts` in its shader.
     ///
     /// # Errors
-    /// What wgpu says about the texture, and the errors of `make`.
+    /// A wgpu error of the texture, and the errors of `make`.
     pub fn new(
         gpu: &Gpu,
         size: [u32; 2],
@@ -153,7 +153,7 @@ impl Counted {
     /// Sums over all pixels.
     ///
     /// # Errors
-    /// What reading back says.
+    /// A readback error.
     pub fn read(&self, gpu: &Gpu) -> Result<PassCounts, GpuError> {
         let pixels = readback::read_texture(gpu, &self.counts)?;
         Ok(PassCounts {
@@ -164,7 +164,7 @@ impl Counted {
 }
 
 impl Probes {
-    /// The pass that this probe puts in the place of `pass`, or `pass` itself.
+    /// The variant of `pass` for this probe, or `pass` itself.
     pub fn replacement_for<'a>(
         &'a self,
         pass: &'a ComputePass,
@@ -181,14 +181,14 @@ impl Probes {
         other.unwrap_or(pass)
     }
 
-    /// The pass that follows the rays of the trace pass once more, where this probe wants it.
+    /// The pass that traces the rays once more, if this probe needs it.
     pub fn traverse(&self, probe: Option<Probe>) -> Option<&ComputePass> {
         self.traverse
             .as_ref()
             .filter(|_| probe == Some(Probe::Traverse))
     }
 
-    /// Makes every pixel of every count 0.
+    /// Clears all counts.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
         self.counted
             .iter()

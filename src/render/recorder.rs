@@ -1,5 +1,5 @@
-//! Records passes one after another and times them: by GPU timestamps, or, on software adapters,
-//! whose timestamps say little, by waiting for each pass on the CPU. Untimed, nothing is waited for.
+//! Recording and timing of passes: by GPU timestamps, or by waiting for each pass on software
+//! adapters, whose timestamps are unreliable. Without timing nothing waits.
 
 use std::time::Instant;
 
@@ -10,9 +10,9 @@ use super::shared_groups::SharedGroups;
 /// Whether passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// Each of them.
+    /// Time each pass.
     Passes,
-    /// None.
+    /// Untimed.
     None,
 }
 
@@ -24,10 +24,10 @@ pub struct Recorder<'a> {
     pub shared: &'a SharedGroups,
     /// Pixels of the picture.
     pub size: [u32; 2],
-    /// `None` where nothing is timed, or where the recorder waits instead.
+    /// `None` without timing, or if the recorder waits instead.
     timer: Option<&'a Timer>,
     encoder: wgpu::CommandEncoder,
-    /// Milliseconds of each pass that was waited for; `None` where none is.
+    /// Times of waited passes, milliseconds; `None` without waiting.
     waited: Option<Vec<(String, f64)>>,
     fault: Option<GpuError>,
 }
@@ -53,7 +53,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The encoder, for what needs no time.
+    /// The encoder, for untimed commands.
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         &mut self.encoder
     }
@@ -89,7 +89,7 @@ impl<'a> Recorder<'a> {
     /// Submits an untimed sub-frame.
     ///
     /// # Errors
-    /// The first thing the GPU refused.
+    /// The first GPU error.
     pub fn submit(self) -> Result<wgpu::SubmissionIndex, GpuError> {
         match self.fault {
             Some(fault) => Err(fault),
@@ -97,10 +97,10 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Submits what is left, waits, and gives the time of each pass in the order of the frame.
+    /// Submits the rest, waits, and returns the time of each pass in frame order.
     ///
     /// # Errors
-    /// The first thing the GPU refused.
+    /// The first GPU error.
     pub fn finish(mut self) -> Result<Vec<(String, f64)>, GpuError> {
         if let Some(fault) = self.fault {
             return Err(fault);
@@ -119,7 +119,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// What a pass needs while it records.
+/// Context for recording a pass.
 pub struct Recording<'a> {
     timer: Option<&'a Timer>,
     /// Groups 0 and 1.

@@ -1,4 +1,4 @@
-//! World → GPU: buffers, texture pools and the list of draws; group 1 of every shader.
+//! Scene upload: buffers, texture pools and the list of draws; group 1 of every shader.
 
 use std::ops::Range;
 
@@ -30,9 +30,9 @@ use super::{
 pub struct DrawClass {
     /// Tests alpha.
     pub cutout: bool,
-    /// Shows backs.
+    /// Double-sided.
     pub double_sided: bool,
-    /// Its transform turns front into back.
+    /// Mirrored by its transform.
     pub mirrored: bool,
 }
 
@@ -82,7 +82,7 @@ impl GpuScene {
     /// Uploads a world and its trees.
     ///
     /// # Errors
-    /// A buffer past the adapter's limit, by name, or what wgpu says.
+    /// A buffer past the adapter's limit, by name, or a wgpu error.
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
         let (vertices, mesh_data, mesh_ranges) = geometry(gpu, &world.meshes)?;
         let pools = Pools::new(gpu, world)?;
@@ -223,7 +223,7 @@ impl GpuScene {
     }
 }
 
-/// `bit` where it is on.
+/// `bit` if set.
 fn flag(on: bool, bit: u32) -> u32 {
     if on { bit } else { 0 }
 }
@@ -323,7 +323,7 @@ fn gpu_material(m: &Material, world: &World, slots: &[PoolSlot]) -> GpuMaterial 
         checker_size_m: checker.map_or(0.0, |c| c.size_m),
         checker_b: color(1),
         alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
-        // Without specular there is nothing to replace, whatever the scene calls it.
+        // Without specular there is no reflection, whatever the reflection mode.
         reflection: if has_specular(m) {
             m.reflection as u32
         } else {

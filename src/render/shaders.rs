@@ -1,4 +1,4 @@
-//! The checked shaders of the passes.
+//! Validated shaders of the passes.
 
 use std::collections::HashMap;
 
@@ -6,16 +6,16 @@ use crate::gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader:
 
 use super::{constants::with_constants, pass::Pass};
 
-/// Checked shaders by the name of their pass, each with the text it was made from. Those that are
-/// not needed now stay, with their pipelines, for when they are needed again.
+/// Validated shaders by pass name, each with its source text. Unused shaders stay cached with their
+/// pipelines.
 #[derive(Clone, Debug, Default)]
 pub struct Shaders(HashMap<&'static str, (ShaderSource, Shader)>);
 
 impl Shaders {
-    /// These shaders with those of `library` that are needed; one whose text is the same stays.
+    /// Adds the needed shaders of `library`; shaders with unchanged text are reused.
     ///
     /// # Errors
-    /// The first that does not assemble or validate, at the author's line.
+    /// The first shader error, at the line in the author's file.
     pub fn updated(
         &self,
         gpu: &Gpu,
@@ -48,7 +48,7 @@ impl Shaders {
         passes.iter().all(same)
     }
 
-    /// What these passes' shaders declare.
+    /// Reflection of the shaders of these passes.
     ///
     /// # Errors
     /// As [`Shaders::get`].
@@ -60,7 +60,7 @@ impl Shaders {
     /// The shader of a pass.
     ///
     /// # Errors
-    /// [`GpuError::Binding`] for a pass that the plan left out.
+    /// [`GpuError::Binding`] for a pass that the plan dropped.
     pub fn get(&self, pass: &Pass) -> Result<&Shader, GpuError> {
         let missing = || GpuError::Binding(format!("pass `{}` was not planned", pass.name));
         let found = self.0.get(pass.name);

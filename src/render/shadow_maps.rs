@@ -6,19 +6,19 @@ use super::lights::ShadowSizes;
 
 /// Format of every map.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Most bytes of all cube maps, and of all flat maps.
+/// Maximum size of all cube maps, and of all flat maps, bytes.
 const MAX_MAP_BYTES: u64 = 4 << 30;
 
-/// The maps of a scene's lights; they exist (one texel large) even without any.
+/// Shadow maps of a scene; one texel large without shadowed lights.
 #[derive(Clone, Debug)]
 pub struct ShadowMaps {
-    /// What they were made for.
+    /// Their sizes and counts.
     pub sizes: ShadowSizes,
     /// All cube maps, as the shaders sample them.
     pub cubes: wgpu::TextureView,
     /// All flat maps.
     pub maps: wgpu::TextureView,
-    /// Compares reversed depth: lit where the receiver is not farther.
+    /// Comparison sampler for reversed depth: lit where the receiver is not farther.
     pub sampler: wgpu::Sampler,
     /// Bytes of all maps.
     pub bytes: u64,
@@ -29,7 +29,7 @@ pub struct ShadowMaps {
 }
 
 impl ShadowMaps {
-    /// Makes the maps.
+    /// Creates the maps.
     ///
     /// # Errors
     /// More or larger maps than the adapter allows.

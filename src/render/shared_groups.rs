@@ -11,7 +11,7 @@ pub struct SharedGroups {
     pub layouts: [GroupLayout; 2],
     /// The groups themselves.
     pub groups: [wgpu::BindGroup; 2],
-    /// For passes that use neither.
+    /// Empty group for passes that use neither.
     pub empty: (GroupLayout, wgpu::BindGroup),
 }
 
@@ -19,7 +19,7 @@ impl SharedGroups {
     /// Groups 0 and 1 with everything that any of these shaders uses of them.
     ///
     /// # Errors
-    /// Shaders that disagree about a binding, or a name that nothing is bound to.
+    /// Conflicting declarations of a binding, or a name without a resource.
     pub fn new(
         gpu: &Gpu,
         shaders: &[&ShaderModuleInfo],

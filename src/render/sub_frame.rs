@@ -12,11 +12,11 @@ use super::{
     resources::Resources,
 };
 
-/// What passes know while they are recorded.
+/// Context of passes while they are recorded.
 pub struct SubFrame<'a> {
-    /// Where commands go.
+    /// Command recorder.
     pub recorder: Recorder<'a>,
-    /// What is rendered with.
+    /// Render options.
     pub options: &'a RenderOptions,
     /// The length U in meters.
     pub unit_m: f32,
@@ -26,16 +26,16 @@ pub struct SubFrame<'a> {
     pub clip_from_world: Mat4,
     /// Of the shadow maps, in the order of the lights.
     pub shadow_views: Vec<ShadowView>,
-    /// What passes are bound to.
+    /// Bindable resources.
     pub resources: Resources<'a>,
-    /// Passes that measure.
+    /// Probe passes.
     pub probes: &'a Probes,
-    /// What is measured, if anything.
+    /// Active probe, if any.
     pub probe: Option<Probe>,
 }
 
 impl SubFrame<'_> {
-    /// Makes all counters 0.
+    /// Clears all counters.
     pub fn clear(&mut self) {
         let encoder = self.recorder.encoder();
         encoder.clear_buffer(&self.resources.ray_list.counters, 0, None);
@@ -44,7 +44,7 @@ impl SubFrame<'_> {
         }
     }
 
-    /// Records a pass, or what measures in its place.
+    /// Records a pass, or its probe variant.
     pub fn dispatch(&mut self, pass: &ComputePass, dispatch: &Dispatch<'_>) {
         let pass = self.probes.replacement_for(pass, self.probe);
         pass.record(&mut self.recorder, dispatch);

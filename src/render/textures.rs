@@ -15,15 +15,15 @@ pub const POOL_PX: [u32; 3] = [SMALLEST_POOL_PX, 2 * SMALLEST_POOL_PX, 4 * SMALL
 
 const _: () = assert!(POOL_PX[2] == LARGEST_KEPT_PX);
 
-/// How the materials that use a texture sample it; where they differ, as the last one does.
+/// Sampling mode of a texture's materials; of the last one where they differ.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sampling {
-    /// Some material magnifies it without filtering: its texels must stay sharp.
+    /// Nearest magnification: texels must stay sharp.
     nearest: bool,
     wrap: [Wrap; 2],
 }
 
-/// Where a texture of the world lies.
+/// Pool and layer of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PoolSlot {
     /// Index into [`POOL_PX`].
@@ -47,7 +47,7 @@ impl Pools {
     /// Uploads every texture of the world.
     ///
     /// # Errors
-    /// More images of a size than an array has layers, or what wgpu says.
+    /// More images of a size than array layers, or a wgpu error.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self, GpuError> {
         let slots = assign_slots(&world.textures);
         let samplings = samplings(world);
@@ -117,7 +117,7 @@ impl Pools {
     }
 }
 
-/// The smallest pool that keeps every pixel, else the largest; layers in order.
+/// The smallest pool without downsampling, else the largest; layers in order.
 pub fn assign_slots(textures: &[Texture]) -> Vec<PoolSlot> {
     let mut next = [0; POOL_PX.len()];
     let place = |texture: &Texture| {
@@ -135,7 +135,7 @@ pub fn assign_slots(textures: &[Texture]) -> Vec<PoolSlot> {
     textures.iter().map(place).collect()
 }
 
-/// How each texture is resampled to the edge of its pool.
+/// Resampling of each texture to its pool's size.
 fn samplings(world: &World) -> Vec<Sampling> {
     let mut samplings = vec![Sampling::default(); world.textures.len()];
     for material in &world.materials {
@@ -247,7 +247,7 @@ fn image_from(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
         .collect()
 }
 
-/// Bilinear, between texel centers; across the border as the texture wraps; colors as light.
+/// Bilinear, between texel centers; across the border by the wrap mode; colors in linear light.
 fn bilinear_resized(
     rgba: &[u8],
     size: [u32; 2],
@@ -312,7 +312,7 @@ fn bilinear_resized(
     out
 }
 
-/// Each pixel the mean of four; colors are averaged as light, not as sRGB codes.
+/// 2×2 box filter; colors are averaged in linear light.
 fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     let edge = edge as usize;
     let half = edge / 2;
@@ -334,7 +334,7 @@ fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
     out
 }
 
-/// sRGB codes to 16-bit light and back.
+/// sRGB to 16-bit linear light and back.
 struct SrgbTables {
     light: [u16; 256],
     code: Vec<u8>,

@@ -1,9 +1,9 @@
-//! Every struct that Rust and the shaders share, declared once; a test compares each with naga's
-//! layout of the WGSL struct of the same name.
+//! Structs shared with the shaders; a test compares each with naga's layout of the WGSL struct of
+//! the same name.
 
 use bytemuck::{Pod, Zeroable};
 
-/// What a shared struct looks like from Rust.
+/// Layout of a shared struct in Rust.
 #[derive(Clone, Copy, Debug)]
 pub struct StructSpec {
     /// Name of the WGSL struct.
@@ -39,7 +39,7 @@ macro_rules! gpu_struct {
 pub(crate) use gpu_struct;
 
 gpu_struct! {
-    /// What one frame has in common; see `shaders/lib/frame.wgsl`.
+    /// Uniforms of a frame; see `shaders/lib/frame.wgsl`.
     pub struct Frame = "Frame" {
         /// World to clip, reversed and infinite depth, with this sub-frame's jitter.
         clip_from_world: [[f32; 4]; 4],
@@ -85,7 +85,7 @@ gpu_struct! {
         position: [f32; 3],
         /// `LIGHT_*`.
         kind: u32,
-        /// In which it shines, unit length.
+        /// Emission direction, unit length.
         direction: [f32; 3],
         /// `SHADOW_*`.
         shadow: u32,
@@ -115,7 +115,7 @@ gpu_struct! {
         object_from_world: [[f32; 4]; 3],
         /// Root of its mesh's tree; `NONE` where it is part of the static tree.
         tree_root: u32,
-        /// What traversal asks, from `world::bvh`.
+        /// Traversal flags, from `world::bvh`.
         trace_flags: u32,
         /// First vertex.
         vertex_base: u32,
@@ -134,7 +134,7 @@ gpu_struct! {
 
 /// [`GpuInstance::flags`]: the mesh has vertex colors.
 pub const FLAG_COLORS: u32 = 1;
-/// [`GpuInstance::flags`]: the transform turns front into back.
+/// [`GpuInstance::flags`]: the transform mirrors.
 pub const FLAG_MIRRORED: u32 = 2;
 
 gpu_struct! {
@@ -228,7 +228,7 @@ gpu_struct! {
     }
 }
 
-/// "No such thing" in indices.
+/// Index value for none.
 pub const NONE: u32 = u32::MAX;
 
 /// Structs of the shared groups, for the layout test; each pass adds its own `Params`.

@@ -1,4 +1,4 @@
-//! Checks a world before it is uploaded: shaders follow its indices without looking.
+//! World validation before upload: shaders use its indices unchecked.
 
 use std::path::Path;
 
@@ -9,10 +9,11 @@ use crate::{
 
 use super::error::RenderError;
 
-/// Checks every index that the shaders follow, so that the tracing module may run unchecked.
+/// Validates every index that the shaders use, so that the trace module can run without bounds
+/// checks.
 ///
 /// # Errors
-/// The first mesh, instance or material whose indices point outside, and too many lights.
+/// The first mesh, instance or material with an index out of range, and too many lights.
 pub fn check_world(world: &World) -> Result<(), RenderError> {
     for mesh in &world.meshes {
         let count = mesh.positions.len();
@@ -63,10 +64,10 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
     check_lights(world)
 }
 
-/// Checks that the materials that move exist, with their textures.
+/// Validates the animated materials and their textures.
 ///
 /// # Errors
-/// The first that does not.
+/// The first invalid one.
 pub fn check_moving_materials(world: &World) -> Result<(), RenderError> {
     for moving in &world.moving.materials {
         match world.materials.get(moving.material) {
@@ -99,7 +100,7 @@ pub fn check_lights(world: &World) -> Result<(), RenderError> {
     }
 }
 
-/// Why a world is not rendered.
+/// Error of an invalid world.
 pub(super) fn refuse(message: String) -> Result<(), RenderError> {
     let file = Path::new("scene");
     Err(Box::new(Diagnostic::in_file("index-out-of-range", file, message)).into())

@@ -1,31 +1,31 @@
-//! What of a world is on the GPU, so that a change uploads and builds only what differs.
+//! Key of the uploaded world, so that a change uploads and builds only differences.
 
 use glam::Affine3A;
 
 use crate::world::{Instance, Material, Mesh, Shared, Texture, World};
 
-/// What of a world is on the GPU.
+/// Key of the uploaded world.
 #[derive(Clone, Debug)]
 pub struct WorldKey {
-    /// Held, so that no other list can take their place in memory.
+    /// Held, so that their addresses are not reused.
     upload: (Shared<Mesh>, Shared<Texture>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
     poses: Vec<Affine3A>,
 }
 
-/// What of an instance the static tree and the records of the trees depend on.
+/// Parts of an instance that the trees depend on.
 #[derive(Clone, Debug, PartialEq)]
 struct TreeInstance {
     mesh: usize,
-    /// Of what stands still.
+    /// Transform of a static instance.
     static_pose: Option<Affine3A>,
     is_cutout: bool,
     is_double_sided: bool,
 }
 
 impl WorldKey {
-    /// Of a world that [`super::check_world`] accepts.
+    /// Key of a world that passed [`super::check_world`].
     pub fn of(world: &World) -> Self {
         let tree = |i: &Instance| {
             let material = &world.materials[i.material];
@@ -48,13 +48,13 @@ impl WorldKey {
         }
     }
 
-    /// Whether both have the very same meshes and textures.
+    /// Whether both share meshes and textures, by identity.
     pub fn has_same_uploads(&self, other: &Self) -> bool {
         self.upload.0.is_same(&other.upload.0) && self.upload.1.is_same(&other.upload.1)
     }
 
-    /// Whether trees over one serve the other once the top level is built again: what stands still
-    /// stands where it stood, and everything is hit by the same rays.
+    /// Whether the trees of one fit the other after a rebuild of the top level: equal static
+    /// instances and equal hit flags.
     pub fn has_same_trees(&self, other: &Self) -> bool {
         self.trees == other.trees
     }
@@ -64,15 +64,15 @@ impl WorldKey {
         self.materials == other.materials
     }
 
-    /// Whether every instance stands where it stood.
+    /// Whether all transforms are equal.
     pub fn has_same_poses(&self, other: &Self) -> bool {
         self.poses == other.poses
     }
 
-    /// Whether a world differs in nothing but poses of what may move and the numbers of materials
-    /// and lights, so that its records fit the buffers that this one filled.
+    /// Whether a world differs only in poses of movable instances and in numbers of materials and
+    /// lights, so that its records fit the existing buffers.
     pub fn is_posed_from(&self, world: &World) -> bool {
-        // By their bits, so that a pose with NaN is equal to itself.
+        // Bitwise, so that a pose with NaN equals itself.
         let bits = |pose: Affine3A| pose.to_cols_array().map(f32::to_bits);
         let fits = |((tree, material), i): ((&TreeInstance, &usize), &Instance)| {
             tree.mesh == i.mesh
@@ -87,7 +87,7 @@ impl WorldKey {
             && known.zip(&world.instances).all(fits)
     }
 
-    /// Takes over poses and the materials that move.
+    /// Adopts poses and animated materials.
     pub fn update(&mut self, world: &World) {
         for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {
             *pose = instance.world_from_object;

@@ -47,7 +47,7 @@ pub struct Playable {
 pub struct Stage {
     /// Time mapping.
     pub time: Option<StageTime>,
-    /// Mean radiance of its dome lights, nits.
+    /// Total radiance of its untextured dome lights, nits.
     pub dome_radiance: Option<[f32; 3]>,
 }
 
