@@ -1,4 +1,4 @@
-//! The program as people and scripts meet it: exit codes, messages, and no file left half written.
+//! Command line: exit codes, messages, and atomic output files.
 
 mod common;
 
@@ -39,7 +39,7 @@ direction = [0, -1, -1]
 intensity_lux = 3
 ";
 
-/// A folder of its own for a test, with the scene in it.
+/// A temporary folder with the scene.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -74,7 +74,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-/// Runs, checks the exit code, and gives standard output and standard error.
+/// Runs the program, checks the exit code, and returns standard output and standard error.
 #[track_caller]
 fn exits(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     let output = run(folder, arguments);
@@ -187,7 +187,7 @@ fn scene_errors_exit_with_3_and_point_at_the_place() {
 #[test]
 fn check_and_info_need_no_gpu() {
     let folder = folder("no-gpu");
-    // A name that no adapter has: asking for the GPU would fail.
+    // No adapter matches: a command that uses the GPU would fail.
     let without_gpu = |arguments: &[&str]| {
         let output = reflet(&folder, arguments)
             .env("REFLET_ADAPTER", "no such adapter")

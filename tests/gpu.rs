@@ -1,4 +1,4 @@
-//! The GPU layer on a real device: names find their bindings, results come back, errors are caught.
+//! GPU layer on a device: binding by name, readback, error scopes.
 
 mod common;
 
@@ -190,7 +190,7 @@ fn a_refused_call_is_an_error_and_the_device_lives_on() {
     );
 }
 
-/// A device that is gone: every call says so, also the later ones, and nothing panics.
+/// A lost device: every call returns an error, and nothing panics.
 #[test]
 fn after_its_device_is_gone_a_renderer_gives_errors() {
     let Some(gpu) = gpu_or_skip() else { return };

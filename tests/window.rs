@@ -1,6 +1,6 @@
 //! The preview in a real window: on a virtual display with whatever adapter there is, it opens,
-//! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes
-//! screenshots and closes. Says `SKIPPED` where Xvfb or xdotool is missing.
+//! loads, shows an edit of the scene on disk, keeps the picture after a mistake, writes screenshots
+//! and closes. Prints `SKIPPED` if Xvfb or xdotool is missing.
 
 mod common;
 
@@ -14,7 +14,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Software drivers on busy machines are slow; a test fails only past this.
+/// Timeout; large, because software drivers on busy machines are slow.
 const MOST: Duration = Duration::from_secs(90);
 
 /// A process that ends with the test.
@@ -138,25 +138,25 @@ impl Session {
     }
 
     /// Presses F12 and waits for the picture, which is whole when it is there.
-    fn shot(&self) -> Vec<u8> {
-        let shots = || {
+    fn screenshot(&self) -> Vec<u8> {
+        let screenshots = || {
             let entries = fs::read_dir(&self.folder).expect("folder");
             let paths = entries.map(|entry| entry.expect("entry").path());
-            let mut shots: Vec<PathBuf> = paths
+            let mut screenshots: Vec<PathBuf> = paths
                 .filter(|path| path.extension().is_some_and(|e| e == "png"))
                 .collect();
-            shots.sort();
-            shots
+            screenshots.sort();
+            screenshots
         };
-        let before = shots().len();
+        let before = screenshots().len();
         let path = until("a screenshot", || {
             // A window that is not ready yet loses keys.
             self.key("F12");
             let soon = Instant::now() + Duration::from_secs(5);
-            while shots().len() == before && Instant::now() < soon {
+            while screenshots().len() == before && Instant::now() < soon {
                 thread::sleep(Duration::from_millis(50));
             }
-            shots().get(before).cloned()
+            screenshots().get(before).cloned()
         });
         let picture = image::open(&path).expect("decodes").into_rgb8();
         assert!(picture.width() > 64 && picture.height() > 64);
@@ -186,26 +186,28 @@ fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
     let Some(session) = Session::open("window", &[("scene.toml", &text)]) else {
         return;
     };
-    let first = session.shot();
+    let first = session.screenshot();
     assert!(brightness(&first) > 10.0, "something is seen");
     session.key("b");
     until("a wipe in the file as in the window", || {
-        (session.shot() != first).then_some(())
+        (session.screenshot() != first).then_some(())
     });
     session.key("b");
-    until("one side again", || (session.shot() == first).then_some(()));
+    until("one side again", || {
+        (session.screenshot() == first).then_some(())
+    });
     session.write(
         "scene.toml",
         &text.replace("intensity_cd = ", "intensity_cd = 10"),
     );
     let second = until("the edit in the picture", || {
-        let next = session.shot();
+        let next = session.screenshot();
         (brightness(&next) > brightness(&first) + 5.0).then_some(next)
     });
     session.write("scene.toml", "version = 1\n[camera.main]\neye = 5\n");
     thread::sleep(Duration::from_millis(500));
     assert!(
-        session.shot() == second,
+        session.screenshot() == second,
         "a mistake keeps the last good picture"
     );
 
@@ -214,7 +216,7 @@ fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
         thread::sleep(Duration::from_millis(300));
     }
     until("a picture of another size", || {
-        (session.shot().len() != second.len()).then_some(())
+        (session.screenshot().len() != second.len()).then_some(())
     });
     session.close();
 }
@@ -245,37 +247,37 @@ fn it_plays_pauses_and_follows_an_edit_of_the_script() {
     let Some(session) = Session::open("play", &files) else {
         return;
     };
-    let first = session.shot();
-    assert!(session.shot() == first, "nothing moves at first");
+    let first = session.screenshot();
+    assert!(session.screenshot() == first, "nothing moves at first");
     session.key("End");
     let last = until("the last frame", || {
-        let next = session.shot();
+        let next = session.screenshot();
         (next != first).then_some(next)
     });
-    assert!(session.shot() == last, "still");
+    assert!(session.screenshot() == last, "still");
     session.key("Home");
     until("the first frame", || {
-        (session.shot() == first).then_some(())
+        (session.screenshot() == first).then_some(())
     });
     session.key("space");
     until("motion", || {
-        (session.shot() != session.shot()).then_some(())
+        (session.screenshot() != session.screenshot()).then_some(())
     });
     session.key("space");
     let paused = until("a rest", || {
-        let next = session.shot();
-        (next == session.shot()).then_some(next)
+        let next = session.screenshot();
+        (next == session.screenshot()).then_some(next)
     });
     session.write(
         "move.rhai",
         &SCRIPT.replace("0, 0]", "0, 0], [0, 0, 0], 2.0"),
     );
     until("the edit in the picture", || {
-        (brightness(&session.shot()) > 1.5 * brightness(&paused)).then_some(())
+        (brightness(&session.screenshot()) > 1.5 * brightness(&paused)).then_some(())
     });
     session.write("move.rhai", "fn frame(ctx) {");
     thread::sleep(Duration::from_millis(500));
-    let kept = session.shot();
+    let kept = session.screenshot();
     assert!(
         brightness(&kept) > 1.5 * brightness(&paused),
         "the last good one"

@@ -1,12 +1,12 @@
-//! `bench` as people meet it: samples, report, resuming, choosing, and what it refuses.
+//! `bench` end to end: samples, report, resuming, selection and invalid input.
 
 mod animation;
+mod bad_input;
 #[path = "../common/mod.rs"]
 mod common;
-mod made_up;
 mod mask;
-mod refused;
-mod sentences;
+mod report_findings;
+mod synthetic;
 mod tables;
 mod timeline;
 
@@ -20,12 +20,12 @@ use std::{
 };
 
 use common::gpu_or_skip;
-use made_up::{made_up, only_group};
 use reflet::bench::{
     report::findings,
     sample::{Sample, header, read_samples},
     summary::groups,
 };
+use synthetic::{only_group, synthetic_samples};
 
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("bench-{name}"));
@@ -64,7 +64,7 @@ fn write(folder: &Path, samples: &[Sample]) -> String {
     "made.csv".to_owned()
 }
 
-/// What every sample of a counted run with split times must hold.
+/// Invariants of samples of a run with counters and split times.
 #[track_caller]
 fn assert_measured(sample: &Sample) {
     assert_eq!(sample.status, "ok");
@@ -163,7 +163,7 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
 
     let [_, error] = exits(&folder, &run, 2);
     assert!(error.contains("--resume"), "{error}");
-    // A torn last line is measured again; whole ones are kept as they are.
+    // A truncated last line is measured again; complete lines stay.
     let text = fs::read_to_string(out.join("samples.csv")).expect("samples");
     fs::write(out.join("samples.csv"), &text[..text.len() - 20]).expect("torn");
     let resume = [&run[..], &["--resume"]].concat();
@@ -176,7 +176,7 @@ fn a_run_writes_samples_settings_and_a_report_and_resumes() {
     assert_eq!(samples(&out), second);
 }
 
-/// Ctrl-C in the middle: what was measured stays, and a second run adds the rest.
+/// Ctrl-C during a run: finished samples stay, and a second run adds the rest.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_keeps_its_samples() {
@@ -237,7 +237,7 @@ fn an_interrupted_run_keeps_its_samples() {
 #[test]
 fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
     let folder = folder("choose");
-    let csv = write(&folder, &made_up());
+    let csv = write(&folder, &synthetic_samples());
     for (bound, method, steps) in [
         ("ssim>=0.97", "hybrid", 128), // 8 ms reach 0.95 only
         ("ssim>=0.5", "ssr", 16),
@@ -275,7 +275,7 @@ fn choosing_prints_the_cheapest_setting_that_meets_the_bound() {
 
 #[test]
 fn a_small_mask_is_not_scored_and_adapters_do_not_share_a_chart() {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     for row in &mut rows {
         (row.mask_px, row.mask_flip, row.mask_ssim) = (60, None, None);
     }
@@ -303,8 +303,8 @@ fn another_content_reference_or_parameter_makes_a_group_of_its_own() {
         |s| s.roughness_cutoff = 0.5,
     ];
     for (index, change) in changes.into_iter().enumerate() {
-        let mut rows = made_up();
-        let mut others = made_up();
+        let mut rows = synthetic_samples();
+        let mut others = synthetic_samples();
         for row in &mut others {
             change(row);
             row.fingerprint += "-other";
@@ -324,7 +324,7 @@ fn another_content_reference_or_parameter_makes_a_group_of_its_own() {
 #[test]
 fn a_cut_last_line_is_said_to_be_left_out() {
     let folder = folder("torn");
-    let csv = write(&folder, &made_up());
+    let csv = write(&folder, &synthetic_samples());
     let text = fs::read_to_string(folder.join(&csv)).expect("a table");
     fs::write(folder.join(&csv), &text[..text.len() - 20]).expect("torn");
     let [_, error] = exits(&folder, &["--samples", &csv, "-o", "."], 0);

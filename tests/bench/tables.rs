@@ -1,13 +1,13 @@
-//! Tables of samples that were edited or damaged are refused with line and column.
+//! Invalid tables of samples are refused with line and column.
 
 use reflet::bench::sample::{Sample, detail_columns, header, read_samples};
 
-use crate::made_up::{made_up, sample};
+use crate::synthetic::{sample, synthetic_samples};
 
-/// What reading says about a table whose second row was changed.
+/// Error of a table with a changed second row.
 #[track_caller]
 fn says(change: impl FnOnce(&mut Sample)) -> String {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     change(&mut rows[1]);
     let text: String = rows.iter().map(Sample::line).collect();
     read_samples(&(header() + text.as_str()))

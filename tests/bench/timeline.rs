@@ -1,4 +1,4 @@
-//! Frames of a scene's timeline: posed, measured one after another, resumed and refused.
+//! Timeline frames in a bench: posing, measurement order, resuming and invalid ranges.
 
 use std::{fs, path::Path};
 
@@ -97,7 +97,7 @@ fn run<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&run[..], more].concat()
 }
 
-/// What a frame's picture and its work are, and nothing of its times.
+/// Error metrics and work counters of a frame, without times.
 fn seen(sample: &Sample) -> impl PartialEq + std::fmt::Debug + use<> {
     (
         (sample.method.clone(), sample.unit_m, sample.ssim),
@@ -139,7 +139,7 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
         assert!(svg.contains("<title>ssr, frame 2: "), "{chart}");
     }
 
-    // Frame 4 is what a scene shows that is written so.
+    // Frame 4 equals a static scene with the same values.
     exits(&folder, &run("stands.toml", "still", &[]), 0);
     let still = samples(&folder.join("still"));
     let [posed, written] = [&first[4..], &still[..]].map(|of| of.iter().map(seen));
@@ -150,7 +150,7 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
     assert!(said.contains("6 frames were measured before"), "{said}");
     let second = samples(&out);
     assert_eq!((second.len(), &second[..6]), (10, &first[..]));
-    // A file that the script imports is content, too.
+    // Imports of the script are part of the fingerprint.
     fs::write(folder.join("path.rhai"), "fn x(t) { t / 4 }\n").expect("a file");
     let [_, said] = exits(&folder, &run("moves.toml", "out", &resume), 0);
     assert!(!said.contains("measured before"), "{said}");

@@ -1,4 +1,4 @@
-//! What several integration tests share.
+//! Shared helpers of integration tests.
 
 #![allow(dead_code, reason = "not every test uses every helper")]
 
@@ -12,7 +12,7 @@ use reflet::{
     render::constants::with_constants,
 };
 
-/// The GPU, or `None` after saying `SKIPPED` where there is no adapter.
+/// The GPU, or `None` after printing `SKIPPED` without an adapter.
 ///
 /// # Panics
 /// Without an adapter when `REFLET_REQUIRE_GPU=1`, and when an adapter exists but fails.
@@ -20,7 +20,7 @@ pub fn gpu_or_skip() -> Option<Gpu> {
     required_or_skip(Gpu::new(&GpuOptions::default()))
 }
 
-/// What needs an adapter, or `None` as [`gpu_or_skip`].
+/// A value that needs an adapter, or `None` as [`gpu_or_skip`].
 pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
     let required = std::env::var("REFLET_REQUIRE_GPU").is_ok_and(|value| value == "1");
     match made {
@@ -34,7 +34,7 @@ pub fn required_or_skip<T>(made: Result<T, GpuError>) -> Option<T> {
 }
 
 /// A folder of files that are not part of the project: named by an environment variable, else
-/// beside the checkout. `None` after saying `SKIPPED` where it does not exist.
+/// beside the checkout. `None` after printing `SKIPPED` if it does not exist.
 pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
     let beside = || {
         Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -53,7 +53,7 @@ pub fn shared_folder(variable: &str, name: &str) -> Option<PathBuf> {
 }
 
 /// The shaders under test: the built-in ones, or those of the folder that `REFLET_TEST_SHADERS`
-/// names, in which `tools/mutants.py` plants mistakes without a rebuild.
+/// names, in which `tools/mutants.py` injects faults without a rebuild.
 pub fn shaders() -> ShaderLibrary {
     let library = std::env::var_os("REFLET_TEST_SHADERS").map_or_else(
         || Ok(ShaderLibrary::embedded()),
@@ -63,7 +63,7 @@ pub fn shaders() -> ShaderLibrary {
     library.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A small generator, so that a failure comes back with its seed (Marsaglia's xorshift64).
+/// Pseudo-random numbers from a seed, so that failures are reproducible (Marsaglia's xorshift64).
 pub struct Random(pub u64);
 
 impl Random {

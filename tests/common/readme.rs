@@ -1,4 +1,4 @@
-//! The files that a reader of the README writes, one section after the other.
+//! Example files of the README, section by section.
 
 use std::{fs, path::Path};
 
@@ -6,9 +6,9 @@ use std::{fs, path::Path};
 pub struct Story {
     scene: String,
     motion: String,
-    /// What names the script in the scene's first lines.
+    /// Line of the scene that refers to the script.
     pub script_line: String,
-    /// What it is called there.
+    /// File name of the script.
     pub script_name: String,
     /// Its text.
     pub script: String,

@@ -100,7 +100,7 @@ fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
     let whole = fs::read(path).expect("the file");
     let damaged = folder.path("damaged");
     let mut outcomes = [0, 0];
-    let mut judge = |bytes: &[u8]| {
+    let mut check = |bytes: &[u8]| {
         fs::write(&damaged, bytes).expect("a file");
         let result = read_picture(&damaged);
         if let Err(error) = &result {
@@ -112,7 +112,7 @@ fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
     };
     for length in (0..whole.len() - 12).step_by(7) {
         assert!(
-            judge(&whole[..length]),
+            check(&whole[..length]),
             "the first {length} bytes alone were taken"
         );
     }
@@ -126,7 +126,7 @@ fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
             let at = (state >> 33) as usize % bytes.len();
             bytes[at] = (state >> 20) as u8;
         }
-        judge(&bytes);
+        check(&bytes);
     }
     outcomes
 }
@@ -196,7 +196,7 @@ fn small_masks_and_frames_are_not_scored() {
         );
         assert!(!json.contains("scored"), "{json}");
         assert!(found.to_string().contains("too small"));
-        // A threshold over a region that cannot be judged does not hold.
+        // A threshold fails for a region without valid pixels.
         let gated = run(
             &a,
             &a,

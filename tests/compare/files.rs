@@ -1,4 +1,4 @@
-//! Picture files to compare, in a folder of their own.
+//! Temporary picture files to compare.
 
 use std::{
     fs,
@@ -17,7 +17,7 @@ use reflet::{
     scene::diagnostic::Diagnostic,
 };
 
-/// A folder that goes when the test ends.
+/// A folder that is removed after the test.
 pub struct Folder(PathBuf);
 
 impl Folder {

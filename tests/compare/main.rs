@@ -1,4 +1,4 @@
-//! `compare` end to end, but for the binary: reading, judging, writing.
+//! `compare` through the library: reading, metrics, writing.
 
 mod bad_input;
 mod files;

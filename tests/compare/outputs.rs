@@ -1,4 +1,4 @@
-//! What `compare` prints, writes and lets pass.
+//! Outputs and thresholds of `compare`.
 
 use std::{fs, path::PathBuf};
 
@@ -134,7 +134,7 @@ fn outputs_that_cannot_be_leave_nothing() {
         assert_eq!(name, "bad-output");
         assert!(message.contains(expected), "{message}");
     }
-    // Neither is written when one cannot be.
+    // Neither is written if one is not writable.
     let ok = folder.path("ok.png");
     for [good, bad] in [
         ["--difference", "--flip-map"],

@@ -1,4 +1,4 @@
-//! The same picture in different formats is the same picture.
+//! Picture formats: the same picture in different formats compares equal.
 
 use std::path::Path;
 

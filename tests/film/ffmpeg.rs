@@ -1,5 +1,5 @@
-//! Films through ffmpeg: what the real one writes, where there is one (`SKIPPED` where not), and
-//! what becomes of a film whose ffmpeg fails, with ones that a test has made up.
+//! Films through ffmpeg: output of the real one (`SKIPPED` without it), and failures with fake
+//! ones.
 
 use std::{
     env, fs,
@@ -30,7 +30,7 @@ fn reflet(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs it with only this folder in `PATH`; exit code and standard error.
+/// Runs with only this folder in `PATH`; returns exit code and standard error.
 fn with_path(folder: &Path, path: &str, arguments: &[&str]) -> (Option<i32>, String) {
     let output = reflet(folder, arguments).env("PATH", path).output();
     let output = output.expect("the program starts");
@@ -74,7 +74,7 @@ fn films_have_every_frame_at_its_time() {
             assert!(facts.lines().any(|line| line == fact), "{name}: {facts}");
         }
     }
-    // Players need not have all of it to begin.
+    // Playback can start before the download ends.
     let bytes = fs::read(folder.join("f.mp4")).expect("it is there");
     let place = |tag: &[u8]| bytes.windows(4).position(|part| part == tag);
     assert!(place(b"moov").is_some() && place(b"moov") < place(b"mdat"));
@@ -86,7 +86,7 @@ fn films_have_every_frame_at_its_time() {
     assert!(!folder.join("odd.mp4").exists());
 }
 
-/// What stands before a colon could be a protocol of ffmpeg.
+/// ffmpeg could read text before a colon as a protocol.
 #[test]
 fn a_folder_may_have_a_colon_in_its_name() {
     if gpu_or_skip().is_none() || !is_there("ffmpeg") {
@@ -152,7 +152,7 @@ fn what_a_script_prints_stands_in_lines_of_its_own() {
     assert_eq!(told, 6, "{text}");
 }
 
-/// As a terminal does: to everything that the command has started.
+/// As a terminal does: to the whole process group.
 #[test]
 fn ctrl_c_in_a_terminal_ends_a_film_and_leaves_nothing() {
     if gpu_or_skip().is_none() || !is_there("ffmpeg") {
@@ -211,13 +211,13 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
             "ffmpeg ended with signal: 9",
         ),
         (&film, "cat > /dev/null", "the encoder has written nothing"),
-        // It says more than a pipe holds before it takes a pixel, and goes on.
+        // It writes more to standard error than a pipe holds before it reads pixels.
         (
             &film,
             "yes noise | head -c 300000 >&2; echo the end >&2; cat > /dev/null",
             "noise; the end; there is no film",
         ),
-        // The real one ends well where the disk was full at the end.
+        // The real one exits with 0 if the disk is full at the end.
         (
             &film,
             "cat > \"$last\"; echo Error writing trailer >&2",

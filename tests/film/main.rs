@@ -1,16 +1,16 @@
-//! Films: every frame alone is the frame of the film, whatever the order; resuming keeps what is
-//! right and nothing else; failing frames are told.
+//! Frame sequences: frames are independent of order, `--resume` keeps only valid files, and failed
+//! frames are reported.
 
-mod checked;
+mod check_and_info;
 #[path = "../common/mod.rs"]
 mod common;
 #[cfg(unix)]
 mod ffmpeg;
-mod full;
-mod places;
-mod readme;
+mod full_disk;
 #[cfg(unix)]
-mod stopped;
+mod interruption;
+mod paths;
+mod readme;
 
 use std::{
     collections::BTreeMap,
@@ -161,7 +161,7 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     assert_eq!(render(&folder, &frames, 0).matches(": kept f.").count(), 3);
     let progress = [&frames[..], &["--progress", "json"]].concat();
     assert_eq!(render(&folder, &progress, 0).matches("kept").count(), 0);
-    // A frame that is gone, one that is cut short, and a plane that is gone.
+    // A missing frame, a truncated one, and a missing plane.
     fs::remove_file(folder.join("f.0.png")).expect("it is there");
     let bytes = fs::read(folder.join("f.1.png")).expect("it is there");
     fs::write(folder.join("f.1.png"), &bytes[..bytes.len() - 20]).expect("writable");
@@ -169,7 +169,7 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
     let text = render(&folder, &frames, 0);
     assert_eq!(text.matches("wrote").count(), 3, "{text}");
     assert_eq!(pictures(&folder), first);
-    // Another parameter, size, script or included light: nothing is the same.
+    // Another parameter, size, script or included light changes all fingerprints.
     for change in [&["--set", "params.lift=0.6"][..], &["--size", "26x16"]] {
         let text = render(&folder, &[&frames, change].concat(), 0);
         assert_eq!(text.matches("wrote").count(), 3, "{text}");
@@ -200,7 +200,7 @@ fn failing_frames_are_told_and_the_others_are_there() {
     assert!(text.contains("1 frame failed:\n  2: no such day"), "{text}");
     let names: Vec<_> = pictures(&folder).into_keys().collect();
     assert_eq!(names, ["f.1.png", "f.3.png"]);
-    // A film with a hole is none.
+    // A film must have all its frames.
     let text = render(&folder, &["-o", "f.apng", "--frames", "1-5"], 5);
     for says in [
         "1 frame failed:\n  2: no such day",
@@ -222,7 +222,7 @@ fn pixels(file: &Path) -> Vec<u8> {
     pixels
 }
 
-/// What the scene needs is decided for all frames, not for the values at load.
+/// The plan covers all frames, not only the values at load.
 #[test]
 fn a_material_that_becomes_a_mirror_shows_what_a_mirror_shows() {
     if gpu_or_skip().is_none() {
@@ -321,7 +321,7 @@ fn what_cannot_be_asked_for_is_refused() {
     assert!(text.contains("no [timeline]"), "{text}");
 }
 
-/// A world does not remember the frames before.
+/// Poses are independent of earlier frames.
 #[test]
 fn applying_poses_leaves_no_trace() {
     let folder = folder("trace");

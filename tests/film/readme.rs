@@ -1,4 +1,4 @@
-//! The README as a reader follows it: the files that it shows become a film.
+//! The README's example files render as a film.
 
 use std::{
     fs,

@@ -1,4 +1,4 @@
-//! Animations of glTF files: what they move, when, and what is wrong with broken ones.
+//! Animations of glTF files: poses, timing, and errors of broken ones.
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
 use reflet::{
@@ -258,7 +258,7 @@ fn instances_of_one_file_play_what_they_like() {
     let x = |name: &str| find(&world, name).0.translation.x;
     assert!((x("a[0,0,0]/cart/box") - 1.0).abs() < 1e-5);
     assert!((x("b/cart/box") - 4.0).abs() < 1e-5);
-    // A script's time wins.
+    // A time set by a script wins.
     let mut world = load_scene(&desc).expect("it loads");
     let mut state = Animator::new(&desc.clone().into())
         .pose(0)

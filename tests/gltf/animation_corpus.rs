@@ -1,5 +1,5 @@
-//! Animated files by others, where a corpus of them is at hand: poses equal those of a second
-//! evaluation, written from the specification with other formulas.
+//! Animated files of an external corpus, if present: poses equal an independent evaluation written
+//! from the specification.
 
 use std::{
     collections::HashMap,
@@ -99,7 +99,7 @@ impl File {
         (0..index(&accessor["count"])).map(element).collect()
     }
 
-    /// What an animation sets at a time: by node and path.
+    /// Animated values at a time, by node and path.
     fn sampled(&self, animation: &Value, time_s: f64) -> HashMap<(usize, String), DVec4> {
         let mut set = HashMap::new();
         for channel in animation["channels"].as_array().expect("channels") {

@@ -1,4 +1,4 @@
-//! What animations hide: by a scale of 0, and by switching nodes off.
+//! Visibility in animations: a scale of 0, and KHR_animation_pointer switches.
 
 use glam::Vec3;
 use reflet::scene::desc::{AnimationDesc, Playback, TimelineDesc};

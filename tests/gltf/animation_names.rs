@@ -1,4 +1,4 @@
-//! Animations of glTF files: their names, what is wrong with broken ones, and what is left out.
+//! Animations of glTF files: names, errors of broken ones, and ignored parts.
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
@@ -36,7 +36,7 @@ fn wrong_names_are_told_with_their_places() {
     assert_eq!(name, "unknown-animation", "{message}");
 }
 
-/// Names are made up where there are none, and made unique.
+/// Missing names are generated, and names are made unique.
 #[test]
 fn every_animation_has_a_name_of_its_own() {
     let mut doc = cart();
@@ -229,7 +229,7 @@ fn what_is_not_played_is_named_when_it_is_asked_for() {
     );
 }
 
-/// A bare model's own list, as it stands before it is loaded.
+/// Animations of a bare model before it is loaded.
 #[test]
 fn a_file_tells_what_it_can_play() {
     let folder = Folder::new();
@@ -265,7 +265,7 @@ fn a_file_tells_what_it_can_play() {
     );
 }
 
-/// Its timeline and its geometry are of one content, and it is read once.
+/// Its timeline and geometry come from one read.
 #[test]
 fn a_model_that_was_read_for_its_timeline_is_not_read_again() {
     let folder = Folder::new();

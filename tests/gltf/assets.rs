@@ -1,4 +1,4 @@
-//! The big real scene, where it is at hand: right counts, within time and memory.
+//! A large real scene, if present: counts, time and memory.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Files written by many tools, where a corpus of them is at hand: none panics, valid ones load.
+//! Files of an external corpus, if present: none panics, valid ones load.
 
 use std::{
     collections::BTreeMap,

@@ -1,4 +1,4 @@
-//! Geometry of small handmade glTF files arrives with the right numbers.
+//! Geometry of small generated glTF files.
 
 use crate::kit::{Doc, warnings};
 use glam::{Vec2, Vec3, Vec4};

@@ -1,4 +1,4 @@
-//! Broken glTF files: a named error at a named place, never a panic.
+//! Invalid glTF files: an error with its location, never a panic.
 
 use crate::kit::{Doc, Folder, load_scene, one_error, rich, scene};
 use serde_json::{Value, json};
@@ -278,7 +278,7 @@ fn accessors_without_data_are_bounded() {
     );
     doc.json["accessors"][0]["count"] = 4_000_000_000u64.into();
     assert_eq!(doc.error().0, "geometry-too-large");
-    // Many primitives of the same large accessor run into the budget, not into memory.
+    // Many primitives of the same large accessor exceed the budget, not memory.
     doc.json["accessors"][0]["count"] = (1u64 << 22).into();
     doc.json["meshes"][0]["primitives"] = Value::Array(vec![
         json!({"attributes": {"POSITION": 0}, "mode": 0});

@@ -1,4 +1,4 @@
-//! Images inside glTF files: decoded to 8-bit RGBA, or refused by name before they cost anything.
+//! Images inside glTF files: decoded to 8-bit RGBA, or refused before decoding.
 
 use std::io::Cursor;
 
@@ -39,7 +39,7 @@ fn every_depth_becomes_rgba8() {
     let rgb16 = ImageBuffer::from_pixel(1, 1, Rgb([0u16, 0x4040, 0xFFFF]));
     assert_eq!(decoded(rgb16, ImageFormat::Png).rgba, [0, 64, 255, 255]);
     let rgb = ImageBuffer::from_pixel(16, 16, Rgb([200u8, 100, 50]));
-    // The stated type says PNG: the content decides.
+    // The MIME type is PNG, but the content decides.
     let jpeg = decoded(rgb, ImageFormat::Jpeg).rgba;
     let near = |p: &[u8]| {
         p.iter()

@@ -1,4 +1,4 @@
-//! Small glTF files made in code, and their loading, for the tests beside.
+//! Test kit: generates and loads small glTF files.
 #![allow(dead_code, reason = "not every test uses every helper")] // each test file uses its own part
 
 use std::{
@@ -22,7 +22,7 @@ use reflet::{
 };
 use serde_json::{Value, json};
 
-/// A folder of its own, removed at the end.
+/// A folder that is removed after the test.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -180,7 +180,7 @@ impl Doc {
         self.load().unwrap_or_else(|e| panic!("{e:#?}"))
     }
 
-    /// Must be refused with one error; gives its name and message.
+    /// Must be refused with one error; returns its name and message.
     pub fn error(&self) -> (&'static str, String) {
         one_error(self.load())
     }
@@ -327,7 +327,7 @@ pub fn stone() -> Doc {
     doc
 }
 
-/// What every loaded world promises.
+/// Invariants of loaded worlds.
 pub fn check_promises(world: &World, name: &str) {
     for mesh in &world.meshes {
         let n = mesh.positions.len();

@@ -1,4 +1,4 @@
-//! Where a glTF file may reach, and what random damage to it does.
+//! File access limits of glTF files, and random mutations.
 
 use std::{
     fs,
@@ -157,7 +157,7 @@ fn mutated_files_never_panic() {
             }
         }
         slowest = slowest.max(start.elapsed());
-        // Each takes milliseconds: past this it is endless.
+        // Timeout; each takes milliseconds.
         assert!(start.elapsed() < Duration::from_secs(60), "round {round}");
     }
     println!("2000 mutations: {loaded} load, slowest {slowest:?}");

@@ -1,4 +1,4 @@
-//! Loading glTF: what the format can say, what hostile files try, and files written by others.
+//! glTF loading: features, hostile files and external corpora.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Materials of glTF files, and what scene text lays over them.
+//! Materials of glTF files and their overrides in scene text.
 
 use std::f32::consts::FRAC_PI_2;
 

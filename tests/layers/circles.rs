@@ -1,17 +1,17 @@
-//! Circles between modules: neighbors, each with all that is below it, that need each other.
+//! Dependency cycles between sibling modules, each with its descendants.
 //!
 //! A parent may name its children, and children may name their parent: both are one unit to the
-//! outside. What is judged is whether the children of one parent can be read in some order.
+//! outside. The test requires a topological order of the children of each parent.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::imports::Module;
 
-/// Which child names which other, with the first two files of which that is so.
+/// Dependencies between children, each with an example pair of files.
 type Steps = BTreeMap<(String, String), (Module, Module)>;
 
-/// Every circle between children of one parent, as the parent, the children's names and one pair of
-/// files for each step between them.
+/// Every cycle between children of one parent: the parent, the children, and an example pair of
+/// files per dependency.
 pub fn circles(edges: &BTreeSet<(Module, Module)>) -> Vec<String> {
     let mut neighbors: BTreeMap<Module, Steps> = BTreeMap::new();
     for (from, to) in edges {
@@ -49,7 +49,7 @@ fn list(names: &BTreeSet<String>) -> String {
         .join(", ")
 }
 
-/// Sets of two and more names that all reach each other.
+/// Strongly connected components of two or more names.
 fn connected<'a>(
     steps: impl Iterator<Item = &'a (String, String)> + Clone,
 ) -> Vec<BTreeSet<String>> {

@@ -1,17 +1,17 @@
-//! Which files of a crate name which others: `use` trees and paths in the code, resolved to files.
+//! Imports between the files of a crate: `use` trees and paths, resolved to files.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
     path::{Path, PathBuf},
 };
 
-/// A module by the names on the way to it: `src/a/b.rs` is `["a", "b"]`, the crate's root is empty.
+/// A module path: `src/a/b.rs` is `["a", "b"]`, the crate's root is empty.
 pub type Module = Vec<String>;
 
-/// The modules of a crate, and what each names.
+/// The modules of a crate and their imports.
 pub struct Crate {
     texts: BTreeMap<Module, String>,
-    /// What a module's `use` items call by another path: name to full path.
+    /// Names bound by a module's `use` items, with full paths.
     aliases: HashMap<Module, HashMap<String, Module>>,
 }
 

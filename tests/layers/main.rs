@@ -1,5 +1,4 @@
-//! The structure that a machine can hold: imports point down, nothing goes in circles, files are short
-//! and say what they own.
+//! Source structure: layered imports without cycles, short files, and module headers.
 
 mod circles;
 mod imports;

@@ -1,5 +1,5 @@
-//! A scene whose file is animated: edits of what is played read no file, and build trees only where
-//! other things move.
+//! Reloads of a scene with an animated file: edits of the played animation read no file, and
+//! rebuild trees only if other instances move.
 
 use std::{fs, sync::Arc};
 

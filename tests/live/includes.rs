@@ -1,4 +1,4 @@
-//! Scene text that a scene includes is followed like its own.
+//! Included scene text is watched like the scene's own.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ fn an_included_file_is_watched_and_taken_over() {
     let second = picture(&gpu, &mut live);
     assert!(first != second, "the box has another color");
 
-    // A mistake there, and a file that is gone, keep the last good picture and stay watched.
+    // An error in it and a missing file keep the last good picture, and the file stays watched.
     folder.write("parts/red.toml", RED.replace("base_color", "base_colour"));
     assert!(!live.reload(&[Change::Scene].into()).ok);
     let problem = live.problems.scene[0].to_string();

@@ -1,4 +1,4 @@
-//! A folder of its own for each test, a small scene, and waiting for changes.
+//! Test kit: temporary folders, a small scene, and waiting for changes.
 
 use std::{
     fs,
@@ -21,7 +21,7 @@ use reflet::{
     gpu::Gpu,
 };
 
-/// A folder that is gone after the test.
+/// A folder that is removed after the test.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -125,7 +125,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
     }
 }
 
-/// What the preview does beside the picture, done at once.
+/// Background jobs of the preview, run synchronously.
 pub trait RunNow {
     /// Whether the frame is shown.
     fn pose_now(&mut self, frame: u32) -> bool;
@@ -164,18 +164,18 @@ pub fn picture(gpu: &Gpu, live: &mut Live) -> Vec<u8> {
     live.renderer().read(gpu, display).expect("is read back")
 }
 
-/// A watcher whose changes are waited for.
+/// A watcher with blocking access to its changes.
 pub struct Watch {
     pub watcher: Watcher,
     changes: Receiver<Changes>,
-    /// A watched file that tells how far the watching thread is.
+    /// A watched marker file that synchronizes with the watching thread.
     marker: Option<(Folder, PathBuf)>,
 }
 
-/// What the marker's change counts as; no test that has a marker changes assets.
+/// Kind of the marker's changes; tests with a marker do not change assets.
 const MARKED: Change = Change::Asset;
 
-/// Longest that a change may take to be noticed; a test fails only past it.
+/// Timeout for a change to be reported.
 const MOST: Duration = Duration::from_secs(90);
 
 impl Watch {
@@ -199,7 +199,7 @@ impl Watch {
         let folder = Folder::new();
         let path = folder.write("marker", "0");
         list.files.push((path.clone(), MARKED));
-        // The first look reports the marker, as written after all files were read, and nothing else.
+        // The first check reports only the marker, since it was written after all files were read.
         let marker = fs::File::options().write(true).open(&path).expect("opens");
         let modified = marker.set_modified(SystemTime::now() + 2 * MOST);
         modified.expect("may be set");
@@ -215,12 +215,12 @@ impl Watch {
         next.expect("a change is seen")
     }
 
-    /// All changes by what was saved until now, in the order in which they are seen.
+    /// All changes of saves until now, in the order of their reports.
     pub fn changes_so_far(&self) -> Vec<Changes> {
         let (folder, path) = self.marker.as_ref().expect("a settled one");
         let before = fs::read_to_string(path).expect("readable");
-        let beside = folder.write("next", before + "0");
-        fs::rename(beside, path).expect("renamed");
+        let temporary = folder.write("next", before + "0");
+        fs::rename(temporary, path).expect("renamed");
         let mut seen = Vec::new();
         loop {
             let mut changes = self.next();

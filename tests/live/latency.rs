@@ -1,5 +1,5 @@
-//! `bench reload` on the built-in scene: every save is noticed and shown, and its parts are those
-//! of its kind. How long they take is measured there; here it is not judged.
+//! `bench reload` on the built-in scene: every save is detected and shown, with the expected
+//! phases. Durations are not tested.
 
 use std::sync::Arc;
 

@@ -1,18 +1,18 @@
-//! Hot reload without a window: saves on disk become changes, changes redo no more than they must,
-//! and a mistake leaves the last good scene.
+//! Hot reload without a window: file watching, minimal rebuilds, and the last good scene after
+//! errors.
 
 #[path = "../common/mod.rs"]
 mod common;
 
 mod animation;
-mod beside;
-mod failing;
+mod background_scripts;
+mod errors;
 mod includes;
 mod kit;
 mod latency;
 mod models;
 mod params;
-mod picks;
-mod rebuilt;
+mod picking;
+mod rebuilds;
 mod saves;
 mod scripts;

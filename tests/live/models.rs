@@ -1,5 +1,5 @@
-//! A scene over a glTF file: text edits are placed and shaded over what was read before, and look
-//! like a fresh start.
+//! Reloads of a scene with a glTF file: text edits reuse the loaded assets, and the picture equals
+//! that of a new session.
 
 use std::{
     cell::RefCell,
@@ -94,7 +94,7 @@ fn text_edits_over_a_model_read_only_what_is_new() {
     let checker = "checker = { colors = [[1, 1, 0], [0, 0, 1]], size_m = 0.5 }";
     for (text, reads) in [
         (over("left", "base_color = [0.5, 1, 1]"), false),
-        // One image fewer: the other's place changes.
+        // One image fewer: the other's index changes.
         (over("left", checker), false),
         (over("right", checker), false),
         (over("\"*\"", "roughness = 0.01"), false),
@@ -133,14 +133,14 @@ fn an_image_that_is_saved_while_the_scene_loads_is_shown_in_the_end() {
     let scene = folder.write("scene.toml", SCENE);
     let save = |round: u8, step: u8| {
         let picture = image::RgbImage::from_pixel(4, 4, image::Rgb([step, 9 * round, 250]));
-        let beside = folder.path("next.png");
-        picture.save(&beside).expect("written");
-        // In one step: half an image is a mistake.
-        fs::rename(beside, folder.path("left.png")).expect("renamed");
+        let temporary = folder.path("next.png");
+        picture.save(&temporary).expect("written");
+        // Atomically: a partial image is an error.
+        fs::rename(temporary, folder.path("left.png")).expect("renamed");
     };
     let mut load_time = Duration::from_millis(50);
     for round in 0..6 {
-        // The last save is by turns early, late and after loading.
+        // The last save is early, late and after loading in turn.
         let writing = load_time.mul_f32(0.2 + 0.2 * f32::from(round));
         let started = Instant::now();
         let live = thread::scope(|scope| {

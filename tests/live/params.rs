@@ -1,5 +1,5 @@
-//! Values that sliders lay over a script's parameters: they stay as long as they work and fit, and
-//! those that do not work leave everything as it was.
+//! Parameter overrides: valid ones persist while they fit the declarations; refused ones change
+//! nothing.
 
 use std::fs;
 
@@ -32,7 +32,7 @@ fn parameters_are_laid_over_as_set_does_and_stay_as_long_as_they_exist() {
     let reload = session.save_script(&format!("{SCRIPT}// saved\n"));
     assert!(reload.ok && reload.rebuilt == RebuildSummary::default());
     assert!(session.picture() == three);
-    // The parameter goes, and with it what was laid over it.
+    // A removed parameter loses its override.
     let text = fs::read_to_string(&session.scene).expect("readable");
     fs::write(&session.scene, text.replace("count = 2", "number = 2")).expect("written");
     session.folder.write(
@@ -84,7 +84,7 @@ fn values_that_do_not_work_are_refused_and_leave_everything_as_it_was() {
         let why = refused(&mut session).why;
         assert_eq!(why.pose.is_empty(), place.contains("setup"));
     }
-    // Where the text itself is broken nothing is known of them: they wait.
+    // With invalid scene text they stay pending.
     let text = fs::read_to_string(&session.scene).expect("readable");
     fs::write(&session.scene, format!("{text}\n[")).expect("written");
     assert!(!session.live.reload(&[Change::Scene].into()).ok);

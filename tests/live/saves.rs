@@ -1,5 +1,4 @@
-//! Every way in which editors and tools save a file, again and again: what is read last is always
-//! what was saved last.
+//! Ways in which editors and tools save files: the last content read is the last content saved.
 
 use std::{
     cell::RefCell,
@@ -14,7 +13,7 @@ use reflet::app::watch::{Change, WatchList};
 
 use crate::kit::{Folder, Watch};
 
-/// How often each way of saving is tried.
+/// Repetitions of each way of saving.
 pub const ROUNDS: usize = 50;
 
 fn watch(path: &Path) -> Watch {
@@ -41,8 +40,8 @@ pub const SAVES: [(&str, Save); 6] = [
         file.write_all(second.as_bytes()).expect("written");
     }),
     ("renamed over", |folder, path, text| {
-        let beside = folder.write(".save.swp", text);
-        fs::rename(beside, path).expect("renamed");
+        let temporary = folder.write(".save.swp", text);
+        fs::rename(temporary, path).expect("renamed");
     }),
     ("deleted, then created", |_, path, text| {
         fs::remove_file(path).expect("deleted");
@@ -95,9 +94,9 @@ fn every_way_of_saving_is_seen() {
 
 #[cfg(unix)]
 fn link(folder: &Folder, target: &str, path: &Path) {
-    let beside = folder.path("next-link");
-    std::os::unix::fs::symlink(target, &beside).expect("linked");
-    fs::rename(beside, path).expect("renamed");
+    let temporary = folder.path("next-link");
+    std::os::unix::fs::symlink(target, &temporary).expect("linked");
+    fs::rename(temporary, path).expect("renamed");
 }
 
 #[cfg(unix)]
@@ -141,7 +140,7 @@ fn a_burst_of_a_thousand_saves_ends_with_the_last() {
             },
             || *seen.borrow() == format!("{burst} 999"),
         );
-        // They are not read one by one.
+        // Saves are coalesced.
         assert!(*count.borrow() < 500, "{}", count.borrow());
     }
 }
@@ -153,9 +152,9 @@ fn a_touch_without_change_and_a_neighbor_are_no_change() {
     let watch = watch(&path);
     for round in 0..ROUNDS {
         fs::write(&path, "same").expect("written");
-        let beside = folder.write("b.toml", "same");
+        let temporary = folder.write("b.toml", "same");
         if round % 2 == 0 {
-            fs::rename(beside, &path).expect("renamed");
+            fs::rename(temporary, &path).expect("renamed");
         }
         fs::read(&path).expect("readable");
     }
@@ -166,8 +165,8 @@ fn a_touch_without_change_and_a_neighbor_are_no_change() {
     }
     assert_eq!(fs::read_to_string(&path).expect("readable"), "same");
     for _ in 0..ROUNDS {
-        let beside = folder.write("b.toml", "same");
-        fs::rename(beside, &path).expect("renamed");
+        let temporary = folder.write("b.toml", "same");
+        fs::rename(temporary, &path).expect("renamed");
     }
     assert_eq!(watch.changes_so_far(), []);
 }

@@ -1,5 +1,5 @@
-//! Scripts and time in a live scene: what an edit of a script redoes, frames, and that a mistake
-//! keeps the last good picture.
+//! Scripts and frames in a live scene: rebuilds after script edits, posing, and the last good
+//! picture after errors.
 
 use std::{cell::RefCell, fs, path::PathBuf, sync::Arc};
 
@@ -76,7 +76,7 @@ impl Session {
         picture(&self.gpu, &mut self.live)
     }
 
-    /// The picture of a frame after a fresh start.
+    /// The picture of a frame in a new session.
     pub fn afresh(&self, frame: u32, set: &[&str]) -> Vec<u8> {
         let mut live = open_with(&self.gpu, &self.scene, None, set);
         assert!(live.pose_now(frame));
@@ -88,7 +88,7 @@ impl Session {
         self.live.reload(&[Change::Script].into())
     }
 
-    /// What is wrong, as `file:line`.
+    /// Error location as `file:line`.
     pub fn place(&self) -> String {
         let problems = &self.live.problems;
         let problem = problems.scene.iter().chain(&problems.pose).next();
@@ -99,7 +99,7 @@ impl Session {
     }
 }
 
-/// Posed anew, and nothing else.
+/// Poses only.
 const POSES: RebuildSummary = RebuildSummary {
     upload: false,
     trees: false,

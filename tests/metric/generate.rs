@@ -39,7 +39,7 @@ pub fn scores(test: &Picture, reference: &Picture, mask: Option<&Mask>) -> Score
     Maps::of(&Pair::new(test, reference).expect("one size")).scores(mask)
 }
 
-/// Numbers from 0 to 2³² − 1 without pattern (xorshift; Marsaglia 2003).
+/// Pseudo-random numbers from 0 to 2³² − 1 (xorshift; Marsaglia 2003).
 pub struct Random(pub u64);
 
 impl Random {

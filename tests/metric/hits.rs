@@ -35,7 +35,7 @@ const TOLERANCE: Tolerance = Tolerance {
 /// Cause, screen distance and surface, ray distance and surface.
 type Pixel = (u32, f32, u32, f32, u32);
 
-fn judge(pixels: &[Pixel]) -> Result<Vec<CauseTally>, HitError> {
+fn check(pixels: &[Pixel]) -> Result<Vec<CauseTally>, HitError> {
     let cause: Vec<u32> = pixels.iter().map(|p| p.0).collect();
     let screen_m: Vec<f32> = pixels.iter().map(|p| p.1).collect();
     let screen: Vec<u32> = pixels.iter().map(|p| p.2).collect();
@@ -77,7 +77,7 @@ fn counts(t: &CauseTally) -> [usize; 7] {
 
 #[test]
 fn every_way_to_be_wrong_is_counted_once() {
-    let found = judge(&[
+    let found = check(&[
         (1, 2.0, 5, 2.0, 5),         // right
         (1, 2.0, 5, 2.03, 5),        // right: within 2 % of 2.03
         (1, 0.1, 5, 0.109, 5),       // right: within 1 cm
@@ -113,16 +113,16 @@ fn every_way_to_be_wrong_is_counted_once() {
 #[test]
 fn bad_planes_are_refused() {
     assert_eq!(
-        judge(&[(1, 1.0, 0, 1.0, 0), (3, 1.0, 0, 1.0, 0)]),
+        check(&[(1, 1.0, 0, 1.0, 0), (3, 1.0, 0, 1.0, 0)]),
         Err(HitError::Code { code: 3, pixel: 1 })
     );
     for bad in [f32::NAN, -1.0, f32::NEG_INFINITY] {
         assert_eq!(
-            judge(&[(1, bad, 0, 1.0, 0)]),
+            check(&[(1, bad, 0, 1.0, 0)]),
             Err(HitError::Distance { pixel: 0 })
         );
         assert_eq!(
-            judge(&[(1, 1.0, 0, bad, 0)]),
+            check(&[(1, 1.0, 0, bad, 0)]),
             Err(HitError::Distance { pixel: 0 })
         );
     }
@@ -148,7 +148,7 @@ fn bad_planes_are_refused() {
 #[test]
 fn no_pixels_are_no_errors() {
     assert!(
-        judge(&[])
+        check(&[])
             .expect("good planes")
             .iter()
             .all(|t| counts(t) == [0; 7])

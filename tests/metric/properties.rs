@@ -1,4 +1,4 @@
-//! What must hold for any pictures, and values known in closed form.
+//! Metric invariants and closed forms.
 
 use reflet::bench::{
     metric::{Maps, flip, mask::Mask, ssim::SsimMap},

@@ -1,4 +1,4 @@
-//! Masks: which pixels count, how they are eroded, and why they matter.
+//! Masks: selected pixels, erosion, and their effect on metrics.
 
 use reflet::bench::{
     metric::mask::Mask,

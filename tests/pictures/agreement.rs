@@ -1,5 +1,5 @@
 //! Pairs of renders that must agree: traced pixels of both methods, static and dynamic, specialized
-//! and general, moved and built anew.
+//! and general, moved and rebuilt.
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
@@ -181,7 +181,7 @@ fn a_dynamic_instance_looks_like_a_static_one() {
     for method in ["rt", "hybrid"] {
         let of = |dynamic| {
             let text = OBJECTS.replace("DYNAMIC", dynamic);
-            // U is the diagonal of what stands still, which is not the same here.
+            // U is the diagonal of the static bounds, which differ here.
             render(
                 gpu,
                 &text,

@@ -1,5 +1,5 @@
-//! Pictures of animated files: where a moving thing and its reflection are, that a frame does not
-//! depend on those before it, and what the command makes of a bare model.
+//! Pictures of animated files: moving objects and their reflections, independence of frames, and
+//! bare models.
 
 use std::{
     fs,
@@ -102,7 +102,7 @@ fn a_moving_node_and_its_reflection_are_where_they_should_be() {
                 let [x, y] = pixel(&camera, picture.size, seen);
                 assert_color(picture, x, y, [1.0, 0.0, 0.0], 0.02);
             }
-            // Where it is in the other frames it is not now.
+            // It is absent from its positions in other frames.
             let [x, y] = pixel(&camera, picture.size, Vec3::new(-1.0, 0.5, 0.0));
             assert!(color(picture, x, y)[0] < 0.5);
         }
@@ -125,7 +125,7 @@ fn a_frame_alone_is_the_frame_of_the_film() {
     }
 }
 
-/// What is scaled to nothing is seen by no pass: not by rasters, rays or shadow maps.
+/// An instance with scale 0 is invisible to rasterization, rays and shadow maps.
 #[test]
 fn what_is_hidden_leaves_no_trace() {
     let folder = folder("hidden");

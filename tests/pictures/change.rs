@@ -12,7 +12,7 @@ use crate::kit::{gpu, renderer, scene};
 
 const SIZE: &str = "image.size=[64, 36]";
 
-/// What a new renderer of the second world shows, and what one of the first shows after a change.
+/// Pictures of a new renderer for the second world, and of a renderer changed to it.
 fn shown(first: &(SceneDesc, World), second: &(SceneDesc, World)) -> Option<RebuildSummary> {
     let gpu = gpu()?;
     let (desc, world) = second;

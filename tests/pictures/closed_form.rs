@@ -1,4 +1,4 @@
-//! Scenes whose radiance is known on paper.
+//! Scenes with radiance in closed form.
 
 use std::f32::consts::PI;
 

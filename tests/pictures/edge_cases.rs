@@ -1,4 +1,4 @@
-//! Sizes and scenes at the edge: one pixel, very wide, nothing to see, nothing to see it by.
+//! Edge cases: one pixel, very wide pictures, empty and unlit scenes.
 
 use reflet::render::aov::Aov;
 

@@ -1,4 +1,4 @@
-//! A library's caller that passes a world which does not fit gets an error with the reason.
+//! Invalid worlds passed by library callers are refused with the reason.
 
 use glam::Vec3;
 use reflet::{
@@ -22,7 +22,7 @@ fn reason<T>(result: Result<T, RenderError>) -> String {
 
 type Damage = fn(&mut World);
 
-/// Worlds that no renderer takes, and what the reason names.
+/// Invalid worlds, and a part of the expected reason.
 const BROKEN: [(Damage, &str); 7] = [
     (
         |w| w.instances[0].mesh = w.meshes.len(),

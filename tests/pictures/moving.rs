@@ -1,5 +1,5 @@
-//! What moves shows the same as a scene that is written so: every number of materials, and spots
-//! and cameras, by a track and by a script.
+//! Animated values give the same picture as static ones: every number of materials, spots and
+//! cameras, by track and by script.
 
 use std::{
     fs,

@@ -1,6 +1,6 @@
-//! A frame of `rt` against brute force in f64: at every reflective pixel the mirror ray is made
-//! anew from the camera and the normal that is seen, and meets the triangle that the frame names,
-//! where it says.
+//! A frame of `rt` against brute force in f64: at every reflective pixel the mirror ray is
+//! recomputed from the camera and the normal AOV, and must hit the triangle of the hit AOV at its
+//! distance.
 
 use glam::{DVec2, DVec3};
 use reflet::{
@@ -76,8 +76,8 @@ fn is_near(oracle: &Oracle, ray: &Ray, [instance, triangle]: [u32; 2], tolerance
     there.distance(edge) * cosine.abs() <= tolerance_m
 }
 
-/// What the frame says at a pixel against what brute force says; the deviation of the distance.
-fn judge(oracle: &Oracle, ray: &Ray, said: Option<([u32; 2], f64)>) -> Result<f64, String> {
+/// Compares the hit of the frame with brute force; returns the deviation of the distance.
+fn check_pixel(oracle: &Oracle, ray: &Ray, said: Option<([u32; 2], f64)>) -> Result<f64, String> {
     let want = oracle.nearest(ray, |_, _, _| true);
     // Positions of the frame have 32 bits, and a ray's way magnifies what they are off.
     let tolerance = |t: f64| 2e-4 * (1.0 + t);
@@ -131,7 +131,7 @@ fn check(desc: &SceneDesc, world: &World) {
     let (ids, hits) = (pairs(Aov::Ids), pairs(Aov::HitIds));
     let normals = floats(&picture, Aov::Normal).chunks_exact(3);
     let distances = floats(&picture, Aov::HitDistance);
-    let (mut judged, mut met, mut wrong, mut worst) = (0, 0, Vec::new(), 0.0_f64);
+    let (mut tested, mut met, mut wrong, mut worst) = (0, 0, Vec::new(), 0.0_f64);
     for (pixel, normal) in normals.enumerate() {
         let cause = integers(&picture, Aov::Cause)[pixel];
         if [Cause::NotReflective, Cause::Rough]
@@ -146,17 +146,17 @@ fn check(desc: &SceneDesc, world: &World) {
             continue;
         };
         let said = (hits[pixel][0] != NOTHING).then(|| (hits[pixel], distances[pixel].into()));
-        judged += 1;
+        tested += 1;
         met += u32::from(said.is_some());
-        match judge(&oracle, &ray, said) {
+        match check_pixel(&oracle, &ray, said) {
             Ok(off) => worst = worst.max(off),
             Err(why) => wrong.push(format!("pixel {pixel}: {why}")),
         }
     }
-    println!("{judged} pixels, {met} met something, worst {worst:.1e} m");
+    println!("{tested} pixels, {met} met something, worst {worst:.1e} m");
     assert!(
-        judged > 2000 && met > 1000,
-        "{judged} pixels, {met} met something"
+        tested > 2000 && met > 1000,
+        "{tested} pixels, {met} met something"
     );
     assert_eq!(wrong, [] as [String; 0]);
 }

@@ -1,7 +1,7 @@
-//! Every scene in `tests/bad_scenes/` gives exactly the messages that stand beside it.
+//! Every scene in `tests/bad_scenes/` gives exactly the messages of its expectation file.
 //!
-//! A file that begins with `# --set …` is read with those overrides. `UPDATE_EXPECTED=1` writes the
-//! expectations anew; read the difference before committing it.
+//! A file that begins with `# --set …` is read with those overrides. `UPDATE_EXPECTED=1` rewrites
+//! the expectations; read the difference before committing it.
 
 use std::{fs, path::Path};
 
@@ -39,11 +39,11 @@ fn each_bad_scene_gives_its_exact_messages() {
         };
         assert!(!messages.is_empty(), "{} is not bad at all", name.display());
         let got = render_all(&messages, false);
-        let beside = file.with_extension("txt");
+        let expectation = file.with_extension("txt");
         if update {
-            fs::write(&beside, &got).expect("the expectation can be written");
+            fs::write(&expectation, &got).expect("the expectation can be written");
         }
-        match fs::read_to_string(&beside) {
+        match fs::read_to_string(&expectation) {
             Ok(want) if want == got => {}
             Ok(want) => wrong.push(format!(
                 "{}:\n{got}\n--- expected ---\n{want}",

@@ -1,4 +1,4 @@
-//! The committed manuals are what the readers' and the scripts' own descriptions give.
+//! The committed manuals equal the generated ones.
 
 use std::{fs, path::Path};
 

@@ -1,4 +1,4 @@
-//! Scene text from hostile or broken hands: depth, size, files that are none, mutated bytes.
+//! Hostile and damaged scene text: depth, size, non-regular files, mutated bytes.
 
 use std::path::Path;
 

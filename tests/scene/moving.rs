@@ -1,4 +1,4 @@
-//! Every number that may change, by a track and by a script: one walk over the table of them.
+//! Every animatable number, by track and by script, from their table.
 
 use std::{fs, path::Path};
 

@@ -1,4 +1,4 @@
-//! Mistakes in what `setup` returns: named by their entry, and placed in the script.
+//! Errors in the result of `setup`: named by entry, and located in the script.
 
 use std::{fs, path::Path};
 

@@ -1,5 +1,5 @@
-//! The JSON Schema says what the reader says, as far as a schema can: it is held against every bad
-//! scene and the manual's example by a small validator of the keywords that it uses.
+//! The JSON Schema agrees with the reader, as far as a schema can: a small validator checks it on
+//! every bad scene and the manual's example.
 
 use std::{fs, path::Path};
 

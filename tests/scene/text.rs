@@ -1,4 +1,4 @@
-//! Reading scene text: every feature of it arrives in the description.
+//! Scene text: every feature arrives in the description.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Where limits are met, and how much fits within them.
+//! Locations of limit errors, and capacity below the limits.
 
 use std::fs;
 

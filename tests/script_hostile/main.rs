@@ -1,5 +1,5 @@
-//! Fifty scripts that mean harm or have gone wrong: each is ended by a limit or refused, with a
-//! message, while the process lives on and its memory stays bounded.
+//! Hostile and runaway scripts: each is ended by a limit or refused with a message, and memory
+//! stays bounded.
 
 mod limits;
 mod parsing;
@@ -117,7 +117,7 @@ const FRAMES: &[(&str, &str)] = &[
         "let a = []; a.pad(49000, 1); let b = a; loop { if a != b { break; } }",
         "more than 10,000,000 operations",
     ),
-    // Through closures, inside which Rhai counts anew.
+    // Through closures, in which Rhai restarts its counters.
     (
         "let a = []; a.pad(40000, 1); a.map(|x| { let b = []; b.pad(3000, 1); b.map(|y| y + 1).len() })",
         "was ended",
@@ -142,7 +142,7 @@ const FRAMES: &[(&str, &str)] = &[
         "let a = []; a.pad(40000, 1); a.map(|x| { let b = [1]; b.pad(40000, 1); b })",
         "script-limit",
     ),
-    // What is not there.
+    // Missing names.
     ("eval(\"loop {}\")", "eval"),
     ("sleep(1000)", "no function `sleep`"),
     ("timestamp()", "no function `timestamp`"),
@@ -151,7 +151,7 @@ const FRAMES: &[(&str, &str)] = &[
     ("undefined_variable", "no variable `undefined_variable`"),
     ("ctx.state", "no property `state`"),
     ("exit(7)", "no function `exit`"),
-    // Values that cannot be.
+    // Invalid values.
     ("ctx.place(\"ball\", [0.0 / 0.0, 0, 0])", "finite"),
     ("ctx.place(\"ball\", [1.0 / 0.0, 0, 0])", "finite"),
     ("ctx.place(\"ball\", [1e300, 0, 0])", "finite"),

@@ -1,4 +1,4 @@
-//! Scripts that are slow to read, and what messages and lines they can make.
+//! Scripts that are slow to parse, and limits of messages and output.
 
 use std::{fmt::Write as _, fs, time::Instant};
 

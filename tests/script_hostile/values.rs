@@ -1,5 +1,5 @@
-//! Values that are nested deep, contradict themselves or reach beyond their type: none may end the
-//! process, whose stack or whose assertions Rhai's own functions would meet.
+//! Deeply nested, inconsistent and overflowing values: none may overflow the stack or trigger
+//! assertions inside Rhai.
 
 use std::fs;
 

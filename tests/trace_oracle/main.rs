@@ -17,7 +17,7 @@ const DEFAULT_BINDING_BYTES: u64 = 128 << 20;
 /// Of the distance.
 const T_TOLERANCE: f64 = 1e-5;
 
-/// How answers compare with the oracle's.
+/// Comparison with the oracle.
 #[derive(Debug, Default)]
 struct Score {
     rays: usize,
@@ -32,14 +32,14 @@ struct Score {
     worst_t: f64,
 }
 
-struct Judge<'a> {
+struct Checker<'a> {
     oracle: &'a Oracle,
     /// Whether f32 positions resolve the tolerance; far from the origin they do not.
     exact_positions: bool,
     score: Score,
 }
 
-impl Judge<'_> {
+impl Checker<'_> {
     /// How far, in meters along the ray, f32 geometry may place a hit from where it is: positions
     /// are stored rounded, and a plane moved by that meets the ray this much off.
     fn rounding_m(&self, ray: &Ray, t: f64, cosine: f64) -> f64 {
@@ -158,21 +158,21 @@ fn answered(answer: &Answer) -> Option<RayHit> {
 }
 
 fn judge_cpu(world: &World, trees: &Trees, rays: &[Ray], what: &str) {
-    let mut judge = Judge {
+    let mut checker = Checker {
         oracle: &Oracle::new(world),
         exact_positions: true,
         score: Score::default(),
     };
     for ray in rays {
-        judge.nearest(ray, trees.nearest(ray, alpha_passes));
-        judge.any(ray, trees.any(ray, alpha_passes));
+        checker.nearest(ray, trees.nearest(ray, alpha_passes));
+        checker.any(ray, trees.any(ray, alpha_passes));
     }
-    judge.finish(what);
+    checker.finish(what);
 }
 
 fn judge_gpu(gpu: &Gpu, world: &World, trees: &Trees, rays: &[Ray], parts: Parts, what: &str) {
     let oracle = Oracle::new(world);
-    let mut judge = Judge {
+    let mut checker = Checker {
         oracle: &oracle,
         exact_positions: world.unit_m() > 1e-3 * world.static_bounds().center().length(),
         score: Score::default(),
@@ -180,10 +180,10 @@ fn judge_gpu(gpu: &Gpu, world: &World, trees: &Trees, rays: &[Ray], parts: Parts
     for (ray, answer) in rays.iter().zip(gpu.trace(trees, rays, parts)) {
         assert!(answer.bary.iter().all(|w| (0.0..=1.0).contains(w)));
         assert!(answer.bary[0] + answer.bary[1] <= 1.0 + f32::EPSILON);
-        judge.nearest(ray, answered(&answer));
-        judge.any(ray, answer.blocked != 0);
+        checker.nearest(ray, answered(&answer));
+        checker.any(ray, answer.blocked != 0);
     }
-    judge.finish(what);
+    checker.finish(what);
 }
 
 fn build(world: &World) -> Trees {

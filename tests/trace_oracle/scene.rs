@@ -1,4 +1,4 @@
-//! The world and the rays that traversal is tried on.
+//! World and rays for traversal tests.
 
 use glam::{Affine3A, DVec2, EulerRot, Quat, Vec3};
 use reflet::{

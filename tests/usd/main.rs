@@ -13,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The converter that `tools/setup.sh` installs; `None` after saying `SKIPPED`.
+/// The converter that `tools/setup.sh` installs; `None` after printing `SKIPPED`.
 fn tool() -> Option<PathBuf> {
     let tool = root().join(".venv/bin/reflet-usd");
     if !tool.is_file() {
@@ -26,7 +26,7 @@ fn tool() -> Option<PathBuf> {
     Some(tool)
 }
 
-/// A folder of its own for one test, with a stage in it.
+/// A temporary folder with a stage.
 struct Workplace(PathBuf);
 
 impl Workplace {

@@ -1,4 +1,4 @@
-//! What the converter's process does to a conversion, with scripts in its place.
+//! Behavior of converter processes, replaced by scripts.
 
 use std::{
     io::{BufRead as _, BufReader},
@@ -47,7 +47,7 @@ impl Workplace {
         fs::write(self.0.join("out.glb"), triangle()).expect("written");
         self.write("version", "fake 1");
         self.write("part.usda", "part");
-        // What was written just now would pass for written during the conversion.
+        // A file written just now would count as modified during the conversion.
         thread::sleep(Duration::from_millis(200));
         tool
     }

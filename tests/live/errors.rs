@@ -1,4 +1,4 @@
-//! What a script that fails, or a save that is not whole, leaves as it was.
+//! Failing scripts and invalid saves keep the last good scene.
 
 use std::{fs, sync::Arc};
 
@@ -51,7 +51,7 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
     assert_eq!(session.place(), "move.rhai:10");
     assert!(session.live.problems.scene.is_empty(), "the text is right");
     assert!(session.live.posed_frame() == 12 && session.picture() == good);
-    // Other frames that fail change the message only.
+    // Other failing frames change only the message.
     assert!(!session.live.pose_now(20) && session.picture() == good);
     assert!(
         session.live.problems.pose[0]
@@ -61,9 +61,9 @@ fn a_save_that_fails_in_the_wanted_frame_is_shown_from_the_next_good_frame_on() 
     assert!(session.live.pose_now(5) && session.live.problems.is_empty());
     let new = session.picture();
     assert!(new != good && new == session.afresh(5, &[]));
-    // Now it is the scene that is shown.
+    // Now this scene is shown.
     assert!(!session.live.pose_now(12) && session.picture() == new);
-    // One that waits is forgotten with the next save, also a wrong one.
+    // A pending scene is dropped by the next save, also an invalid one.
     assert!(session.save_script(SCRIPT).ok && session.live.pose_now(12));
     assert!(session.picture() == good);
     assert!(!session.save_script(&failing).ok && !session.live.pose_now(20));
@@ -101,7 +101,7 @@ fn a_save_that_waits_for_a_good_frame_has_its_own_timeline() {
         "what is offered is what is on disk"
     );
     assert!(session.picture() == good);
-    // The only good frames are those that the shown scene does not have.
+    // The only valid frames are outside of the shown scene's timeline.
     assert!(session.live.pose_now(48) && session.live.problems.is_empty());
     assert_eq!((session.live.posed_frame(), end(&session)), (48, Some(80)));
 }

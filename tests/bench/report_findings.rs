@@ -1,15 +1,15 @@
-//! What the report says in words about samples whose answers are known.
+//! Findings of the report on samples with known answers.
 
 use reflet::bench::{
     report::{self, findings},
     sample::Sample,
 };
 
-use crate::made_up::{made_up, only_group, repeated, sample};
+use crate::synthetic::{only_group, repeated, sample, synthetic_samples};
 
 #[test]
 fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
-    let text = findings::sentences(&only_group(&repeated(&made_up(), 6))).join("\n");
+    let text = findings::sentences(&only_group(&repeated(&synthetic_samples(), 6))).join("\n");
     for part in [
         "On the Pareto front on made-up adapter: ssr and hybrid and rt.",
         "in the 10.0 ms that rt's fastest setting takes, ssr, steps = 128 errs 0.300; \
@@ -53,7 +53,7 @@ fn times_are_told_apart_by_turns_and_not_by_medians() {
         text.contains("(faster in 2 of 20 pairs of frames)"),
         "{text}"
     );
-    // 13 of 20 is what a coin gives in one of four tries.
+    // 13 of 20 has a probability of about 1/4 for a fair coin.
     let text = findings::sentences(&only_group(&in_turns(13))).join("\n");
     assert!(!text.contains(outright) && text.contains(untold), "{text}");
     let part = "(faster in 7 of 20 pairs of frames, so the two cannot be told apart)";
@@ -86,7 +86,7 @@ fn equal_time_is_that_of_hybrid_where_rt_is_fastest() {
 
 #[test]
 fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     for (row, steps, nodes) in [(3, 300, 1_000), (5, 0, 4_000)] {
         rows[row].march_steps = Some(steps);
         rows[row].traversals = Some(100);
@@ -107,7 +107,7 @@ fn counts_and_the_parts_of_the_trace_pass_are_said_in_words() {
 
 #[test]
 fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     rows[5].traverse_ms = Some(3.5);
     let text = findings::sentences(&only_group(&rows)).join("\n");
     let part = "Traversal and shading of rt, steps = 3 cannot be told apart: its rays without \
@@ -117,7 +117,7 @@ fn a_traversal_that_seems_to_outlast_its_pass_is_not_told_apart() {
 
 #[test]
 fn rt_that_wins_outright_is_said_to() {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     (rows[5].passes_ms, rows[5].reflection_ms) = (Some(4.0), Some(1.0));
     let text = findings::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(
@@ -128,8 +128,8 @@ fn rt_that_wins_outright_is_said_to() {
 
 #[test]
 fn the_best_pair_is_that_which_errs_least_in_reflections() {
-    let mut rows = made_up();
-    // On the whole frame another setting seems better.
+    let mut rows = synthetic_samples();
+    // On the whole frame another setting has lower error.
     rows[2].flip = Some(0.0);
     let text = findings::sentences(&only_group(&repeated(&rows, 6))).join("\n");
     assert!(text.contains("(hybrid, steps = 128 marches for"), "{text}");
@@ -137,7 +137,7 @@ fn the_best_pair_is_that_which_errs_least_in_reflections() {
 
 #[test]
 fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     rows[1].status = "3 pixels hold NaN".to_owned();
     (rows[1].flip, rows[1].mask_flip) = (None, None);
     let sections = report::sections(&rows).expect("drawn");
@@ -155,7 +155,7 @@ fn what_failed_is_drawn_and_bars_are_named_only_where_they_are() {
         chart.caption
     );
     assert!(!chart.caption.contains("Bars"), "{}", chart.caption);
-    let sections = report::sections(&repeated(&made_up(), 20)).expect("drawn");
+    let sections = report::sections(&repeated(&synthetic_samples(), 20)).expect("drawn");
     let caption = &sections[0].charts[0].caption;
     assert!(
         caption.contains("Bars are") && !caption.contains("A cross on"),

@@ -1,4 +1,4 @@
-//! What a click in the preview selects, and what of a frame can be looked at, without a window.
+//! Picking and view channels of the preview, without a window.
 
 use std::{fs, sync::Arc};
 
@@ -9,7 +9,7 @@ use reflet::app::preview::{
 };
 
 use crate::{
-    beside::Watched,
+    background_scripts::Watched,
     common::gpu_or_skip,
     kit::{Folder, SCENE, open},
 };
@@ -38,13 +38,13 @@ fn pick(preview: &mut Watched, at: [f32; 2]) -> Option<Picked> {
     })
 }
 
-/// Saves in one step: half a scene is a mistake.
+/// Saves atomically: a partial scene is an error.
 fn save(preview: &Watched, text: &str) {
-    let beside = preview.folder.write("next.toml", text);
-    fs::rename(beside, preview.folder.path("scene.toml")).expect("renamed");
+    let temporary = preview.folder.write("next.toml", text);
+    fs::rename(temporary, preview.folder.path("scene.toml")).expect("renamed");
 }
 
-/// What is selected in the next picture for which this holds.
+/// The selection of the next picture that fulfills this.
 fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -> Option<Picked> {
     preview.until("the selection", |report| match report {
         Report::Frame(shown) => is_right(&shown.picked).then(|| shown.picked.clone()),
@@ -52,7 +52,7 @@ fn selected(preview: &mut Watched, is_right: impl Fn(&Option<Picked>) -> bool) -
     })
 }
 
-/// The left side by what is looked at.
+/// The left side with this channel.
 fn drawn(preview: &mut Watched, channel: ViewChannel) -> Visualization {
     preview.show(|view| view.a.channel = channel);
     preview.until("a picture", |report| match report {
@@ -85,7 +85,7 @@ fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
         picked.outline.is_none()
     };
     selected(&mut preview, is_away);
-    // Two of one name: the first one is the one.
+    // Of two with one name, the first is selected.
     let two = format!("{SCENE}[[instance]]\nmodel = \"box\"\n");
     save(&preview, &two);
     let is_one = |picked: &Option<Picked>| {

@@ -1,5 +1,5 @@
-//! Killed and stopped runs: every file that has its name is whole, nothing that was there is lost,
-//! and a resumed film is the film of an uninterrupted run.
+//! Killed and interrupted runs: final files are complete, existing files are preserved, and a
+//! resumed sequence equals an uninterrupted one.
 
 use std::{
     collections::BTreeMap,
@@ -12,7 +12,7 @@ use std::{
 
 use crate::{common::gpu_or_skip, folder, pictures};
 
-/// Many small frames, so that moments fall between, into and after them.
+/// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &[&str] = &[
     "-o",
     "f.##.png",
@@ -41,7 +41,7 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.is_ok(), "there is a kill command");
 }
 
-/// Waits for the end and gives exit code (negative: the signal) and standard error.
+/// Waits for the end; returns exit code (negative: the signal) and standard error.
 fn end(child: Child) -> (i32, String) {
     let output = child.wait_with_output().expect("it ends");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -69,11 +69,11 @@ impl Chance {
     }
 }
 
-/// Most further rounds in which a moment inside the film is waited for on a busy machine.
+/// Maximum number of extra rounds on a busy machine.
 const PATIENCE: u32 = 60;
 
-/// Ends a film at `rounds` random moments, by turns with SIGKILL and SIGTERM, and at some more if
-/// none of them left the film in part.
+/// Ends a sequence at `rounds` random times, with SIGKILL and SIGTERM in turn, and some more if
+/// none of them left it incomplete.
 fn end_at_random_moments(name: &str, rounds: u32) {
     if gpu_or_skip().is_none() {
         return;
@@ -99,7 +99,7 @@ fn end_at_random_moments(name: &str, rounds: u32) {
         signal(&child, if kill { "-KILL" } else { "-TERM" });
         let (code, text) = end(child);
         let context = format!("round {round}, code {code}: {text}");
-        // Before the program listens, SIGTERM ends it as SIGKILL does.
+        // Before its handler is installed, SIGTERM ends the program as SIGKILL does.
         let allowed: &[i32] = if kill { &[-9, 0] } else { &[143, -15, 0] };
         assert!(allowed.contains(&code), "{context}");
         if code == 143 {
@@ -140,8 +140,7 @@ fn a_hundred_kills_lose_nothing() {
     end_at_random_moments("kills-100", 100);
 }
 
-/// Ends a film in one file at random moments: what has its name is the film before or the new one,
-/// whole.
+/// Ends a video file at random times: its path holds the complete old or the complete new film.
 fn end_a_film_at_random_moments(name: &str, rounds: u32) {
     if gpu_or_skip().is_none() || !crate::ffmpeg::is_there("ffmpeg") {
         return;
@@ -199,7 +198,7 @@ fn a_hundred_kills_leave_no_film_in_part() {
     end_a_film_at_random_moments("film-kills-100", 50);
 }
 
-/// After the first frame is told, so that the program is known to listen.
+/// After the first frame is reported, so that the signal handler is installed.
 #[test]
 fn a_signal_ends_a_film_between_frames() {
     use std::io::{BufRead as _, BufReader, Read as _};
@@ -232,8 +231,8 @@ fn a_signal_ends_a_film_between_frames() {
     assert!((1..2000).contains(&told), "{told} frames");
 }
 
-/// Of a film and of frames, with --resume and without; those of a run that lives stay, and those of
-/// other machines until they were left alone for a day.
+/// Temporary files of films and frames, with and without --resume. Those of running processes stay,
+/// and those of other machines for a day.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_a_killed_run_has_left_is_removed_by_the_next() {
@@ -260,7 +259,7 @@ fn what_a_killed_run_has_left_is_removed_by_the_next() {
     let elsewhere = name("0123456789abcdef", u32::MAX);
     let alive = name(parts[2], std::process::id());
     let dead = name(parts[2], u32::MAX);
-    // Of another place, a day after it was last written to; and a little before that.
+    // Of another machine, unmodified for a day, and for a little less.
     let abandoned = name("0123456789abcdef", 7);
     let written = name("0123456789abcdef", 8);
     for name in [&elsewhere, &alive, &dead, &abandoned, &written] {

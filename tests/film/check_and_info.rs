@@ -1,4 +1,4 @@
-//! What `check` and `info` say about a film; neither needs a GPU.
+//! `check` and `info` on scenes with a timeline; neither needs a GPU.
 
 use std::{fs, path::Path, process::Command};
 
@@ -77,7 +77,8 @@ fn check_shows_what_the_script_prints_in_the_order_of_the_frames() {
     assert_eq!(lines, wanted);
 }
 
-/// A limit may take all of a call's time: one is enough to know. Other mistakes do not end it.
+/// An exceeded limit may use the whole time budget, so the first one ends the check. Other errors
+/// do not.
 #[test]
 fn check_stops_after_a_script_met_a_limit() {
     let folder = folder("check-limit");

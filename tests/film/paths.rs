@@ -1,4 +1,4 @@
-//! Where the files of frames go, and where messages about a frame point.
+//! Output paths of frames, and locations in messages about a frame.
 
 use reflet::{
     scene::stages::{Animator, Scene},

@@ -1,4 +1,4 @@
-//! Files and folders that a bench cannot use, and options that say nothing.
+//! Files and folders that a bench cannot use, and options without effect.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use reflet::bench::log::Log;
 
 use crate::{
     exits, folder,
-    made_up::{made_up, sample},
+    synthetic::{sample, synthetic_samples},
     write,
 };
 
@@ -23,7 +23,7 @@ fn a_table_that_another_run_writes_is_refused() {
     assert_eq!(fs::read(&csv).expect("a header"), before);
     drop(first);
     assert!(Log::resume(&csv).expect("free again").samples().is_empty());
-    // Stopped before its header was whole.
+    // Truncated within its header.
     fs::write(&csv, &before[..30]).expect("torn");
     Log::resume(&csv).expect("begun again");
     assert_eq!(fs::read(&csv).expect("a header"), before);
@@ -45,7 +45,7 @@ fn a_table_that_is_no_regular_file_is_refused() {
 #[test]
 fn what_cannot_be_written_is_the_users_to_mend() {
     let folder = folder("unwritable");
-    let csv = write(&folder, &made_up());
+    let csv = write(&folder, &synthetic_samples());
     for taken in ["report.html", "chart-1-flip.svg"] {
         let out = folder.join(format!("out-{taken}"));
         fs::create_dir_all(out.join(taken)).expect("a folder in its place");
@@ -61,7 +61,7 @@ fn what_cannot_be_written_is_the_users_to_mend() {
 #[test]
 fn options_that_would_do_nothing_are_refused() {
     let folder = folder("idle");
-    let csv = write(&folder, &made_up());
+    let csv = write(&folder, &synthetic_samples());
     for option in [
         &["--methods", "ssr"][..],
         &["--frames", "20"],
@@ -81,7 +81,7 @@ fn options_that_would_do_nothing_are_refused() {
 #[test]
 fn a_choice_says_what_was_bounded() {
     let folder = folder("bounded");
-    let mut rows = made_up();
+    let mut rows = synthetic_samples();
     for row in &mut rows {
         (row.psnr_db, row.mask_psnr_db) = (Some(60.0), Some(30.0));
     }

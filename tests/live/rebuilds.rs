@@ -1,4 +1,4 @@
-//! What a change redoes, counted; and that a mistake keeps the last good picture.
+//! Rebuild counts of changes; errors keep the last good picture.
 
 use std::{fs, path::PathBuf, sync::Arc};
 
@@ -53,12 +53,12 @@ impl Session {
         self.live.reload(&[Change::Scene].into())
     }
 
-    /// The picture of a session that opens what is on disk now.
-    fn afresh(&self) -> Vec<u8> {
+    /// The picture of a new session with the files on disk.
+    fn new_picture(&self) -> Vec<u8> {
         picture(&self.gpu, &mut open(&self.gpu, &self.scene, None))
     }
 
-    /// What an edit redid, after checking that it shows and shows what a fresh start would.
+    /// Rebuild summary of an edit; checks that the picture equals that of a new session.
     fn shown(&mut self, from: &str, to: &str) -> RebuildSummary {
         let before = self.picture();
         let reload = self.edit(from, to);
@@ -68,7 +68,7 @@ impl Session {
         let after = self.picture();
         assert!(after != before, "{from}: the picture did not change");
         assert!(
-            after == self.afresh(),
+            after == self.new_picture(),
             "{from}: not what a fresh start shows"
         );
         reload.rebuilt
@@ -153,7 +153,7 @@ fn another_shape_reads_the_scene_whole() {
     let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
     assert!(reload.ok && reload.files && reload.rebuilt.upload && reload.rebuilt.trees);
     assert_eq!(reload.shaders, 0, "the text of the shaders is the same");
-    assert!(session.picture() == session.afresh());
+    assert!(session.picture() == session.new_picture());
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn broken_then_good_keeps_the_last_picture() {
         let reload = session.edit(&from, &format!("intensity_cd = {}", 31 + round));
         assert!(reload.ok && session.live.problems.is_empty());
         if round % 10 == 0 {
-            assert!(session.picture() == session.afresh());
+            assert!(session.picture() == session.new_picture());
         }
     }
 }
@@ -229,7 +229,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
     };
     assert_eq!(held(&mut session), (Some(80), None), "a stand-in, no list");
 
-    // What moves is shaded by records that exist without trees too.
+    // Shading of movable instances uses records that exist without trees too.
     let moved = session.shown(
         "translation = [0, 0.5, 0]",
         "rotation_deg = [0, 40, 20]\ntranslation = [0.5, 0.7, 0]",
@@ -240,7 +240,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         let (from, to) = (format!("method = \"{from}\""), format!("method = \"{to}\""));
         let reload = session.edit(&from, &to);
         assert!(reload.ok, "{:?}", session.live.problems);
-        assert!(session.picture() == session.afresh(), "{to}");
+        assert!(session.picture() == session.new_picture(), "{to}");
         reload.rebuilt.trees
     };
     assert!(switch(&mut session, "ssr", "hybrid"));
@@ -332,5 +332,5 @@ fn an_asset_that_changes_or_comes_late_is_read() {
     let reload = session.live.reload(&[Change::Asset].into());
     assert!(reload.ok && reload.files);
     let green = session.picture();
-    assert!(green != blue && green == session.afresh());
+    assert!(green != blue && green == session.new_picture());
 }

@@ -1,11 +1,12 @@
-//! A disk that is full: the film ends there, says which frames are missing, and goes on later. The
-//! disk is a small one of the test's own; says `SKIPPED` where the system gives none.
+//! Full disk: the sequence ends, reports the missing frames and can be resumed. Uses a small tmpfs;
+//! `SKIPPED` where it cannot be mounted.
 
 use std::{fs, process::Command};
 
 use crate::{common::gpu_or_skip, folder, pictures};
 
-/// Runs a line of shell with an empty disk of so many KiB at `disk`; `None` where that cannot be.
+/// Runs a shell command with an empty disk of so many KiB at `disk`; `None` if it cannot be
+/// mounted.
 fn with_disk(folder: &std::path::Path, kib: u32, line: &str) -> Option<(i32, String)> {
     let mount = format!("mkdir -p disk && mount -t tmpfs -o size={kib}k none disk");
     let run = |line: &str| {
@@ -50,7 +51,7 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
         "{text}"
     );
     assert!(!text.contains(".tmp"), "a half written file stays: {text}");
-    // What is missing can be asked for as it is told.
+    // The reported frames are valid arguments of `--frames`.
     let list = text
         .split(&missing)
         .nth(1)

@@ -1,11 +1,11 @@
-//! Samples of a made-up scene, whose front and break-even are known.
+//! Synthetic samples with known Pareto front and break-even.
 
 use reflet::bench::{
     sample::{Sample, detail_columns},
     summary::{Group, groups},
 };
 
-/// A frame of a made-up scene: method, its value, milliseconds, FLIP; SSIM is 1 − FLIP.
+/// A synthetic sample: method, its value, milliseconds, FLIP; SSIM is 1 − FLIP.
 pub fn sample(method: &str, value: f64, ms: f64, flip: f64) -> Sample {
     Sample {
         fingerprint: format!("{method}-{value}"),
@@ -45,7 +45,7 @@ fn set(sample: &mut Sample, column: &str, value: f64) {
 }
 
 /// ssr is fast and wrong, hybrid between, rt exact; one hybrid setting is dominated.
-pub fn made_up() -> Vec<Sample> {
+pub fn synthetic_samples() -> Vec<Sample> {
     let mut rows = vec![
         sample("ssr", 16.0, 5.0, 0.4),
         sample("ssr", 128.0, 6.0, 0.3),
@@ -65,7 +65,7 @@ pub fn made_up() -> Vec<Sample> {
     rows
 }
 
-/// The same frame so many times.
+/// The same samples, repeated.
 pub fn repeated(rows: &[Sample], times: u32) -> Vec<Sample> {
     let again = |repetition| {
         rows.iter().map(move |row| Sample {

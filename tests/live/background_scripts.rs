@@ -1,5 +1,5 @@
-//! A script that takes long beside the pictures: views are answered meanwhile, and what is wanted
-//! next ends it.
+//! Slow scripts in the background: views are rendered meanwhile, and a newer request ends the
+//! script.
 
 use std::{
     fs,
@@ -33,15 +33,15 @@ use crate::{
     scripts::{SCRIPT, Session},
 };
 
-/// A test fails only past this.
+/// Timeout of a test.
 const MOST: Duration = Duration::from_secs(60);
 
-/// Runs for as long as a call may, since each step reads a long text: the clock ends it before
-/// the count of steps does.
+/// An endless script: each step reads a long text, so that the time limit ends it before the step
+/// limit.
 const SLOW: &str = "let text = \"abcdefgh\"; for i in 0..16 { text += text; } \
                     loop { text.contains(\"no\"); }";
 
-/// One endless script at a time: each takes a whole core.
+/// Only one endless script at a time: each uses a whole core.
 static TURN: Mutex<()> = Mutex::new(());
 
 pub struct Watched {
@@ -49,7 +49,7 @@ pub struct Watched {
     _turn: MutexGuard<'static, ()>,
     pub folder: Folder,
     pub view: View,
-    /// Whether a script runs that pictures do not wait for.
+    /// Whether a background script runs.
     runs: bool,
 }
 
@@ -94,18 +94,18 @@ impl Watched {
         self.worker.mailbox.post_view(self.view.clone());
     }
 
-    /// Saves it with a line that it prints in `setup`.
+    /// Saves the script with a line that `setup` prints.
     fn save_script(&self, text: &str, line: &str) {
         let text = text.replace(
             "fn setup(ctx) {",
             &format!("fn setup(ctx) {{ print(\"{line}\");"),
         );
-        // In one step: half a script is a mistake.
-        let beside = self.folder.write("next.rhai", text);
-        fs::rename(beside, self.folder.path("sub/move.rhai")).expect("renamed");
+        // Atomically: a partial script is an error.
+        let temporary = self.folder.write("next.rhai", text);
+        fs::rename(temporary, self.folder.path("sub/move.rhai")).expect("renamed");
     }
 
-    /// Waits for what `found` looks for; no report before may tell a mistake.
+    /// Waits for a report that `found` accepts; no earlier report may have errors.
     pub fn until<T>(&mut self, what: &str, mut found: impl FnMut(&Report) -> Option<T>) -> T {
         let deadline = Instant::now() + MOST;
         loop {
@@ -135,34 +135,34 @@ impl Watched {
         });
     }
 
-    fn facts(&mut self, is_right: impl Fn(&SceneSummary) -> bool) {
+    fn summary(&mut self, is_right: impl Fn(&SceneSummary) -> bool) {
         self.until("facts", |report| match report {
             Report::SceneSummary(facts) => is_right(facts).then_some(()),
             _ => None,
         });
     }
 
-    /// Waits until the script that prints this is shown.
-    fn taken(&mut self, line: &str) {
+    /// Waits until the script that prints this line is shown.
+    fn wait_until_adopted(&mut self, line: &str) {
         let line = format!(": {line}"); // after its place
-        self.facts(|facts| facts.log.iter().any(|known| known.ends_with(&line)));
+        self.summary(|facts| facts.log.iter().any(|known| known.ends_with(&line)));
     }
 
-    fn begins(&mut self) {
+    fn wait_for_start(&mut self) {
         self.until("a long script", |report| {
             matches!(report, Report::ScriptRunning(Some(_))).then_some(())
         });
     }
 
-    /// Waits for one that is told as running; it may be the one of a save that is read twice.
+    /// Waits for a report of a running script, also of a save that is read twice.
     fn is_running(&mut self) {
         if !self.runs {
-            self.begins();
+            self.wait_for_start();
         }
     }
 
-    /// A picture from there while a script runs.
-    fn look_from(&mut self, x: f32) {
+    /// A picture from this camera while a script runs.
+    fn move_camera(&mut self, x: f32) {
         let camera = CameraDesc {
             eye: Vec3::new(x, 2.0, 5.0),
             ..CameraDesc::default()
@@ -172,8 +172,8 @@ impl Watched {
         assert!(self.runs, "the script has ended first");
     }
 
-    /// Waits until nothing runs any more.
-    fn rest(&mut self) {
+    /// Waits until no script runs.
+    fn wait_until_idle(&mut self) {
         while self.runs {
             self.until("a rest", |report| {
                 matches!(report, Report::ScriptRunning(None)).then_some(())
@@ -190,26 +190,26 @@ fn a_save_with_an_endless_setup_leaves_everything_usable_until_the_next_save() {
     let mut preview = Watched::new(session);
     let slow = SCRIPT.replace("let all = [];", &format!("{SLOW} let all = [];"));
     preview.save_script(&slow, "slow");
-    preview.begins();
+    preview.wait_for_start();
     for step in 0..3 {
-        preview.look_from(step as f32);
+        preview.move_camera(step as f32);
         preview.show(|view| view.frame += 7);
         let frame = preview.view.frame;
         preview.shown(|shown| shown.frame == frame);
         assert!(preview.runs, "the script has ended first");
     }
-    // So is a newer endless one, and one in what only the new script imports.
+    // So does a newer endless script, and one in a file that only the new script imports.
     let slow = preview.folder.write("parts/new.rhai", SLOW);
     preview.save_script(
         &format!("import \"parts/new\" as other;\n{SCRIPT}"),
         "mended",
     );
-    preview.begins();
-    preview.look_from(4.0);
+    preview.wait_for_start();
+    preview.move_camera(4.0);
     let mended = preview.folder.write("next.rhai", "fn x() {}");
     fs::rename(mended, slow).expect("renamed");
-    preview.taken("mended");
-    preview.rest();
+    preview.wait_until_adopted("mended");
+    preview.wait_until_idle();
 }
 
 #[test]
@@ -221,25 +221,25 @@ fn an_endless_frame_keeps_the_one_before_and_is_left_for_another() {
     let slow = format!("fn frame(ctx) {{\n if ctx.frame == 9 {{ {SLOW} }}");
     let slow = SCRIPT.replace("fn frame(ctx) {", &slow);
     preview.save_script(&slow, "slow");
-    preview.taken("slow");
+    preview.wait_until_adopted("slow");
     preview.show(|view| view.frame = 9);
     preview.is_running();
-    preview.look_from(1.0);
+    preview.move_camera(1.0);
     preview.show(|view| view.frame = 3);
     preview.shown(|shown| shown.frame == 3);
-    // Back to it, and from there to what is shown: nothing is to be done.
+    // Back to it, and then to the shown frame: no work.
     preview.show(|view| view.frame = 9);
     preview.is_running();
     preview.show(|view| view.frame = 3);
-    preview.rest();
-    // A save that is endless in the wanted frame is taken over in the one that is wanted next.
+    preview.wait_until_idle();
+    // A save that is endless in the requested frame is adopted with the next requested frame.
     preview.save_script(&slow.replace("== 9", "== 3"), "other");
     preview.is_running();
-    preview.look_from(2.0);
+    preview.move_camera(2.0);
     preview.show(|view| view.frame = 5);
-    preview.taken("other");
-    preview.rest();
-    // It ends with the window.
+    preview.wait_until_adopted("other");
+    preview.wait_until_idle();
+    // The script ends with the window.
     preview.show(|view| view.frame = 3);
     preview.is_running();
 }
@@ -259,7 +259,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
     );
     let size = session.live.renderer().targets().size;
     let wanted = output::png::encode(size, &session.afresh(9, &[]), None).expect("encodes");
-    let shots = Folder::new();
+    let screenshots = Folder::new();
     let mut preview = Watched::new(session);
     preview.show(|view| view.size = size);
     let ask = |preview: &Watched, frame, with| {
@@ -270,13 +270,13 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
         let inspection = FrameRequest { view, action: with };
         preview.worker.mailbox.post(Task::Frame(inspection));
     };
-    let shot = FrameAction::Screenshot(Screenshot {
-        folder: shots.0.clone(),
+    let screenshot = FrameAction::Screenshot(Screenshot {
+        folder: screenshots.0.clone(),
         stem: "nine".to_owned(),
         wipe_at: 0.5,
         error_map: false,
     });
-    ask(&preview, 9, shot);
+    ask(&preview, 9, screenshot);
     let note = preview.until("a note", |report| match report {
         Report::Frame(shown) => {
             assert_eq!(shown.frame, 0, "it is not what is looked at");
@@ -285,12 +285,12 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
         Report::Message(note) => Some(note.clone()),
         _ => None,
     });
-    let written = fs::read(shots.path("nine-001.png")).expect(&note);
+    let written = fs::read(screenshots.path("nine-001.png")).expect(&note);
     assert!(written == wanted, "it is another frame");
     ask(&preview, 9, FrameAction::Compare(3));
     preview.until("an error", |report| match report {
-        Report::Compared(judged) => {
-            assert_eq!((judged.view.frame, judged.edits), (9, 3));
+        Report::Compared(comparison) => {
+            assert_eq!((comparison.view.frame, comparison.edits), (9, 3));
             Some(())
         }
         _ => None,
@@ -308,7 +308,7 @@ fn numbers_are_told_while_frames_follow_each_other() {
     let told = Duration::from_millis(300); // longer ago than they are told again
     thread::sleep(told);
     preview.show(|view| (view.frame, view.plays, view.draft_ms) = (5, true, Some(1e3)));
-    preview.facts(|facts| {
+    preview.summary(|facts| {
         let red = facts.materials.iter().find(|row| row.name == "red");
         red.is_some_and(|row| row.numbers.roughness == Some(0.55))
     });
@@ -323,19 +323,19 @@ fn other_parameters_take_the_place_of_those_whose_setup_is_endless() {
     let mut preview = Watched::new(session);
     let slow = format!("if ctx.params.count == 3 {{ {SLOW} }} let all = [];");
     preview.save_script(&SCRIPT.replace("let all = [];", &slow), "slow");
-    preview.taken("slow");
+    preview.wait_until_adopted("slow");
     let set_count = |preview: &Watched, to| {
         let mut overrides = reflet::app::params::ParameterOverrides::default();
         overrides.set("count", ParamValue::Integer(to), &count);
         preview.worker.mailbox.post(Task::SetParameters(overrides));
     };
     set_count(&preview, 3);
-    preview.begins();
-    preview.look_from(1.0);
+    preview.wait_for_start();
+    preview.move_camera(1.0);
     set_count(&preview, 4);
     let seen = |facts: &SceneSummary| facts.bounds.max.x > 2.9; // four boxes
-    preview.facts(seen);
-    preview.rest();
+    preview.summary(seen);
+    preview.wait_until_idle();
 }
 
 #[test]
@@ -356,5 +356,5 @@ fn a_scene_whose_script_is_slow_from_the_start_opens_empty_and_is_shown_once_men
     let mut preview = Watched::start(gpu, folder, live, is_waiting);
     preview.is_running();
     preview.save_script(SCRIPT, "mended");
-    preview.taken("mended");
+    preview.wait_until_adopted("mended");
 }
