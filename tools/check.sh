@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Everything that continuous integration runs. With --full, also what takes long.
+# All checks of continuous integration. With --full, also slow ones.
 set -euo pipefail
 
 usage() {

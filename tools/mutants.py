@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plants small mistakes in the code and tells which of them no test notices.
+"""Mutation testing: injects small faults into the code and lists those that no test detects.
 
 A mutant is one mechanical change of one line: an operator, a sign, a constant, a component, a
 comparison. They are drawn from a fixed seed, as many from each file as it has places for them.
@@ -51,7 +51,7 @@ GROUPS = {
     "rust": (32, ["src/bench/metric/*.rs", "src/scene/parse/**/*.rs", "src/scene/parse.rs"]),
 }
 
-# A pattern, what stands in its place, and what that is called. Spaces around operators are how
+# Pattern, replacement and name of a mutation. Spaces around operators are how
 # this code is formatted; they keep generics, arrows and paths out.
 CHANGES = [
     (r"(?<= )\+(?= )", ["-"]),
@@ -174,7 +174,7 @@ def drawn(group: str, seed: int) -> list[Mutant]:
 
 
 def run(command: list[Any], timeout_s: float, **options: Any) -> tuple[int | None, str]:
-    """Exit code (None: out of time) and everything that was printed."""
+    """Exit code (None: timeout) and all output."""
     try:
         done = subprocess.run(
             command,

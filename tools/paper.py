@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what docs/paper.md sets beside the paper, and writes its tables anew.
+"""Measures what docs/paper.md compares with the paper, and rewrites its tables.
 
     tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
     tools/paper.py page OUT                    # the page's tables and charts, and docs/data

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders the README's pictures anew from the built-in scenes, into docs/images.
+# Renders the README's pictures from the built-in scenes into docs/images.
 set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"

@@ -168,7 +168,7 @@ fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
     }
 }
 
-/// Probes stand beside the frame: a picture is the same before and after them.
+/// Probes do not affect the frame: a picture is the same before and after them.
 #[test]
 fn probes_leave_pictures_alone() {
     let Some(gpu) = gpu() else { return };

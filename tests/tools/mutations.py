@@ -116,7 +116,7 @@ def _as_package(name: str, crate: bytes) -> bytes:
 
 
 def hand_written_bodies() -> dict[str, bytes]:
-    """Layers that parse, each with one fault in what it says."""
+    """Layers that parse, each with one invalid value."""
     # The format wants a line of its own for each closing brace.
     bodies = {name: body.replace("}", "\n}\n") for name, body in _BODIES.items()}
     return {name: _HEADER + body.encode() for name, body in bodies.items()}

@@ -1,4 +1,4 @@
-"""Owns damaging converted files, and the check that a damage is found whatever the sidecar says."""
+"""Owns damaging converted files, and the check that damage is found with any sidecar."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def convert(mutant: Mutant, folder: Path) -> tuple[str, Path | None]:
 
 
 def check_all(mutants: list[Mutant], folder: Path) -> None:
-    """Convert all of them, then let the Khronos validator judge what came out."""
+    """Convert all of them, then validate the outputs with the Khronos validator."""
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         ends = list(pool.map(lambda mutant: convert(mutant, folder), mutants))
     survived = dict(zip([mutant.title for mutant in mutants], ends, strict=True))

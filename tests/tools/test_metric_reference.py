@@ -1,6 +1,6 @@
 """Pins the metrics of `reflet compare` to scikit-image, flip-evaluator and NumPy.
 
-Run with pytest (it needs NumPy and Pillow, and scikit-image or flip-evaluator for what they judge;
+Run with pytest (it needs NumPy and Pillow, and scikit-image or flip-evaluator as references;
 what is missing is skipped and said). `python tests/tools/test_metric_reference.py` prints the
 expected numbers that `tests/metric.rs` stores, so that Rust alone pins them too.
 """
@@ -69,7 +69,7 @@ def eroded(inside, radius=5):
 
 
 def ssim_map(test, reference):
-    skimage = pytest.importorskip("skimage.metrics", reason="SSIM is judged by scikit-image")
+    skimage = pytest.importorskip("skimage.metrics", reason="scikit-image is the SSIM reference")
     _, full = skimage.structural_similarity(
         test.astype(np.float64) @ LUMA,
         reference.astype(np.float64) @ LUMA,
@@ -83,7 +83,7 @@ def ssim_map(test, reference):
 
 
 def flip_map(test, reference):
-    flip = pytest.importorskip("flip_evaluator", reason="FLIP is judged by flip-evaluator")
+    flip = pytest.importorskip("flip_evaluator", reason="flip-evaluator is the FLIP reference")
     as_unit = [(p / np.float32(255)).astype(np.float32) for p in (reference, test)]
     return flip.evaluate(*as_unit, "LDR", applyMagma=False)[0][..., 0]
 

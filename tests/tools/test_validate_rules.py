@@ -66,7 +66,7 @@ def bend(out: Output) -> None:
 
 
 def invent_camera(out: Output) -> None:
-    """A camera stands where the stage has none that works."""
+    """A default camera replaces invalid ones."""
     bad = next(n for n in out.gltf.nodes if (n.extras or {}).get("prim") == "/Bad")
     bad.camera = 0
 

@@ -1,4 +1,4 @@
-"""Damaged outputs of stages without any warning: what a file may hold beside the stage's values."""
+"""Damaged outputs of stages without warnings: extra content of a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damaged outputs beside an honest sidecar: no warning may excuse what it does not speak of."""
+"""Damaged outputs with a correct sidecar: a warning excuses only its own deviation."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import reflet_usd
 
 
 def version(tools: Path) -> str:
-    """What the package below `tools` says of itself."""
+    """Version of the package below `tools`."""
     command = [sys.executable, "-m", "reflet_usd", "--version"]
     environment = {**os.environ, "PYTHONPATH": str(tools)}
     return subprocess.run(

@@ -17,7 +17,7 @@ class StoppedError(Exception):
 
 
 class Children:
-    """Processes that run in sessions of their own, with whatever they started."""
+    """Child processes in separate sessions, with their descendants."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -49,7 +49,7 @@ class Children:
 
 
 def end(child: Process) -> None:
-    """End the child and whatever it started."""
+    """End the child and its descendants."""
     if child.poll() is None:
         _kill(child)
         child.wait()

@@ -55,7 +55,7 @@ class Score:
     lights: tuple[int, int]
     animated: tuple[int, int]
     rigs: int | None = None
-    """Animation channels that move a joint or weights; None where nobody counted them."""
+    """Animation channels of joints or weights; None if not counted."""
 
 
 def read_roots(folder: Path) -> list[Root]:

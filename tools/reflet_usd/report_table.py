@@ -106,7 +106,7 @@ def _warnings(row: Row) -> str:
 
 
 def _silent(row: Row) -> list[str]:
-    """Names of the checks that found a deviation nobody declared."""
+    """Names of the checks with an undeclared deviation."""
     return [check["check"] for check in _checks(row) if not check["passed"]]
 
 

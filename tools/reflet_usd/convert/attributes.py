@@ -101,7 +101,7 @@ def primvar_signature(primvars: list[UsdGeom.Primvar]) -> tuple[str, ...]:
 def read_primvars(
     context: Context, prim: Usd.Prim, primvars: list[UsdGeom.Primvar]
 ) -> GprimPrimvars:
-    """Read and sort the prim's `primvars`; whatever cannot travel is a warning."""
+    """Read and sort the prim's `primvars`; warn about unsupported ones."""
     found = GprimPrimvars(primvars)
     for primvar in primvars:
         name, type_name = str(primvar.GetPrimvarName()), str(primvar.GetTypeName())

@@ -36,7 +36,7 @@ class Channel:
     bias: float = 0.0
     constant: float = 1.0
     raw: bool = False
-    """Take texels as data whatever the color space says (normal maps)."""
+    """Read texels as raw data, ignoring the color space (normal maps)."""
 
 
 class Packer:

@@ -94,7 +94,7 @@ class _Maker:
         return [column_matrix(matrix, self.context.meters_per_unit) for matrix in matrices]
 
     def _bind_pose(self) -> list[Array]:
-        """Without rest transforms and animation the bind pose stands in."""
+        """Falls back to the bind pose without rest transforms and animation."""
         message = "neither restTransforms nor an animation, the bind pose is shown"
         self.context.ledger.warn("rest-pose-missing", self.prim, message)
         topology, binds = self.query.GetTopology(), self.binds
@@ -156,7 +156,7 @@ class _Maker:
             outer[index] = nodes[index]
 
     def _parts(self) -> Parts:
-        """What the animation says at the conversion's time, in its own order of joints."""
+        """Animation sample at the conversion's time, in its own joint order."""
         found = self.query.GetAnimQuery().ComputeJointLocalTransformComponents(self.context.time)
         translations, rotations, scales = (np.array(values, dtype=np.float64) for values in found)
         return {

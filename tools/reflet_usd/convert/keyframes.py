@@ -40,7 +40,7 @@ class Fit(Protocol):
     """How a matrix becomes a pose."""
 
     unjudged_depth: int
-    """Steps halved less often than this are always halved again: too long to judge by."""
+    """Minimum number of halvings before a step is tested."""
     follows_paths: bool
     """Shorter steps always help where the pose is the whole matrix."""
 
@@ -178,7 +178,7 @@ class _Refiner:
     strict: bool = False
     """Give up where `depth` halvings are too few, instead of keeping the deviation."""
     reach: float = 1.0
-    """How far the origin gets from 0: the unit in which its deviation is judged."""
+    """Maximum distance of the origin from 0: the scale of its tolerance."""
     keys: Keys = field(default_factory=lambda: Keys([], []))
 
     def run(self, codes: list[float]) -> Keys | None:

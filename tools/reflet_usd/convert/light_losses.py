@@ -101,7 +101,7 @@ def warn_geometry_light(context: Context, prim: Usd.Prim) -> None:
 
 
 def _warn_inputs(context: Context, prim: Usd.Prim, judged: frozenset[str]) -> None:
-    """Name what the light's schemas know, that says something, and that nothing else judges."""
+    """Warn about authored light inputs that no other rule handles."""
     definition = prim.GetPrimDefinition()
     for item in prim.GetAuthoredProperties():
         name = str(item.GetName())
@@ -150,7 +150,7 @@ def _warn_shape(context: Context, prim: Usd.Prim) -> None:
 
 
 def warn_links(context: Context, prim: Usd.Prim) -> None:
-    """Name whatever limits what the light lights, or what casts its shadows."""
+    """Warn about light linking and shadow linking."""
     found = ["light:filters"] if _targets(prim, "light:filters") else []
     for link in _LINKS:
         collection = f"collection:{link}"

@@ -45,7 +45,7 @@ def _accessor(writer: GltfWriter, values: Array, bounds: bool = False) -> int:
 
 
 class PointKeys:
-    """Animated points of a mesh whose topology stands still: key k is target k at weight 1.
+    """Animated points of a mesh with constant topology: key k is target k at weight 1.
 
     Weights that run linearly from one target to the next are USD's linear interpolation.
     """

@@ -1,4 +1,4 @@
-"""One conversion from end to end: open, walk, account, write."""
+"""One conversion end to end: open, traverse, collect losses, write."""
 
 from __future__ import annotations
 

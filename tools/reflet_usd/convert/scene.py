@@ -38,7 +38,7 @@ class Skin:
 
 @dataclass(eq=False)
 class Node:
-    """A glTF node to be. Rotation is (x, y, z, w); None stands for the identity."""
+    """A glTF node before it is written. Rotation is (x, y, z, w); None for identity."""
 
     name: str
     prim: str = ""

@@ -37,7 +37,7 @@ class Cage:
     pin_boundary: bool = False
     """All boundary vertices stay where they are (faceVarying `boundaries`)."""
     pinned: Array | None = None
-    """(V,) vertices that stay whatever surrounds them."""
+    """(V,) pinned vertices, which keep their positions."""
     smooth_triangles: bool = False
     """Triangles weigh more (triangleSubdivisionRule `smooth`); their children are quads."""
 

@@ -21,7 +21,7 @@ class FaceGroup:
 
     material: Usd.Prim | None
     faces: Array | None
-    """Authored face numbers; None stands for all faces."""
+    """Authored face indices; None for all faces."""
     subset: Usd.Prim | None = None
 
 

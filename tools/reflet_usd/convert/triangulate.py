@@ -168,7 +168,7 @@ def _best_ears(flat: Array) -> Array:
 
 
 def _clip_one(flat: Array) -> Array:
-    """Ear clipping of one large polygon (n, 2): only an ear's neighbors are judged again."""
+    """Ear clipping of one large polygon (n, 2): only an ear's neighbors are tested again."""
     size = len(flat)
     following = np.roll(np.arange(size), -1)
     preceding = np.roll(np.arange(size), 1)

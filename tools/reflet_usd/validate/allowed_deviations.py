@@ -19,7 +19,7 @@ UNORDERED_COLORS = ("primvar-interpolation-dropped",)
 UV_SET = ("primvar-*",)
 """A primvar that the warning names in quotes is not in the file."""
 UV_CONSTANT = ("uv-missing",)
-"""The constant that stands for a set that no primvar gives."""
+"""Constant that replaces a set without a primvar."""
 LEFT_OUT = ("invisible-skipped", "purpose-skipped", "prim-damaged")
 """A prim and all below it have no node."""
 TRANSLUCENT = ("opacity-approximated",)

@@ -49,7 +49,7 @@ BARS: dict[str, Bar] = {
     "extras": Bar("extras", 0, "wrong"),
     "reader": Bar("trimesh's bounding box", 1e-5, "of the diagonal"),
 }
-"""What is compared, and what may differ where a warning says so."""
+"""Compared properties, and warnings that allow them to differ."""
 
 
 _ADD_UP = 4.0
@@ -64,7 +64,7 @@ class Finding:
     value: float
     text: str
     declared: str | None = None
-    """The warning in the sidecar that told of it; None for a silent deviation."""
+    """Sidecar warning that declares it; None for an undeclared deviation."""
 
 
 @dataclasses.dataclass
@@ -195,7 +195,7 @@ class Checks:
         return None
 
     def declared(self) -> int:
-        """How many deviations so far were told of by a warning."""
+        """Number of deviations declared by a warning so far."""
         return sum(check.declared for check in self.checks.values())
 
     def results(self) -> list[Check]:

@@ -13,7 +13,7 @@ from .allowed_deviations import EXTRAS
 from .checks import Checks
 from .gltf_scene import OutputReader
 
-# What is compared by rules of its own, wherever it stands and on prims of one kind alone.
+# Properties compared by separate rules: on any prim, and on prims of one type.
 _ELSEWHERE = re.compile(
     r"collection:|extent$|extentsHint$|primvars:|material:binding(:|$)"
     r"|skel:(animationSource|blendShapeTargets|blendShapes|joints|skeleton)$"
@@ -34,7 +34,7 @@ NAMED = 8
 def compare_extras(
     checks: Checks, stage: Usd.Stage, output: OutputReader, rest: Usd.TimeCode
 ) -> None:
-    """Every node that stands for a prim keeps the prim's own properties, and no others."""
+    """The node of a prim has exactly the prim's custom properties."""
     nodes = output.file.tree.get("nodes", [])
     for index in output.poser.order:
         extras = nodes[index].get("extras") or {}
@@ -73,7 +73,7 @@ def _compare_properties(
 def _compare_collections(
     checks: Checks, prim: Usd.Prim, kept: dict[str, Any], rest: Usd.TimeCode
 ) -> None:
-    """What the file says about a collection is what the stage says."""
+    """Collections in the file equal those of the stage."""
     for name, parts in kept.items():
         for part, value in parts.items():
             item = prim.GetProperty(f"collection:{name}:{part}")

@@ -23,7 +23,7 @@ class ValidatorMissingError(Exception):
 
 @dataclasses.dataclass
 class KhronosReport:
-    """What the validator says of one file."""
+    """Validator report of one file."""
 
     errors: int
     warnings: int
@@ -31,7 +31,7 @@ class KhronosReport:
     version: str
     messages: list[dict[str, Any]]
     crash: str = ""
-    """What ended the validator itself, so that it says nothing of the file; empty if nothing."""
+    """Error of the validator itself; empty if it finished."""
 
 
 def find_package() -> Path:

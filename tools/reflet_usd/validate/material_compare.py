@@ -104,7 +104,7 @@ def compare_materials(
 
 
 def _compare_plain(checks: Checks, path: str, found: OutputMaterial) -> None:
-    """What stands for a surface that is not known is a plain dielectric in displayColor."""
+    """An unknown surface is replaced by a dielectric in displayColor."""
     checks.add("materials", path, 0.0)
     for text in non_default_values(found.material):
         checks.add("materials", path, math.inf, f"in displayColor: {text}")
@@ -168,7 +168,7 @@ class _Comparison:
         return not _is_constant(self.inputs["useSpecularWorkflow"], 0.0)
 
     def uv_uses(self, found: OutputMaterial) -> list[UvUse]:
-        """Which UV set stands for which primvar; the first texture's where several share one."""
+        """UV set of each primvar; of the first texture where several share one."""
         uses = []
         for name in DEFAULTS:
             texture, number = self.inputs[name].texture, found.texcoord(name)
@@ -179,7 +179,7 @@ class _Comparison:
         return list(dict.fromkeys(uses))
 
     def _empty_slots(self, found: OutputMaterial) -> None:
-        """No texture stands where none of the inputs that share its slot has one."""
+        """A slot without a textured input has no texture."""
         for names in _SLOTS:
             sources = [self.inputs[name] for name in names]
             read = any(source.texture is not None or source.reason for source in sources)

@@ -10,7 +10,7 @@ from .scene_data import Camera, Lost
 from .usd_stage import TruthStage
 
 _FALLBACK_RANGE_M = (0.01, 10_000.0)
-"""Stands for clipping ranges that no glTF camera can have."""
+"""Marker of clipping ranges that glTF cameras cannot express."""
 _NOT_IN_GLTF = (
     "clippingPlanes",
     "exposure",

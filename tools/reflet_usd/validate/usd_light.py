@@ -47,7 +47,7 @@ class Source:
     sizes: tuple[float, float]
     """As `surface_area` wants them."""
     normalized: bool
-    """Whether the power is that of one square meter, whatever the size."""
+    """Whether the power is normalized, independent of the area."""
     cone: tuple[float, float] | None
     """Inner and outer angle of a spot."""
     lost: Lost

@@ -55,7 +55,7 @@ class TextureRead:
     prim: str = ""
     """Path of the texture's shader."""
     assumed_space: bool = False
-    """Whether the color space is told by the image's format alone."""
+    """Whether the color space depends only on the image format."""
 
     @property
     def is_plain(self) -> bool:

@@ -34,7 +34,7 @@ class TruthStage:
     z_up: bool
     codes_per_second: float
     time_origin: float
-    """The time code that glTF's second 0 stands for."""
+    """Time code of second 0 in glTF."""
     subdiv_level: int
     """How many Catmull-Clark steps the output's subdivision meshes went through."""
     roots: tuple[str, ...]
@@ -118,7 +118,7 @@ def _text(error: Tf.ErrorException) -> str:
 
 
 def _forget_old_layers() -> None:
-    """Read anew from disk what this process still holds of earlier stages.
+    """Reload layers that this process has cached from earlier stages.
 
     USD frees a stage's layers on another thread some time after the stage is gone; until then it
     gives out what it read before, or what was edited in memory.

@@ -38,7 +38,7 @@ class TruthReader:
         self.deformed = deformed
         """Skinned and morphed prims, whose points move within them."""
         self.cages = cages
-        """Subdivision meshes that stay cages whatever the level."""
+        """Subdivision meshes that are never refined."""
         self.instancers: list[str] = []
         self.outermost: dict[str, set[str]] = {}
         """Of the scene read last, as `PlacementWalk` has them."""
@@ -259,7 +259,7 @@ def _place_of(path: str, paths: list[str]) -> int:
 
 
 def _transform_normals(normals: Array, matrix: Array) -> Array:
-    """World-space unit normals; NaN, which stands for undefined, where the matrix flattens."""
+    """World-space unit normals; NaN where the matrix is singular."""
     linear = matrix[:3, :3]
     if _is_singular(matrix):
         return np.full_like(normals, np.nan)
