@@ -1,44 +1,14 @@
 //! One timed frame with every setting and error: a row of `samples.csv`.
 
+use std::any::Any;
+
 use super::csv::{self, CsvError, Table};
 use crate::render::{cause::Cause, passes, passes::counted_passes, probe::Counts};
 
+mod cell;
 mod check;
 
-/// A value that a cell holds.
-trait Cell: Sized {
-    fn text(&self) -> String;
-    fn of(text: &str) -> Option<Self>;
-}
-
-macro_rules! plain_cells {
-    ($($kind:ty),*) => {$(
-        impl Cell for $kind {
-            fn text(&self) -> String {
-                self.to_string()
-            }
-            fn of(text: &str) -> Option<Self> {
-                text.parse().ok()
-            }
-        }
-    )*};
-}
-
-plain_cells!(String, u32, u64, f32, f64, bool);
-
-/// An empty cell is nothing.
-impl<T: Cell> Cell for Option<T> {
-    fn text(&self) -> String {
-        self.as_ref().map_or(String::new(), Cell::text)
-    }
-    fn of(text: &str) -> Option<Self> {
-        if text.is_empty() {
-            Some(None)
-        } else {
-            T::of(text).map(Some)
-        }
-    }
-}
+use cell::Cell;
 
 macro_rules! sample {
     ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
@@ -55,6 +25,22 @@ macro_rules! sample {
         const FIXED: &[&str] = &[$(stringify!($name)),*];
 
         impl Sample {
+            /// The column of that name, where it holds a number that may be missing.
+            pub fn number(&self, column: &str) -> Option<&Option<f64>> {
+                match column {
+                    $(stringify!($name) => (&self.$name as &dyn Any).downcast_ref(),)*
+                    _ => None,
+                }
+            }
+
+            /// The same, to be set.
+            pub fn number_mut(&mut self, column: &str) -> Option<&mut Option<f64>> {
+                match column {
+                    $(stringify!($name) => (&mut self.$name as &mut dyn Any).downcast_mut(),)*
+                    _ => None,
+                }
+            }
+
             fn fixed_cells(&self) -> Vec<String> {
                 vec![$(self.$name.text()),*]
             }

@@ -1,6 +1,9 @@
 //! Samples → points: medians and spreads of repeated frames, grouped by what may share a chart.
 
-use super::{metric::percentile, sample::Sample};
+use super::{
+    metric::{percentile, table},
+    sample::Sample,
+};
 
 mod group;
 pub mod paired;
@@ -157,7 +160,7 @@ impl Point {
 
     /// The point of an animation: errors and shares are means over its frames, those inside the
     /// mask over the frames whose mask is large enough; shares are of all reflective pixels.
-    /// Percentiles and PSNR have no mean.
+    /// Metrics without a mean are left out.
     fn averaged(mut self, samples: &[&Sample]) -> Self {
         self.is_mean = true;
         // Frames that show different things have no spread that noise alone makes.
@@ -165,18 +168,20 @@ impl Point {
         for spread in spreads.chain([self.reflection_ms.as_mut()]).flatten() {
             spread.p5_p95 = None;
         }
-        let mean = |of: fn(&Sample) -> Option<f64>| {
+        let mean = |of: &dyn Fn(&Sample) -> Option<f64>| {
             let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
         let s = &mut self.sample;
-        (s.flip, s.ssim, s.rel_mse) = (mean(|s| s.flip), mean(|s| s.ssim), mean(|s| s.rel_mse));
-        s.mask_px = mean(|s| Some(s.mask_px as f64)).unwrap_or(0.0) as u64;
-        s.rays = mean(|s| Some(s.rays as f64)).unwrap_or(0.0) as u64;
-        s.mask_flip = mean(|s| s.mask_flip);
-        s.mask_ssim = mean(|s| s.mask_ssim);
-        s.mask_rel_mse = mean(|s| s.mask_rel_mse);
-        s.update_ms = mean(|s| s.update_ms);
+        for (name, metric) in table::columns() {
+            for column in [name.to_owned(), format!("mask_{name}")] {
+                let value = mean(&|s| *s.number(&column)?).filter(|_| metric.has_mean);
+                *s.number_mut(&column).expect("every metric is a column") = value;
+            }
+        }
+        s.mask_px = mean(&|s| Some(s.mask_px as f64)).unwrap_or(0.0) as u64;
+        s.rays = mean(&|s| Some(s.rays as f64)).unwrap_or(0.0) as u64;
+        s.update_ms = mean(&|s| s.update_ms);
         let reflective: f64 = samples.iter().map(|s| s.reflective_px as f64).sum();
         let share = |of: fn(&Sample) -> f64| {
             let sum: f64 = samples.iter().map(|s| of(s) * s.reflective_px as f64).sum();
@@ -187,8 +192,6 @@ impl Point {
         s.failed_percent = share(|s| s.failed_percent);
         s.none_percent = share(|s| s.none_percent);
         s.rough_percent = share(|s| s.rough_percent);
-        (s.flip_p95, s.flip_p99, s.mask_flip_p95, s.mask_flip_p99) = (None, None, None, None);
-        (s.psnr_db, s.mask_psnr_db) = (None, None); // infinite where one frame is equal
         let mean_count = |of: fn(&Sample) -> Option<u64>| {
             let counts: Option<Vec<u64>> = samples.iter().map(|s| of(s)).collect();
             counts.map(|counts| {

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 
 use serde::Serialize;
 
-use super::metric::Scores;
+use super::metric::{Scores, table::METRICS};
 
 /// What `compare` found. Serializes to the JSON that `--json` prints; infinite numbers (the PSNR
 /// of equal pictures) become null.
@@ -78,27 +78,25 @@ impl Comparison {
 /// A row of the table.
 type Row = (&'static str, fn(&Scores) -> String);
 
-const ROWS: [Row; 10] = [
+const AREA_ROWS: [Row; 2] = [
     ("area, px", |s| s.area_px.to_string()),
     ("area, % of the frame", |s| {
         format!("{:.2}", 100.0 * s.area_share)
     }),
-    ("SSIM", |s| {
-        s.ssim
-            .map_or("needs 11 × 11 px".to_owned(), |v| format!("{v:.6}"))
-    }),
-    ("FLIP mean", |s| format!("{:.6}", s.flip_mean)),
-    ("FLIP p95", |s| format!("{:.6}", s.flip_p95)),
-    ("FLIP p99", |s| format!("{:.6}", s.flip_p99)),
-    ("PSNR, dB", |s| format!("{:.3}", s.psnr_db)),
-    ("relMSE", |s| format!("{:.4e}", s.rel_mse)),
-    ("relMSE less top 0.1 %", |s| {
-        format!("{:.4e}", s.rel_mse_trimmed)
-    }),
-    ("largest difference /255", |s| {
-        format!("{:.2}", s.max_difference)
-    }),
 ];
+
+/// The cells of one row.
+fn row(
+    table: &mut String,
+    name: &str,
+    columns: &[(&str, &Scores)],
+    cell: impl Fn(&Scores) -> String,
+) -> fmt::Result {
+    write!(table, "\n{name:24}")?;
+    columns
+        .iter()
+        .try_for_each(|(_, s)| write!(table, "{:>18}", cell(s)))
+}
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -116,11 +114,13 @@ impl fmt::Display for Comparison {
         columns
             .iter()
             .try_for_each(|(name, _)| write!(table, "{name:>18}"))?;
-        for (name, cell) in ROWS {
-            write!(table, "\n{name:24}")?;
-            columns
-                .iter()
-                .try_for_each(|(_, s)| write!(table, "{:>18}", cell(s)))?;
+        for (name, cell) in AREA_ROWS {
+            row(&mut table, name, &columns, cell)?;
+        }
+        for metric in &METRICS {
+            row(&mut table, metric.label, &columns, |s| {
+                (metric.score)(s).map_or("needs 11 × 11 px".to_owned(), metric.text)
+            })?;
         }
         writeln!(f, "{table}\n")?;
         if let Some(MaskScores::TooSmall(why)) = self.mask.as_ref().map(|m| &m.scores) {

@@ -4,7 +4,7 @@ use crate::{
     bench::{
         hash::Hash,
         log::Log,
-        metric::hits::CauseTally,
+        metric::{hits::CauseTally, table},
         parameter::{Variant, method_name},
         sample::{Sample, detail_columns},
         score::{Errors, Reference},
@@ -297,19 +297,16 @@ fn of_method(renderers: &mut [Ready], method: Method) -> &mut Ready {
 
 fn fill_errors(sample: &mut Sample, judged: &Judged) {
     if let Some(errors) = &judged.errors {
-        let frame = &errors.frame;
-        (sample.ssim, sample.flip) = (frame.ssim, Some(frame.flip_mean));
-        (sample.flip_p95, sample.flip_p99) = (Some(frame.flip_p95), Some(frame.flip_p99));
-        (sample.psnr_db, sample.rel_mse) = (Some(frame.psnr_db), Some(frame.rel_mse));
-        sample.max_difference = Some(frame.max_difference);
         sample.mask_px = errors.mask_px as u64;
-        if let Some(mask) = &errors.mask {
-            (sample.mask_ssim, sample.mask_flip) = (mask.ssim, Some(mask.flip_mean));
-            sample.mask_flip_p95 = Some(mask.flip_p95);
-            sample.mask_flip_p99 = Some(mask.flip_p99);
-            sample.mask_psnr_db = Some(mask.psnr_db);
-            sample.mask_rel_mse = Some(mask.rel_mse);
-            sample.mask_max_difference = Some(mask.max_difference);
+        for (column, metric) in table::columns() {
+            let mut fill = |column: &str, scores| {
+                let cell = sample.number_mut(column);
+                *cell.expect("every metric is a column") = (metric.score)(scores);
+            };
+            fill(column, &errors.frame);
+            if let Some(mask) = &errors.mask {
+                fill(&format!("mask_{column}"), mask);
+            }
         }
     }
     if let Some(since) = judged.since {

@@ -6,13 +6,13 @@ use std::collections::HashMap;
 use super::Sample;
 use crate::bench::{
     csv::CsvError,
-    metric::mask::MIN_AREA_PX,
+    metric::{
+        mask::MIN_AREA_PX,
+        table::{self, ROUNDING},
+    },
     parameter::{Parameter, method_name},
 };
 use crate::scene::desc::Method;
-
-/// Shares and SSIM may be rounded past their ends.
-const ROUNDING: f64 = 1e-6;
 
 /// Checks the text of a cell; an empty one was left out.
 ///
@@ -49,15 +49,14 @@ fn named(text: &str, names: &[&str]) -> Result<(), String> {
 fn range(column: &str) -> Option<(f64, f64, &'static str)> {
     const MOST: (f64, f64, &str) = (0.0, f64::MAX, "a finite number, 0 or more");
     let in_mask = column.strip_prefix("mask_").unwrap_or(column);
+    if let Some((_, metric)) = table::columns().find(|(name, _)| *name == in_mask) {
+        return Some(metric.range);
+    }
     Some(match in_mask {
         "width" | "height" => (1.0, f64::MAX, "1 or more"),
-        "ssim" => (-1.0 - ROUNDING, 1.0 + ROUNDING, "-1 to 1"),
-        "flip" | "flip_p95" | "flip_p99" => (0.0, 1.0 + ROUNDING, "0 to 1"),
-        "psnr_db" => (0.0, f64::INFINITY, "0 or more, or inf"),
-        "max_difference" => (0.0, 255.0, "0 to 255"),
         "scale" => (f64::MIN_POSITIVE, 1.0, "above 0, up to 1"),
         "exposure_ev" | "value" => (f64::MIN, f64::MAX, "a finite number"),
-        "rel_mse" | "temporal_difference" | "temporal_change" => MOST,
+        "temporal_difference" | "temporal_change" => MOST,
         _ if column.ends_with("_percent") => (0.0, 100.0 + ROUNDING, "0 to 100"),
         _ if ["_ms", "_px", "_u", "_m"]
             .iter()
@@ -76,15 +75,10 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 /// # Errors
 /// A sentence with the column.
 pub fn whole(s: &Sample) -> Result<(), String> {
-    let scores = [
-        ("mask_ssim", s.mask_ssim),
-        ("mask_flip", s.mask_flip),
-        ("mask_psnr_db", s.mask_psnr_db),
-        ("mask_rel_mse", s.mask_rel_mse),
-    ];
-    let scored = scores.into_iter().find(|(_, score)| score.is_some());
+    let mut columns = table::columns().map(|(name, _)| format!("mask_{name}"));
+    let scored = columns.find(|column| s.number(column).is_some_and(Option::is_some));
     match scored {
-        Some((column, _)) if s.mask_px < MIN_AREA_PX as u64 => Err(format!(
+        Some(column) if s.mask_px < MIN_AREA_PX as u64 => Err(format!(
             "column {column} holds a score, but column mask_px is {}: under {MIN_AREA_PX} px are \
              not scored",
             s.mask_px
