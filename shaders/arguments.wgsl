@@ -1,17 +1,21 @@
-// Arguments: turns the number of rays into workgroups in two dimensions, since a dispatch of more
+// Arguments: turns the lengths of the lists into workgroups in two dimensions, since a dispatch of more
 // than 65,535 in one dimension is silently dropped.
 
 #import constants
 
 @group(2) @binding(0) var<storage, read> counters: array<u32, COUNTERS>;
-@group(2) @binding(1) var<storage, read_write> arguments: array<u32, 3>;
+@group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, 3>; // of reflectors, rays, hits
 
 const GROUPS_PER_ROW: u32 = 32768u;
 
+fn groups_for(count: u32) -> vec4u {
+    let groups = (count + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
+    return vec4u(min(groups, GROUPS_PER_ROW), (groups + GROUPS_PER_ROW - 1u) / GROUPS_PER_ROW, 1u, 0u);
+}
+
 @compute @workgroup_size(1)
 fn main() {
-    let groups = (counters[RAY_COUNTER] + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
-    arguments[0] = min(groups, GROUPS_PER_ROW);
-    arguments[1] = (groups + GROUPS_PER_ROW - 1u) / GROUPS_PER_ROW;
-    arguments[2] = 1u;
+    arguments[0] = groups_for(counters[REFLECTOR_COUNTER]);
+    arguments[1] = groups_for(counters[RAY_COUNTER]);
+    arguments[2] = groups_for(counters[HIT_COUNTER]);
 }

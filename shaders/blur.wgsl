@@ -10,10 +10,10 @@ struct Params {
     pad: u32,
 }
 
-@group(2) @binding(4) var cause: texture_2d<u32>;
-@group(2) @binding(5) var source: texture_2d<f32>;
-@group(2) @binding(6) var blurred: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(7) var<uniform> params: Params;
+@group(2) @binding(3) var cause: texture_2d<u32>;
+@group(2) @binding(4) var source: texture_2d<f32>;
+@group(2) @binding(5) var blurred: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(6) var<uniform> params: Params;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {

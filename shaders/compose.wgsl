@@ -13,14 +13,14 @@ struct Params {
     pad2: u32,
 }
 
-@group(2) @binding(4) var radiance: texture_2d<f32>;
-@group(2) @binding(5) var specular: texture_2d<f32>;
-@group(2) @binding(6) var reflection: texture_2d<f32>;
-@group(2) @binding(7) var cause: texture_2d<u32>;
-@group(2) @binding(8) var hit: texture_2d<u32>;
-@group(2) @binding(9) var previous: texture_2d<f32>;
-@group(2) @binding(10) var color: texture_storage_2d<rgba32float, write>;
-@group(2) @binding(11) var<uniform> params: Params;
+@group(2) @binding(3) var radiance: texture_2d<f32>;
+@group(2) @binding(4) var specular: texture_2d<f32>;
+@group(2) @binding(5) var reflection: texture_2d<f32>;
+@group(2) @binding(6) var cause: texture_2d<u32>;
+@group(2) @binding(7) var hit: texture_2d<u32>;
+@group(2) @binding(8) var previous: texture_2d<f32>;
+@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>;
+@group(2) @binding(10) var<uniform> params: Params;
 
 // The paper's attenuation: a reflection loses itself in the environment towards the ray's length.
 fn faded(pixel: vec2u, s: Surface, direction: vec3f, found: vec3f) -> vec3f {

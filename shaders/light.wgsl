@@ -1,11 +1,11 @@
 // Light: view-independent radiance (emission, diffuse), apart from the specular of this view.
 
 #import gbuffer
+#import lists
 
-@group(2) @binding(4) var radiance: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(5) var specular: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
-@group(2) @binding(7) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
+@group(2) @binding(3) var radiance: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var specular: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 

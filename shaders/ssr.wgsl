@@ -1,42 +1,48 @@
-// Screen-space reflections: marches the depth buffer along the mirror ray and decides by the
-// paper's rules what it met. What it cannot answer is named in `cause`, for compact.wgsl.
+// Screen-space reflections: walks the mirror rays of the listed pixels through the depth pyramid, cell
+// by cell, so that no pixel under a ray is passed over, and decides what they meet. Hits are listed to
+// be shaded; what the screen cannot answer is listed to be traced.
 
 #import gbuffer
 #import cause
+#import lists
 
-override MARCH: bool = true; // false: method rt, every reflective pixel is left to the tracer
+override VERIFY: bool = true; // false: the paper's threshold T decides
+override TRACE: bool = true; // false: method ssr, what the screen cannot answer stays black
 override REFUSE: bool = true; // false: every crossing is taken, to judge what is refused
 
 struct Params {
     threshold_m: f32, // the paper's T
     steps: u32,
+    edge_px: f32, // how far a verified hit may lie from the pixel that shows it
     pad0: u32,
-    pad1: u32,
 }
 
-@group(2) @binding(4) var radiance: texture_2d<f32>;
-@group(2) @binding(5) var reflection: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(6) var cause: texture_storage_2d<r32uint, write>;
-@group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(8) var ids: texture_2d<u32>;
-@group(2) @binding(9) var<uniform> params: Params;
-@group(2) @binding(10) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(3) var ids: texture_2d<u32>;
+@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var cause: texture_storage_2d<r32uint, write>;
+@group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(7) var<uniform> params: Params;
+@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
-// Depth buffer reads since the invocation started, with COUNT.
+const START_PX: f32 = 0.7; // past the reflector's own pixel
+// How often a ray may pass in front of a surface that a pixel under it shows and be followed further.
+const MAX_CANDIDATES: u32 = 8u;
+// Bilinear weight of the pixels around a hit that must show its surface.
+const SUPPORT: f32 = 0.75;
+// How far from a plane the points of one surface may lie, pixel footprints.
+const SAME_PLANE_PX: f32 = 3.0;
+
+// Cells visited and triangles tested since the invocation started, with COUNT.
 var<private> march_steps: u32 = 0u;
+var<private> march_triangles: u32 = 0u;
 
 // A ray on the screen: pixel position and near / depth are linear in s from 0 to 1.
 struct ScreenRay {
     start: vec3f,
     delta: vec3f,
+    length_m: f32,
     end: f32, // s where it leaves the picture, at most 1
     leaves: bool, // whether something is cut off after `end`
-}
-
-struct March {
-    cause: u32,
-    pixel: vec2u,
-    distance_m: f32,
 }
 
 fn to_screen(p: vec3f) -> vec3f {
@@ -56,50 +62,94 @@ fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
     var r: ScreenRay;
     let approach = dot(direction, frame.forward);
     let depth = dot(origin - frame.eye, frame.forward);
-    var length_m = frame.ray_length_m;
+    r.length_m = frame.ray_length_m;
     // Behind the near plane there is no screen.
     let to_near = (depth - frame.near_m * 1.01) / max(-approach, 1e-9);
-    if (approach < 0.0 && to_near < length_m) {
-        length_m = max(to_near, 0.0);
+    if (approach < 0.0 && to_near < r.length_m) {
+        r.length_m = max(to_near, 0.0);
         r.leaves = true;
     }
     r.start = to_screen(origin);
-    r.delta = to_screen(origin + direction * length_m) - r.start;
+    r.delta = to_screen(origin + direction * r.length_m) - r.start;
     let exit = min(exit_at(r.start.x, r.delta.x, frame.size.x), exit_at(r.start.y, r.delta.y, frame.size.y));
     r.end = clamp(exit, 0.0, 1.0);
     r.leaves = r.leaves || exit < 1.0;
     return r;
 }
 
-struct Probe {
-    behind: bool,
-    ray_m: f32, // view depth of the ray
-    scene_m: f32, // stored view depth
+// Distance along the ray of a place on the screen, and back: perspective-correct interpolation.
+fn distance_at(r: ScreenRay, s: f32) -> f32 {
+    return r.length_m * s * (r.start.z + r.delta.z) / max(r.start.z + r.delta.z * s, 1e-30);
+}
+
+fn place_of(r: ScreenRay, distance_m: f32) -> f32 {
+    let u = distance_m / max(r.length_m, 1e-30);
+    return u * r.start.z / max((1.0 - u) * (r.start.z + r.delta.z) + u * r.start.z, 1e-30);
+}
+
+// Nearest near / depth that a cell holds.
+fn nearest_in(cell: vec2u, level: u32) -> f32 {
+    if (level == 0u) { return frame.near_m / textureLoad(view_depth, cell, 0).x; }
+    return bitcast<f32>(lists[pyramid_slot(cell, level)]);
+}
+
+struct Triangle {
+    corner: vec3f, // from the ray's origin
+    edge1: vec3f,
+    edge2: vec3f,
+    normal: vec3f, // not normalized
+}
+
+fn triangle_of(id: vec2u, origin: vec3f) -> Triangle {
+    if (COUNT) { march_triangles++; }
+    let c = corners(id.x, id.y);
+    let corner = to_world(id.x, c.p[0]) - origin;
+    let edge1 = to_world(id.x, c.p[1]) - origin - corner;
+    let edge2 = to_world(id.x, c.p[2]) - origin - corner;
+    return Triangle(corner, edge1, edge2, cross(edge1, edge2));
+}
+
+// Where the ray meets the plane of a triangle: distance, and weights of its second and third vertex.
+fn meet(t: Triangle, direction: vec3f) -> vec3f {
+    let p = cross(direction, t.edge2);
+    let determinant = dot(t.edge1, p);
+    if (abs(determinant) < 1e-36) { return vec3f(-1.0); }
+    let q = cross(-t.corner, t.edge1);
+    return vec3f(dot(t.edge2, q), dot(-t.corner, p), dot(direction, q)) / determinant;
+}
+
+// What rounding can make of a weight.
+fn is_inside(bary: vec2f) -> bool {
+    return max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0) <= 1e-5;
+}
+
+fn clamped(bary: vec2f) -> vec2f {
+    let positive = max(bary, vec2f(0.0));
+    return positive / max(positive.x + positive.y, 1.0);
+}
+
+struct March {
+    cause: u32,
+    distance_m: f32, // of the hit; else proven free
+    id: vec2u,
+    bary: vec2f,
+}
+
+// A stretch of the ray over one pixel that is not in front of what that pixel shows.
+struct Candidate {
     pixel: vec2u,
+    low: f32, // s
+    high: f32,
 }
 
-// Whether the ray at s is behind what the depth buffer holds there. A stored point on or below the
-// reflector's tangent plane never is in front of the ray: camera and ray are both above that plane,
-// and so is every point between them. This keeps grazing floors from reflecting themselves.
-fn probe(r: ScreenRay, s: f32, origin: Surface) -> Probe {
-    if (COUNT) { march_steps++; }
-    var p: Probe;
-    let at = r.start + r.delta * s;
-    p.pixel = vec2u(clamp(at.xy, vec2f(0.0), frame.size - 1.0));
-    p.ray_m = frame.near_m / max(at.z, 1e-30);
-    p.scene_m = textureLoad(view_depth, p.pixel, 0).x;
-    if (p.ray_m > p.scene_m) {
-        let height = dot(position_at(p.pixel, p.scene_m) - origin.position, origin.geometric_normal);
-        p.behind = height > p.scene_m * 2e-4;
-    }
-    return p;
-}
-
-fn decide(p: Probe, origin: vec3f, direction: vec3f) -> March {
-    let met = load_surface(p.pixel);
-    var m = March(CAUSE_HIT, p.pixel, dot(met.position - origin, direction));
-    if (!REFUSE) { return m; }
-    if (p.ray_m - p.scene_m > params.threshold_m) {
+// The paper's rule: at most T behind the stored depth.
+fn decide_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
+    let met = load_surface(c.pixel);
+    let id = textureLoad(ids, c.pixel, 0).xy;
+    let at = meet(triangle_of(id, frame.eye), pixel_ray(vec2f(c.pixel) + 0.5));
+    var m = March(CAUSE_HIT, dot(met.position - origin, direction), id, clamped(at.yz));
+    let ray_m = frame.near_m / max(r.start.z + r.delta.z * c.low, 1e-30);
+    if (ray_m - dot(met.position - frame.eye, frame.forward) > params.threshold_m) {
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
         m.cause = CAUSE_BACK_FACE;
@@ -109,97 +159,239 @@ fn decide(p: Probe, origin: vec3f, direction: vec3f) -> March {
     return m;
 }
 
+// Accepts only what the ray is shown to meet: the triangle that the pixel names, one that the pixels
+// around the point name, or the plane that they have in common. CAUSE_NOT_REFLECTIVE: the ray is
+// still in front of the surface when it leaves the pixel.
+fn decide_by_surface(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
+    let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
+    let low_m = distance_at(r, max(c.low - slack, 0.0));
+    let high_m = distance_at(r, c.high + slack);
+    let met = load_surface(c.pixel);
+    let id = textureLoad(ids, c.pixel, 0).xy;
+    let t = triangle_of(id, origin);
+    let at = meet(t, direction);
+    var m = March(CAUSE_HIT, at.x, id, clamped(at.yz));
+    // The plane is not in front of the ray, or is met only behind this pixel: it stays visible.
+    if (dot(met.geometric_normal, direction) >= 0.0) {
+        m.cause = select(CAUSE_HIDDEN, CAUSE_BACK_FACE, at.x >= low_m && at.x <= high_m);
+        return m;
+    }
+    if (at.x > high_m) {
+        m.cause = CAUSE_NOT_REFLECTIVE;
+        return m;
+    }
+    if (at.x < low_m) {
+        m.cause = CAUSE_HIDDEN;
+        return m;
+    }
+    if (is_reflector(met)) {
+        m.cause = CAUSE_REFLECTOR;
+        return m;
+    }
+    if (is_inside(at.yz)) { return m; }
+    let place = r.start + r.delta * place_of(r, at.x);
+    let corner = clamp(floor(place.xy - 0.5), vec2f(0.0), frame.size - 1.0);
+    let part = clamp(place.xy - 0.5 - corner, vec2f(0.0), vec2f(1.0));
+    let normal = normalize(t.normal);
+    var support = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        let step = vec2u(k & 1u, k >> 1u);
+        let pixel = min(vec2u(corner) + step, vec2u(frame.size) - 1u);
+        let sides = select(vec2f(1.0) - part, part, step == vec2u(1u));
+        let other = textureLoad(ids, pixel, 0).xy;
+        if (other.x == NONE) { continue; }
+        if (all(other == id)) {
+            support += sides.x * sides.y;
+            continue;
+        }
+        let beside = meet(triangle_of(other, origin), direction);
+        let neighbor = load_surface(pixel);
+        if (is_inside(beside.yz) && beside.x >= low_m && beside.x <= high_m
+            && dot(neighbor.geometric_normal, direction) < 0.0 && !is_reflector(neighbor)) {
+            return March(CAUSE_HIT, beside.x, other, beside.yz);
+        }
+        let footprint = frame.pixel_spread * dot(neighbor.position - frame.eye, frame.forward);
+        if (abs(dot(neighbor.position - origin - t.corner, normal)) < SAME_PLANE_PX * footprint) {
+            support += sides.x * sides.y;
+        }
+    }
+    // Between small triangles: as far from the one that was seen as what pixels show may be.
+    let gap = t.edge1 * (at.y - m.bary.x) + t.edge2 * (at.z - m.bary.y);
+    let footprint = frame.pixel_spread * dot(met.position - frame.eye, frame.forward);
+    let is_near = length(gap) < params.edge_px * footprint;
+    if (support < SUPPORT || !is_near) { m.cause = CAUSE_UNCONFIRMED; }
+    return m;
+}
+
+// Cut-outs are solid where the pixel was seen, and perhaps not where the ray meets them.
+fn is_cut_away(m: March) -> bool {
+    if (!HAS_CUTOUT || materials[instances[m.id.x].material].alpha_cutoff < 0.0) { return false; }
+    return !alpha_passes(m.id.x, m.id.y, m.bary);
+}
+
+// Whether the ray crossed something that was not taken.
+fn is_refusal(cause: u32) -> bool {
+    return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
+}
+
 fn march(s0: Surface, direction: vec3f) -> March {
     let origin = ray_origin(s0.position, s0.geometric_normal);
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
-    // Steps grow from one pixel by an eighth of a pixel each: 128 of them reach 1,150 pixels.
-    let first_px = max(1.0, max(frame.size.x, frame.size.y) / 1280.0);
-    var cause = CAUSE_STEPS;
-    var low = 0.0; // not behind here
-    var high = 0.0; // behind here, once found
-    var p: Probe;
-    var before_m = FAR_M; // what was stored at `low`
-    var k = 1u;
-    var fine_end = 0.0; // up to here every pixel is looked at
-    // One loop for coarse and fine steps and nothing else in it: neighbors that stop at different
-    // steps still run what follows together.
-    for (var i = 0u; k <= params.steps && i < 8u * params.steps; i++) {
-        let x = f32(k);
-        let coarse = min(first_px * (x + x * x / 16.0) / length_px, r.end);
-        let is_fine = low < fine_end;
-        high = select(coarse, min(low + 1.0 / length_px, fine_end), is_fine);
-        p = probe(r, high, s0);
-        if (p.behind) {
-            cause = CAUSE_HIT;
-            break;
-        }
-        if (!is_fine && p.ray_m > before_m && fine_end < coarse) {
-            // The ray went deeper than what it had in front of it one step ago, and that thing is
-            // gone: it may have been met near its edge. Look at every pixel in between.
-            fine_end = coarse;
-            continue;
-        }
-        if (high >= r.end) {
-            cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
-            break;
-        }
-        low = high;
-        before_m = p.scene_m;
-        if (high >= coarse) { k++; }
-    }
-    if (cause != CAUSE_HIT) { return March(cause, vec2u(0u), 0.0); }
-    // Step back to the crossing: T judges the crossing, not the length of the step.
-    for (var i = 0; i < 6; i++) {
-        let middle = (low + high) * 0.5;
-        let q = probe(r, middle, s0);
-        if (q.behind) {
-            high = middle;
-            p = q;
-        } else {
-            low = middle;
-        }
-    }
-    return decide(p, origin, direction);
-}
+    let positive = r.delta.xy > vec2f(0.0);
+    let steep = abs(r.delta.xy) > vec2f(1e-9);
+    let inverse = select(vec2f(1e30), 1.0 / select(vec2f(1.0), r.delta.xy, steep), steep);
+    // Height of what a pixel shows over the reflector's tangent plane, by its depth: a point on or
+    // below that plane is never in front of the ray, for camera and ray are both above it, and so is
+    // every point between them. This keeps grazing floors from reflecting themselves.
+    let normal = s0.geometric_normal;
+    let eye_height = dot(frame.eye - s0.position, normal);
+    let rise_x = 2.0 * dot(frame.right, normal) / frame.size.x;
+    let rise_y = -2.0 * dot(frame.up, normal) / frame.size.y;
+    let rise_0 = dot(pixel_ray(vec2f(0.5)), normal);
 
-fn reflect_pixel(id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    var why = CAUSE_NOT_REFLECTIVE;
-    var color = vec3f(0.0);
-    var found = vec4u(0u, NONE, NONE, 0u);
-    if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
-        let s = load_surface(id.xy);
-        if (is_reflector(s)) {
-            why = CAUSE_UNMARCHED;
-            if (MARCH) {
-                let direction = mirror_direction(normalize(s.position - frame.eye), s);
-                let m = march(s, direction);
-                why = m.cause;
-                if (why == CAUSE_HIT) {
-                    let met = load_surface(m.pixel);
-                    color = textureLoad(radiance, m.pixel, 0).xyz + shade(met, -direction).specular;
-                    found = vec4u(bitcast<u32>(m.distance_m), textureLoad(ids, m.pixel, 0).xy, 0u);
-                } else if (why == CAUSE_NONE) {
-                    color = environment(direction);
+    var s = min(START_PX / length_px, r.end); // up to here the ray is free
+    var pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), vec2i(0), vec2i(frame.size) - 1);
+    var level = 0u;
+    var steps = 0u;
+    var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
+    var last: Candidate;
+    for (var candidate = 0u; candidate < MAX_CANDIDATES; candidate++) {
+        var c = Candidate(vec2u(0u), -1.0, 0.0);
+        m.cause = CAUSE_STEPS;
+        // Nothing in it but the walk: rays that stop at different steps decide together.
+        while (steps < params.steps) {
+            if (s >= r.end || any(pixel < vec2i(0)) || any(pixel >= vec2i(frame.size))) {
+                m.cause = select(CAUSE_NONE, CAUSE_OFF_SCREEN, r.leaves);
+                break;
+            }
+            steps++;
+            let cell = pixel >> vec2u(level);
+            let first = cell << vec2u(level);
+            let next = (cell + 1) << vec2u(level);
+            let edges = vec2f(select(first, next, positive));
+            let exits = select(vec2f(2.0), (edges - r.start.xy) * inverse, steep);
+            let exit = clamp(min(exits.x, exits.y), s, r.end);
+            let z_in = r.start.z + r.delta.z * s;
+            let z_out = r.start.z + r.delta.z * exit;
+            let stored = nearest_in(vec2u(cell), level);
+            var is_free = min(z_in, z_out) > stored;
+            if (!is_free && level == 0u) {
+                let depth_m = frame.near_m / stored;
+                let rise = rise_0 + rise_x * f32(pixel.x) + rise_y * f32(pixel.y);
+                is_free = eye_height + depth_m * rise <= depth_m * 2e-4;
+                if (!is_free) {
+                    c = Candidate(vec2u(pixel), s, exit);
+                    break;
                 }
             }
-        } else if (s.reflection != REFLECTION_NONE) {
-            why = CAUSE_ROUGH;
+            if (is_free) {
+                // Only the pixel across the border is exact; along it, rounding must not skip any.
+                let across_x = exits.x <= exits.y;
+                let along = clamp(vec2i(floor(r.start.xy + r.delta.xy * exit)), first, next - 1);
+                let beyond = select(first - 1, next, positive);
+                pixel = select(vec2i(along.x, beyond.y), vec2i(beyond.x, along.y), across_x);
+                s = exit;
+                level = min(level + 1u, PYRAMID_LEVELS);
+                continue;
+            }
+            if (z_in > stored) {
+                // It recedes, and is free up to where it gets as deep as the cell's nearest.
+                s = clamp((stored - r.start.z) / r.delta.z, s, exit);
+                pixel = clamp(vec2i(floor(r.start.xy + r.delta.xy * s)), first, next - 1);
+            }
+            level--;
         }
+        if (c.low < 0.0) { break; }
+        last = c;
+        if (VERIFY) {
+            m = decide_by_surface(r, c, origin, direction);
+        } else {
+            m = decide_by_threshold(r, c, origin, direction);
+        }
+        if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
+        // Past this pixel; the ray was in front of its surface all along.
+        let edges = vec2f(select(pixel, pixel + 1, positive));
+        let exits = select(vec2f(2.0), (edges - r.start.xy) * inverse, steep);
+        let across_x = exits.x <= exits.y;
+        let beyond = select(pixel - 1, pixel + 1, positive);
+        pixel = select(vec2i(pixel.x, beyond.y), vec2i(beyond.x, pixel.y), across_x);
+        s = c.high;
+        m.cause = CAUSE_STEPS;
     }
-    textureStore(reflection, id.xy, vec4f(min(color, vec3f(65000.0)), 1.0));
-    textureStore(cause, id.xy, vec4u(why, 0u, 0u, 0u));
-    textureStore(hit, id.xy, found);
+    if (COUNT) { march_steps = steps; }
+    if (VERIFY && m.cause == CAUSE_HIT && is_cut_away(m)) { m.cause = CAUSE_UNCONFIRMED; }
+    if (!REFUSE && is_refusal(m.cause)) {
+        m.cause = CAUSE_HIT;
+        m.distance_m = dot(load_surface(last.pixel).position - origin, direction);
+    }
+    if (m.cause == CAUSE_HIT) { return m; }
+    m.distance_m = 0.0;
+    if (m.cause == CAUSE_OFF_SCREEN || m.cause == CAUSE_STEPS) { m.distance_m = distance_at(r, s) * 0.999; }
+    return m;
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    reflect_pixel(id);
+var<workgroup> group_causes: array<atomic<u32>, CAUSES>;
+var<workgroup> group_hits: atomic<u32>;
+var<workgroup> group_rays: atomic<u32>;
+var<workgroup> first_hit: u32;
+var<workgroup> first_ray: u32;
+
+// Marches a pixel and writes what is known of its reflection.
+fn reflect_pixel(pixel: vec2u) -> u32 {
+    let s = load_surface(pixel);
+    let direction = mirror_direction(normalize(s.position - frame.eye), s);
+    let m = march(s, direction);
+    let is_hit = m.cause == CAUSE_HIT;
+    var found = vec4u(0u, NONE, NONE, 0u);
+    if (is_hit) { found = vec4u(bitcast<u32>(m.distance_m), m.id, pack2x16unorm(m.bary)); }
+    textureStore(hit, pixel, found);
+    textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
+    if (m.cause == CAUSE_NONE) {
+        textureStore(reflection, pixel, vec4f(min(environment(direction), vec3f(65000.0)), 1.0));
+    } else if (!TRACE && !is_hit) {
+        textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
+    }
+    return m.cause;
 }
 
-@compute @workgroup_size(8, 8)
-fn counted(@builtin(global_invocation_id) id: vec3u) {
-    reflect_pixel(id);
-    textureStore(counts, id.xy, vec4u(march_steps, traversals, visited_nodes, tested_triangles));
+fn reflect_listed(index: u32, lane: u32) -> vec2u {
+    let is_listed = index < atomicLoad(&counters[REFLECTOR_COUNTER]);
+    var pixel = vec2u(NONE);
+    var place = 0u;
+    var is_hit = false;
+    var is_ray = false;
+    if (is_listed) {
+        pixel = unpack_pixel(lists[reflector_slot(index)]);
+        let why = reflect_pixel(pixel);
+        is_hit = why == CAUSE_HIT;
+        is_ray = TRACE && is_traced(why);
+        atomicAdd(&group_causes[why], 1u);
+        if (is_hit) { place = atomicAdd(&group_hits, 1u); }
+        if (is_ray) { place = atomicAdd(&group_rays, 1u); }
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        first_hit = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&group_hits));
+        first_ray = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays));
+    }
+    if (lane < CAUSES) {
+        let n = atomicLoad(&group_causes[lane]);
+        if (n > 0u) { atomicAdd(&counters[lane], n); }
+    }
+    workgroupBarrier();
+    if (is_hit) { lists[hit_slot(first_hit + place)] = pack_pixel(pixel); }
+    if (is_ray) { lists[ray_slot(first_ray + place)] = pack_pixel(pixel); }
+    return pixel;
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    _ = reflect_listed((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = reflect_listed((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
+    if (pixel.x != NONE) { textureStore(counts, pixel, vec4u(march_steps, 0u, 0u, march_triangles)); }
 }

@@ -1,14 +1,23 @@
-// Surface: resolves the G-buffer from the ids of the visibility pass.
+// Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective pixels,
+// tile by tile so that neighbors stay together.
 
-#import frame
+#import cause
+#import lists
 #import pack
+#import shade
 #import surface
+
+override HAS_REFLECTIONS: bool = true;
+override MARCH: bool = true; // false: method rt, reflective pixels are listed as rays
 
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(1) var view_depth: texture_storage_2d<r32float, write>;
 @group(2) @binding(2) var surface: texture_storage_2d<rgba32uint, write>;
-@group(2) @binding(3) var base_color: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(4) var emission: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var colors: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(4) var cause: texture_storage_2d<r32uint, write>;
+
+var<workgroup> tile_counts: array<atomic<u32>, 3>; // not reflective, rough, reflective
+var<workgroup> tile_start: u32;
 
 fn pack_surface(s: Surface) -> vec4u {
     return vec4u(
@@ -37,18 +46,26 @@ fn plane_hit(direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
     return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
 }
 
-@compute @workgroup_size(8, 8)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= vec2u(frame.size))) { return; }
-    let hit = textureLoad(ids, id.xy, 0).xy;
+fn pack_colors(s: Surface) -> vec4u {
+    let emission = min(s.emission, vec3f(65000.0));
+    return vec4u(
+        pack2x16float(s.base_color.xy),
+        pack2x16float(vec2f(s.base_color.z, s.occlusion)),
+        pack2x16float(emission.xy),
+        pack2x16float(vec2f(emission.z, 0.0)),
+    );
+}
+
+// Resolves a pixel and says what it reflects.
+fn resolve(pixel: vec2u) -> u32 {
+    let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
-        textureStore(view_depth, id.xy, vec4f(FAR_M, 0.0, 0.0, 0.0));
-        textureStore(surface, id.xy, vec4u(0u));
-        textureStore(base_color, id.xy, vec4f(0.0));
-        textureStore(emission, id.xy, vec4f(0.0));
-        return;
+        textureStore(view_depth, pixel, vec4f(FAR_M, 0.0, 0.0, 0.0));
+        textureStore(surface, pixel, vec4u(0u));
+        textureStore(colors, pixel, vec4u(0u));
+        return CAUSE_NOT_REFLECTIVE;
     }
-    let ray = pixel_ray(vec2f(id.xy) + 0.5);
+    let ray = pixel_ray(vec2f(pixel) + 0.5);
     let plane = plane_hit(ray, hit.x, hit.y);
     // A pixel center may lie just outside the triangle that covers it.
     var bary = clamp(plane.bary, vec2f(0.0), vec2f(1.0));
@@ -58,8 +75,40 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     // a triangle seen edge-on is too far off for that.
     let on_plane = distance(bary, plane.bary) < 0.1;
     let depth_m = select(dot(s.position - frame.eye, frame.forward), plane.t, on_plane);
-    textureStore(view_depth, id.xy, vec4f(depth_m, 0.0, 0.0, 0.0));
-    textureStore(surface, id.xy, pack_surface(s));
-    textureStore(base_color, id.xy, vec4f(s.base_color, s.occlusion));
-    textureStore(emission, id.xy, vec4f(min(s.emission, vec3f(65000.0)), 0.0));
+    textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
+    textureStore(surface, pixel, pack_surface(s));
+    textureStore(colors, pixel, pack_colors(s));
+    // As the packed surface will be read again.
+    var packed = s;
+    packed.roughness = unpack2x16float(pack2x16float(vec2f(s.roughness, 0.0))).x;
+    if (is_reflector(packed)) { return CAUSE_UNMARCHED; }
+    return select(CAUSE_NOT_REFLECTIVE, CAUSE_ROUGH, s.reflection != REFLECTION_NONE);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let inside = all(id.xy < vec2u(frame.size));
+    var why = CAUSE_NOT_REFLECTIVE;
+    if (inside) { why = resolve(id.xy); }
+    if (!HAS_REFLECTIONS) { return; }
+    var place = 0u;
+    if (inside) {
+        textureStore(cause, id.xy, vec4u(why, 0u, 0u, 0u));
+        let kind = u32(why == CAUSE_ROUGH) + 2u * u32(why == CAUSE_UNMARCHED);
+        place = atomicAdd(&tile_counts[kind], 1u);
+    }
+    workgroupBarrier();
+    if (lane == 0u) {
+        let reflective = atomicLoad(&tile_counts[2]);
+        atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[0]));
+        atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[1]));
+        if (MARCH) {
+            tile_start = reflector_slot(atomicAdd(&counters[REFLECTOR_COUNTER], reflective));
+        } else {
+            atomicAdd(&counters[CAUSE_UNMARCHED], reflective);
+            tile_start = ray_slot(atomicAdd(&counters[RAY_COUNTER], reflective));
+        }
+    }
+    workgroupBarrier();
+    if (inside && why == CAUSE_UNMARCHED) { lists[tile_start + place] = pack_pixel(id.xy); }
 }

@@ -1,13 +1,14 @@
 // Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
 
+#import cause
 #import gbuffer
+#import lists
 
-@group(2) @binding(4) var<storage, read> rays: array<u32>;
-@group(2) @binding(5) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
-@group(2) @binding(6) var reflection: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(7) var hit: texture_storage_2d<rgba32uint, write>;
+@group(2) @binding(3) var cause: texture_2d<u32>;
+@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
 
-@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 // false: the same rays are followed and their hits written, but nothing is shaded; it tells what
 // traversal takes of the time.
@@ -21,7 +22,7 @@ fn is_listed(ray: u32) -> bool {
 }
 
 fn pixel_of(ray: u32) -> vec2u {
-    return vec2u(rays[ray] & 0xffffu, rays[ray] >> 16u);
+    return unpack_pixel(lists[ray_slot(ray)]);
 }
 
 fn trace_pixel(pixel: vec2u) {
@@ -34,8 +35,10 @@ fn trace_pixel(pixel: vec2u) {
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
+    var start_m = free_m(textureLoad(cause, pixel, 0).x); // the march has looked up to here
     for (var bounce = 0u; bounce < frame.bounces; bounce++) {
-        let h = trace_nearest(origin, direction, 0.0, frame.ray_length_m);
+        let h = trace_nearest(origin, direction, start_m, frame.ray_length_m);
+        start_m = 0.0;
         if (h.instance == NONE) {
             color += throughput * environment(direction);
             break;

@@ -16,7 +16,7 @@
 //! |---|---|
 //! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
-//! | [`render`] | [`render::frame`] is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
+//! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
 //! | [`scene`] | what people can write, its defaults and its manual; [`scene::stages`] from text to a scene at a frame: [`scene::parse`] runs no program, [`scene::script`] is the sandbox, [`scene::motion`] what tracks move; no assets |
@@ -32,19 +32,25 @@
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
 //!    with `shadow = "ray"` need none.
 //! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else.
-//! 3. **Surface** resolves the G-buffer from the ids in compute. The function that turns (instance,
-//!    triangle, barycentrics, footprint) into a surface is `surface_at` in
-//!    `shaders/lib/surface.wgsl`; traced hits use the same one.
-//! 4. **Light** keeps view-independent radiance, which screen space may show from another
-//!    direction, apart from the specular of this view, which it may not.
-//! 5. **SSR** marches and names a cause for every reflective pixel ([`render::cause::Cause`]).
-//! 6. **Compact** counts the causes and lists what must be traced; **arguments** sizes the dispatch.
-//! 7. **Trace** follows the listed rays through the static tree and the top level over instances,
+//! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The
+//!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`
+//!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
+//! 4. **Light** shades what the camera sees: view-independent radiance apart from the specular of this
+//!    view.
+//! 5. **Pyramid** keeps the nearest depth of ever larger cells.
+//! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
+//!    they meet ([`render::cause::Cause`]): `decide_by_surface` in `shaders/ssr.wgsl` accepts a triangle
+//!    or plane that the ray is shown to meet, `decide_by_threshold` what the paper accepts. Hits are
+//!    listed, and so is what must be traced, with the distance proven free where the ray left the
+//!    picture. **Arguments** sizes the dispatches over lists.
+//! 7. **Hits** shades the accepted hits at the point that the ray meets, with its own footprint.
+//! 8. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce.
-//! 8. **Blur** (if asked for), **compose** (only the mirror term is replaced), **tone**.
+//! 9. **Blur** (if asked for), **compose** (only the mirror term is replaced), **tone**.
 //!
-//! Method `rt` is `hybrid` with a full mask; `ssr` is `hybrid` without the tracing. A frame depends
-//! on nothing but its scene, its settings and its camera, so any of them can be rendered alone.
+//! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
+//! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
+//! settings and its camera, so any of them can be rendered alone.
 //!
 //! # A reload
 //!

@@ -10,6 +10,13 @@ override HAS_NORMAL_MAPS: bool = true;
 override HAS_TEXTURES: bool = true;
 override HAS_CHECKERS: bool = true;
 
+// Of `Material.textures`.
+const BASE_COLOR_SLOT = 0u;
+const METALLIC_ROUGHNESS_SLOT = 1u;
+const NORMAL_SLOT = 2u;
+const OCCLUSION_SLOT = 3u;
+const EMISSION_SLOT = 4u;
+
 struct Surface {
     position: vec3f,
     geometric_normal: vec3f, // towards the viewer
@@ -73,11 +80,11 @@ fn slot_uv(slot: TextureUse, instance: u32, index: array<u32, 3>, bary: vec2f, a
 }
 
 fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint_m: f32, area2: f32) -> f32 {
-    let slot = materials[material].textures[0];
+    let slot = materials[material].textures[BASE_COLOR_SLOT];
     var alpha = materials[material].base_color.w;
     if (HAS_TEXTURES && slot.layer != NONE) {
         let at = slot_uv(slot, instance, index, bary, area2, footprint_m);
-        alpha *= sample_slot(slot, at.uv, at.footprint).w;
+        alpha *= sample_slot(slot, at.uv, at.footprint, pools_of(BASE_COLOR_SLOT)).w;
     }
     if ((instances[instance].flags & FLAG_COLORS) != 0u) {
         alpha *= vertex_color(instance, index, bary).w;
@@ -163,26 +170,18 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         s.base_color *= mix(materials[m].checker_a, materials[m].checker_b, odd);
     }
     if (HAS_TEXTURES) {
-        for (var k = 0u; k < 5u; k++) {
-            let slot = materials[m].textures[k];
-            if (slot.layer == NONE) { continue; }
-            let at = slot_uv(slot, instance, c.index, bary, area2, footprint);
-            let texel = sample_slot(slot, at.uv, at.footprint);
-            switch k {
-                case 0u: { s.base_color *= texel.xyz; }
-                case 1u: {
-                    s.roughness *= texel.y;
-                    s.metallic *= texel.z;
-                }
-                case 2u: {
-                    if (HAS_NORMAL_MAPS) {
-                        n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale);
-                    }
-                }
-                case 3u: { s.occlusion = 1.0 + materials[m].occlusion_strength * (texel.x - 1.0); }
-                default: { s.emission *= texel.xyz; }
-            }
+        let t = materials[m].textures;
+        s.base_color *= texel_at(t[BASE_COLOR_SLOT], pools_of(BASE_COLOR_SLOT), instance, c.index, bary, area2, footprint).xyz;
+        let metallic_roughness = texel_at(t[METALLIC_ROUGHNESS_SLOT], pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, area2, footprint);
+        s.roughness *= metallic_roughness.y;
+        s.metallic *= metallic_roughness.z;
+        if (HAS_NORMAL_MAPS && t[NORMAL_SLOT].layer != NONE) {
+            let texel = texel_at(t[NORMAL_SLOT], pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
+            n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale);
         }
+        let occlusion = texel_at(t[OCCLUSION_SLOT], pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
+        s.occlusion = 1.0 + materials[m].occlusion_strength * (occlusion - 1.0);
+        s.emission *= texel_at(t[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
     }
     if (behind) {
         n = -n;
@@ -194,6 +193,13 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     s.normal = n;
     s.geometric_normal = ng;
     return s;
+}
+
+// What a material's texture holds at a point; 1 where it has none. `pools` is a constant.
+fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, bary: vec2f, area2: f32, footprint: f32) -> vec4f {
+    if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
+    let at = slot_uv(used, instance, index, bary, area2, footprint);
+    return sample_slot(used, at.uv, at.footprint, pools);
 }
 
 // Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3).

@@ -2,7 +2,9 @@
 
 #import scene
 
-override POOLS: u32 = 63u; // bit 2k: pool k is used linear, bit 2k + 1: as sRGB
+// Six bits for each slot of a material, in their order: bit 2k: it samples pool k linear, bit 2k + 1: as
+// sRGB. Some drivers sample every texture that a branch might, so that each that can be left out counts.
+override SLOT_POOLS: u32 = 0x3fffffffu;
 override WRAPS: u32 = 15u; // bit per sampler: rr, rc, cr, cc
 
 fn fold_mirror(x: f32) -> f32 {
@@ -32,8 +34,14 @@ fn pool_px(bits: u32) -> f32 {
     return f32(SMALLEST_POOL_PX << (bits & TEXTURE_POOL_MASK));
 }
 
-// `uv` are already transformed; `footprint` is the width of the ray cone in uv units.
-fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32) -> vec4f {
+// The pools that a slot samples.
+fn pools_of(slot: u32) -> u32 {
+    return (SLOT_POOLS >> (6u * slot)) & 63u;
+}
+
+// `uv` are already transformed; `footprint` is the width of the ray cone in uv units; `pools` are those
+// that this slot may be in.
+fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32, pools: u32) -> vec4f {
     var uv = uv_in;
     let wrap_u = (slot.bits >> TEXTURE_WRAP_U_SHIFT) & 3u;
     let wrap_v = (slot.bits >> TEXTURE_WRAP_V_SHIFT) & 3u;
@@ -46,11 +54,11 @@ fn sample_slot(slot: TextureUse, uv_in: vec2f, footprint: f32) -> vec4f {
         lod = 0.0;
     }
     let pool = slot.bits & (TEXTURE_POOL_MASK | TEXTURE_SRGB);
-    if ((POOLS & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
-    if ((POOLS & 2u) != 0u && pool == 4u) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
-    if ((POOLS & 4u) != 0u && pool == 1u) { return sample_wrapped(pool_1, uv, slot.layer, lod, clamps); }
-    if ((POOLS & 8u) != 0u && pool == 5u) { return sample_wrapped(pool_1_srgb, uv, slot.layer, lod, clamps); }
-    if ((POOLS & 16u) != 0u && pool == 2u) { return sample_wrapped(pool_2, uv, slot.layer, lod, clamps); }
-    if ((POOLS & 32u) != 0u && pool == 6u) { return sample_wrapped(pool_2_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 1u) != 0u && pool == 0u) { return sample_wrapped(pool_0, uv, slot.layer, lod, clamps); }
+    if ((pools & 2u) != 0u && pool == 4u) { return sample_wrapped(pool_0_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 4u) != 0u && pool == 1u) { return sample_wrapped(pool_1, uv, slot.layer, lod, clamps); }
+    if ((pools & 8u) != 0u && pool == 5u) { return sample_wrapped(pool_1_srgb, uv, slot.layer, lod, clamps); }
+    if ((pools & 16u) != 0u && pool == 2u) { return sample_wrapped(pool_2, uv, slot.layer, lod, clamps); }
+    if ((pools & 32u) != 0u && pool == 6u) { return sample_wrapped(pool_2_srgb, uv, slot.layer, lod, clamps); }
     return vec4f(1.0);
 }

@@ -1,8 +1,8 @@
 //! What a bench turns: the settings that trade time for accuracy, and the variants they make.
 
 use crate::scene::{
-    desc::{Method, ReflectionDesc},
-    range::{BOUNCES, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
+    desc::{Accept, Method, ReflectionDesc},
+    range::{BOUNCES, EDGE_PX, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, range},
 };
 
 /// Most steps that a scene may ask for.
@@ -11,8 +11,10 @@ pub const MAX_STEPS: u32 = STEPS.max as u32;
 /// A setting that trades time for accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
-    /// `reflection.threshold_u`.
+    /// `reflection.threshold_u`, with `accept = "threshold"`.
     ThresholdU,
+    /// `reflection.edge_px`, with `accept = "verified"`.
+    EdgePx,
     /// `reflection.steps`.
     Steps,
     /// `reflection.ray_length_u`.
@@ -38,6 +40,11 @@ pub struct Variant {
     pub scale: f64,
 }
 
+/// What curves are made of: the methods, with `hybrid` apart where it accepts as the paper does.
+pub const SERIES: [&str; 4] = ["ssr", THRESHOLD_SERIES, "hybrid", "rt"];
+/// Of `hybrid` with `accept = "threshold"`.
+pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
+
 /// Name of a method in scenes and tables.
 pub const fn method_name(method: Method) -> &'static str {
     match method {
@@ -47,10 +54,19 @@ pub const fn method_name(method: Method) -> &'static str {
     }
 }
 
+/// Name of a rule of acceptance in scenes and tables.
+pub const fn accept_name(accept: Accept) -> &'static str {
+    match accept {
+        Accept::Verified => "verified",
+        Accept::Threshold => "threshold",
+    }
+}
+
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::ThresholdU,
+        Self::EdgePx,
         Self::Steps,
         Self::RayLengthU,
         Self::Bounces,
@@ -61,6 +77,7 @@ impl Parameter {
     pub const fn name(self) -> &'static str {
         match self {
             Self::ThresholdU => "threshold_u",
+            Self::EdgePx => "edge_px",
             Self::Steps => "steps",
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
@@ -75,12 +92,12 @@ impl Parameter {
             .find(|parameter| parameter.name() == name)
     }
 
-    /// The parameter that a method is turned by when none is chosen: the one that moves it most.
-    pub const fn own(method: Method) -> Self {
+    /// The parameters that a method is turned by when none is chosen: those that move it most.
+    pub const fn own(method: Method) -> &'static [Self] {
         match method {
-            Method::Ssr => Self::Steps,
-            Method::Rt => Self::Bounces,
-            Method::Hybrid => Self::ThresholdU,
+            Method::Ssr => &[Self::Steps],
+            Method::Rt => &[Self::Bounces],
+            Method::Hybrid => &[Self::ThresholdU, Self::EdgePx],
         }
     }
 
@@ -88,6 +105,7 @@ impl Parameter {
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
             Self::ThresholdU | Self::Steps => !matches!(method, Method::Rt),
+            Self::EdgePx => matches!(method, Method::Hybrid),
             // `ssr` alone follows one reflection and nothing beyond it.
             Self::Bounces => !matches!(method, Method::Ssr),
             Self::RayLengthU | Self::Scale => true,
@@ -98,6 +116,7 @@ impl Parameter {
     pub const fn default_values(self) -> [f64; 5] {
         match self {
             Self::ThresholdU => [0.001, 0.005, 0.025, 0.065, 0.2],
+            Self::EdgePx => [0.0, 0.125, 0.25, 0.5, 1.0],
             Self::Steps => [16.0, 32.0, 64.0, 128.0, 256.0],
             Self::RayLengthU => [1.0, 2.0, 4.0, 8.0, 16.0],
             Self::Bounces => [1.0, 2.0, 3.0, 4.0, 6.0],
@@ -129,6 +148,7 @@ impl Parameter {
     const fn range(self) -> Range {
         match self {
             Self::ThresholdU => THRESHOLD_U,
+            Self::EdgePx => EDGE_PX,
             Self::Steps => STEPS,
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
@@ -139,7 +159,14 @@ impl Parameter {
     /// Writes the value into the settings; the scale is no part of them.
     fn turn(self, value: f64, settings: &mut ReflectionDesc) {
         match self {
-            Self::ThresholdU => settings.threshold_u = value as f32,
+            Self::ThresholdU => {
+                settings.accept = Accept::Threshold;
+                settings.threshold_u = value as f32;
+            }
+            Self::EdgePx => {
+                settings.accept = Accept::Verified;
+                settings.edge_px = value as f32;
+            }
             Self::Steps => settings.steps = value as u32,
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = value as u32,
@@ -219,7 +246,11 @@ mod tests {
         };
         assert_eq!(
             turned(Parameter::ThresholdU)[0].reflection,
-            expect(|r| r.threshold_u = 8.0)
+            expect(|r| (r.accept, r.threshold_u) = (Accept::Threshold, 8.0))
+        );
+        assert_eq!(
+            turned(Parameter::EdgePx)[0].reflection,
+            expect(|r| r.edge_px = 8.0)
         );
         assert_eq!(
             turned(Parameter::Steps)[0].reflection,

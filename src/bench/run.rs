@@ -1,6 +1,6 @@
 //! Scenes × frames × methods × settings × sizes × repetitions → samples, appended to the table as they come.
 
-use std::{cell::RefCell, fmt, path::Path, time::Instant};
+use std::{cell::RefCell, path::Path, time::Instant};
 
 use super::{
     host::Host,
@@ -19,11 +19,13 @@ use crate::{
     world::World,
 };
 
+mod error;
 mod flicker;
 mod frame_series;
 mod interleave;
 mod work;
 
+pub use error::BenchError;
 pub use frame_series::{FrameSeries, Mover};
 pub use work::{Steps, Task, Work};
 
@@ -65,14 +67,13 @@ impl Subject {
         &self,
         gpu: &Gpu,
         library: &ShaderLibrary,
-        method: Method,
+        reflection: &ReflectionDesc,
         size: [u32; 2],
     ) -> Result<Renderer, RenderError> {
         let options = RenderOptions {
             reflection: ReflectionDesc {
-                method,
                 bounces: REFERENCE_BOUNCES,
-                ..self.reflection
+                ..*reflection
             },
             image: ImageDesc { size, ..self.image },
             general: false,
@@ -136,38 +137,6 @@ pub struct Outcome {
     pub interrupted: bool,
 }
 
-/// Why nothing more could be measured.
-#[derive(Clone, Debug)]
-pub enum BenchError {
-    /// The renderer or the GPU refused.
-    Render(RenderError),
-    /// A file cannot be read or written, or holds something else.
-    File(Box<Diagnostic>),
-    /// A frame cannot be posed.
-    Scene(Vec<Diagnostic>),
-}
-
-impl fmt::Display for BenchError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Render(error) => error.fmt(f),
-            Self::File(diagnostic) => f.write_str(&diagnostic.message),
-            Self::Scene(diagnostics) => {
-                let first = diagnostics.first().map(|d| d.message.as_str());
-                f.write_str(first.unwrap_or("a frame cannot be posed"))
-            }
-        }
-    }
-}
-
-impl std::error::Error for BenchError {}
-
-impl<E: Into<RenderError>> From<E> for BenchError {
-    fn from(error: E) -> Self {
-        Self::Render(error.into())
-    }
-}
-
 /// What every measurement of a run shares.
 pub struct Bench<'a> {
     /// The device.
@@ -201,9 +170,17 @@ impl Stock {
 #[derive(Debug)]
 struct Ready {
     method: Method,
+    verifies: bool,
     renderer: Renderer,
     /// Taking over moved instances, milliseconds on the CPU; none for a still scene.
     update_ms: Option<f64>,
+}
+
+impl Ready {
+    /// Whether it can be turned to these settings without being built again.
+    fn fits(&self, reflection: &ReflectionDesc) -> bool {
+        (self.method, self.verifies) == (reflection.method, reflection.verifies())
+    }
 }
 
 impl Turn {
@@ -224,8 +201,10 @@ impl Protocol {
             Turn::Nothing => vec![Variant::fixed(method, settings)],
             Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
             Turn::Own => {
-                let parameter = Parameter::own(method);
-                Variant::turned(method, settings, parameter, &parameter.default_values())
+                let own = Parameter::own(method).iter();
+                let turned =
+                    own.map(|p| Variant::turned(method, settings, *p, &p.default_values()));
+                turned.flatten().collect()
             }
         };
         self.methods.iter().flat_map(of).collect()
@@ -302,16 +281,16 @@ impl Bench<'_> {
     fn ready(
         &self,
         subject: &Subject,
-        method: Method,
+        reflection: &ReflectionDesc,
         size: [u32; 2],
     ) -> Result<Ready, BenchError> {
         let mut stock = self.stock.renderers.borrow_mut();
         let fits =
-            |(its_size, ready): &([u32; 2], Ready)| *its_size == size && ready.method == method;
+            |(its_size, ready): &([u32; 2], Ready)| *its_size == size && ready.fits(reflection);
         let kept = stock.iter().position(fits).map(|i| stock.swap_remove(i).1);
         let mut renderer = match kept {
             Some(ready) => ready.renderer,
-            None => subject.renderer(self.gpu, self.library, method, size)?,
+            None => subject.renderer(self.gpu, self.library, reflection, size)?,
         };
         let started = Instant::now();
         let mut update_ms = None;
@@ -320,7 +299,8 @@ impl Bench<'_> {
             update_ms = Some(started.elapsed().as_secs_f64() * 1e3);
         }
         Ok(Ready {
-            method,
+            method: reflection.method,
+            verifies: reflection.verifies(),
             renderer,
             update_ms,
         })

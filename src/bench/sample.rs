@@ -78,6 +78,10 @@ sample! {
     parameter: Option<String>,
     /// What it is turned to; none where the parameter does nothing for the method.
     value: Option<f64>,
+    /// What `hybrid` accepts: `verified` or `threshold`.
+    accept: String,
+    /// How far a verified hit may lie from the pixel that shows it.
+    edge_px: Option<f64>,
     /// T, in U.
     threshold_u: f32,
     /// Most steps of the march.
@@ -118,7 +122,7 @@ sample! {
     frame_ms: Option<f64>,
     /// Sum of the passes, milliseconds.
     passes_ms: Option<f64>,
-    /// The same of march, compaction, tracing and blur.
+    /// The same of march, hits, tracing and blur.
     reflection_ms: Option<f64>,
     /// The rays of the trace pass followed once more without shading, milliseconds; measured in a
     /// frame of its own right after this one, where it was asked for.
@@ -211,7 +215,9 @@ sample! {
 }
 
 /// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 5] = [
+const NEWER: [&str; 7] = [
+    "accept",
+    "edge_px",
     "content",
     "turn",
     "since_frame",
@@ -227,8 +233,9 @@ fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
 }
 
 /// Causes whose refusals can be judged: those for which there is a crossing.
-pub const REFUSALS: [Cause; 4] = [
+pub const REFUSALS: [Cause; 5] = [
     Cause::Hidden,
+    Cause::Unconfirmed,
     Cause::BackFace,
     Cause::Reflector,
     Cause::Steps,
@@ -277,6 +284,13 @@ impl Sample {
             Some((name.to_owned(), *value))
         };
         columns.filter_map(of).collect()
+    }
+
+    /// Sets a detail, if there is a column for it.
+    pub fn set_detail(&mut self, column: &str, value: f64) {
+        if let Some(index) = detail_columns().iter().position(|name| name == column) {
+            self.detail[index] = value;
+        }
     }
 
     /// The value of a column of [`detail_columns`]; 0 where there is no such column.

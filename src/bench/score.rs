@@ -234,7 +234,9 @@ fn codes() -> Vec<CauseCode> {
             Cause::Hit => Verdict::Accepted,
             Cause::None => Verdict::Empty,
             Cause::NotReflective | Cause::Rough | Cause::Unmarched => Verdict::NotAsked,
-            Cause::Hidden | Cause::BackFace | Cause::Reflector => Verdict::Rejected,
+            Cause::Hidden | Cause::Unconfirmed | Cause::BackFace | Cause::Reflector => {
+                Verdict::Rejected
+            }
             Cause::OffScreen | Cause::Steps => Verdict::Rejected,
         },
     };

@@ -2,6 +2,7 @@
 
 use super::{
     metric::{percentile, table},
+    parameter::THRESHOLD_SERIES,
     sample::Sample,
 };
 
@@ -240,6 +241,14 @@ impl Point {
     /// Such as `hybrid, threshold_u = 0.025`.
     pub fn label(&self) -> String {
         label(&self.sample)
+    }
+}
+
+/// Which curve a sample belongs to, of [`SERIES`](super::parameter::SERIES).
+pub fn series(sample: &Sample) -> &str {
+    match (sample.method.as_str(), sample.accept.as_str()) {
+        ("hybrid", "threshold") => THRESHOLD_SERIES,
+        (method, _) => method,
     }
 }
 

@@ -119,19 +119,18 @@ impl Aov {
         match self {
             Self::Depth => &[Target::ViewDepth],
             Self::Normal | Self::Material => &[Target::Surface, Target::ViewDepth],
-            Self::BaseColor => &[Target::BaseColor],
-            Self::Emission => &[Target::Emission],
+            Self::BaseColor | Self::Emission => &[Target::Colors],
             Self::Radiance => &[Target::Radiance],
             Self::Specular => &[Target::Specular],
-            Self::Reflection => &[Target::Reflection],
+            Self::Reflection => &[Target::Reflection, Target::Cause],
             Self::Reflectance => &[
                 Target::Surface,
                 Target::ViewDepth,
                 Target::Cause,
-                Target::BaseColor,
+                Target::Colors,
             ],
             Self::Source | Self::Cause => &[Target::Cause],
-            Self::HitDistance | Self::HitIds => &[Target::Hit],
+            Self::HitDistance | Self::HitIds => &[Target::Hit, Target::Cause],
             Self::Ids => &[Target::Ids],
         }
     }
@@ -166,21 +165,26 @@ impl Aov {
                 let far = depths.map(|d| if d < FAR_M { d } else { f32::INFINITY });
                 (&["Z"][..], PlaneData::F32(far.collect()))
             }
-            Self::BaseColor => rgb(Target::BaseColor),
-            Self::Emission => rgb(Target::Emission),
+            Self::BaseColor => (RGB, PlaneData::F32(packed_colors(values, 0))),
+            Self::Emission => (RGB, PlaneData::F32(packed_colors(values, 4))),
             Self::Radiance => rgb(Target::Radiance),
             Self::Specular => rgb(Target::Specular),
-            Self::Reflection => rgb(Target::Reflection),
+            Self::Reflection => {
+                let (channels, mut data) = rgb(Target::Reflection);
+                if let PlaneData::F32(data) = &mut data {
+                    let pixels = data.chunks_exact_mut(3).zip(causes(values));
+                    let blank = pixels.filter(|(_, cause)| !reflects(*cause));
+                    blank.for_each(|(pixel, _)| pixel.fill(0.0));
+                }
+                (channels, data)
+            }
             Self::Normal | Self::Material | Self::Reflectance => self.surface(values, camera),
-            Self::Cause => (&["cause"][..], PlaneData::U32(values.texels(Target::Cause))),
+            Self::Cause => (&["cause"][..], PlaneData::U32(causes(values))),
             Self::Source => {
                 let source =
                     |c: u32| Cause::from_number(c).map_or(0, |c| c.source(values.method) as u32);
-                let causes = values.texels::<u32>(Target::Cause).into_iter();
-                (
-                    &["source"][..],
-                    PlaneData::U32(causes.map(source).collect()),
-                )
+                let sources = causes(values).into_iter().map(source);
+                (&["source"][..], PlaneData::U32(sources.collect()))
             }
             Self::HitDistance => {
                 let distance = |h: [u32; 4]| {
@@ -250,13 +254,12 @@ fn reflectance(
     packed: &[[u32; 4]],
     depths: &[f32],
 ) -> Vec<f32> {
-    let causes: Vec<u32> = values.texels(Target::Cause);
-    let base: Vec<[u16; 4]> = values.texels(Target::BaseColor);
+    let causes = causes(values);
+    let base = packed_colors(values, 0);
     let size = values.size;
     let view = super::view::View::new(camera, size);
     let at = |i: usize| {
-        let reflects = Cause::from_number(causes[i]).is_some_and(Cause::reflects);
-        if !reflects || depths[i] >= FAR_M {
+        if !reflects(causes[i]) || depths[i] >= FAR_M {
             return 0.0;
         }
         let [x, y] = [i as u32 % size[0], i as u32 / size[0]].map(|v| v as f32 + 0.5);
@@ -264,7 +267,7 @@ fn reflectance(
         let ray = (view.forward + view.right * ndc.x - view.up * ndc.y).normalize();
         let cosine = -unpack_unit(packed[i][0]).dot(ray);
         let (metallic, reflectivity) = (half(packed[i][2] >> 16), half(packed[i][3]));
-        let f0 = Vec3::from_array([0, 1, 2].map(|c| half(u32::from(base[i][c]))));
+        let f0 = Vec3::from_slice(&base[3 * i..]);
         let f0 = Vec3::splat(reflectivity).lerp(f0, metallic);
         let f90 = (50.0 * f0.element_sum() / 3.0).clamp(0.0, 1.0);
         let fresnel = f0 + (Vec3::splat(f90) - f0) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5);
@@ -276,10 +279,30 @@ fn reflectance(
 /// What the mirror rays met; nothing where the frame has no reflections.
 fn hits(values: &TargetValues) -> Vec<[u32; 4]> {
     let mut hits: Vec<[u32; 4]> = values.texels(Target::Hit);
-    if !values.reflections {
-        hits.fill([0, NONE, NONE, 0]);
+    for (hit, cause) in hits.iter_mut().zip(causes(values)) {
+        if !values.reflections || !reflects(cause) {
+            *hit = [0, NONE, NONE, 0];
+        }
     }
     hits
+}
+
+fn causes(values: &TargetValues) -> Vec<u32> {
+    let texels = values.texels::<u32>(Target::Cause).into_iter();
+    texels.map(Cause::number_in).collect()
+}
+
+/// Whether only pixels of this cause have a reflection; elsewhere its targets hold what earlier
+/// frames left.
+fn reflects(cause: u32) -> bool {
+    Cause::from_number(cause).is_some_and(Cause::reflects)
+}
+
+/// Three of the 16-bit floats of `colors`, from this one on.
+fn packed_colors(values: &TargetValues, first: usize) -> Vec<f32> {
+    let texels = values.texels::<[u16; 8]>(Target::Colors).into_iter();
+    let channels = texels.flat_map(|t| [t[first], t[first + 1], t[first + 2]]);
+    channels.map(|h| half(u32::from(h))).collect()
 }
 
 /// The 16-bit float in the low half.

@@ -11,7 +11,7 @@ use super::{
     options::RenderOptions,
     pass::{Override, Pass},
     pass_builder::PassBuilder,
-    passes::{Passes, needed_passes, trace, written_targets},
+    passes::{Passes, needed_passes, written_targets},
     plan::Plan,
     probe::Probes,
     ray_list::RayList,
@@ -30,7 +30,7 @@ pub struct BindingKey {
     targets: Vec<Target>,
     shadows: ShadowSizes,
     shadow_rays: bool,
-    has_rays: bool,
+    has_lists: bool,
     color: Target,
     overrides: Vec<Override>,
 }
@@ -46,10 +46,10 @@ impl BindingKey {
         let own = passes.iter().flat_map(|pass| (pass.overrides)(options));
         Self {
             size: options.image.size,
-            targets: written_targets(passes, options),
+            targets: written_targets(passes, plan, options),
             shadows,
             shadow_rays: plan.shadow_rays,
-            has_rays: (trace::PASS.needed)(plan, options),
+            has_lists: plan.reflections,
             color: Target::last_color(options.image.samples),
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }
@@ -86,7 +86,7 @@ pub struct Bindings {
     pub maps: ShadowMaps,
     /// Intermediate textures.
     pub targets: Targets,
-    /// Pixels to trace.
+    /// The lists of the frame.
     pub ray_list: RayList,
     /// Groups 0 and 1.
     pub shared: SharedGroups,
@@ -117,9 +117,9 @@ impl Bindings {
             Some(old) => old.targets.clone(),
             None => Targets::new(gpu, key.size, &key.targets)?,
         };
-        let ray_list = match fits(|a, b| a.size == b.size && a.has_rays == b.has_rays) {
+        let ray_list = match fits(|a, b| a.size == b.size && a.has_lists == b.has_lists) {
             Some(old) => old.ray_list.clone(),
-            None => RayList::new(gpu, key.size, key.has_rays)?,
+            None => RayList::new(gpu, key.size, key.has_lists)?,
         };
         let BindingInputs {
             plan,

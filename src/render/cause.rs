@@ -12,9 +12,9 @@ use crate::scene::desc::Method;
 pub enum Cause {
     /// Nothing there, or nothing that reflects.
     NotReflective = 0,
-    /// Crossed a surface at most T behind the stored depth.
+    /// Met a surface that the picture shows, by the rule of `reflection.accept`.
     Hit = 1,
-    /// Crossed more than T behind it.
+    /// Went behind what the picture shows.
     Hidden = 2,
     /// Met a surface from behind.
     BackFace = 3,
@@ -30,6 +30,8 @@ pub enum Cause {
     Rough = 8,
     /// Method `rt`: was not marched.
     Unmarched = 9,
+    /// Crossed what a pixel shows, but neither a triangle nor a plane there confirms it.
+    Unconfirmed = 10,
 }
 
 /// Where a pixel's reflection came from.
@@ -52,7 +54,7 @@ pub enum Source {
 
 impl Cause {
     /// All causes; the index is the number.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::NotReflective,
         Self::Hit,
         Self::Hidden,
@@ -63,7 +65,14 @@ impl Cause {
         Self::None,
         Self::Rough,
         Self::Unmarched,
+        Self::Unconfirmed,
     ];
+
+    /// The cause of a texel of the `cause` target, whose upper bits hold what the march has proven
+    /// free.
+    pub const fn number_in(texel: u32) -> u32 {
+        texel & 0xFF
+    }
 
     /// The cause with this number.
     pub fn from_number(number: u32) -> Option<Self> {
@@ -83,6 +92,7 @@ impl Cause {
             Self::None => "none",
             Self::Rough => "rough",
             Self::Unmarched => "unmarched",
+            Self::Unconfirmed => "unconfirmed",
         }
     }
 
@@ -122,6 +132,7 @@ impl Cause {
             Self::None => [80, 200, 120],
             Self::Rough => [130, 130, 130],
             Self::Unmarched => [255, 150, 200],
+            Self::Unconfirmed => [170, 60, 40],
         }
     }
 }

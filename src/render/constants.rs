@@ -18,7 +18,10 @@ use super::{
         LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE,
         SHADOW_RAY,
     },
-    ray_list::{COUNTERS, EXHAUSTED_COUNTER, RAY_COUNTER, RAYS_PER_GROUP},
+    ray_list::{
+        COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP,
+        REFLECTOR_COUNTER,
+    },
     targets::FAR_M,
     textures::SMALLEST_POOL_PX,
     types::{
@@ -104,7 +107,10 @@ pub fn wgsl() -> String {
         COUNTERS,
         EXHAUSTED_COUNTER,
         RAY_COUNTER,
+        REFLECTOR_COUNTER,
+        HIT_COUNTER,
         RAYS_PER_GROUP,
+        PYRAMID_LEVELS,
         STATIC_ROOT,
         TOP_ROOT,
         TOP_LEVEL,

@@ -90,10 +90,11 @@ impl Renderer {
         }
         let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;
         let count = counters.get(RAY_COUNTER).copied().unwrap_or(0);
-        let mut rays: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.rays)?;
-        rays.truncate(count as usize);
+        let lists: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.lists)?;
+        let [width, height] = self.options.image.size;
+        let rays = lists.into_iter().skip((width * height) as usize);
         let place = |ray: u32| [ray & 0xFFFF, ray >> 16];
-        Ok(Some(rays.into_iter().map(place).collect()))
+        Ok(Some(rays.take(count as usize).map(place).collect()))
     }
 }
 

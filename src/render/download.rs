@@ -30,7 +30,7 @@ pub struct TargetValues {
     pub method: Method,
     /// Whether the frame had any.
     pub reflections: bool,
-    /// Of the compact pass, where they were asked for.
+    /// Of the frame, where they were asked for.
     pub counters: Option<Vec<u32>>,
     bytes: HashMap<Target, Vec<u8>>,
 }

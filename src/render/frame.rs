@@ -127,9 +127,11 @@ impl Renderer {
         passes.visibility.record(frame);
         passes.surface.record(frame);
         passes.light.record(frame);
+        passes.pyramid.record(frame);
+        passes.arguments.record(frame); // of the reflective pixels
         passes.ssr.record(frame);
-        passes.compact.record(frame);
-        passes.arguments.record(frame);
+        passes.arguments.record(frame); // of hits and rays
+        passes.hits.record(frame);
         passes.trace.record(frame);
         passes.blur.record(frame);
         passes.compose.record(frame);
@@ -156,8 +158,8 @@ impl Renderer {
                 .into_iter()
                 .map(|(n, b)| (format!("target_{n}"), b)),
         );
-        if self.bindings.passes.trace.is_some() {
-            bytes.push(("ray_list".to_owned(), self.bindings.ray_list.rays.size()));
+        if self.plan.reflections {
+            bytes.push(("lists".to_owned(), self.bindings.ray_list.lists.size()));
         }
         let (size, method) = (self.options.image.size, self.method());
         FrameStats {

@@ -10,6 +10,7 @@ pub const COUNTED: &str = "counted";
 use super::{
     options::RenderOptions,
     plan::Plan,
+    ray_list::{List, RayList},
     recorder::Recorder,
     shared_groups::{SharedGroups, is_used},
     targets::{Target, Targets},
@@ -34,8 +35,8 @@ pub struct Pass {
     pub params: Option<StructSpec>,
     /// Whether a frame with this plan and these options records it.
     pub needed: fn(&Plan, &RenderOptions) -> bool,
-    /// Whether one of the targets in `writes` is written with these options.
-    pub is_written: fn(&RenderOptions, Target) -> bool,
+    /// Whether one of the targets in `writes` is written with this plan and these options.
+    pub is_written: fn(&Plan, &RenderOptions, Target) -> bool,
     /// Values for overrides that only its shader declares.
     pub overrides: fn(&RenderOptions) -> Vec<Override>,
     /// Run-time checks of its shader.
@@ -53,7 +54,7 @@ impl Pass {
         writes: &[],
         params: None,
         needed: |_, _| true,
-        is_written: |_, _| true,
+        is_written: |_, _, _| true,
         overrides: |_| Vec::new(),
         checks: Checks::All,
         counted: false,
@@ -64,8 +65,10 @@ impl Pass {
 pub enum Dispatch<'a> {
     /// One invocation a pixel.
     PerPixel,
-    /// As many as the GPU wrote here.
-    Indirect(&'a wgpu::Buffer),
+    /// As many as the GPU wrote for a list.
+    Listed(&'a RayList, List),
+    /// A workgroup for each square tile with an edge of so many pixels.
+    Tiles(u32),
     /// One workgroup.
     Once,
 }
@@ -182,7 +185,13 @@ impl ComputePass {
                     size[1].div_ceil(self.tile[1]),
                     1,
                 ),
-                Dispatch::Indirect(arguments) => pass.dispatch_workgroups_indirect(arguments, 0),
+                Dispatch::Tiles(side) => {
+                    pass.dispatch_workgroups(size[0].div_ceil(*side), size[1].div_ceil(*side), 1);
+                }
+                Dispatch::Listed(lists, list) => {
+                    let offset = 16 * *list as u64;
+                    pass.dispatch_workgroups_indirect(&lists.arguments, offset);
+                }
                 Dispatch::Once => pass.dispatch_workgroups(1, 1, 1),
             }
         });

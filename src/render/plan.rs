@@ -42,8 +42,9 @@ pub struct Plan {
     pub shadow_rays: bool,
     /// Most reflections in a row.
     pub bounces: u32,
-    /// Texture pools in use, a bit for each linear and sRGB view.
-    pub pools: u32,
+    /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
+    /// view.
+    pub slot_pools: u32,
     /// Wrap mode pairs in use.
     pub wraps: u32,
     /// What was left out.
@@ -97,7 +98,7 @@ impl Plan {
             checkers: true,
             shadow_rays: true,
             bounces: settings.bounces,
-            pools: 63,
+            slot_pools: (1 << 30) - 1,
             wraps: 15,
             dropped: Vec::new(),
         }
@@ -109,7 +110,7 @@ impl Plan {
         used.sort_unstable();
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
-        let (pools, wraps) = samplers(world, &used, slots);
+        let (slot_pools, wraps) = samplers(world, &used, slots);
         let cutoff = settings.roughness_cutoff;
         let reflections = reflects(world, cutoff);
         let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
@@ -125,7 +126,7 @@ impl Plan {
             checkers: materials().any(|m| m.checker.is_some()),
             shadow_rays: has_shadow_rays(&world.lights),
             bounces: if single_bounce { 1 } else { settings.bounces },
-            pools,
+            slot_pools,
             wraps,
             dropped: Vec::new(),
         };
@@ -188,19 +189,20 @@ impl Plan {
             ("HAS_TEXTURES", flag(self.textures)),
             ("HAS_CHECKERS", flag(self.checkers)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
-            ("POOLS", f64::from(self.pools)),
+            ("SLOT_POOLS", f64::from(self.slot_pools)),
             ("WRAPS", f64::from(self.wraps)),
         ]
     }
 }
 
-/// Which pools and wrap pairs the used materials sample, as the shader's bit masks.
+/// Which pools each slot, and which wrap pairs the used materials sample, as the shader's bit masks.
 fn samplers(world: &World, used: &[usize], slots: &[PoolSlot]) -> (u32, u32) {
-    let (mut pools, mut wraps) = (0, 0);
+    let (mut slot_pools, mut wraps) = (0, 0);
     for &m in used {
-        for slot in world.materials[m].slots().into_iter().flatten() {
+        let slots_of = world.materials[m].slots().into_iter().enumerate();
+        for (index, slot) in slots_of.filter_map(|(i, slot)| Some((i, slot?))) {
             let srgb = u32::from(world.textures[slot.texture].srgb);
-            pools |= 1 << (2 * slots[slot.texture].pool + srgb);
+            slot_pools |= 1 << (6 * index as u32 + 2 * slots[slot.texture].pool + srgb);
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
             wraps |= match clamps {
                 [false, false] => 1,
@@ -210,7 +212,7 @@ fn samplers(world: &World, used: &[usize], slots: &[PoolSlot]) -> (u32, u32) {
             };
         }
     }
-    (pools, wraps)
+    (slot_pools, wraps)
 }
 
 /// Most (plane, vertex) pairs that are looked at before the answer is "perhaps".

@@ -1,42 +1,58 @@
-//! The list of the pixels whose reflection is traced, and the counters of the frame.
+//! The lists of a frame: reflective pixels, what is traced and what is shaded of them, the depth
+//! pyramid, and the counters.
 
 use crate::gpu::{Gpu, GpuError, Named};
 
 use super::cause::Cause;
 
-/// Counters of a frame: one for each cause, then rays that ended without an answer, then the number of
-/// listed rays.
+/// Counters of a frame: one for each cause, then those below.
 pub const COUNTERS: usize = 16;
-/// Index of the number of rays among the counters; those before it count causes.
+/// Index of the number of listed rays among the counters; those before all of these count causes.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
 /// Index of the number of rays that visited as many nodes as a ray may.
 pub const EXHAUSTED_COUNTER: usize = COUNTERS - 2;
-/// Rays that one workgroup of the trace pass follows.
+/// Index of the number of reflective pixels that are marched.
+pub const REFLECTOR_COUNTER: usize = COUNTERS - 3;
+/// Index of the number of screen hits.
+pub const HIT_COUNTER: usize = COUNTERS - 4;
+/// Entries of a list that one workgroup of the passes over lists does.
 pub const RAYS_PER_GROUP: u32 = 64;
+/// Levels of the depth pyramid over the picture itself: cells of 2 to 64 pixels.
+pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= EXHAUSTED_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= HIT_COUNTER);
 
-/// The ray list and what counts it.
+/// Which list a pass runs over; its place among the arguments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum List {
+    /// Reflective pixels.
+    Reflectors = 0,
+    /// Rays that are traced.
+    Rays = 1,
+    /// Screen hits that are shaded.
+    Hits = 2,
+}
+
+/// The lists and what counts them.
 #[derive(Clone, Debug)]
 pub struct RayList {
-    /// A pixel (x | y << 16) for each ray.
-    pub rays: wgpu::Buffer,
+    /// Pixels (x | y << 16): reflective ones, then rays with hits from the other end, then the
+    /// depth pyramid. Layout: `shaders/lib/lists.wgsl`.
+    pub lists: wgpu::Buffer,
     /// See [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,
-    /// Workgroups of the trace pass.
+    /// Workgroups of the passes over lists, four numbers each.
     pub arguments: wgpu::Buffer,
 }
 
 impl RayList {
-    /// Room for a ray from every pixel, or for none where no ray is traced.
+    /// Room for every pixel in every list, or for none where nothing reflects.
     ///
     /// # Errors
-    /// A picture whose list is past the adapter's buffer limit.
-    pub fn new(gpu: &Gpu, size: [u32; 2], traced: bool) -> Result<Self, GpuError> {
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let rays = if traced { pixels } else { 1 };
-        let bytes = (4 * rays).next_multiple_of(16);
-        gpu.check_buffer_size("the ray list of this picture size", bytes)?;
+    /// A picture whose lists are past the adapter's buffer limit.
+    pub fn new(gpu: &Gpu, size: [u32; 2], is_needed: bool) -> Result<Self, GpuError> {
+        let bytes = if is_needed { list_bytes(size) } else { 16 };
+        gpu.check_buffer_size("the lists of this picture size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |label, size, usage| {
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -46,23 +62,32 @@ impl RayList {
                 mapped_at_creation: false,
             })
         };
-        gpu.scoped("ray list", || Self {
-            rays: make("rays", bytes, storage | wgpu::BufferUsages::COPY_SRC),
+        gpu.scoped("lists", || Self {
+            lists: make("lists", bytes, storage | wgpu::BufferUsages::COPY_SRC),
             counters: make(
                 "counters",
                 4 * COUNTERS as u64,
                 storage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             ),
-            arguments: make("arguments", 16, storage | wgpu::BufferUsages::INDIRECT),
+            arguments: make("arguments", 48, storage | wgpu::BufferUsages::INDIRECT),
         })
     }
 
     /// Its buffers by their names in the shaders.
     pub fn named(&self) -> [Named<'_>; 3] {
         [
-            ("rays", self.rays.as_entire_binding()),
+            ("lists", self.lists.as_entire_binding()),
             ("counters", self.counters.as_entire_binding()),
             ("arguments", self.arguments.as_entire_binding()),
         ]
     }
+}
+
+/// Two words a pixel, and the pyramid of the picture padded to its largest cells.
+fn list_bytes(size: [u32; 2]) -> u64 {
+    let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let area = padded[0] * padded[1];
+    let pyramid = (area - (area >> (2 * PYRAMID_LEVELS))) / 3;
+    4 * (2 * pixels + pyramid)
 }

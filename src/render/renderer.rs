@@ -292,7 +292,7 @@ impl Renderer {
         Target::last_color(self.options.image.samples)
     }
 
-    /// Takes over the settings that need no rebuilding: threshold, steps, ray length, bounces. The
+    /// Takes over the settings that need no rebuilding: threshold, edge, steps, ray length, bounces. The
     /// others stay as the renderer was made; so does what its plan left out.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let single_bounce = self.plan.bounces < self.options.reflection.bounces;
@@ -301,6 +301,7 @@ impl Renderer {
             self.options.reflection.bounces = settings.bounces;
         }
         self.options.reflection.threshold_u = settings.threshold_u;
+        self.options.reflection.edge_px = settings.edge_px;
         self.options.reflection.steps = settings.steps;
         self.options.reflection.ray_length_u = settings.ray_length_u;
     }

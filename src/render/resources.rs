@@ -16,6 +16,6 @@ pub struct Resources<'a> {
     pub uniforms: &'a FrameUniforms,
     /// Intermediate textures.
     pub targets: &'a Targets,
-    /// Pixels to trace.
+    /// The lists of the frame.
     pub ray_list: &'a RayList,
 }

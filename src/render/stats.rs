@@ -34,7 +34,7 @@ pub struct Share {
 }
 
 impl Shares {
-    /// From the counters of the compact pass.
+    /// From the counters of the frame.
     pub fn new(counters: &[u32], size: [u32; 2], method: Method) -> Self {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let count = |cause: Cause| u64::from(counters.get(cause as usize).copied().unwrap_or(0));
@@ -109,7 +109,7 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// Takes over the counters of the compact pass.
+    /// Takes over the counters of the frame.
     pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);

@@ -15,10 +15,8 @@ pub enum Target {
     ViewDepth,
     /// Packed normals, roughness, metallic, reflectivity, reflection mode.
     Surface,
-    /// Linear base color; w: occlusion.
-    BaseColor,
-    /// Linear emitted radiance.
-    Emission,
+    /// Linear base color, occlusion and emitted radiance, as 16-bit floats.
+    Colors,
     /// View-independent radiance.
     Radiance,
     /// View-dependent radiance of lights and environment.
@@ -27,9 +25,9 @@ pub enum Target {
     Reflection,
     /// The reflection, blurred in one direction.
     Blurred,
-    /// Why; see [`super::cause::Cause`].
+    /// Why, in the low byte; see [`super::cause::Cause`]. Above: the distance proven free.
     Cause,
-    /// Distance (bits of an f32), instance and triangle that the mirror ray met.
+    /// Distance (bits of an f32), instance, triangle and barycentrics that the mirror ray met.
     Hit,
     /// Sum of the sub-frames, even ones.
     ColorEven,
@@ -46,13 +44,12 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 14] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
         Self::Surface,
-        Self::BaseColor,
-        Self::Emission,
+        Self::Colors,
         Self::Radiance,
         Self::Specular,
         Self::Reflection,
@@ -71,8 +68,7 @@ impl Target {
             Self::Ids => "ids",
             Self::ViewDepth => "view_depth",
             Self::Surface => "surface",
-            Self::BaseColor => "base_color",
-            Self::Emission => "emission",
+            Self::Colors => "colors",
             Self::Radiance => "radiance",
             Self::Specular => "specular",
             Self::Reflection => "reflection",
@@ -91,13 +87,8 @@ impl Target {
             Self::RasterDepth => F::Depth32Float,
             Self::Ids => F::Rg32Uint,
             Self::ViewDepth => F::R32Float,
-            Self::Surface | Self::Hit => F::Rgba32Uint,
-            Self::BaseColor
-            | Self::Emission
-            | Self::Radiance
-            | Self::Specular
-            | Self::Reflection
-            | Self::Blurred => F::Rgba16Float,
+            Self::Surface | Self::Colors | Self::Hit => F::Rgba32Uint,
+            Self::Radiance | Self::Specular | Self::Reflection | Self::Blurred => F::Rgba16Float,
             Self::Cause => F::R32Uint,
             Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
             Self::Display => F::Rgba8Unorm,

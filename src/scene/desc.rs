@@ -328,6 +328,16 @@ pub enum Method {
     Hybrid,
 }
 
+/// When a crossing on the screen counts as a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Accept {
+    /// `"verified"`: the ray meets a triangle that the picture shows there, or their common plane.
+    #[default]
+    Verified,
+    /// `"threshold"`: it is at most `threshold_u` behind the stored depth, as in the paper.
+    Threshold,
+}
+
 /// `[reflection]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionDesc {
@@ -335,7 +345,14 @@ pub struct ReflectionDesc {
     pub method: Method,
     /// Length of a reflection ray in U, above 0. More reaches further. Default 16.
     pub ray_length_u: f32,
-    /// The paper's T: how far behind the stored depth a crossing still counts as a hit, in U, 0 or
+    /// How method `hybrid` decides whether the picture shows what a mirror ray meets. Default
+    /// `"verified"`; method `ssr` always takes `"threshold"`.
+    pub accept: Accept,
+    /// With `accept = "verified"`: how far, in pixels, what a ray meets may lie from the pixel that
+    /// shows it where no triangle there is met, 0 to 4. More accepts more and errs more at edges.
+    /// Default 0.25.
+    pub edge_px: f32,
+    /// With `accept = "threshold"`, the paper's T: how far behind the stored depth a crossing still counts as a hit, in U, 0 or
     /// more. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
     /// Most reflections in a row, 1 to 16. Default 3.
@@ -357,6 +374,8 @@ impl Default for ReflectionDesc {
         Self {
             method: Method::Hybrid,
             ray_length_u: 16.0,
+            accept: Accept::Verified,
+            edge_px: 0.25,
             threshold_u: 0.025,
             bounces: 3,
             steps: 128,
@@ -365,6 +384,13 @@ impl Default for ReflectionDesc {
             fade: false,
             blur_px: 0.0,
         }
+    }
+}
+
+impl ReflectionDesc {
+    /// Whether the march accepts only what it can verify.
+    pub fn verifies(&self) -> bool {
+        self.accept == Accept::Verified && self.method == Method::Hybrid
     }
 }
 

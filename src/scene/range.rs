@@ -34,6 +34,8 @@ pub const UNIT: Range = range(0.0, 1.0);
 pub const RAY_LENGTH_U: Range = ABOVE_0;
 /// Of `reflection.threshold_u`.
 pub const THRESHOLD_U: Range = FROM_0;
+/// Of `reflection.edge_px`.
+pub const EDGE_PX: Range = range(0.0, 4.0);
 /// Of `reflection.bounces`.
 pub const BOUNCES: Range = range(1.0, 16.0);
 /// Of `reflection.steps`.

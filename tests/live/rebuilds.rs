@@ -225,9 +225,15 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
         let camera = session.live.world().cameras[0].value.clone();
         let stats = session.live.render(&camera).expect("renders");
         let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
-        (of("tree_nodes").map(|b| b.1), of("ray_list").map(|b| b.1))
+        (of("tree_nodes").map(|b| b.1), of("lists").map(|b| b.1))
     };
-    assert_eq!(held(&mut session), (Some(80), None), "a stand-in, no list");
+    // Two words a pixel, and a pyramid of 64 × 64 pixels.
+    let lists = Some(4 * (2 * 48 * 32 + 1024 + 256 + 64 + 16 + 4 + 1));
+    assert_eq!(
+        held(&mut session),
+        (Some(80), lists),
+        "a stand-in for trees"
+    );
 
     // Shading of movable instances uses records that exist without trees too.
     let moved = session.shown(
@@ -245,9 +251,9 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
     };
     assert!(switch(&mut session, "ssr", "hybrid"));
     let built = held(&mut session);
-    assert!(built.0 > Some(80) && built.1 == Some(4 * 48 * 32));
+    assert!(built.0 > Some(80) && built.1 == lists);
     assert!(!switch(&mut session, "hybrid", "ssr"));
-    assert_eq!(held(&mut session), (built.0, None));
+    assert_eq!(held(&mut session), (built.0, lists));
     assert!(!switch(&mut session, "ssr", "rt"), "they were kept");
 }
 

@@ -95,6 +95,7 @@ rotation_deg = [-90, 0, 0]
     let shown = |method: &str| {
         let set = [
             "image.size=[165, 85]",
+            "reflection.accept=threshold",
             "reflection.threshold_u=1",
             &format!("reflection.method={method}"),
         ];

@@ -29,7 +29,7 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
             })
     };
     let counters = buffer(bytemuck::bytes_of(&counters));
-    let out = buffer(&[0; 16]);
+    let out = buffer(&[0; 48]);
     let none = empty.bind(gpu, &[]).unwrap_or_else(|e| panic!("{e}"));
     let group = layout
         .bind(
@@ -53,7 +53,7 @@ fn arguments(gpu: &Gpu, rays: u32) -> [u32; 3] {
     }
     gpu.submit(encoder).unwrap_or_else(|e| panic!("{e}"));
     let words: Vec<u32> = readback::read_buffer(gpu, &out).unwrap_or_else(|e| panic!("{e}"));
-    [words[0], words[1], words[2]]
+    [words[4], words[5], words[6]] // after those of the reflective pixels
 }
 
 #[test]

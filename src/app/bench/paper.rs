@@ -19,7 +19,7 @@ use crate::{
         parameter::Parameter,
         run::{FrameSeries, Protocol, Subject, Turn},
     },
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::{Accept, Method, ReflectionDesc},
 };
 
 /// Size without `--sizes`: what a CPU draws in a second.
@@ -296,30 +296,33 @@ impl Stage {
 
 /// What is shown of every scene.
 fn shots(experiment: PaperExperiment, settings: &ReflectionDesc) -> Vec<Shot> {
-    let with = |method, threshold_u: f32| ReflectionDesc {
+    let with = |method| ReflectionDesc {
         method,
-        threshold_u,
         ..*settings
     };
-    let own = settings.threshold_u;
+    let threshold = |method, t: &f64| ReflectionDesc {
+        accept: Accept::Threshold,
+        threshold_u: *t as f32,
+        ..with(method)
+    };
     match experiment {
         PaperExperiment::Fig1 => {
-            let mut shots = vec![Shot::Picture(with(Method::Rt, own))];
+            let mut shots = vec![Shot::Picture(with(Method::Rt))];
             for method in [Method::Ssr, Method::Hybrid] {
-                let of = |t: &f64| Shot::Picture(with(method, *t as f32));
+                let of = |t: &f64| Shot::Picture(threshold(method, t));
                 shots.extend(THRESHOLDS.iter().map(of));
             }
-            let of = |t: &f64| Shot::Source(with(Method::Hybrid, *t as f32));
+            let of = |t: &f64| Shot::Source(threshold(Method::Hybrid, t));
             shots.extend(THRESHOLDS.iter().map(of));
             shots
         }
         _ => vec![
-            Shot::Picture(with(Method::Rt, own)),
-            Shot::Picture(with(Method::Hybrid, own)),
-            Shot::Picture(with(Method::Ssr, own)),
-            Shot::Source(with(Method::Hybrid, own)),
-            Shot::Difference(with(Method::Hybrid, own)),
-            Shot::Difference(with(Method::Ssr, own)),
+            Shot::Picture(with(Method::Rt)),
+            Shot::Picture(with(Method::Hybrid)),
+            Shot::Picture(with(Method::Ssr)),
+            Shot::Source(with(Method::Hybrid)),
+            Shot::Difference(with(Method::Hybrid)),
+            Shot::Difference(with(Method::Ssr)),
         ],
     }
 }

@@ -12,7 +12,7 @@ use crate::{
     },
     gpu::{Gpu, ShaderLibrary},
     render::{Picture, Renderer, aov::Aov},
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::{Accept, Method, ReflectionDesc},
 };
 
 /// A picture of a setting.
@@ -36,7 +36,7 @@ impl Shot {
     }
 }
 
-/// Renders the shots of a scene; those that share a method share a renderer.
+/// Renders the shots of a scene; those that share a method and a rule of acceptance share a renderer.
 ///
 /// # Errors
 /// What the renderer refuses.
@@ -49,9 +49,24 @@ pub fn gallery(
     let mut figures: Vec<Option<Figure>> = vec![None; shots.len()];
     let mut reference = None;
     // The reference comes first: differences need it.
-    for method in [Method::Rt, Method::Hybrid, Method::Ssr] {
-        let mut session = RenderSession::new(gpu, subject, size, method)?;
-        if method == Method::Rt {
+    let with = |method, accept| ReflectionDesc {
+        method,
+        accept,
+        ..subject.reflection
+    };
+    for built in [
+        with(Method::Rt, Accept::Verified),
+        with(Method::Hybrid, Accept::Verified),
+        with(Method::Hybrid, Accept::Threshold),
+        with(Method::Ssr, Accept::Threshold),
+    ] {
+        let key = |settings: &ReflectionDesc| (settings.method, settings.verifies());
+        let is_of = |shot: &Shot| key(&shot.settings()) == key(&built);
+        if built.method != Method::Rt && !shots.iter().any(is_of) {
+            continue;
+        }
+        let mut session = RenderSession::new(gpu, subject, size, &built)?;
+        if built.method == Method::Rt {
             let settings = ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
                 ..subject.reflection
@@ -59,7 +74,7 @@ pub fn gallery(
             reference = Some(session.view(&settings)?);
         }
         for (shot, figure) in shots.iter().zip(&mut figures) {
-            if shot.settings().method == method {
+            if is_of(shot) {
                 *figure = Some(session.figure(shot, reference.as_ref())?);
             }
         }
@@ -85,10 +100,10 @@ impl<'a> RenderSession<'a> {
         gpu: &'a Gpu,
         subject: &'a Subject,
         size: [u32; 2],
-        method: Method,
+        reflection: &ReflectionDesc,
     ) -> Result<Self, AppError> {
         let library = ShaderLibrary::embedded();
-        let renderer = subject.renderer(gpu, &library, method, size);
+        let renderer = subject.renderer(gpu, &library, reflection, size);
         Ok(Self {
             gpu,
             subject,
@@ -112,7 +127,10 @@ impl<'a> RenderSession<'a> {
         let settings = shot.settings();
         let method = method_name(settings.method);
         let label = match settings.method {
-            Method::Rt => method.to_owned(), // it has no T
+            Method::Rt => method.to_owned(), // it has neither
+            Method::Hybrid if settings.verifies() => {
+                format!("{method}, verified within {} px", settings.edge_px)
+            }
             _ => format!("{method}, T = {} U", settings.threshold_u),
         };
         let (caption, size, rgba) = match shot {

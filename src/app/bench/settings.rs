@@ -55,10 +55,12 @@ fn turned(protocol: &Protocol) -> Vec<Turned> {
     let mut methods: Vec<Turned> = Vec::new();
     for variant in protocol.variants(&ReflectionDesc::default()) {
         let method = method_name(variant.method);
-        if methods.last().is_none_or(|last| last.method != method) {
+        let parameter = variant.parameter.map(Parameter::name);
+        let is_other = |last: &Turned| (last.method, last.parameter) != (method, parameter);
+        if methods.last().is_none_or(is_other) {
             methods.push(Turned {
                 method,
-                parameter: variant.parameter.map(Parameter::name),
+                parameter,
                 values: Vec::new(),
             });
         }

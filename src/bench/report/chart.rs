@@ -1,5 +1,9 @@
 //! Milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
+use crate::bench::{
+    parameter::{SERIES, THRESHOLD_SERIES},
+    summary::series,
+};
 use plotters::{
     coord::{
         ranged1d::{AsRangedCoord, Ranged, ValueFormatter},
@@ -49,6 +53,7 @@ const SIZE: (u32, u32) = (860, 500);
 pub fn color(method: &str) -> RGBColor {
     match method {
         "ssr" => RGBColor(0, 114, 178),
+        THRESHOLD_SERIES => RGBColor(230, 159, 0),
         "hybrid" => RGBColor(213, 94, 0),
         _ => RGBColor(0, 158, 115),
     }
@@ -142,7 +147,7 @@ fn failures(group: &Group, time: Time) -> Vec<Failure> {
         };
         Some(Failure {
             ms: ms?,
-            method: sample.method.clone(),
+            method: series(sample).to_owned(),
             text: format!("{}: failed, {why}", label(sample)),
         })
     };
@@ -238,8 +243,8 @@ where
             RGBColor(150, 150, 150).stroke_width(6),
         );
         chart.draw_series(stairs).map_err(said)?;
-        for method in ["ssr", "hybrid", "rt"] {
-            let curve = dots.iter().filter(|d| d.point.sample.method == method);
+        for method in SERIES {
+            let curve = dots.iter().filter(|d| series(&d.point.sample) == method);
             let curve: Vec<(f64, f64)> = curve.map(|d| shown(&d.spot)).collect();
             let line = LineSeries::new(curve, color(method).stroke_width(2));
             chart.draw_series(line).map_err(said)?;
@@ -281,7 +286,7 @@ where
 fn x_title(group: &Group, time: Time) -> String {
     let timed = group.points.iter().all(|p| p.reflection_ms.is_some());
     match (time, timed) {
-        (Time::Reflection, _) => "milliseconds of march, compaction, trace and blur",
+        (Time::Reflection, _) => "milliseconds of march, hits, trace and blur",
         (Time::Frame, true) => "milliseconds a frame (passes that all share: one median)",
         (Time::Frame, false) => "milliseconds a frame (wall time)",
     }

@@ -1,6 +1,7 @@
 //! What the points of a group mean, in sentences: who wins, at equal time, at equal error, and
 //! from which share of rays on marching first stops paying.
 
+use crate::bench::summary::series;
 use std::collections::BTreeSet;
 
 use crate::bench::{
@@ -16,7 +17,7 @@ use verdict::{equal_error, equal_time, verdict};
 mod verdict;
 
 /// Passes that a march adds or that a full trace needs no more of.
-const MARCH: [&str; 2] = ["ssr", "compact"];
+const MARCH: [&str; 2] = ["pyramid", "ssr"];
 
 /// The spots of a group, with the points they belong to.
 pub fn spots(group: &Group, metric: Metric) -> (Vec<Spot>, Vec<&Point>) {
@@ -79,7 +80,7 @@ fn too_few(points: &[&Point]) -> String {
 
 fn of_method(points: &[&Point], method: &str) -> Vec<usize> {
     let indices = points.iter().enumerate();
-    let of = indices.filter(|(_, p)| p.sample.method == method);
+    let of = indices.filter(|(_, p)| series(&p.sample) == method);
     of.map(|(i, _)| i).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Quantities over a number as SVG: time and SSIM over the frames of an animation, a line per
 //! setting; errors over a parameter, a line per method.
 
+use crate::bench::{parameter::SERIES, summary::series};
 use std::fmt::Write as _;
 
 use plotters::{coord::CoordTranslate, prelude::*};
@@ -56,8 +57,6 @@ struct Plot {
 /// Pixels across a chart.
 const WIDTH: i32 = 860;
 
-const METHODS: [&str; 3] = ["ssr", "hybrid", "rt"];
-
 /// Draws a line chart; none where a group has nothing of the kind.
 ///
 /// # Errors
@@ -76,15 +75,15 @@ fn over_frames(group: &Group, chart: LineChart) -> Option<Plot> {
         _ => point.sample.ssim,
     };
     let mut lines: Vec<Line> = Vec::new();
-    for method in METHODS {
+    for method in SERIES {
         let has_one = group
             .points
             .iter()
-            .filter(|p| p.sample.method == method)
+            .filter(|p| series(&p.sample) == method)
             .count()
             < 2;
         let of = group.over_frames.iter();
-        for (frame, point) in of.filter(|(_, point)| point.sample.method == method) {
+        for (frame, point) in of.filter(|(_, point)| series(&point.sample) == method) {
             let Some(y) = value(point) else { continue };
             let name = if has_one {
                 method.to_owned()
@@ -135,7 +134,7 @@ fn over_parameter(group: &Group) -> Option<Plot> {
     let log_x = first > 0.0 && last > 8.0 * first;
     let x = |value: f64| if log_x { value.log10() } else { value };
     let line = |method: &'static str| {
-        let of = group.points.iter().filter(|p| p.sample.method == method);
+        let of = group.points.iter().filter(|p| series(&p.sample) == method);
         let dots = of.filter_map(|p| Some((p.sample.value, p.error(Metric::Flip, group.masked)?)));
         let ends = |(value, error): (Option<f64>, f64)| match value {
             Some(value) => vec![(x(value), error)],
@@ -147,7 +146,7 @@ fn over_parameter(group: &Group) -> Option<Plot> {
             dots: dots.flat_map(ends).collect(),
         }
     };
-    let lines: Vec<Line> = METHODS.map(line).into();
+    let lines: Vec<Line> = SERIES.map(line).into();
     let [_, high] = range(&lines)?;
     Some(Plot {
         lines,

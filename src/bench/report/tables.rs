@@ -1,5 +1,6 @@
 //! The tables of the page: all settings, their errors, shares and times, pass by pass.
 
+use crate::bench::summary::series;
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
@@ -18,14 +19,15 @@ use crate::{
 };
 
 /// Colors of passes in bars, the same in every report.
-const PASS_COLORS: [(&str, &str); 14] = [
+const PASS_COLORS: [(&str, &str); 15] = [
     ("update", "#9d7660"),
     ("shadow", "#4e79a7"),
     ("visibility", "#a0cbe8"),
     ("surface", "#59a14f"),
     ("light", "#8cd17d"),
     ("ssr", "#e15759"),
-    ("compact", "#b07aa1"),
+    ("pyramid", "#ff9da7"),
+    ("hits", "#b07aa1"),
     ("arguments", "#d4a6c8"),
     ("trace", "#f28e2b"),
     ("trace: traversal", "#f28e2b"),
@@ -268,7 +270,7 @@ pub fn breakdown(points: &[Point]) -> String {
     out += "</tr>\n";
     let longest = points.iter().map(|p| p.ms.median).fold(1e-9, f64::max);
     for (point, parts) in points.iter().zip(&rows) {
-        let RGBColor(r, g, b) = self::color(&point.sample.method);
+        let RGBColor(r, g, b) = self::color(series(&point.sample));
         let mebibytes = point.sample.bytes as f64 / f64::from(1 << 20);
         let _ = write!(
             out,

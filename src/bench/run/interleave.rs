@@ -5,7 +5,7 @@ use crate::{
         hash::Hash,
         log::Log,
         metric::{hits::CauseTally, table},
-        parameter::{Variant, method_name},
+        parameter::{Variant, accept_name, method_name},
         sample::{Sample, detail_columns},
         score::{Errors, Reference},
     },
@@ -13,7 +13,7 @@ use crate::{
         probe::{Counts, PassCounts},
         stats::FrameStats,
     },
-    scene::desc::{Method, ToneMap},
+    scene::desc::ToneMap,
 };
 
 use super::{
@@ -37,7 +37,7 @@ pub(super) struct Judged {
 }
 
 /// Passes that find reflections.
-const REFLECTION_PASSES: [&str; 5] = ["ssr", "compact", "arguments", "trace", "blur"];
+const REFLECTION_PASSES: [&str; 6] = ["pyramid", "arguments", "ssr", "hits", "trace", "blur"];
 
 /// The protocol's variants of a subject at every size, those of one scale together.
 pub(super) fn blocks<'a>(bench: &Bench, subject: &'a Subject) -> Vec<Block<'a>> {
@@ -101,7 +101,11 @@ impl Block<'_> {
             return Ok(());
         }
         watch.begin(&self.label("scene to the GPU"));
-        let mut rt = bench.ready(self.subject, Method::Rt, self.size)?;
+        let mut rt = bench.ready(
+            self.subject,
+            &bench.protocol.reference(&self.subject.reflection),
+            self.size,
+        )?;
         watch.begin(&self.label("reference"));
         let reference = bench.reference(self.subject, &mut rt.renderer)?;
         watch.did(Task::Reference, self.size);
@@ -112,7 +116,7 @@ impl Block<'_> {
             if watch.is_stopped() {
                 return Ok(());
             }
-            let ready = of_method(&mut renderers, variant.method);
+            let ready = renderer_for(&mut renderers, variant);
             prototypes.push(self.warm_up(bench, variant, ready, &reference, watch)?);
         }
         for repetition in 0..bench.protocol.frames {
@@ -129,7 +133,7 @@ impl Block<'_> {
                     return Ok(());
                 }
                 watch.begin(&self.label(&variant.label()));
-                let renderer = &mut of_method(&mut renderers, variant.method).renderer;
+                let renderer = &mut renderer_for(&mut renderers, variant).renderer;
                 renderer.set_reflection_parameters(&variant.reflection);
                 let world = &self.subject.world;
                 let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
@@ -190,7 +194,7 @@ impl Block<'_> {
         self.variants[0].rendered_size(self.size)
     }
 
-    /// One renderer per method; that of the reference serves where it has the right size.
+    /// One renderer for each method and rule of acceptance; that of the reference serves where it has the right size.
     fn renderers(&self, bench: &Bench, rt: Ready) -> Result<Vec<Ready>, BenchError> {
         let size = self.rendered();
         let mut renderers = Vec::new();
@@ -199,9 +203,12 @@ impl Block<'_> {
         } else {
             bench.put_back(self.subject, self.size, vec![rt]);
         }
-        for &method in &bench.protocol.methods {
-            if !renderers.iter().any(|ready| ready.method == method) {
-                renderers.push(bench.ready(self.subject, method, size)?);
+        for variant in &self.variants {
+            if !renderers
+                .iter()
+                .any(|ready| ready.fits(&variant.reflection))
+            {
+                renderers.push(bench.ready(self.subject, &variant.reflection, size)?);
             }
         }
         Ok(renderers)
@@ -257,6 +264,8 @@ impl Block<'_> {
                 .parameter
                 .map(|parameter| parameter.name().to_owned()),
             value: variant.value,
+            accept: accept_name(settings.accept).to_owned(),
+            edge_px: Some(settings.edge_px.into()),
             threshold_u: settings.threshold_u,
             steps: settings.steps,
             ray_length_u: settings.ray_length_u,
@@ -290,9 +299,11 @@ impl Block<'_> {
     }
 }
 
-fn of_method(renderers: &mut [Ready], method: Method) -> &mut Ready {
-    let found = renderers.iter_mut().find(|ready| ready.method == method);
-    found.expect("one renderer per method")
+fn renderer_for<'a>(renderers: &'a mut [Ready], variant: &Variant) -> &'a mut Ready {
+    let found = renderers
+        .iter_mut()
+        .find(|ready| ready.fits(&variant.reflection));
+    found.expect("one renderer for each method and rule")
 }
 
 fn fill_errors(sample: &mut Sample, judged: &Judged) {
@@ -321,13 +332,11 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
         sample.false_rejects = sum(|v| v.false_rejects);
         for verdict in verdicts {
             let name = verdict.name;
-            set(
-                sample,
+            sample.set_detail(
                 &format!("false_accept_{name}_px"),
                 verdict.false_accepts as f64,
             );
-            set(
-                sample,
+            sample.set_detail(
                 &format!("false_reject_{name}_px"),
                 verdict.false_rejects as f64,
             );
@@ -338,7 +347,7 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
 fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
     for pass in passes {
         for (what, count) in pass.counts.named() {
-            set(sample, &format!("{}_{what}", pass.pass), count as f64);
+            sample.set_detail(&format!("{}_{what}", pass.pass), count as f64);
         }
     }
     let all = passes.iter().map(|pass| pass.counts);
@@ -373,21 +382,10 @@ fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     sample.none_percent = percent("none");
     sample.rough_percent = percent("rough");
     for (name, ms) in &stats.passes_ms {
-        set(&mut sample, &format!("pass_{name}_ms"), *ms);
+        sample.set_detail(&format!("pass_{name}_ms"), *ms);
     }
     for share in &stats.shares.causes {
-        set(
-            &mut sample,
-            &format!("cause_{}_px", share.name),
-            share.pixels as f64,
-        );
+        sample.set_detail(&format!("cause_{}_px", share.name), share.pixels as f64);
     }
     sample
-}
-
-/// Sets a detail, if there is a column for it.
-fn set(sample: &mut Sample, column: &str, value: f64) {
-    if let Some(index) = detail_columns().iter().position(|name| name == column) {
-        sample.detail[index] = value;
-    }
 }

@@ -28,7 +28,7 @@ impl Timed {
         Self {
             turn: (sample.frame, sample.repetition),
             ms,
-            march_ms: sample.detail("pass_ssr_ms") + sample.detail("pass_compact_ms"),
+            march_ms: sample.detail("pass_ssr_ms") + sample.detail("pass_pyramid_ms"),
             trace_ms: sample.detail("pass_trace_ms"),
             rays: sample.rays as f64,
         }

@@ -1,4 +1,4 @@
-//! Arguments: sizes the dispatch that traces the listed pixels.
+//! Arguments: sizes the dispatches over lists.
 
 use crate::{
     gpu::GpuError,
@@ -10,13 +10,11 @@ use crate::{
     },
 };
 
-use super::trace;
-
 /// See `shaders/arguments.wgsl`.
 pub const PASS: Pass = Pass {
     name: "arguments",
-    color: [200, 230, 170],
-    needed: trace::PASS.needed,
+    color: [225, 235, 205],
+    needed: |plan, _| plan.reflections,
     ..Pass::DEFAULT
 };
 

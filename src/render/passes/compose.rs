@@ -19,8 +19,7 @@ pub const PASS: Pass = Pass {
     reads: &[
         Target::ViewDepth,
         Target::Surface,
-        Target::BaseColor,
-        Target::Emission,
+        Target::Colors,
         Target::Radiance,
         Target::Specular,
         Target::Reflection,
@@ -29,7 +28,7 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::ColorEven, Target::ColorOdd],
     params: Some(Params::LAYOUT),
-    is_written: |options, target| target != Target::ColorOdd || options.image.samples > 1,
+    is_written: |_, options, target| target != Target::ColorOdd || options.image.samples > 1,
     ..Pass::DEFAULT
 };
 

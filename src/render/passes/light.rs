@@ -15,12 +15,7 @@ use crate::{
 pub const PASS: Pass = Pass {
     name: "light",
     color: [235, 200, 90],
-    reads: &[
-        Target::ViewDepth,
-        Target::Surface,
-        Target::BaseColor,
-        Target::Emission,
-    ],
+    reads: &[Target::ViewDepth, Target::Surface, Target::Colors],
     writes: &[Target::Radiance, Target::Specular],
     counted: true,
     ..Pass::DEFAULT

@@ -2,9 +2,10 @@
 
 pub mod arguments;
 pub mod blur;
-pub mod compact;
 pub mod compose;
+pub mod hits;
 pub mod light;
+pub mod pyramid;
 pub mod shadow;
 pub mod ssr;
 pub mod surface;
@@ -50,9 +51,10 @@ passes! {
     visibility: Visibility,
     surface: Surface,
     light: Light,
-    ssr: Ssr,
-    compact: Compact,
+    pyramid: Pyramid,
     arguments: Arguments,
+    ssr: Ssr,
+    hits: Hits,
     trace: Trace,
     blur: Blur,
     compose: Compose,
@@ -70,10 +72,14 @@ pub fn needed_passes(plan: &Plan, options: &RenderOptions) -> Vec<&'static Pass>
 }
 
 /// The targets that these passes write.
-pub fn written_targets(passes: &[&'static Pass], options: &RenderOptions) -> Vec<Target> {
+pub fn written_targets(
+    passes: &[&'static Pass],
+    plan: &Plan,
+    options: &RenderOptions,
+) -> Vec<Target> {
     let is_written = |target: &Target| {
         let mut writers = passes.iter().filter(|pass| pass.writes.contains(target));
-        writers.any(|pass| (pass.is_written)(options, *target))
+        writers.any(|pass| (pass.is_written)(plan, options, *target))
     };
     Target::ALL.into_iter().filter(is_written).collect()
 }

@@ -1,18 +1,22 @@
-//! Screen-space reflections: marches the depth buffer along the mirror ray and names the cause
-//! where that cannot answer; `compact.rs` lists those pixels for `trace.rs`.
+//! Screen-space reflections: marches the listed pixels through the depth pyramid; lists what it met
+//! for `hits.rs`, and what it cannot answer for `trace.rs`.
 
 use crate::{
-    gpu::GpuError,
+    gpu::{Checks, GpuError},
     render::{
         frame_pass::FramePass,
+        options::RenderOptions,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
+        ray_list::List,
         sub_frame::SubFrame,
         targets::Target,
         types::gpu_struct,
     },
     scene::desc::{Method, ReflectionDesc},
 };
+
+use super::trace;
 
 /// See `shaders/ssr.wgsl`.
 pub const PASS: Pass = Pass {
@@ -22,20 +26,28 @@ pub const PASS: Pass = Pass {
         Target::Ids,
         Target::ViewDepth,
         Target::Surface,
-        Target::BaseColor,
-        Target::Emission,
-        Target::Radiance,
+        Target::Colors,
     ],
     writes: &[Target::Reflection, Target::Cause, Target::Hit],
     params: Some(Params::LAYOUT),
-    needed: |plan, _| plan.reflections,
+    needed: |plan, options| plan.reflections && is_enabled(options),
     overrides: |options| {
-        let marches = options.reflection.method != Method::Rt;
-        vec![("MARCH", f64::from(u8::from(marches)))]
+        let flag = |on| f64::from(u8::from(on));
+        vec![
+            ("VERIFY", flag(options.reflection.verifies())),
+            ("TRACE", flag(trace::is_enabled(options))),
+        ]
     },
+    // Its ids are those of the visibility pass, which `check_world` validated.
+    checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
 };
+
+/// Whether the method marches.
+pub fn is_enabled(options: &RenderOptions) -> bool {
+    options.reflection.method != Method::Rt
+}
 
 gpu_struct! {
     /// Of the march.
@@ -44,10 +56,10 @@ gpu_struct! {
         threshold_m: f32,
         /// Most steps.
         steps: u32,
+        /// How far a verified hit may lie from the pixel that shows it.
+        edge_px: f32,
         /// Unused.
         pad0: u32,
-        /// Unused.
-        pad1: u32,
     }
 }
 
@@ -57,8 +69,8 @@ impl Params {
         Self {
             threshold_m: settings.threshold_u * unit_m,
             steps: settings.steps,
+            edge_px: settings.edge_px,
             pad0: 0,
-            pad1: 0,
         }
     }
 }
@@ -74,6 +86,7 @@ impl FramePass for Ssr {
 
     fn record(&self, frame: &mut SubFrame<'_>) {
         let params = Params::new(&frame.options.reflection, frame.unit_m);
-        frame.dispatch_with(&self.0, &params, &Dispatch::PerPixel);
+        let reflectors = Dispatch::Listed(frame.resources.ray_list, List::Reflectors);
+        frame.dispatch_with(&self.0, &params, &reflectors);
     }
 }

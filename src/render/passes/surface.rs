@@ -1,4 +1,5 @@
-//! Surface: resolves the G-buffer in compute from the ids of the visibility pass.
+//! Surface: resolves the G-buffer in compute from the ids of the visibility pass, and lists the
+//! reflective pixels.
 
 use crate::{
     gpu::GpuError,
@@ -11,6 +12,8 @@ use crate::{
     },
 };
 
+use super::ssr;
+
 /// See `shaders/surface.wgsl`.
 pub const PASS: Pass = Pass {
     name: "surface",
@@ -19,9 +22,11 @@ pub const PASS: Pass = Pass {
     writes: &[
         Target::ViewDepth,
         Target::Surface,
-        Target::BaseColor,
-        Target::Emission,
+        Target::Colors,
+        Target::Cause,
     ],
+    is_written: |plan, _, target| plan.reflections || target != Target::Cause,
+    overrides: |options| vec![("MARCH", f64::from(u8::from(ssr::is_enabled(options))))],
     ..Pass::DEFAULT
 };
 

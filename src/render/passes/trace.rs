@@ -7,6 +7,7 @@ use crate::{
         options::RenderOptions,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
+        ray_list::List,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -20,8 +21,8 @@ pub const PASS: Pass = Pass {
     reads: &[
         Target::ViewDepth,
         Target::Surface,
-        Target::BaseColor,
-        Target::Emission,
+        Target::Colors,
+        Target::Cause,
     ],
     writes: &[Target::Reflection, Target::Hit],
     needed: |plan, options| plan.reflections && is_enabled(options),
@@ -52,7 +53,7 @@ impl FramePass for Trace {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        let rays = Dispatch::Indirect(&frame.resources.ray_list.arguments);
+        let rays = Dispatch::Listed(frame.resources.ray_list, List::Rays);
         frame.dispatch(&self.0, &rays);
         if let Some(traverse) = frame.probes.traverse(frame.probe) {
             frame.dispatch(traverse, &rays);

@@ -6,7 +6,9 @@ use super::{
     report::Report,
     value::{Named, Node, Value, wrong_type},
 };
-use crate::scene::desc::{CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap};
+use crate::scene::desc::{
+    Accept, CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap,
+};
 use crate::scene::{range::Range, suggest};
 
 /// Implements [`Value`] for an enum that is written as one of some words.
@@ -39,6 +41,7 @@ macro_rules! words {
 
 words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
+words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
 words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
 words!(CurveKind {
     "step" => Self::Step,

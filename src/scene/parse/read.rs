@@ -16,7 +16,7 @@ use super::{
     value::{Names, Version},
 };
 use crate::scene::range::{
-    ABOVE_0, ANY, BOUNCES, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range,
+    ABOVE_0, ANY, BOUNCES, EDGE_PX, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range,
 };
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
@@ -268,6 +268,8 @@ impl Section for ReflectionDesc {
         Some(Self {
             method: t.get("method", ANY, default.method),
             ray_length_u: t.get("ray_length_u", RAY_LENGTH_U, default.ray_length_u),
+            accept: t.get("accept", ANY, default.accept),
+            edge_px: t.get("edge_px", EDGE_PX, default.edge_px),
             threshold_u: t.get("threshold_u", THRESHOLD_U, default.threshold_u),
             bounces: t.get("bounces", BOUNCES, default.bounces),
             steps: t.get("steps", STEPS, default.steps),

@@ -1,5 +1,6 @@
 //! What stands on a chart beside its curves: dots with hover text, labels, the legend.
 
+use crate::bench::{parameter::SERIES, summary::series};
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
@@ -25,7 +26,7 @@ pub fn mark(
     (x, y): (i32, i32),
     ends: Option<[End; 2]>,
 ) {
-    let RGBColor(r, g, b) = color(&dot.point.sample.method);
+    let RGBColor(r, g, b) = color(series(&dot.point.sample));
     let title = format!(
         "{}: {} ms, {} {}{}{}",
         dot.point.label(),
@@ -135,8 +136,8 @@ impl Labels {
 /// Methods with their parameter, and what the marks mean, in the upper right corner.
 pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
-    for method in ["ssr", "hybrid", "rt"] {
-        let of = dots.iter().filter(|d| d.point.sample.method == method);
+    for method in SERIES {
+        let of = dots.iter().filter(|d| series(&d.point.sample) == method);
         let parameters: Vec<&str> = of
             .clone()
             .filter_map(|d| d.point.sample.parameter.as_deref())

@@ -1,4 +1,4 @@
-//! Compact: counts causes and lists the pixels to trace.
+//! Pyramid: the nearest depth in ever larger cells, for the march.
 
 use crate::{
     gpu::GpuError,
@@ -6,33 +6,33 @@ use crate::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
+        ray_list::PYRAMID_LEVELS,
         sub_frame::SubFrame,
         targets::Target,
     },
 };
 
-use super::trace;
+use super::ssr;
 
-/// See `shaders/compact.wgsl`.
+/// See `shaders/pyramid.wgsl`.
 pub const PASS: Pass = Pass {
-    name: "compact",
-    color: [150, 215, 130],
-    reads: &[Target::Cause],
-    needed: |plan, _| plan.reflections,
-    overrides: |options| vec![("TRACE", f64::from(u8::from(trace::is_enabled(options))))],
+    name: "pyramid",
+    color: [200, 230, 170],
+    reads: &[Target::ViewDepth],
+    needed: ssr::PASS.needed,
     ..Pass::DEFAULT
 };
 
 /// The pass.
 #[derive(Debug)]
-pub struct Compact(ComputePass);
+pub struct Pyramid(ComputePass);
 
-impl FramePass for Compact {
+impl FramePass for Pyramid {
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
         Ok(Self(builder.compute(&PASS, &[])?))
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::PerPixel);
+        frame.dispatch(&self.0, &Dispatch::Tiles(1 << PYRAMID_LEVELS));
     }
 }

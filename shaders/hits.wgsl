@@ -1,0 +1,39 @@
+// Hits: shades what the march has met on the screen, at the very point that the ray meets and with the
+// ray's own footprint, as the tracer would.
+
+#import gbuffer
+#import lists
+
+@group(2) @binding(3) var hit: texture_2d<u32>;
+@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+
+fn shade_pixel(pixel: vec2u) {
+    let first = load_surface(pixel);
+    let direction = mirror_direction(normalize(first.position - frame.eye), first);
+    let found = textureLoad(hit, pixel, 0);
+    let cone_m = frame.pixel_spread * (distance(first.position, frame.eye) + bitcast<f32>(found.x));
+    let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
+    let lit = shade(s, -direction);
+    textureStore(reflection, pixel, vec4f(min(lit.diffuse + lit.specular, vec3f(65000.0)), 1.0));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+}
+
+fn is_listed(index: u32) -> bool {
+    return index < atomicLoad(&counters[HIT_COUNTER]);
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
+    if (is_listed(index)) { shade_pixel(unpack_pixel(lists[hit_slot(index)])); }
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn counted(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
+    if (!is_listed(index)) { return; }
+    let pixel = unpack_pixel(lists[hit_slot(index)]);
+    shade_pixel(pixel);
+    textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles));
+}

@@ -1,0 +1,40 @@
+// The lists of a frame, in one buffer because a stage may bind few: reflective pixels, then rays that
+// are traced, with screen hits from the other end, then the depth pyramid. Pixels are x | y << 16.
+
+#import frame
+
+@group(2) @binding(20) var<storage, read_write> lists: array<u32>;
+@group(2) @binding(21) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
+
+fn picture_px() -> u32 {
+    return u32(frame.size.x) * u32(frame.size.y);
+}
+
+fn reflector_slot(index: u32) -> u32 {
+    return index;
+}
+
+fn ray_slot(index: u32) -> u32 {
+    return picture_px() + index;
+}
+
+// Rays and hits together are at most as many as pixels, so that they never meet.
+fn hit_slot(index: u32) -> u32 {
+    return 2u * picture_px() - 1u - index;
+}
+
+// Where a cell of a level from 1 up is; the picture counts as padded to cells of the last level.
+fn pyramid_slot(cell: vec2u, level: u32) -> u32 {
+    let cells = (vec2u(frame.size) + (1u << PYRAMID_LEVELS) - 1u) >> vec2u(PYRAMID_LEVELS);
+    let area = (cells.x * cells.y) << (2u * PYRAMID_LEVELS);
+    let before = (area - (area >> (2u * level - 2u))) / 3u;
+    return 2u * picture_px() + before + cell.y * (cells.x << (PYRAMID_LEVELS - level)) + cell.x;
+}
+
+fn pack_pixel(pixel: vec2u) -> u32 {
+    return pixel.x | (pixel.y << 16u);
+}
+
+fn unpack_pixel(bits: u32) -> vec2u {
+    return vec2u(bits & 0xffffu, bits >> 16u);
+}

@@ -1,0 +1,45 @@
+// Pyramid: the nearest depth in cells of 2, 4, … 64 pixels, as near / depth, which is linear along a ray
+// on the screen. One workgroup makes all levels of a tile of 64 × 64 pixels.
+
+#import lists
+
+@group(2) @binding(0) var view_depth: texture_2d<f32>;
+
+var<workgroup> tile: array<f32, 1024>; // 32 × 32 cells of level 1
+
+fn depth_at(pixel: vec2u) -> f32 {
+    // What lies past the border is no obstacle.
+    let inside = all(pixel < vec2u(frame.size));
+    let depth_m = textureLoad(view_depth, min(pixel, vec2u(frame.size) - 1u), 0).x;
+    return select(0.0, frame.near_m / depth_m, inside);
+}
+
+@compute @workgroup_size(16, 16)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    for (var k = 0u; k < 4u; k++) {
+        let cell = local.xy * 2u + vec2u(k & 1u, k >> 1u);
+        let pixel = (group.xy * 32u + cell) * 2u;
+        let nearest = max(
+            max(depth_at(pixel), depth_at(pixel + vec2u(1u, 0u))),
+            max(depth_at(pixel + vec2u(0u, 1u)), depth_at(pixel + 1u)),
+        );
+        tile[cell.y * 32u + cell.x] = nearest;
+        lists[pyramid_slot(group.xy * 32u + cell, 1u)] = bitcast<u32>(nearest);
+    }
+    var side = 16u; // cells of the level along the tile's edge
+    for (var level = 2u; level <= PYRAMID_LEVELS; level++) {
+        workgroupBarrier();
+        let is_active = all(local.xy < vec2u(side));
+        var nearest = 0.0;
+        if (is_active) {
+            let at = local.y * 2u * (2u * side) + local.x * 2u;
+            nearest = max(max(tile[at], tile[at + 1u]), max(tile[at + 2u * side], tile[at + 2u * side + 1u]));
+        }
+        workgroupBarrier();
+        if (is_active) {
+            tile[local.y * side + local.x] = nearest;
+            lists[pyramid_slot(group.xy * side + local.xy, level)] = bitcast<u32>(nearest);
+        }
+        side /= 2u;
+    }
+}

@@ -1,0 +1,49 @@
+//! Hits: shades what the march has met on the screen, where the ray meets it.
+
+use crate::{
+    gpu::{Checks, GpuError},
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        ray_list::List,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
+
+use super::ssr;
+
+/// See `shaders/hits.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "hits",
+    color: [150, 215, 130],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Hit,
+    ],
+    writes: &[Target::Reflection],
+    needed: ssr::PASS.needed,
+    // Its ids are those of the visibility pass, which `check_world` validated, and shadow rays follow
+    // what `Trees::build` validated.
+    checks: Checks::TrustedBuiltin,
+    counted: true,
+    ..Pass::DEFAULT
+};
+
+/// The pass.
+#[derive(Debug)]
+pub struct Hits(ComputePass);
+
+impl FramePass for Hits {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let hits = Dispatch::Listed(frame.resources.ray_list, List::Hits);
+        frame.dispatch(&self.0, &hits);
+    }
+}
