@@ -2,6 +2,7 @@
 // tile by tile so that neighbors stay together.
 
 #import cause
+#import gbuffer_layout
 #import lists
 #import pack
 #import shade
@@ -19,15 +20,6 @@ override MARCH: bool = true; // false: method rt, reflective pixels are listed a
 var<workgroup> tile_counts: array<atomic<u32>, 3>; // not reflective, rough, reflective
 var<workgroup> tile_start: u32;
 
-fn pack_surface(s: Surface) -> vec4u {
-    return vec4u(
-        pack_unit(s.normal),
-        pack_unit(s.geometric_normal),
-        pack2x16float(vec2f(s.roughness, s.metallic)),
-        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u),
-    );
-}
-
 // Where the pixel's ray meets the plane of its triangle: exact, where the depth buffer is not.
 struct PlaneHit {
     t: f32,
@@ -44,16 +36,6 @@ fn plane_hit(direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
     let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);
     let q = cross(-p0, e1);
     return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
-}
-
-fn pack_colors(s: Surface) -> vec4u {
-    let emission = min(s.emission, vec3f(65000.0));
-    return vec4u(
-        pack2x16float(s.base_color.xy),
-        pack2x16float(vec2f(s.base_color.z, s.occlusion)),
-        pack2x16float(emission.xy),
-        pack2x16float(vec2f(emission.z, 0.0)),
-    );
 }
 
 // Resolves a pixel and says what it reflects.

@@ -1,6 +1,7 @@
 // Group 1: the scene's geometry, trees, materials and textures.
 
 #import constants
+#import material
 
 struct Instance {
     world_from_object: mat3x4f, // three rows
@@ -21,34 +22,6 @@ struct Vertex {
     uv: vec2f,
     tangent: u32, // octahedral 16 + 15 bits, lowest bit: handedness
     color: u32, // unorm8 × 4, linear
-}
-
-struct TextureUse {
-    row_u: vec3f, // u' = dot(row_u, (u, v, 1))
-    layer: u32, // in its pool; NONE: no texture
-    row_v: vec3f,
-    bits: u32, // TEXTURE_*
-    texels: vec2f, // size of the source image, for nearest
-    pad: vec2f,
-}
-
-struct Material {
-    base_color: vec4f,
-    emission: vec3f,
-    metallic: f32,
-    roughness: f32,
-    reflectivity: f32,
-    normal_scale: f32,
-    occlusion_strength: f32,
-    checker_a: vec3f,
-    checker_size_m: f32, // 0: no checker
-    checker_b: vec3f,
-    alpha_cutoff: f32, // below 0: opaque
-    reflection: u32, // REFLECTION_*
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-    textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
 }
 
 @group(1) @binding(0) var<storage, read> nodes: array<vec4u>;

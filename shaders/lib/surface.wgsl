@@ -17,19 +17,6 @@ const NORMAL_SLOT = 2u;
 const OCCLUSION_SLOT = 3u;
 const EMISSION_SLOT = 4u;
 
-struct Surface {
-    position: vec3f,
-    geometric_normal: vec3f, // towards the viewer
-    normal: vec3f, // shading normal, on the same side
-    base_color: vec3f,
-    metallic: f32,
-    emission: vec3f,
-    roughness: f32,
-    reflectivity: f32,
-    occlusion: f32,
-    reflection: u32, // 0 none, 1 auto, 2 mirror
-}
-
 struct Corner {
     p: array<vec3f, 3>,
     index: array<u32, 3>,
@@ -126,7 +113,8 @@ fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
 
 // `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
 fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
-    var s: Surface;
+    let m = instances[instance].material;
+    var s = material_surface(m);
     let flags = instances[instance].flags;
     let c = corners(instance, triangle);
     let p0 = to_world(instance, c.p[0]);
@@ -149,14 +137,6 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
     var n = normal_to_world(instance, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);
 
-    let m = instances[instance].material;
-    s.base_color = materials[m].base_color.xyz;
-    s.metallic = materials[m].metallic;
-    s.roughness = materials[m].roughness;
-    s.reflectivity = materials[m].reflectivity;
-    s.emission = materials[m].emission;
-    s.occlusion = 1.0;
-    s.reflection = materials[m].reflection;
     if ((flags & FLAG_COLORS) != 0u) {
         s.base_color *= vertex_color(instance, c.index, bary).xyz;
     }

@@ -47,8 +47,8 @@ pub struct Info {
     pub materials_cut_out: usize,
     /// Images.
     pub textures: usize,
-    /// Lights: point, spot, directional.
-    pub lights: [usize; 3],
+    /// Lights of each of [`LightKind::NAMES`].
+    pub lights: [usize; LightKind::NAMES.len()],
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
     /// First frame, last frame and frames a second; `None` without a timeline.
@@ -114,9 +114,11 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     let world = &loaded.world;
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
-    let num_lights = |wanted: fn(&LightKind) -> bool| {
+    let num_lights = |name| {
         let lights = world.lights.iter();
-        lights.filter(|light| wanted(&light.desc.kind)).count()
+        lights
+            .filter(|light| light.desc.kind.name() == name)
+            .count()
     };
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
@@ -143,11 +145,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             .count(),
         materials_cut_out: materials.filter(|m| m.alpha_cutoff.is_some()).count(),
         textures: world.textures.len(),
-        lights: [
-            num_lights(|kind| matches!(kind, LightKind::Point { .. })),
-            num_lights(|kind| matches!(kind, LightKind::Spot { .. })),
-            num_lights(|kind| matches!(kind, LightKind::Directional { .. })),
-        ],
+        lights: LightKind::NAMES.map(num_lights),
         animations: world.animations.clone(),
         timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
             start: t.start,
@@ -245,11 +243,9 @@ fn table(info: &Info) -> String {
         ),
     );
     line("textures", info.textures.to_string());
-    let [point, spot, directional] = info.lights;
-    line(
-        "lights",
-        format!("{point} point, {spot} spot, {directional} directional"),
-    );
+    let lights = info.lights.iter().zip(LightKind::NAMES);
+    let lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
+    line("lights", lights.join(", "));
     for animation in &info.animations {
         let state = match (animation.channels, animation.played) {
             (0, _) => "cannot be played".to_owned(),

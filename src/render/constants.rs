@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::{
     gpu::{ShaderError, ShaderLibrary},
-    scene::desc::{Method, ReflectionMode, ToneMap},
+    scene::desc::{LightKind, Method, ReflectionMode, ToneMap},
     world::{
         MAX_LIGHTS,
         bvh::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, STACK_SIZE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT},
@@ -14,10 +14,7 @@ use crate::{
 
 use super::{
     cause::{Cause, Source},
-    lights::{
-        LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE,
-        SHADOW_RAY,
-    },
+    lights::{SHADOW_MAP, SHADOW_NEAR_M, SHADOW_NONE, SHADOW_RAY},
     ray_list::{
         COUNTERS, EXHAUSTED_COUNTER, HIT_COUNTER, PYRAMID_LEVELS, RAY_COUNTER, RAYS_PER_GROUP,
         REFLECTOR_COUNTER,
@@ -86,9 +83,6 @@ pub fn wgsl() -> String {
         NONE,
         FAR_M,
         MAX_LIGHTS,
-        LIGHT_POINT,
-        LIGHT_SPOT,
-        LIGHT_DIRECTIONAL,
         SHADOW_NONE,
         SHADOW_MAP,
         SHADOW_RAY,
@@ -119,6 +113,9 @@ pub fn wgsl() -> String {
         FLIPPED,
         STACK_SIZE,
     );
+    for (index, name) in LightKind::NAMES.iter().enumerate() {
+        define(&mut out, &format!("LIGHT_{}", name.to_uppercase()), &index);
+    }
     for (name, mode) in [
         ("REFLECTION_NONE", ReflectionMode::None),
         ("REFLECTION_AUTO", ReflectionMode::Auto),

@@ -1,17 +1,21 @@
 //! Debug readback: shadow maps as distances, and the ray list.
 
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 
 use crate::{
     gpu::{
         Gpu, GpuError,
         readback::{read_buffer, read_texture_layer, values},
     },
-    scene::desc::{LightKind, ShadowMode},
+    scene::desc::ShadowMode,
     world::{Light, World},
 };
 
-use super::{lights::SHADOW_NEAR_M, ray_list::RAY_COUNTER, renderer::Renderer};
+use super::{
+    lights::{SHADOW_NEAR_M, has_cube_map},
+    ray_list::RAY_COUNTER,
+    renderer::Renderer,
+};
 
 /// Faces of a cube map in their order: the axes that they look along.
 pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
@@ -19,26 +23,25 @@ pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
 /// How many maps the shadow of a light takes: six faces for a point light, one for the others, none
 /// where it is found otherwise.
 pub fn shadow_faces(light: &Light) -> usize {
-    match (light.desc.shadow, &light.desc.kind) {
-        (ShadowMode::Map, LightKind::Point { .. }) => CUBE_FACES.len(),
-        (ShadowMode::Map, _) => 1,
-        _ => 0,
+    match light.desc.shadow {
+        ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
+        ShadowMode::Map => 1,
+        ShadowMode::None | ShadowMode::Ray => 0,
     }
 }
 
-/// Meters along the map's axis of a stored depth: from a point or spot light, or from the near side
-/// of the box that a directional light's map spans. Infinite where nothing casts.
-fn distance_m(kind: &LightKind, clip_from_world: &Mat4, depth: f32) -> f32 {
+/// Meters along the map's axis of a stored depth: from the light where the map is a perspective view,
+/// else from the near side of the box that it spans. Infinite where nothing casts.
+fn distance_m(clip_from_world: &Mat4, depth: f32) -> f32 {
     if depth <= 0.0 {
         return f32::INFINITY;
     }
-    match kind {
-        LightKind::Directional { .. } => {
-            let depth_per_m = clip_from_world.row(2).truncate().length();
-            (1.0 - depth) / depth_per_m
-        }
-        LightKind::Point { .. } | LightKind::Spot { .. } => SHADOW_NEAR_M / depth,
+    let is_perspective = clip_from_world.row(3).truncate() != Vec3::ZERO;
+    if is_perspective {
+        return SHADOW_NEAR_M / depth;
     }
+    let depth_per_m = clip_from_world.row(2).truncate().length();
+    (1.0 - depth) / depth_per_m
 }
 
 impl Renderer {
@@ -55,10 +58,10 @@ impl Renderer {
         light: usize,
         face: usize,
     ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
-        let lit = world.lights.get(light);
-        let Some(lit) = lit.filter(|light| face < shadow_faces(light)) else {
+        let faces = world.lights.get(light).map_or(0, shadow_faces);
+        if face >= faces {
             return Ok(None);
-        };
+        }
         let before: usize = world.lights[..light].iter().map(shadow_faces).sum();
         let (_, views) = self.lights(world);
         let Some(view) = views.get(before + face) else {
@@ -71,7 +74,7 @@ impl Renderer {
         };
         let texture = maps.texture();
         let depths: Vec<f32> = values(&read_texture_layer(gpu, texture, 0, view.layer)?);
-        let distance = |depth| distance_m(&lit.desc.kind, &view.clip_from_world, depth);
+        let distance = |depth| distance_m(&view.clip_from_world, depth);
         Ok(Some((
             texture.width(),
             depths.into_iter().map(distance).collect(),
@@ -100,13 +103,11 @@ impl Renderer {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::{
         math::Bounds,
         render::lights::{ShadowSizes, lights},
-        scene::desc::LightDesc,
+        scene::desc::{LightDesc, LightKind},
     };
 
     fn light(kind: LightKind) -> Light {
@@ -158,9 +159,9 @@ mod tests {
             let view = views.get(3).unwrap_or(&views[0]);
             let clip = view.clip_from_world * point.extend(1.0);
             let depth = clip.z / clip.w;
-            let got_m = distance_m(&all[0].desc.kind, &view.clip_from_world, depth);
+            let got_m = distance_m(&view.clip_from_world, depth);
             assert!((got_m - expected_m).abs() < 1e-3, "{got_m} {expected_m}");
-            let none = distance_m(&all[0].desc.kind, &view.clip_from_world, 0.0);
+            let none = distance_m(&view.clip_from_world, 0.0);
             assert_eq!(none, f32::INFINITY);
         }
     }

@@ -13,12 +13,6 @@ use super::types::{GpuLight, LightBlock};
 
 /// Near plane of shadow maps.
 pub const SHADOW_NEAR_M: f32 = 0.01;
-/// [`GpuLight::kind`].
-pub const LIGHT_POINT: u32 = 0;
-/// [`GpuLight::kind`].
-pub const LIGHT_SPOT: u32 = 1;
-/// [`GpuLight::kind`].
-pub const LIGHT_DIRECTIONAL: u32 = 2;
 /// [`GpuLight::shadow`].
 pub const SHADOW_NONE: u32 = 0;
 /// [`GpuLight::shadow`].
@@ -55,7 +49,7 @@ impl ShadowSizes {
     pub fn of(lights: &[Light]) -> Self {
         let mut sizes = Self::default();
         for light in lights.iter().filter(|l| l.desc.shadow == ShadowMode::Map) {
-            if matches!(light.desc.kind, LightKind::Point { .. }) {
+            if has_cube_map(&light.desc.kind) {
                 sizes.cubes += 1;
                 sizes.cube_px = sizes.cube_px.max(light.desc.shadow_px);
             } else {
@@ -65,6 +59,11 @@ impl ShadowSizes {
         }
         sizes
     }
+}
+
+/// Whether such a light's shadow map is a cube, else flat.
+pub fn has_cube_map(kind: &LightKind) -> bool {
+    matches!(kind, LightKind::Point { .. })
 }
 
 /// Whether some light has ray-traced shadows.
@@ -124,7 +123,6 @@ fn gpu_light(light: &Light) -> GpuLight {
             position,
             intensity_cd,
         } => {
-            out.kind = LIGHT_POINT;
             out.position = position.to_array();
             intensity_cd
         }
@@ -136,7 +134,6 @@ fn gpu_light(light: &Light) -> GpuLight {
             outer_deg,
             ..
         } => {
-            out.kind = LIGHT_SPOT;
             out.position = position.to_array();
             out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
             // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
@@ -150,11 +147,11 @@ fn gpu_light(light: &Light) -> GpuLight {
             direction,
             intensity_lux,
         } => {
-            out.kind = LIGHT_DIRECTIONAL;
             out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
             intensity_lux
         }
     };
+    out.kind = light.desc.kind.index() as u32;
     out.color = (light.desc.color * intensity).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
     out.shadow = match light.desc.shadow {

@@ -5,11 +5,14 @@
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
 
 mod animation;
+mod camera;
 mod include;
 mod light;
+mod material;
 mod motion;
 mod script;
 mod stage;
+mod track;
 
 use std::path::PathBuf;
 
@@ -17,17 +20,21 @@ use glam::{Mat4, Quat, Vec3};
 
 pub use self::{
     animation::{AnimationDesc, Playback},
+    camera::{CAMERA, CameraDesc, CameraMotionDesc},
     include::Include,
-    light::{LightDesc, LightKind, ShadowMode},
-    motion::{
-        CameraMotionDesc, CurveKind, Ease, FollowDesc, InstanceMotionDesc, KeyDesc,
-        LightMotionDesc, MaterialMotionDesc, ModelMotionDesc, MotionDesc, NumberKeyDesc,
-        NumberOscillateDesc, NumberTrackDesc, OrbitDesc, OscillateDesc, PairKeyDesc,
-        PairOscillateDesc, PairTrackDesc, ParamValue, ScaleKeyDesc, ScaleOscillateDesc,
-        ScaleTrackDesc, TimelineDesc, TrackDesc, Tracks,
+    light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
+    material::{
+        CheckerDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN,
+        ReflectionMode,
     },
+    motion::{InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue, TimelineDesc},
     script::ScriptDesc,
     stage::{StageDesc, is_stage},
+    track::{
+        CurveKind, Ease, FollowDesc, KeyDesc, NumberKeyDesc, NumberOscillateDesc, NumberTrackDesc,
+        OrbitDesc, OscillateDesc, PairKeyDesc, PairOscillateDesc, PairTrackDesc, ScaleKeyDesc,
+        ScaleOscillateDesc, ScaleTrackDesc, TrackDesc, Tracks,
+    },
 };
 use super::diagnostic::Span;
 
@@ -86,96 +93,6 @@ pub struct SceneDesc {
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
     pub script: Option<ScriptDesc>,
-}
-
-/// `[camera.NAME]`
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraDesc {
-    /// Position, meters.
-    pub eye: Vec3,
-    /// The point looked at, meters; must differ from `eye`.
-    pub target: Vec3,
-    /// Direction that is up in the picture.
-    pub up: Vec3,
-    /// Vertical field of view, degrees, 1 to 170. More shows more and shrinks everything.
-    pub fov_deg: f32,
-    /// Nearest visible distance, meters, above 0. There is no far plane.
-    pub near_m: f32,
-}
-
-impl Default for CameraDesc {
-    fn default() -> Self {
-        Self {
-            eye: Vec3::new(0.0, 1.0, 5.0),
-            target: Vec3::ZERO,
-            up: Vec3::Y,
-            fov_deg: 60.0,
-            near_m: 0.01,
-        }
-    }
-}
-
-/// How a material takes part in reflections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum ReflectionMode {
-    /// `"none"`: shows the environment's highlight only; never marched or traced.
-    None,
-    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`.
-    #[default]
-    Auto,
-    /// `"mirror"`: reflects like polished glass whatever its roughness.
-    Mirror,
-}
-
-/// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of
-/// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
-/// value, or the default of a plain white, rough, non-metallic surface.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct MaterialDesc {
-    /// Linear base color, three numbers 0 to 1. Default white.
-    pub base_color: Option<Vec3>,
-    /// Image file multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
-    pub base_color_texture: Option<At<String>>,
-    /// Procedural checker in place of a base color texture.
-    pub checker: Option<CheckerDesc>,
-    /// Metalness, 0 to 1: 0 is a dielectric, 1 a metal. Default 0.
-    pub metallic: Option<f32>,
-    /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
-    pub roughness: Option<f32>,
-    /// Image file: green = roughness, blue = metallic, both multiplied with the numbers above.
-    pub metallic_roughness_texture: Option<At<String>>,
-    /// Tangent-space normal map (glTF convention, green is up).
-    pub normal_texture: Option<At<String>>,
-    /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made. Default 1.
-    pub normal_scale: Option<f32>,
-    /// Strength of the file's occlusion map, 0 to 1: how much it darkens the environment's light. Default 1, or the glTF value.
-    pub occlusion_strength: Option<f32>,
-    /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
-    pub emission: Option<Vec3>,
-    /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
-    pub emission_strength: Option<f32>,
-    /// Image file multiplied into the emission (sRGB).
-    pub emission_texture: Option<At<String>>,
-    /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
-    pub uv_scale: Option<[f32; 2]>,
-    /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
-    pub alpha_cutoff: Option<f32>,
-    /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
-    pub double_sided: Option<bool>,
-    /// How it takes part in reflections. Default `"auto"`.
-    pub reflection: Option<ReflectionMode>,
-    /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
-    /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
-    pub reflectivity: Option<f32>,
-}
-
-/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard, aligned with the object's axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckerDesc {
-    /// The two linear colors, each three numbers 0 to 1.
-    pub colors: [Vec3; 2],
-    /// Edge of one cell, meters in object space, above 0.
-    pub size_m: f32,
 }
 
 /// `[model.NAME]`: exactly one of `file` and `shape`.

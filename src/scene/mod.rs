@@ -6,6 +6,7 @@ pub mod desc;
 pub mod diagnostic;
 pub mod manual;
 pub mod motion;
+pub mod number;
 pub mod parse;
 pub mod range;
 pub mod schema;

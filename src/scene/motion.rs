@@ -3,7 +3,6 @@
 
 mod clock;
 mod material;
-pub mod number;
 mod parts;
 pub(super) mod track;
 
@@ -18,13 +17,14 @@ pub use self::material::{
     FileMaterial, MaterialChange, Values, changing_overrides, file_materials, override_of, written,
 };
 pub use self::parts::{Kind, wrong_with_camera, wrong_with_light};
-use self::{number::Field, track::Track};
+use self::track::Track;
 use super::{
     desc::{
-        AnimationDesc, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LightDesc,
-        MaterialDesc, PlacementDesc, SceneDesc, TrackDesc, Tracks,
+        AnimationDesc, CAMERA, CameraDesc, Entry, InstanceDesc, InstanceMotionDesc, LIGHT,
+        LightDesc, MaterialDesc, PlacementDesc, SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
+    number::Field,
 };
 
 /// Everything that may differ from frame to frame; the lists are parallel to those of [`SceneDesc`].
@@ -339,15 +339,15 @@ impl<'a> Motion<'a> {
             if wanted(Kind::Camera, moved.index) {
                 let camera = &mut state.cameras[moved.index];
                 camera.clone_from(&self.rest.cameras[moved.index]);
-                moved.pose(camera, &number::CAMERA, time_s, instances);
+                moved.pose(camera, &CAMERA, time_s, instances);
             }
         }
         for moved in &self.lights {
             if wanted(Kind::Light, moved.index) {
                 let light = &mut state.lights[moved.index];
                 *light = self.rest.lights[moved.index];
-                moved.pose(light, &number::LIGHT, time_s, instances);
-                number::settle(light);
+                moved.pose(light, &LIGHT, time_s, instances);
+                light.settle();
             }
         }
     }

@@ -7,7 +7,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::{
     math::Bounds,
     scene::{
-        desc::{CameraDesc, Entry, EnvironmentDesc, LightDesc, ReflectionMode},
+        desc::{CameraDesc, Entry, EnvironmentDesc, LightDesc},
         diagnostic::Diagnostic,
     },
 };
@@ -16,6 +16,7 @@ pub mod animation;
 pub mod bvh;
 pub mod gltf;
 pub mod load;
+mod material;
 pub mod pose;
 pub mod rig;
 pub mod shape;
@@ -23,6 +24,7 @@ mod shared;
 pub mod texture;
 pub mod usd;
 
+pub use material::Material;
 pub use shared::Shared;
 
 /// A loaded scene: geometry in object space, placed by instances.
@@ -104,93 +106,6 @@ impl Instance {
     /// Whether it is hidden now.
     pub fn is_hidden(&self) -> bool {
         self.world_from_object.matrix3 == Self::HIDDEN.matrix3
-    }
-}
-
-/// A surface description after all overrides; textures are indices into [`World::textures`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Name from scene text or file.
-    pub name: String,
-    /// Linear, alpha in w.
-    pub base_color: Vec4,
-    /// 0 to 1.
-    pub metallic: f32,
-    /// Perceptual, 0 to 1.
-    pub roughness: f32,
-    /// Specular reflectance at normal incidence of the dielectric part, 0 to 1.
-    pub reflectivity: f32,
-    /// Linear radiance, strength already multiplied in.
-    pub emission: Vec3,
-    /// Strength of the normal map.
-    pub normal_scale: f32,
-    /// Texture repetitions along u and v, on top of each texture's own transform.
-    pub uv_scale: [f32; 2],
-    /// Strength of the occlusion map, 0 to 1; darkens the environment's light, not that of lamps.
-    pub occlusion_strength: f32,
-    /// Cut-out threshold; `None` is opaque.
-    pub alpha_cutoff: Option<f32>,
-    /// Whether it is double-sided.
-    pub double_sided: bool,
-    /// Reflection mode.
-    pub reflection: ReflectionMode,
-    /// Procedural checker multiplied into the base color.
-    pub checker: Option<crate::scene::desc::CheckerDesc>,
-    /// sRGB.
-    pub base_color_texture: Option<TextureRef>,
-    /// Linear: green = roughness, blue = metallic.
-    pub metallic_roughness_texture: Option<TextureRef>,
-    /// Linear, tangent space.
-    pub normal_texture: Option<TextureRef>,
-    /// Linear: red = occlusion.
-    pub occlusion_texture: Option<TextureRef>,
-    /// sRGB.
-    pub emission_texture: Option<TextureRef>,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            base_color: Vec4::ONE,
-            metallic: 0.0,
-            roughness: 1.0,
-            reflectivity: 0.04,
-            emission: Vec3::ZERO,
-            normal_scale: 1.0,
-            uv_scale: [1.0; 2],
-            occlusion_strength: 1.0,
-            alpha_cutoff: None,
-            double_sided: false,
-            reflection: ReflectionMode::Auto,
-            checker: None,
-            base_color_texture: None,
-            metallic_roughness_texture: None,
-            normal_texture: None,
-            occlusion_texture: None,
-            emission_texture: None,
-        }
-    }
-}
-
-impl Material {
-    /// Base color, metallic-roughness, normal, occlusion and emission textures, in the order in
-    /// which the shaders know them, with `uv_scale` in their transforms.
-    pub fn slots(&self) -> [Option<TextureRef>; 5] {
-        [
-            self.base_color_texture,
-            self.metallic_roughness_texture,
-            self.normal_texture,
-            self.occlusion_texture,
-            self.emission_texture,
-        ]
-        .map(|slot| {
-            slot.map(|mut slot| {
-                slot.transform[0] *= self.uv_scale[0];
-                slot.transform[1] *= self.uv_scale[1];
-                slot
-            })
-        })
     }
 }
 

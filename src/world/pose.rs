@@ -11,9 +11,9 @@ use super::{
 use crate::{
     math::{Bounds, invertible},
     scene::{
-        desc::{CameraDesc, LightDesc, LightKind, MaterialDesc, ReflectionMode},
+        desc::{CameraDesc, LightDesc, MaterialDesc, PLAIN, ReflectionMode},
         diagnostic::{Diagnostic, Span},
-        motion::{FrameState, MaterialChange, number::PLAIN},
+        motion::{FrameState, MaterialChange},
     },
 };
 
@@ -286,18 +286,8 @@ pub fn placed_light(light: &LightDesc, world: &Affine3A) -> LightDesc {
     let mut light = *light;
     let place = |p: &mut Vec3| *p = world.transform_point3(*p);
     let turn = |d: &mut Vec3| *d = world.transform_vector3(*d).try_normalize().unwrap_or(*d);
-    match &mut light.kind {
-        LightKind::Point { position, .. } => place(position),
-        LightKind::Spot {
-            position,
-            direction,
-            ..
-        } => {
-            place(position);
-            turn(direction);
-        }
-        LightKind::Directional { direction, .. } => turn(direction),
-    }
+    light.kind.position_mut().map(place);
+    light.kind.direction_mut().map(turn);
     light
 }
 
@@ -310,51 +300,5 @@ pub fn placed_camera(camera: &CameraDesc, world: &Affine3A) -> CameraDesc {
         target: eye + turn(camera.target - camera.eye),
         up: turn(camera.up),
         ..*camera
-    }
-}
-
-impl Material {
-    /// The numbers that motion may change; the strength is in the emission already.
-    pub fn numbers(&self) -> Box<MaterialDesc> {
-        Box::new(MaterialDesc {
-            base_color: Some(self.base_color.truncate()),
-            metallic: Some(self.metallic),
-            roughness: Some(self.roughness),
-            normal_scale: Some(self.normal_scale),
-            occlusion_strength: Some(self.occlusion_strength),
-            uv_scale: Some(self.uv_scale),
-            alpha_cutoff: self.alpha_cutoff,
-            emission: Some(self.emission),
-            emission_strength: Some(1.0),
-            reflectivity: Some(self.reflectivity),
-            checker: self.checker,
-            ..MaterialDesc::default()
-        })
-    }
-
-    /// Sets the numbers that motion may change, where `desc` says them.
-    pub fn set_numbers(&mut self, desc: &MaterialDesc) {
-        fn set<T>(slot: &mut T, value: Option<T>) {
-            if let Some(value) = value {
-                *slot = value;
-            }
-        }
-        if let Some(color) = desc.base_color {
-            self.base_color = color.extend(self.base_color.w);
-        }
-        set(&mut self.metallic, desc.metallic);
-        set(&mut self.roughness, desc.roughness);
-        set(&mut self.normal_scale, desc.normal_scale);
-        set(&mut self.occlusion_strength, desc.occlusion_strength);
-        set(&mut self.uv_scale, desc.uv_scale);
-        self.alpha_cutoff = desc.alpha_cutoff.or(self.alpha_cutoff);
-        self.checker = desc.checker.or(self.checker);
-        set(&mut self.reflectivity, desc.reflectivity);
-        if let Some(emission) = desc.emission {
-            self.emission = emission;
-        }
-        if desc.emission.is_some() || desc.emission_strength.is_some() {
-            self.emission *= desc.emission_strength.unwrap_or(1.0);
-        }
     }
 }

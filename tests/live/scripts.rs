@@ -13,7 +13,7 @@ use reflet::{
     },
     gpu::Gpu,
     render::RebuildSummary,
-    scene::{desc::ParamValue, motion::number::MATERIAL},
+    scene::desc::{MATERIAL, ParamValue},
 };
 
 use crate::{

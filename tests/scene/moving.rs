@@ -4,10 +4,9 @@ use std::{fs, path::Path};
 
 use glam::Vec3;
 use reflet::scene::{
-    motion::{
-        FrameState,
-        number::{CAMERA, Field, Form, LIGHT, MATERIAL},
-    },
+    desc::{CAMERA, LIGHT, MATERIAL},
+    motion::FrameState,
+    number::{Field, Form},
     stages::{Animator, Scene},
 };
 
@@ -302,26 +301,4 @@ fn a_color_follows_no_instance() {
         format!("{SCENE}[motion.light.sun]\ncolor = {{ follow = {{ instance = \"ball\" }} }}\n");
     let error = pose(&text, 0).expect_err("a color");
     assert!(error.contains("a color is no position"), "{error}");
-}
-
-#[test]
-fn the_reference_of_scripts_lists_every_number() {
-    let manual = reflet::scene::script::api::manual();
-    let entry = |lead: &str| {
-        let line = manual.lines().find(|line| line.starts_with(lead));
-        line.unwrap_or_else(|| panic!("no {lead}")).to_owned()
-    };
-    let of_cameras = CAMERA.each_ref().map(|field| field.key);
-    let of_lights = LIGHT.each_ref().map(|field| field.key);
-    let of_materials = MATERIAL.each_ref().map(|field| field.key);
-    for (lead, keys) in [
-        ("| `ctx.camera(", of_cameras.as_slice()),
-        ("| `ctx.light(", of_lights.as_slice()),
-        ("| `ctx.material(name", of_materials.as_slice()),
-    ] {
-        let entry = entry(lead);
-        for key in keys {
-            assert!(entry.contains(&format!("`{key}`")), "{lead} has no {key}");
-        }
-    }
 }

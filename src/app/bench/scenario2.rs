@@ -8,7 +8,6 @@ use glam::{Affine3A, Vec3};
 use crate::{
     app::error::AppError,
     bench::run::{FrameSeries, Subject},
-    scene::desc::LightKind,
 };
 
 /// Frames of the paper's walk.
@@ -76,10 +75,8 @@ impl Walk {
                 .to_vec()
         };
         let first = subject.world.lights.first();
-        let light = first.map(|light| match light.desc.kind {
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => position,
-            LightKind::Directional { direction, .. } => direction,
-        });
+        let light = first.map(|light| light.desc.kind);
+        let light = light.and_then(|kind| kind.position().or(kind.direction()));
         Self {
             at_rest: subject
                 .world
@@ -105,14 +102,12 @@ impl Walk {
         }
         let round = TAU * ROUNDS * t;
         if let Some(light) = subject.world.lights.first_mut() {
-            match &mut light.desc.kind {
-                LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
-                    let circle = Vec3::new(round.cos() - 1.0, 0.0, 0.25 * round.sin());
-                    *position = self.light + circle * 2.0 * self.unit_m;
-                }
-                LightKind::Directional { direction, .. } => {
-                    *direction = self.light + Vec3::X * 0.1 * round.sin();
-                }
+            let kind = &mut light.desc.kind;
+            if let Some(position) = kind.position_mut() {
+                let circle = Vec3::new(round.cos() - 1.0, 0.0, 0.25 * round.sin());
+                *position = self.light + circle * 2.0 * self.unit_m;
+            } else if let Some(direction) = kind.direction_mut() {
+                *direction = self.light + Vec3::X * 0.1 * round.sin();
             }
         }
         let eye = catmull_rom(&self.path, t);

@@ -4,9 +4,9 @@ use super::Live;
 use crate::{
     render::{RebuildSummary, RenderError},
     scene::{
-        desc::MaterialDesc,
+        desc::{MATERIAL, MaterialDesc},
         diagnostic::Diagnostic,
-        motion::{FrameState, Values, number::MATERIAL},
+        motion::{FrameState, Values},
     },
     world::World,
 };

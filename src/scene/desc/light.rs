@@ -1,6 +1,12 @@
-//! Lights as people write them.
+//! Lights as people write them, and what of them may change.
 
 use glam::Vec3;
+
+use super::Tracks;
+use crate::scene::{
+    number::{Field, Form, Lanes, plain},
+    range::{ANY, FROM_0, range},
+};
 
 /// How a light's shadows are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -49,6 +55,51 @@ pub enum LightKind {
     },
 }
 
+impl LightKind {
+    /// Every kind as scene text and messages write it; in the shaders `LIGHT_` and this.
+    pub const NAMES: [&'static str; 3] = ["point", "spot", "directional"];
+
+    /// Its place in [`Self::NAMES`].
+    pub fn index(&self) -> usize {
+        match self {
+            Self::Point { .. } => 0,
+            Self::Spot { .. } => 1,
+            Self::Directional { .. } => 2,
+        }
+    }
+
+    /// As scene text writes it.
+    pub fn name(&self) -> &'static str {
+        Self::NAMES[self.index()]
+    }
+
+    /// Where it stands, if somewhere.
+    pub fn position(mut self) -> Option<Vec3> {
+        self.position_mut().copied()
+    }
+
+    /// In which direction it shines, if in one.
+    pub fn direction(mut self) -> Option<Vec3> {
+        self.direction_mut().copied()
+    }
+
+    /// See [`Self::position`].
+    pub fn position_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
+            Self::Directional { .. } => None,
+        }
+    }
+
+    /// See [`Self::direction`].
+    pub fn direction_mut(&mut self) -> Option<&mut Vec3> {
+        match self {
+            Self::Spot { direction, .. } | Self::Directional { direction, .. } => Some(direction),
+            Self::Point { .. } => None,
+        }
+    }
+}
+
 /// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDesc {
@@ -61,3 +112,103 @@ pub struct LightDesc {
     /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper; a directional light's map spans the whole scene, so large scenes need more, or `shadow = "ray"`. The most that a point light asks for holds for all of them, and so for the others. Default 1024.
     pub shadow_px: u32,
 }
+
+impl LightDesc {
+    /// Makes a light whose numbers were set consistent: its direction, 0 where there is none, points
+    /// at its target, and the lit part of its cone is no wider than the cone.
+    pub fn settle(&mut self) {
+        if let LightKind::Spot {
+            position,
+            direction,
+            target,
+            inner_deg,
+            outer_deg,
+            ..
+        } = &mut self.kind
+        {
+            *direction = target.map_or(*direction, |target| target - *position);
+            *inner_deg = inner_deg.min(*outer_deg);
+        }
+        if let Some(direction) = self.kind.direction_mut() {
+            let unit = direction.as_dvec3().try_normalize();
+            *direction = unit.map_or(Vec3::ZERO, |unit| unit.as_vec3());
+        }
+    }
+}
+
+/// `[motion.light.NAME]`: only what the light's `kind` has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightMotionDesc {
+    /// - `position`: track of where it stands, meters.
+    /// - `direction`: track of the direction in which it shines, of any length but 0.
+    /// - `target`: track of the point that a spot's middle meets, meters; in place of `direction`.
+    /// - `intensity_cd`: track of the luminous intensity, candela, 0 or more.
+    /// - `intensity_lux`: track of the illuminance of a directional light, lux, 0 or more.
+    /// - `color`: track of the linear color, 0 or more.
+    /// - `inner_deg`: track of the half angle of a spot that is fully lit, degrees, 0 to
+    ///   `outer_deg`.
+    /// - `outer_deg`: track of the half angle where a spot ends, degrees, above 0 and below 90.
+    pub tracks: Tracks,
+}
+
+/// A field that some kinds of lights have.
+macro_rules! of_lights {
+    ($key:ident, $form:ident, $range:expr, $($kind:ident)|+) => {
+        Field {
+            key: stringify!($key),
+            form: Form::$form,
+            range: $range,
+            get: |light| match light.kind {
+                $(LightKind::$kind { $key, .. })|+ => Some($key.lanes()),
+                _ => None,
+            },
+            put: |light, value| match &mut light.kind {
+                $(LightKind::$kind { $key, .. })|+ => *$key = Lanes::of(value),
+                _ => {}
+            },
+        }
+    };
+}
+
+/// What changes of a light. After any of it, [`LightDesc::settle`].
+pub static LIGHT: [Field<LightDesc>; 8] = [
+    of_lights!(position, Vector, ANY, Point | Spot),
+    Field {
+        key: "direction",
+        form: Form::Vector,
+        range: ANY,
+        get: |light| light.kind.direction(),
+        put: |light, value| {
+            if let LightKind::Spot { target, .. } = &mut light.kind {
+                *target = None;
+            }
+            if let Some(direction) = light.kind.direction_mut() {
+                *direction = value;
+            }
+        },
+    },
+    Field {
+        key: "target",
+        form: Form::Vector,
+        range: ANY,
+        get: |light| match light.kind {
+            LightKind::Spot {
+                position,
+                direction,
+                target,
+                ..
+            } => Some(target.unwrap_or(position + direction)),
+            _ => None,
+        },
+        put: |light, value| {
+            if let LightKind::Spot { target, .. } = &mut light.kind {
+                *target = Some(value);
+            }
+        },
+    },
+    of_lights!(intensity_cd, Number, FROM_0, Point | Spot),
+    of_lights!(intensity_lux, Number, FROM_0, Directional),
+    plain!(color, Color, FROM_0),
+    of_lights!(inner_deg, Number, range(0.0, 90.0).below(), Spot),
+    of_lights!(outer_deg, Number, range(0.0, 90.0).below().above(), Spot),
+];

@@ -5,9 +5,12 @@ use std::sync::LazyLock;
 static SOURCE: &str = concat!(
     include_str!("../desc.rs"),
     include_str!("../desc/animation.rs"),
+    include_str!("../desc/camera.rs"),
     include_str!("../desc/light.rs"),
+    include_str!("../desc/material.rs"),
     include_str!("../desc/motion.rs"),
-    include_str!("../desc/stage.rs")
+    include_str!("../desc/stage.rs"),
+    include_str!("../desc/track.rs")
 );
 
 /// The comment of one type, variant or field.

@@ -5,11 +5,10 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 
-use super::{
-    number::{MATERIAL, MATERIAL_FIELDS, PLAIN},
-    track::Track,
+use super::track::Track;
+use crate::scene::desc::{
+    InstanceDesc, InstanceMaterialDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, PLAIN, SceneDesc,
 };
-use crate::scene::desc::{InstanceDesc, InstanceMaterialDesc, MaterialDesc, SceneDesc};
 
 /// A material inside a model's file, or all of them as `"*"`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,36 +125,6 @@ impl MaterialChange {
     pub fn put(&mut self, values: &Values) {
         for (i, value) in values.iter().enumerate().filter(|(_, v)| v.is_some()) {
             (self.set[i], self.add[i]) = (*value, None);
-        }
-    }
-}
-
-impl MaterialDesc {
-    /// What `over` says, else what this says.
-    pub fn overlaid(&self, over: &Self) -> Self {
-        let (b, o) = (self, over);
-        let text = |over: &Option<_>, base: &Option<_>| over.clone().or_else(|| base.clone());
-        Self {
-            base_color: o.base_color.or(b.base_color),
-            base_color_texture: text(&o.base_color_texture, &b.base_color_texture),
-            checker: o.checker.or(b.checker),
-            metallic: o.metallic.or(b.metallic),
-            roughness: o.roughness.or(b.roughness),
-            metallic_roughness_texture: text(
-                &o.metallic_roughness_texture,
-                &b.metallic_roughness_texture,
-            ),
-            normal_texture: text(&o.normal_texture, &b.normal_texture),
-            normal_scale: o.normal_scale.or(b.normal_scale),
-            occlusion_strength: o.occlusion_strength.or(b.occlusion_strength),
-            emission: o.emission.or(b.emission),
-            emission_strength: o.emission_strength.or(b.emission_strength),
-            emission_texture: text(&o.emission_texture, &b.emission_texture),
-            uv_scale: o.uv_scale.or(b.uv_scale),
-            alpha_cutoff: o.alpha_cutoff.or(b.alpha_cutoff),
-            double_sided: o.double_sided.or(b.double_sided),
-            reflection: o.reflection.or(b.reflection),
-            reflectivity: o.reflectivity.or(b.reflectivity),
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::number::{LIGHT, direction};
-use crate::scene::desc::{CameraDesc, LightDesc};
+use crate::scene::desc::{CameraDesc, LIGHT, LightDesc};
 
 /// What a script has set, so that tracks leave it alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -32,11 +31,11 @@ pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
 /// Why a light could not shine.
 pub fn wrong_with_light(light: &LightDesc) -> Option<&'static str> {
     let usable = |v: Option<Vec3>| v.is_none_or(Vec3::is_finite);
-    let direction = direction(light);
     let stands = LIGHT.iter().all(|field| usable((field.get)(light)));
     if !stands {
         return Some("has a number that is not finite");
     }
+    let direction = light.kind.direction();
     direction
         .is_some_and(|d| d == Vec3::ZERO)
         .then_some("has no direction")

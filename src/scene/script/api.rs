@@ -13,6 +13,10 @@ use rhai::Engine;
 
 pub use self::definitions::definitions;
 use super::limits::limits;
+use crate::scene::{
+    desc::{CAMERA, LIGHT, MATERIAL},
+    number::Field,
+};
 
 /// One function, operator or property.
 pub struct Entry {
@@ -20,11 +24,28 @@ pub struct Entry {
     pub signature: &'static str,
     /// The type that each form gives, with `; ` between; `?` depends on the arguments.
     pub gives: &'static str,
-    /// What it does.
-    pub text: &'static str,
+    /// What it does; see [`Entry::meaning`].
+    text: &'static str,
     /// An expression that is true.
     pub example: &'static str,
     register: fn(&mut Engine),
+}
+
+impl Entry {
+    /// What it does, with the keys of `{camera}`, `{light}` and `{material}`.
+    pub fn meaning(&self) -> String {
+        let text = self.text.replace("{camera}", &keys(&CAMERA));
+        let text = text.replace("{light}", &keys(&LIGHT));
+        text.replace("{material}", &keys(&MATERIAL))
+    }
+}
+
+fn keys<T>(fields: &[Field<T>]) -> String {
+    let keys: Vec<_> = fields.iter().map(|f| format!("`{}`", f.key)).collect();
+    match keys.split_last() {
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
 }
 
 /// A chapter of the reference.
@@ -134,7 +155,7 @@ pub fn manual() -> String {
                 .collect();
             let cells = [
                 forms.join("<br>"),
-                entry.text.to_owned(),
+                entry.meaning(),
                 format!("`{}`", entry.example),
             ];
             let _ = writeln!(

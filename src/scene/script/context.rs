@@ -13,12 +13,8 @@ use super::{
     value::{fail, number, rotation, scale, vector},
 };
 use crate::scene::{
-    desc::{Entry, LightKind, ParamValue, TimelineDesc},
-    motion::{
-        FrameState, Kind, Names,
-        number::{CAMERA, LIGHT, MATERIAL, settle},
-        wrong_with_camera, wrong_with_light,
-    },
+    desc::{CAMERA, Entry, LIGHT, LightKind, MATERIAL, ParamValue, TimelineDesc},
+    motion::{FrameState, Kind, Names, wrong_with_camera, wrong_with_light},
     range::ANY,
     suggest,
 };
@@ -265,13 +261,9 @@ impl Context {
         let index = self.find("light", name, |n| &n.lights)?;
         let mut scene = self.scene();
         let mut light = scene.state.lights[index];
-        let word = match light.kind {
-            LightKind::Point { .. } => "a point light",
-            LightKind::Spot { .. } => "a spot light",
-            LightKind::Directional { .. } => "a directional light",
-        };
+        let word = format!("a {} light", light.kind.name());
         let old = light;
-        for (field, value) in values(&LIGHT, keys, word, |f| (f.get)(&old).is_some())? {
+        for (field, value) in values(&LIGHT, keys, &word, |f| (f.get)(&old).is_some())? {
             (field.put)(&mut light, value);
         }
         if let LightKind::Spot {
@@ -285,7 +277,7 @@ impl Context {
                 "`inner_deg` must be 0 to `outer_deg`: {inner_deg} is more than {outer_deg}"
             ));
         }
-        settle(&mut light);
+        light.settle();
         if let Some(wrong) = wrong_with_light(&light) {
             return fail(format!("light {} {wrong}", suggest::text(name)));
         }

@@ -5,11 +5,9 @@ use rhai::{Dynamic, EvalAltResult, Map};
 
 use super::value::{WrongKey, fail, number, pair, vector};
 use crate::scene::{
-    desc::MaterialDesc,
-    motion::{
-        Values,
-        number::{Field, Form, MATERIAL},
-    },
+    desc::{MATERIAL, MaterialDesc},
+    motion::Values,
+    number::{Field, Form},
     range::{LIMIT, Range},
     suggest,
 };

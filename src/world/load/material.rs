@@ -118,26 +118,9 @@ impl Loader<'_> {
 
     /// Applies the overrides of `desc` to `material`.
     pub fn apply(&mut self, desc: &MaterialDesc, material: &mut Material) {
-        fn set<T>(slot: &mut T, value: Option<T>) {
-            if let Some(value) = value {
-                *slot = value;
-            }
-        }
-        if let Some(color) = desc.base_color {
-            material.base_color = color.extend(material.base_color.w);
-        }
-        set(&mut material.metallic, desc.metallic);
-        set(&mut material.roughness, desc.roughness);
-        set(&mut material.normal_scale, desc.normal_scale);
-        set(&mut material.occlusion_strength, desc.occlusion_strength);
-        set(&mut material.uv_scale, desc.uv_scale);
-        set(&mut material.emission, desc.emission);
-        set(&mut material.double_sided, desc.double_sided);
-        set(&mut material.reflection, desc.reflection);
-        set(&mut material.reflectivity, desc.reflectivity);
-        material.emission *= desc.emission_strength.unwrap_or(1.0);
-        material.alpha_cutoff = desc.alpha_cutoff.or(material.alpha_cutoff);
-        material.checker = desc.checker.or(material.checker);
+        material.set_numbers(desc);
+        material.double_sided = desc.double_sided.unwrap_or(material.double_sided);
+        material.reflection = desc.reflection.unwrap_or(material.reflection);
         let mut texture = |slot: &mut Option<TextureRef>, name: &Option<At<String>>, srgb| {
             if let Some(name) = name {
                 *slot = self.scene_image(name, srgb);

@@ -13,10 +13,9 @@ use crate::{
     bench::metric::flip,
     gpu::GpuError,
     render::{
-        Plane, PlaneData, RenderError, aov::Aov, debug_readback::CUBE_FACES, stats::FrameStats,
-        targets::Target,
+        Plane, PlaneData, RenderError, aov::Aov, debug_readback::CUBE_FACES, lights::has_cube_map,
+        stats::FrameStats, targets::Target,
     },
-    scene::desc::LightKind,
 };
 
 /// Longest edge of a face in an unfolded cube map, pixels.
@@ -101,7 +100,7 @@ impl Worker {
         let (world, renderer) = (self.live.world(), self.live.renderer());
         let read = |face| renderer.shadow_map(&self.gpu, world, shadow_map.light, face);
         let light = world.lights.get(shadow_map.light);
-        let is_cube = light.is_some_and(|l| matches!(l.desc.kind, LightKind::Point { .. }));
+        let is_cube = light.is_some_and(|l| has_cube_map(&l.desc.kind));
         let (size, distances, of) = if let (true, None) = (is_cube, shadow_map.face) {
             let mut faces = Vec::new();
             for face in 0..CUBE_FACES.len() {

@@ -15,8 +15,8 @@ use crate::{
         },
     },
     scene::{
-        desc::MaterialDesc,
-        motion::number::{Field, Form, MATERIAL, PLAIN},
+        desc::{MATERIAL, MaterialDesc, PLAIN},
+        number::{Field, Form},
         range::LIMIT,
     },
 };

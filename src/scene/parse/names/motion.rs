@@ -7,16 +7,13 @@ use toml::de::DeTable;
 use super::Names;
 use crate::scene::{
     desc::{
-        At, Entry, InstanceMaterialDesc, InstanceMotionDesc, LightKind, LightMotionDesc,
-        MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource, PlacementDesc, SceneDesc,
-        TrackDesc, Tracks,
+        At, CAMERA, Entry, InstanceMaterialDesc, InstanceMotionDesc, LIGHT, LightMotionDesc,
+        MATERIAL, MaterialDesc, MaterialMotionDesc, ModelMotionDesc, ModelSource, PlacementDesc,
+        SceneDesc, TrackDesc, Tracks,
     },
     diagnostic::{Diagnostic, Span},
-    motion::{
-        FileMaterial,
-        number::{CAMERA, Field, Form, LIGHT, MATERIAL},
-        written,
-    },
+    motion::{FileMaterial, written},
+    number::{Field, Form},
     parse::report::Report,
     suggest,
 };
@@ -238,11 +235,7 @@ fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut R
     let Some(light) = scene.lights.iter().find(|l| l.name == entry.name) else {
         return;
     };
-    let kind = match light.value.kind {
-        LightKind::Point { .. } => "point",
-        LightKind::Spot { .. } => "spot",
-        LightKind::Directional { .. } => "directional",
-    };
+    let kind = light.value.kind.name();
     let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
     for field in fields.filter(|field| (field.get)(&light.value).is_none()) {
         let message = format!("`{}` does not go with a {kind} light", field.key);

@@ -6,7 +6,7 @@ use crate::scene::range::{ABOVE_0, ANY, Range, range};
 use crate::scene::{
     desc::*,
     diagnostic::{Diagnostic, Span},
-    motion::number::{self, Field, Form, Lanes},
+    number::{Field, Form, Lanes},
     parse::{
         table::{Section, Table},
         value::{Scale, Value},
@@ -67,7 +67,7 @@ impl Section for CameraMotionDesc {
     const HEADING: &'static str = "[motion.camera.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let tracks = tracks(t, &number::CAMERA);
+        let tracks = tracks(t, &CAMERA);
         Some(Self { tracks })
     }
 }
@@ -92,7 +92,7 @@ impl Section for LightMotionDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(false, &[&["direction"], &["target"]]);
-        let tracks = tracks(t, &number::LIGHT);
+        let tracks = tracks(t, &LIGHT);
         Some(Self { tracks })
     }
 }
@@ -102,7 +102,7 @@ impl Section for MaterialMotionDesc {
     const HEADING: &'static str = "[motion.material.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let tracks = tracks(t, &number::MATERIAL);
+        let tracks = tracks(t, &MATERIAL);
         Some(Self { tracks })
     }
 }

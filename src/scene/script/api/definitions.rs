@@ -29,7 +29,7 @@ fn define(out: &mut String, entry: &Entry) {
         let Some(definition) = definition(form, gives) else {
             continue;
         };
-        let text = entry.text.replace('\n', "\n/// ");
+        let text = entry.meaning().replace('\n', "\n/// ");
         let _ = write!(
             out,
             "\n/// {text}\n///\n/// True, for example: `{}`\n{definition}\n",

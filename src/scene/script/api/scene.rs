@@ -128,7 +128,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.camera(name, #{ … })",
         gives: "()",
-        text: "Sets any of `eye`, `target`, `up`, `fov_deg` and `near_m` of a camera.",
+        text: "Sets any of {camera} of a camera.",
         example: "ctx.camera(\"main\", #{ eye: vec3(0, 2, 6), target: ctx.position(\"ball\") }); true",
         register: |e| {
             e.register_fn("camera", |c: &mut Context, name: &str, keys: Map| {
@@ -139,7 +139,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.light(name, #{ … })",
         gives: "()",
-        text: "Sets any of `position`, `direction`, `target` (of a spot), `intensity_cd`, `intensity_lux`, `color`, `inner_deg` and `outer_deg` that the light's kind has.",
+        text: "Sets any of {light} that the light's kind has.",
         example: "ctx.light(\"lamp\", #{ position: [0, 3, 0], intensity_cd: 40 + 10 * ctx.frame % 2 }); true",
         register: |e| {
             e.register_fn("light", |c: &mut Context, name: &str, keys: Map| {
@@ -150,7 +150,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.material(name, #{ … })",
         gives: "()",
-        text: "Sets any of `base_color`, `metallic`, `roughness`, `normal_scale`, `occlusion_strength`, `emission`, `emission_strength`, `uv_scale`, `alpha_cutoff`, `reflectivity`, `checker_a`, `checker_b` (its colors) and `checker_size_m` of a `[material.NAME]`. Of `alpha_cutoff` and the checker's, its table must have one at rest.",
+        text: "Sets any of {material} of a `[material.NAME]`; `checker_a` and `checker_b` are its checker's colors. Of `alpha_cutoff` and the checker's, its table must have one at rest.",
         example: "ctx.material(\"brass\", #{ roughness: 0.1, base_color: vec3(1, 0.8, 0.3) }); true",
         register: |e| {
             e.register_fn("material", |c: &mut Context, name: &str, keys: Map| {

@@ -1,0 +1,55 @@
+// A material's numbers, and the surface that has them. scene.wgsl imports this file and binds them.
+
+struct TextureUse {
+    row_u: vec3f, // u' = dot(row_u, (u, v, 1))
+    layer: u32, // in its pool; NONE: no texture
+    row_v: vec3f,
+    bits: u32, // TEXTURE_*
+    texels: vec2f, // size of the source image, for nearest
+    pad: vec2f,
+}
+
+struct Material {
+    base_color: vec4f,
+    emission: vec3f,
+    metallic: f32,
+    roughness: f32,
+    reflectivity: f32,
+    normal_scale: f32,
+    occlusion_strength: f32,
+    checker_a: vec3f,
+    checker_size_m: f32, // 0: no checker
+    checker_b: vec3f,
+    alpha_cutoff: f32, // below 0: opaque
+    reflection: u32, // REFLECTION_*
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+    textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
+}
+
+struct Surface {
+    position: vec3f,
+    geometric_normal: vec3f, // towards the viewer
+    normal: vec3f, // shading normal, on the same side
+    base_color: vec3f,
+    metallic: f32,
+    emission: vec3f,
+    roughness: f32,
+    reflectivity: f32,
+    occlusion: f32,
+    reflection: u32, // 0 none, 1 auto, 2 mirror
+}
+
+// A surface with the numbers of a material, before textures.
+fn material_surface(m: u32) -> Surface {
+    var s: Surface;
+    s.base_color = materials[m].base_color.xyz;
+    s.metallic = materials[m].metallic;
+    s.roughness = materials[m].roughness;
+    s.reflectivity = materials[m].reflectivity;
+    s.emission = materials[m].emission;
+    s.occlusion = 1.0;
+    s.reflection = materials[m].reflection;
+    return s;
+}

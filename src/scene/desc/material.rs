@@ -1,0 +1,207 @@
+//! Materials as people write them, and what of them may change.
+
+use glam::Vec3;
+
+use super::{At, Tracks};
+use crate::scene::{
+    number::{Field, Form, Lanes},
+    range::{ABOVE_0, ANY, FROM_0, UNIT, range},
+};
+
+/// How a material takes part in reflections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ReflectionMode {
+    /// `"none"`: shows the environment's highlight only; never marched or traced.
+    None,
+    /// `"auto"`: reflects where its roughness is below `reflection.roughness_cutoff`.
+    #[default]
+    Auto,
+    /// `"mirror"`: reflects like polished glass whatever its roughness.
+    Mirror,
+}
+
+/// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of
+/// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
+/// value, or the default of a plain white, rough, non-metallic surface.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct MaterialDesc {
+    /// Linear base color, three numbers 0 to 1. Default white.
+    pub base_color: Option<Vec3>,
+    /// Image file multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
+    pub base_color_texture: Option<At<String>>,
+    /// Procedural checker in place of a base color texture.
+    pub checker: Option<CheckerDesc>,
+    /// Metalness, 0 to 1: 0 is a dielectric, 1 a metal. Default 0.
+    pub metallic: Option<f32>,
+    /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
+    pub roughness: Option<f32>,
+    /// Image file: green = roughness, blue = metallic, both multiplied with the numbers above.
+    pub metallic_roughness_texture: Option<At<String>>,
+    /// Tangent-space normal map (glTF convention, green is up).
+    pub normal_texture: Option<At<String>>,
+    /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made. Default 1.
+    pub normal_scale: Option<f32>,
+    /// Strength of the file's occlusion map, 0 to 1: how much it darkens the environment's light. Default 1, or the glTF value.
+    pub occlusion_strength: Option<f32>,
+    /// Linear emitted color, three numbers 0 or more, multiplied by `emission_strength`. Default black.
+    pub emission: Option<Vec3>,
+    /// Factor on `emission`, 0 or more. 1 shows as white at exposure 0. Default 1.
+    pub emission_strength: Option<f32>,
+    /// Image file multiplied into the emission (sRGB).
+    pub emission_texture: Option<At<String>>,
+    /// Texture repetitions per unit of the texture coordinates, two numbers. Default [1, 1].
+    pub uv_scale: Option<[f32; 2]>,
+    /// Alpha below this is cut out, 0 to 1. Default: not cut out, or the glTF value.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether the back of a triangle is seen. Default true for shapes; glTF's own for models.
+    pub double_sided: Option<bool>,
+    /// How it takes part in reflections. Default `"auto"`.
+    pub reflection: Option<ReflectionMode>,
+    /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
+    /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
+    pub reflectivity: Option<f32>,
+}
+
+/// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard, aligned with the object's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CheckerDesc {
+    /// The two linear colors, each three numbers 0 to 1.
+    pub colors: [Vec3; 2],
+    /// Edge of one cell, meters in object space, above 0.
+    pub size_m: f32,
+}
+
+impl MaterialDesc {
+    /// What `over` says, else what this says.
+    pub fn overlaid(&self, over: &Self) -> Self {
+        let (b, o) = (self, over);
+        let text = |over: &Option<_>, base: &Option<_>| over.clone().or_else(|| base.clone());
+        let mut all = Self {
+            base_color_texture: text(&o.base_color_texture, &b.base_color_texture),
+            checker: o.checker.or(b.checker),
+            metallic_roughness_texture: text(
+                &o.metallic_roughness_texture,
+                &b.metallic_roughness_texture,
+            ),
+            normal_texture: text(&o.normal_texture, &b.normal_texture),
+            emission_texture: text(&o.emission_texture, &b.emission_texture),
+            double_sided: o.double_sided.or(b.double_sided),
+            reflection: o.reflection.or(b.reflection),
+            ..b.clone()
+        };
+        for field in &MATERIAL {
+            if let Some(value) = (field.get)(over) {
+                (field.put)(&mut all, value);
+            }
+        }
+        all
+    }
+}
+
+/// `[motion.material.NAME]`: numbers of a `[material.NAME]`, wherever it is used. What a track
+/// reaches beyond a number's range is cut off there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialMotionDesc {
+    /// - `base_color`: track of the linear base color, 0 to 1.
+    /// - `metallic`: track of the metalness, 0 to 1.
+    /// - `roughness`: track of the perceptual roughness, 0 to 1.
+    /// - `normal_scale`: track of the strength of the normal map, 0 to 4.
+    /// - `occlusion_strength`: track of the strength of the file's occlusion map, 0 to 1.
+    /// - `emission`: track of the linear emitted color, 0 or more.
+    /// - `emission_strength`: track of the factor on `emission`, 0 or more.
+    /// - `uv_scale`: track of the texture repetitions, two numbers.
+    /// - `alpha_cutoff`: track of the alpha below which it is cut out, 0 to 1; the material's own
+    ///   table must have an `alpha_cutoff`, which may be 0.
+    /// - `reflectivity`: track of the specular reflectance at normal incidence, 0 to 1.
+    /// - `checker_a`: track of the first color of its `checker`, 0 to 1.
+    /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
+    /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
+    pub tracks: Tracks,
+}
+
+/// A field that is an `Option` of its struct.
+macro_rules! optional {
+    ($key:ident, $form:ident, $range:expr) => {
+        Field {
+            key: stringify!($key),
+            form: Form::$form,
+            range: $range,
+            get: |it| it.$key.map(Lanes::lanes),
+            put: |it, value| it.$key = Some(Lanes::of(value)),
+        }
+    };
+}
+
+/// A field of a material's checker.
+macro_rules! of_checkers {
+    ($key:literal, $form:ident, $range:expr, |$checker:ident| $value:expr) => {
+        Field {
+            key: $key,
+            form: Form::$form,
+            range: $range,
+            get: |it| it.checker.as_ref().map(|$checker| $value.lanes()),
+            put: |it, value| {
+                if let Some($checker) = &mut it.checker {
+                    $value = Lanes::of(value);
+                }
+            },
+        }
+    };
+}
+
+/// How many values of a material may change.
+pub const MATERIAL_FIELDS: usize = 13;
+
+/// What changes of a material.
+pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
+    optional!(base_color, Color, UNIT),
+    optional!(metallic, Number, UNIT),
+    optional!(roughness, Number, UNIT),
+    optional!(normal_scale, Number, range(0.0, 4.0)),
+    optional!(occlusion_strength, Number, UNIT),
+    optional!(emission, Color, FROM_0),
+    optional!(emission_strength, Number, FROM_0),
+    optional!(uv_scale, Pair, ANY),
+    optional!(alpha_cutoff, Number, UNIT),
+    optional!(reflectivity, Number, UNIT),
+    of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
+    of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
+    of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
+];
+
+/// What a material's table leaves open.
+pub const PLAIN: MaterialDesc = MaterialDesc {
+    base_color: Some(Vec3::ONE),
+    base_color_texture: None,
+    checker: None,
+    metallic: Some(0.0),
+    roughness: Some(1.0),
+    metallic_roughness_texture: None,
+    normal_texture: None,
+    normal_scale: Some(1.0),
+    occlusion_strength: Some(1.0),
+    emission: Some(Vec3::ZERO),
+    emission_strength: Some(1.0),
+    emission_texture: None,
+    uv_scale: Some([1.0, 1.0]),
+    alpha_cutoff: None,
+    double_sided: None,
+    reflection: None,
+    reflectivity: Some(0.04),
+};
+
+impl Field<MaterialDesc> {
+    /// What must stand in a material's own table before this may change, as scene text; `None`
+    /// where its default does. A material is drawn and traced as it was made, and one that is
+    /// never cut out, say, is not asked for its alpha.
+    pub fn lacks(&self, material: &MaterialDesc) -> Option<&'static str> {
+        if (self.get)(material).is_some() || (self.get)(&PLAIN).is_some() {
+            return None;
+        }
+        Some(if self.key == "alpha_cutoff" {
+            "alpha_cutoff = 0"
+        } else {
+            "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }"
+        })
+    }
+}

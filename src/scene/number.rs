@@ -1,0 +1,96 @@
+//! Numbers that may change from frame to frame: what a table of them says of each. The tables stand
+//! beside the structs that have the numbers; `[motion]`, scripts and posing work from them.
+
+use glam::Vec3;
+
+use super::range::Range;
+
+/// How many numbers a value has, and what they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// One, kept three times.
+    Number,
+    /// Two, the third is 0.
+    Pair,
+    /// Three that are no place: nothing to follow or to orbit.
+    Color,
+    /// A point or a direction.
+    Vector,
+}
+
+/// One value of a `T` that may change.
+#[derive(Debug)]
+pub struct Field<T: 'static> {
+    /// Its key in scene text, in `[motion]` and in scripts.
+    pub key: &'static str,
+    /// What it consists of.
+    pub form: Form,
+    /// Of each of its numbers.
+    pub range: Range,
+    /// The value; `None` where this `T` has none.
+    pub get: fn(&T) -> Option<Vec3>,
+    /// Sets the value; does nothing where this `T` cannot have one.
+    pub put: fn(&mut T, Vec3),
+}
+
+impl<T> Field<T> {
+    /// Sets the value, cut off at the ends of its range.
+    pub fn put_clamped(&self, to: &mut T, value: Vec3) {
+        let [x, y, z] = value.to_array().map(|x| self.range.clamp(x));
+        (self.put)(to, Vec3::new(x, y, z));
+    }
+}
+
+/// The field of a key.
+pub fn find<T>(fields: &'static [Field<T>], key: &str) -> Option<&'static Field<T>> {
+    fields.iter().find(|field| field.key == key)
+}
+
+/// A value that consists of one, two or three numbers.
+pub trait Lanes {
+    /// As tracks keep it.
+    fn lanes(self) -> Vec3;
+    /// Back from what tracks keep.
+    fn of(lanes: Vec3) -> Self;
+}
+
+impl Lanes for f32 {
+    fn lanes(self) -> Vec3 {
+        Vec3::splat(self)
+    }
+    fn of(lanes: Vec3) -> Self {
+        lanes.x
+    }
+}
+
+impl Lanes for [f32; 2] {
+    fn lanes(self) -> Vec3 {
+        Vec3::new(self[0], self[1], 0.0)
+    }
+    fn of(lanes: Vec3) -> Self {
+        [lanes.x, lanes.y]
+    }
+}
+
+impl Lanes for Vec3 {
+    fn lanes(self) -> Vec3 {
+        self
+    }
+    fn of(lanes: Vec3) -> Self {
+        lanes
+    }
+}
+
+/// A field that is a plain value of its struct.
+macro_rules! plain {
+    ($key:ident, $form:ident, $range:expr) => {
+        $crate::scene::number::Field {
+            key: stringify!($key),
+            form: $crate::scene::number::Form::$form,
+            range: $range,
+            get: |it| Some($crate::scene::number::Lanes::lanes(it.$key)),
+            put: |it, value| it.$key = $crate::scene::number::Lanes::of(value),
+        }
+    };
+}
+pub(super) use plain;

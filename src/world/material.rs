@@ -1,0 +1,137 @@
+//! Materials: what shading and tracing know of a surface.
+
+use glam::{Vec3, Vec4};
+
+use super::TextureRef;
+use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
+
+/// A surface description after all overrides; textures are indices into [`World::textures`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name from scene text or file.
+    pub name: String,
+    /// Linear, alpha in w.
+    pub base_color: Vec4,
+    /// 0 to 1.
+    pub metallic: f32,
+    /// Perceptual, 0 to 1.
+    pub roughness: f32,
+    /// Specular reflectance at normal incidence of the dielectric part, 0 to 1.
+    pub reflectivity: f32,
+    /// Linear radiance, strength already multiplied in.
+    pub emission: Vec3,
+    /// Strength of the normal map.
+    pub normal_scale: f32,
+    /// Texture repetitions along u and v, on top of each texture's own transform.
+    pub uv_scale: [f32; 2],
+    /// Strength of the occlusion map, 0 to 1; darkens the environment's light, not that of lamps.
+    pub occlusion_strength: f32,
+    /// Cut-out threshold; `None` is opaque.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether it is double-sided.
+    pub double_sided: bool,
+    /// Reflection mode.
+    pub reflection: ReflectionMode,
+    /// Procedural checker multiplied into the base color.
+    pub checker: Option<CheckerDesc>,
+    /// sRGB.
+    pub base_color_texture: Option<TextureRef>,
+    /// Linear: green = roughness, blue = metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Linear, tangent space.
+    pub normal_texture: Option<TextureRef>,
+    /// Linear: red = occlusion.
+    pub occlusion_texture: Option<TextureRef>,
+    /// sRGB.
+    pub emission_texture: Option<TextureRef>,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            metallic: 0.0,
+            roughness: 1.0,
+            reflectivity: 0.04,
+            emission: Vec3::ZERO,
+            normal_scale: 1.0,
+            uv_scale: [1.0; 2],
+            occlusion_strength: 1.0,
+            alpha_cutoff: None,
+            double_sided: false,
+            reflection: ReflectionMode::Auto,
+            checker: None,
+            base_color_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            occlusion_texture: None,
+            emission_texture: None,
+        }
+    }
+}
+
+impl Material {
+    /// Base color, metallic-roughness, normal, occlusion and emission textures, in the order in
+    /// which the shaders know them, with `uv_scale` in their transforms.
+    pub fn slots(&self) -> [Option<TextureRef>; 5] {
+        [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.occlusion_texture,
+            self.emission_texture,
+        ]
+        .map(|slot| {
+            slot.map(|mut slot| {
+                slot.transform[0] *= self.uv_scale[0];
+                slot.transform[1] *= self.uv_scale[1];
+                slot
+            })
+        })
+    }
+
+    /// The numbers that motion may change; the strength is in the emission already.
+    pub fn numbers(&self) -> Box<MaterialDesc> {
+        Box::new(MaterialDesc {
+            base_color: Some(self.base_color.truncate()),
+            metallic: Some(self.metallic),
+            roughness: Some(self.roughness),
+            normal_scale: Some(self.normal_scale),
+            occlusion_strength: Some(self.occlusion_strength),
+            uv_scale: Some(self.uv_scale),
+            alpha_cutoff: self.alpha_cutoff,
+            emission: Some(self.emission),
+            emission_strength: Some(1.0),
+            reflectivity: Some(self.reflectivity),
+            checker: self.checker,
+            ..MaterialDesc::default()
+        })
+    }
+
+    /// Sets the numbers that motion may change, where `desc` says them.
+    pub fn set_numbers(&mut self, desc: &MaterialDesc) {
+        fn set<T>(slot: &mut T, value: Option<T>) {
+            if let Some(value) = value {
+                *slot = value;
+            }
+        }
+        if let Some(color) = desc.base_color {
+            self.base_color = color.extend(self.base_color.w);
+        }
+        set(&mut self.metallic, desc.metallic);
+        set(&mut self.roughness, desc.roughness);
+        set(&mut self.normal_scale, desc.normal_scale);
+        set(&mut self.occlusion_strength, desc.occlusion_strength);
+        set(&mut self.uv_scale, desc.uv_scale);
+        self.alpha_cutoff = desc.alpha_cutoff.or(self.alpha_cutoff);
+        self.checker = desc.checker.or(self.checker);
+        set(&mut self.reflectivity, desc.reflectivity);
+        if let Some(emission) = desc.emission {
+            self.emission = emission;
+        }
+        if desc.emission.is_some() || desc.emission_strength.is_some() {
+            self.emission *= desc.emission_strength.unwrap_or(1.0);
+        }
+    }
+}
