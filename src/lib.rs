@@ -31,7 +31,8 @@
 //!
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
 //!    with `shadow = "ray"` need none.
-//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else.
+//! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; with
+//!    `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The
 //!    function that turns (instance, triangle, barycentrics, footprint) into a surface is `surface_at`
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.

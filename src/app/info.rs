@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     render::{
+        RenderOptions,
         plan::{Dropped, Plan, can_reflect, traces_rays},
         textures::{self, assign_slots},
         types::GpuVertex,
@@ -122,12 +123,13 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     };
     let bounds = world.static_bounds();
     let num_triangles = |mesh: usize| world.meshes[mesh].triangles.len();
-    let trees = if traces_rays(world, reflection) {
+    let options = RenderOptions::of(&loaded.scene);
+    let trees = if traces_rays(world, &options) {
         Trees::build(world, u64::MAX).map_err(|diagnostic| AppError::Scene(vec![*diagnostic]))?
     } else {
         Trees::unbuilt(world)
     };
-    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), reflection);
+    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &options);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;
     Ok(Info {

@@ -125,6 +125,7 @@ impl Renderer {
         frame.clear();
         passes.shadow.record(frame);
         passes.visibility.record(frame);
+        passes.primary.record(frame);
         passes.surface.record(frame);
         passes.light.record(frame);
         passes.pyramid.record(frame);

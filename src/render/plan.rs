@@ -4,11 +4,11 @@ use glam::Vec3;
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{Method, ReflectionDesc, ReflectionMode},
+    scene::desc::{Method, ReflectionDesc, ReflectionMode, Visibility},
     world::{Material, World, Wrap, bvh::Trees},
 };
 
-use super::{lights::has_shadow_rays, textures::PoolSlot};
+use super::{lights::has_shadow_rays, options::RenderOptions, textures::PoolSlot};
 
 /// One thing that was left out, and why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -77,11 +77,17 @@ fn reflects(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
 }
 
-/// Whether a frame follows rays, so that it needs trees: for reflections that are traced, or for
-/// shadows that are.
-pub fn traces_rays(world: &World, settings: &ReflectionDesc) -> bool {
-    let reflections = settings.method != Method::Ssr && reflects(world, settings.roughness_cutoff);
-    reflections || has_shadow_rays(&world.lights)
+/// Whether pixels are found by rays, not by rasterization.
+pub fn has_primary_rays(options: &RenderOptions) -> bool {
+    options.image.visibility == Visibility::Rays
+}
+
+/// Whether a frame follows rays, so that it needs trees: for reflections, primary visibility or
+/// shadows.
+pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
+    let cutoff = options.reflection.roughness_cutoff;
+    let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
+    reflections || has_primary_rays(options) || has_shadow_rays(&world.lights)
 }
 
 impl Plan {
@@ -105,7 +111,8 @@ impl Plan {
     }
 
     /// What this scene needs.
-    pub fn of(world: &World, trees: &Trees, slots: &[PoolSlot], settings: &ReflectionDesc) -> Self {
+    pub fn of(world: &World, trees: &Trees, slots: &[PoolSlot], options: &RenderOptions) -> Self {
+        let settings = &options.reflection;
         let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
         used.sort_unstable();
         used.dedup();
@@ -114,7 +121,7 @@ impl Plan {
         let cutoff = settings.roughness_cutoff;
         let reflections = reflects(world, cutoff);
         let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
-        let traced = traces_rays(world, settings);
+        let traced = traces_rays(world, options);
         let mut plan = Self {
             reflections,
             traced,
@@ -149,7 +156,7 @@ impl Plan {
         drop(
             !self.traced,
             "all trees",
-            "no ray is followed, neither for reflections nor for shadows",
+            "no ray is followed: for reflections, primary visibility or shadows",
         );
         drop(
             self.traced && !self.static_tree,

@@ -97,7 +97,7 @@ fn build_trees(
 }
 
 fn needs_trees(world: &World, options: &RenderOptions) -> bool {
-    options.general || traces_rays(world, &options.reflection)
+    options.general || traces_rays(world, options)
 }
 
 impl Renderer {
@@ -363,7 +363,7 @@ fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptio
     if options.general {
         Plan::general(&options.reflection)
     } else {
-        Plan::of(world, trees, &scene.pools.slots, &options.reflection)
+        Plan::of(world, trees, &scene.pools.slots, options)
     }
 }
 

@@ -112,7 +112,11 @@ impl Target {
     fn usage(self) -> wgpu::TextureUsages {
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
         match self {
-            Self::RasterDepth | Self::Ids => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            Self::RasterDepth => read | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            // By rasterization or by rays.
+            Self::Ids => {
+                read | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::STORAGE_BINDING
+            }
             _ => read | wgpu::TextureUsages::STORAGE_BINDING,
         }
     }

@@ -323,6 +323,16 @@ pub enum ToneMap {
     Aces,
 }
 
+/// How the surface that each pixel shows is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Visibility {
+    /// `"raster"`: all triangles are drawn.
+    #[default]
+    Raster,
+    /// `"rays"`: a ray a pixel through the trees; cheaper in small pictures of many triangles.
+    Rays,
+}
+
 /// `[image]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageDesc {
@@ -334,6 +344,9 @@ pub struct ImageDesc {
     pub exposure_ev: f32,
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
+    /// How the surface that each pixel shows is found. Pictures differ only at edges of triangles,
+    /// by rounding. Default `"raster"`.
+    pub visibility: Visibility,
 }
 
 impl Default for ImageDesc {
@@ -343,6 +356,7 @@ impl Default for ImageDesc {
             samples: 1,
             exposure_ev: 0.0,
             tone_map: ToneMap::Neutral,
+            visibility: Visibility::Raster,
         }
     }
 }

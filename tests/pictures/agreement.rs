@@ -202,6 +202,46 @@ fn a_dynamic_instance_looks_like_a_static_one() {
 }
 
 #[test]
+fn primary_rays_find_what_rasterization_shows() {
+    let Some(gpu) = gpu() else { return };
+    let inside = OBJECTS.replace("eye = [0, 2.2, 6]", "eye = [-1.4, 1, 0.1]\nnear_m = 0.4");
+    let single_sided = inside.replace("metallic = 1", "metallic = 1\ndouble_sided = false");
+    let mut differing = 0;
+    for text in [OBJECTS, &inside, &single_sided] {
+        for dynamic in ["false", "true"] {
+            let text = text.replace("DYNAMIC", dynamic);
+            let of = |visibility: &str| {
+                let set = format!("image.visibility={visibility}");
+                let picture = render(gpu, &text, &[&set], &[Aov::Ids]);
+                integers(&picture, Aov::Ids).to_vec()
+            };
+            let (raster, rays) = (of("raster"), of("rays"));
+            let at = |ids: &[u32], x: i32, y: i32| {
+                let (x, y) = (x.clamp(0, 159), y.clamp(0, 89));
+                ids[2 * (y * 160 + x) as usize..][..2].to_vec()
+            };
+            for (x, y) in (0..90).flat_map(|y| (0..160).map(move |x| (x, y))) {
+                let found = at(&rays, x, y);
+                if found == at(&raster, x, y) {
+                    continue;
+                }
+                differing += 1;
+                // Only by rounding, where a neighbor shows it.
+                let mut around = (-1..2).flat_map(|v| (-1..2).map(move |u| (x + u, y + v)));
+                assert!(
+                    around.any(|(x, y)| at(&raster, x, y)[0] == found[0]),
+                    "dynamic {dynamic}: pixel ({x}, {y}) shows {found:?}"
+                );
+            }
+        }
+    }
+    assert!(
+        differing <= 6 * 160 * 90 / 1000,
+        "{differing} pixels differ"
+    );
+}
+
+#[test]
 fn moved_instances_and_lights_look_as_if_built_there() {
     let Some(gpu) = gpu() else { return };
     let (desc, mut world) = scene(

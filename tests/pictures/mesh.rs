@@ -155,7 +155,9 @@ translation = [-0.6, 1, 0]
 "#;
     for shadow in ["map", "ray"] {
         for (alpha, is_solid) in [(0.75, true), (0.25, false)] {
-            let (desc, mut world) = scene(&text.replace("SHADOW", shadow), &[]);
+            let visibility = if shadow == "map" { "raster" } else { "rays" };
+            let set = format!("image.visibility={visibility}");
+            let (desc, mut world) = scene(&text.replace("SHADOW", shadow), &[&set]);
             let leaf = world.instances[1].mesh;
             let count = world.meshes[leaf].positions.len();
             world.meshes[leaf].colors = vec![Vec4::new(1.0, 1.0, 1.0, alpha); count];

@@ -319,7 +319,7 @@ fn environment_reflection_and_image_arrive() {
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nfade = true\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nexposure_ev = -20\n\
-         tone_map = \"aces\"",
+         tone_map = \"aces\"\nvisibility = \"rays\"",
     );
     let color = Vec3::new(1.0, 2.0, 3.0);
     let flat = EnvironmentDesc {
@@ -351,7 +351,8 @@ fn environment_reflection_and_image_arrive() {
             size: [1, 16384],
             samples,
             exposure_ev,
-            tone_map
+            tone_map,
+            visibility: Visibility::Rays,
         }
     );
     let gradient = read("environment.zenith = [1, 2, 3]").environment;

@@ -5,6 +5,7 @@ pub mod blur;
 pub mod compose;
 pub mod hits;
 pub mod light;
+pub mod primary;
 pub mod pyramid;
 pub mod shadow;
 pub mod ssr;
@@ -49,6 +50,7 @@ macro_rules! passes {
 passes! {
     shadow: Shadow,
     visibility: Visibility,
+    primary: Primary,
     surface: Surface,
     light: Light,
     pyramid: Pyramid,

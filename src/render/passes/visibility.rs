@@ -7,6 +7,7 @@ use crate::{
         frame_pass::FramePass,
         pass::{Pass, declared_overrides},
         pass_builder::PassBuilder,
+        plan::has_primary_rays,
         scene::DrawClass,
         sub_frame::SubFrame,
         targets::Target,
@@ -18,6 +19,7 @@ pub const PASS: Pass = Pass {
     name: "visibility",
     color: [66, 133, 180],
     writes: &[Target::RasterDepth, Target::Ids],
+    needed: |_, options| !has_primary_rays(options),
     ..Pass::DEFAULT
 };
 

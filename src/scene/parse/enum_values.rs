@@ -7,7 +7,7 @@ use super::{
     value::{Named, Node, Value, wrong_type},
 };
 use crate::scene::desc::{
-    Accept, CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap,
+    Accept, CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap, Visibility,
 };
 use crate::scene::{range::Range, suggest};
 
@@ -52,6 +52,7 @@ words!(CurveKind {
 });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
+words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
 
 /// `"a", "b" or "c"`.

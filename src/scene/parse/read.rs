@@ -292,6 +292,7 @@ impl Section for ImageDesc {
             samples: t.get("samples", range(1.0, 4096.0), default.samples),
             exposure_ev: t.get("exposure_ev", range(-20.0, 20.0), default.exposure_ev),
             tone_map: t.get("tone_map", ANY, default.tone_map),
+            visibility: t.get("visibility", ANY, default.visibility),
         })
     }
 }

@@ -1,0 +1,29 @@
+// Primary rays: finds what each pixel shows through the trees, with the culling, near plane and
+// cut-outs of the visibility pass that rasterizes.
+
+#import bvh
+#import frame
+#import lists
+#import surface
+
+@group(2) @binding(0) var ids: texture_storage_2d<rg32uint, write>;
+@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+
+fn find(pixel: vec2u) {
+    if (any(pixel >= vec2u(frame.size))) { return; }
+    // Along this direction, t is linear view depth.
+    let h = trace_nearest(frame.eye, pixel_ray(vec2f(pixel) + 0.5), frame.near_m, FAR_M);
+    textureStore(ids, pixel, vec4u(h.instance, select(h.triangle, NONE, h.instance == NONE), 0u, 0u));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    find(id.xy);
+}
+
+@compute @workgroup_size(8, 8)
+fn counted(@builtin(global_invocation_id) id: vec3u) {
+    find(id.xy);
+    textureStore(counts, id.xy, vec4u(0u, traversals, visited_nodes, tested_triangles));
+}

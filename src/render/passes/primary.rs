@@ -1,0 +1,39 @@
+//! Primary rays: finds the ids of each pixel through the trees, where the options ask for it.
+
+use crate::{
+    gpu::{Checks, GpuError},
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        plan::has_primary_rays,
+        sub_frame::SubFrame,
+        targets::Target,
+    },
+};
+
+/// See `shaders/primary.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "primary",
+    color: [95, 160, 205],
+    writes: &[Target::Ids],
+    needed: |_, options| has_primary_rays(options),
+    // `check_world` and `Trees::build` validated every index that tracing follows.
+    checks: Checks::TrustedBuiltin,
+    counted: true,
+    ..Pass::DEFAULT
+};
+
+/// The pass.
+#[derive(Debug)]
+pub struct Primary(ComputePass);
+
+impl FramePass for Primary {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self(builder.compute(&PASS, &[])?))
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        frame.dispatch(&self.0, &Dispatch::PerPixel);
+    }
+}
