@@ -239,6 +239,10 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
         "scene.toml",
         "--size",
         "33x17",
+        "--set",
+        "reflection.method=hybrid",
+        "--set",
+        "image.visibility=raster",
         "--aov",
         "source,depth",
     ];

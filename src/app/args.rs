@@ -164,6 +164,8 @@ pub enum MethodArg {
     Rt,
     /// Screen space first, ray traced where that fails
     Hybrid,
+    /// Hybrid or rt, whichever is expected to take less time
+    Auto,
 }
 
 impl From<MethodArg> for Method {
@@ -172,6 +174,7 @@ impl From<MethodArg> for Method {
             MethodArg::Ssr => Self::Ssr,
             MethodArg::Rt => Self::Rt,
             MethodArg::Hybrid => Self::Hybrid,
+            MethodArg::Auto => Self::Auto,
         }
     }
 }

@@ -54,6 +54,8 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
             add(&read(&file)?);
         }
     }
+    // Decided, where the scene leaves a choice.
+    add(format!("{:?}", session.options()).as_bytes());
     let gpu = &session.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());

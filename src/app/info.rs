@@ -15,6 +15,7 @@ use super::{
 use crate::{
     render::{
         RenderOptions,
+        decide::{Decision, decide},
         plan::{Dropped, Plan, can_reflect, traces_rays},
         textures::{self, assign_slots},
         types::GpuVertex,
@@ -74,6 +75,10 @@ pub struct Info {
     pub tree_bytes: u64,
     /// Maximum number of consecutive reflections in this scene.
     pub bounces: u32,
+    /// What is left to `auto`, and what is chosen on software adapters.
+    pub decided_software: Vec<Decision>,
+    /// The same on all others.
+    pub decided_gpu: Vec<Decision>,
     /// Features that the plan drops, and why that changes nothing.
     pub left_out: Vec<Dropped>,
     /// Warnings of loading.
@@ -112,7 +117,7 @@ pub fn info(args: &InfoArgs) -> Result<(), AppError> {
 /// # Errors
 /// [`AppError::Scene`] when its trees cannot be built.
 pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
-    let world = &loaded.world;
+    let world = &loaded.first_frame();
     let reflection = &loaded.scene.reflection;
     let unit_m = reflection.unit_m.unwrap_or_else(|| world.unit_m());
     let num_lights = |name| {
@@ -129,7 +134,8 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     } else {
         Trees::unbuilt(world)
     };
-    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &options);
+    let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
+    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;
     Ok(Info {
@@ -168,6 +174,8 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
         bounces: plan.bounces,
+        decided_software: software.decisions,
+        decided_gpu: gpu.decisions,
         left_out: plan.dropped,
         warnings: loaded.num_warnings,
         files: world
@@ -287,6 +295,9 @@ fn table(info: &Info) -> String {
         ),
     );
     line("bounces", info.bounces.to_string());
+    for decision in decisions(info) {
+        line("decided", decision);
+    }
     for dropped in &info.left_out {
         line("left out", format!("{}: {}", dropped.what, dropped.why));
     }
@@ -295,4 +306,17 @@ fn table(info: &Info) -> String {
         line("file", file.clone());
     }
     out
+}
+
+/// What is left to `auto` becomes what, on which adapters.
+fn decisions(info: &Info) -> Vec<String> {
+    let kinds = [
+        ("software", &info.decided_software),
+        ("GPUs", &info.decided_gpu),
+    ];
+    let of = |(kind, list): (&str, &Vec<Decision>)| {
+        let text = |d: &Decision| format!("{} = {} on {kind}: {}", d.what, d.chosen, d.why);
+        list.iter().map(text).collect::<Vec<_>>()
+    };
+    kinds.into_iter().flat_map(of).collect()
 }

@@ -139,6 +139,8 @@ pub struct Live {
     world: World,
     asset_cache: AssetCache,
     renderer: Renderer,
+    /// Decided for a scene with method `auto`, before the view chose another.
+    auto_method: Method,
     overrides: ViewOverrides,
     /// Models, images and other files, existing or not.
     dependencies: Dependencies,
@@ -233,6 +235,7 @@ impl Live {
             scene: read.scene,
             world,
             asset_cache,
+            auto_method: renderer.method(),
             renderer,
             overrides,
             dependencies: read.options.dependencies,
@@ -336,6 +339,14 @@ impl Live {
     /// Renderer of the scene.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
+    }
+
+    /// The method that the scene asks for; of `auto`, what was decided last.
+    pub fn scene_method(&self) -> Method {
+        match self.scene.reflection.method {
+            Method::Auto => self.auto_method,
+            method => method,
+        }
     }
 
     /// Files and arguments of the scene.

@@ -128,14 +128,9 @@ fn overrides(args: &RenderArgs) -> Vec<String> {
     let samples = args
         .samples
         .map(|samples| format!("image.samples={samples}"));
-    let method = args.method.map(|method| {
-        let word = match method.into() {
-            Method::Ssr => "ssr",
-            Method::Rt => "rt",
-            Method::Hybrid => "hybrid",
-        };
-        format!("reflection.method=\"{word}\"")
-    });
+    let method = args
+        .method
+        .map(|method| format!("reflection.method=\"{}\"", Method::from(method).name()));
     [size, samples, method].into_iter().flatten().collect()
 }
 

@@ -43,9 +43,12 @@ impl RenderSession {
         let gpu = Gpu::new(&GpuOptions {
             adapter_filter: args.adapter.clone(),
         })?;
-        let options = RenderOptions::of(&loaded.scene);
+        let options = RenderOptions {
+            camera,
+            ..RenderOptions::of(&loaded.scene)
+        };
         let own_shaders = args.shaders.is_some();
-        let renderer = Renderer::new(&gpu, library, &loaded.world, &options)
+        let renderer = Renderer::new(&gpu, library, &loaded.first_frame(), &options)
             .map_err(|error| AppError::from_render(error, own_shaders))?;
         Ok(Self {
             gpu: Arc::new(gpu),
@@ -56,6 +59,11 @@ impl RenderSession {
             renderer,
             camera,
         })
+    }
+
+    /// Settings without `auto`.
+    pub fn options(&self) -> &RenderOptions {
+        self.renderer.options()
     }
 
     /// Renders the posed scene.

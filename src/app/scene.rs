@@ -1,6 +1,7 @@
 //! Scene opening from command-line arguments: file or built-in atrium, overrides, asset folders.
 
 use std::{
+    borrow::Cow,
     env,
     path::{Path, PathBuf},
 };
@@ -155,6 +156,20 @@ impl OpenedScene {
             overrides: self.overrides,
             num_warnings: self.warnings.len(),
         })
+    }
+}
+
+impl LoadedScene {
+    /// The world at the first frame, which decides what is `auto`; as loaded where that frame has
+    /// errors, which are reported when it is rendered.
+    pub fn first_frame(&self) -> Cow<'_, World> {
+        if let Ok(Some(state)) = self.scene.pose(self.scene.first_frame()) {
+            let mut world = self.world.clone();
+            if world.apply(&state).is_ok() {
+                return Cow::Owned(world);
+            }
+        }
+        Cow::Borrowed(&self.world)
     }
 }
 

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::{
     gpu::Gpu,
     render::{
+        decide::Decision,
         probe::PassCounts,
         stats::{FrameStats, Share},
     },
@@ -97,6 +98,10 @@ impl Report {
             );
         } else if self.times_disagree {
             line("", time("note: the passes add up to", self.passes_total_ms));
+        }
+        for (index, Decision { what, chosen, why }) in frame.decisions.iter().enumerate() {
+            let label = if index == 0 { "decided" } else { "" };
+            line(label, format!("{what} = {chosen}: {why}"));
         }
         let shares = &frame.shares;
         let reflective = 100.0 * shares.reflective as f64 / shares.pixels.max(1) as f64;
@@ -212,6 +217,7 @@ mod tests {
                 size: [100, 10],
                 samples: 1,
                 method: Method::Hybrid,
+                decisions: Vec::new(),
                 unit_m: 1.0,
                 tree_ms: 0.5,
                 passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],

@@ -47,11 +47,7 @@ pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
 
 /// Name of a method in scenes and tables.
 pub const fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Ssr => "ssr",
-        Method::Rt => "rt",
-        Method::Hybrid => "hybrid",
-    }
+    method.name()
 }
 
 /// Name of a rule of acceptance in scenes and tables.
@@ -97,7 +93,7 @@ impl Parameter {
         match method {
             Method::Ssr => &[Self::Steps],
             Method::Rt => &[Self::Bounces],
-            Method::Hybrid => &[Self::ThresholdU, Self::EdgePx],
+            Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx],
         }
     }
 
@@ -105,7 +101,7 @@ impl Parameter {
     pub const fn acts_on(self, method: Method) -> bool {
         match self {
             Self::ThresholdU | Self::Steps => !matches!(method, Method::Rt),
-            Self::EdgePx => matches!(method, Method::Hybrid),
+            Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // `ssr` alone follows one reflection and nothing beyond it.
             Self::Bounces => !matches!(method, Method::Ssr),
             Self::RayLengthU | Self::Scale => true,
@@ -237,7 +233,10 @@ mod tests {
 
     #[test]
     fn a_parameter_changes_its_setting_and_nothing_else() {
-        let settings = ReflectionDesc::default();
+        let settings = ReflectionDesc {
+            method: Method::Hybrid,
+            ..ReflectionDesc::default()
+        };
         let turned = |parameter| Variant::turned(Method::Hybrid, &settings, parameter, &[8.0]);
         let expect = |change: fn(&mut ReflectionDesc)| {
             let mut changed = settings;

@@ -12,7 +12,7 @@ use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{RenderError, RenderOptions, Renderer},
     scene::{
-        desc::{CameraDesc, ImageDesc, Method, ReflectionDesc},
+        desc::{CameraDesc, ImageDesc, Method, ReflectionDesc, Visibility},
         diagnostic::Diagnostic,
         range::BOUNCES,
     },
@@ -70,13 +70,22 @@ impl Subject {
         reflection: &ReflectionDesc,
         size: [u32; 2],
     ) -> Result<Renderer, RenderError> {
+        // The same for all methods, so that they differ in reflections alone.
+        let visibility = match self.image.visibility {
+            Visibility::Auto => Visibility::Raster,
+            visibility => visibility,
+        };
         let options = RenderOptions {
             reflection: ReflectionDesc {
                 bounces: REFERENCE_BOUNCES,
                 ..*reflection
             },
-            image: ImageDesc { size, ..self.image },
-            general: false,
+            image: ImageDesc {
+                size,
+                visibility,
+                ..self.image
+            },
+            ..RenderOptions::default()
         };
         Renderer::new(gpu, library, &self.world, &options)
     }

@@ -57,8 +57,9 @@ impl BindingKey {
 
     /// Whether these lights use the shadow maps that there are, and shadow rays only if there are
     /// any.
-    pub fn fits_lights(&self, lights: &[Light]) -> bool {
-        self.shadows == ShadowSizes::of(lights) && (self.shadow_rays || !has_shadow_rays(lights))
+    pub fn fits_lights(&self, lights: &[Light], options: &RenderOptions) -> bool {
+        let has_rays = has_shadow_rays(lights, options);
+        self.shadows == ShadowSizes::of(lights, options) && (self.shadow_rays || !has_rays)
     }
 }
 

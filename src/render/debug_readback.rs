@@ -12,20 +12,18 @@ use crate::{
 };
 
 use super::{
-    lights::{SHADOW_NEAR_M, has_cube_map},
+    lights::{CUBE_FACES, SHADOW_NEAR_M, has_cube_map},
+    options::RenderOptions,
     ray_list::RAY_COUNTER,
     renderer::Renderer,
 };
 
-/// Faces of a cube map in their order: the axes that they look along.
-pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
-
 /// How many maps the shadow of a light takes: six faces for a point light, one for the others, none
 /// where it is found otherwise.
-pub fn shadow_faces(light: &Light) -> usize {
-    match light.desc.shadow {
+pub fn shadow_faces(light: &Light, options: &RenderOptions) -> usize {
+    match options.shadow_of(&light.desc) {
         ShadowMode::Map if has_cube_map(&light.desc.kind) => CUBE_FACES.len(),
-        ShadowMode::Map => 1,
+        ShadowMode::Map | ShadowMode::Auto => 1,
         ShadowMode::None | ShadowMode::Ray => 0,
     }
 }
@@ -58,11 +56,11 @@ impl Renderer {
         light: usize,
         face: usize,
     ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
-        let faces = world.lights.get(light).map_or(0, shadow_faces);
-        if face >= faces {
+        let faces = |light: &Light| shadow_faces(light, &self.options);
+        if face >= world.lights.get(light).map_or(0, faces) {
             return Ok(None);
         }
-        let before: usize = world.lights[..light].iter().map(shadow_faces).sum();
+        let before: usize = world.lights[..light].iter().map(faces).sum();
         let (_, views) = self.lights(world);
         let Some(view) = views.get(before + face) else {
             return Ok(None);
@@ -153,8 +151,9 @@ mod tests {
         let point = Vec3::new(0.7, 1.25, 0.8);
         for (kind, expected_m) in kinds.into_iter().zip([2.75, 2.75, 3.75]) {
             let all = [light(kind)];
-            let (_, views) = lights(&all, ShadowSizes::of(&all), &bounds);
-            assert_eq!(views.len(), shadow_faces(&all[0]));
+            let options = RenderOptions::default();
+            let (_, views) = lights(&all, ShadowSizes::of(&all, &options), &bounds, &options);
+            assert_eq!(views.len(), shadow_faces(&all[0], &options));
             // Of a cube, the face that looks down.
             let view = views.get(3).unwrap_or(&views[0]);
             let clip = view.clip_from_world * point.extend(1.0);
@@ -172,8 +171,8 @@ mod tests {
             direction: Vec3::X,
             intensity_lux: 1.0,
         });
-        assert_eq!(shadow_faces(&lamp), 1);
+        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 1);
         lamp.desc.shadow = ShadowMode::Ray;
-        assert_eq!(shadow_faces(&lamp), 0);
+        assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 0);
     }
 }

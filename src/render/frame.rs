@@ -143,7 +143,12 @@ impl Renderer {
     pub(super) fn lights(&self, world: &World) -> (LightBlock, Vec<ShadowView>) {
         let draws = self.scene.draws.iter();
         let bounds = draws.fold(Bounds::EMPTY, |all, d| all.union(d.bounds));
-        lights(&world.lights, self.bindings.maps.sizes, &bounds)
+        lights(
+            &world.lights,
+            self.bindings.maps.sizes,
+            &bounds,
+            &self.options,
+        )
     }
 
     /// The stats of a frame whose counters nobody has read.
@@ -172,6 +177,7 @@ impl Renderer {
             shares: Shares::new(&[], size, method),
             rays: 0,
             exhausted_rays: 0,
+            decisions: self.decisions.clone(),
             passes_ms,
             frame_ms,
             bytes,

@@ -9,7 +9,10 @@ use crate::{
     world::Light,
 };
 
-use super::types::{GpuLight, LightBlock};
+use super::{
+    options::RenderOptions,
+    types::{GpuLight, LightBlock},
+};
 
 /// Near plane of shadow maps.
 pub const SHADOW_NEAR_M: f32 = 0.01;
@@ -46,9 +49,10 @@ pub struct ShadowSizes {
 
 impl ShadowSizes {
     /// Shadow maps of these lights.
-    pub fn of(lights: &[Light]) -> Self {
+    pub fn of(lights: &[Light], options: &RenderOptions) -> Self {
         let mut sizes = Self::default();
-        for light in lights.iter().filter(|l| l.desc.shadow == ShadowMode::Map) {
+        let has_map = |l: &&Light| options.shadow_of(&l.desc) == ShadowMode::Map;
+        for light in lights.iter().filter(has_map) {
             if has_cube_map(&light.desc.kind) {
                 sizes.cubes += 1;
                 sizes.cube_px = sizes.cube_px.max(light.desc.shadow_px);
@@ -61,15 +65,18 @@ impl ShadowSizes {
     }
 }
 
+/// Faces of a cube map in their order: the axes that they look along.
+pub const CUBE_FACES: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+
 /// Whether such a light's shadow map is a cube, else flat.
 pub fn has_cube_map(kind: &LightKind) -> bool {
     matches!(kind, LightKind::Point { .. })
 }
 
 /// Whether some light has ray-traced shadows.
-pub fn has_shadow_rays(lights: &[Light]) -> bool {
+pub fn has_shadow_rays(lights: &[Light], options: &RenderOptions) -> bool {
     let mut lights = lights.iter();
-    lights.any(|light| light.desc.shadow == ShadowMode::Ray)
+    lights.any(|light| options.shadow_of(&light.desc) == ShadowMode::Ray)
 }
 
 /// The uniform block and the shadow views of one frame. `bounds` contain all shadow casters.
@@ -77,13 +84,15 @@ pub fn lights(
     lights: &[Light],
     sizes: ShadowSizes,
     bounds: &Bounds,
+    options: &RenderOptions,
 ) -> (LightBlock, Vec<ShadowView>) {
     let mut block = LightBlock::zeroed();
     let mut views = Vec::new();
     let (mut cubes, mut maps) = (0, 0);
     for (light, out) in lights.iter().zip(&mut block.lights) {
-        *out = gpu_light(light);
-        if light.desc.shadow != ShadowMode::Map {
+        let shadow = options.shadow_of(&light.desc);
+        *out = gpu_light(light, shadow);
+        if shadow != ShadowMode::Map {
             continue;
         }
         if let LightKind::Point { position, .. } = light.desc.kind {
@@ -116,7 +125,7 @@ pub fn lights(
     (block, views)
 }
 
-fn gpu_light(light: &Light) -> GpuLight {
+fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
     let mut out = GpuLight::zeroed();
     let intensity = match light.desc.kind {
         LightKind::Point {
@@ -154,9 +163,9 @@ fn gpu_light(light: &Light) -> GpuLight {
     out.kind = light.desc.kind.index() as u32;
     out.color = (light.desc.color * intensity).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
-    out.shadow = match light.desc.shadow {
+    out.shadow = match shadow {
         ShadowMode::None => SHADOW_NONE,
-        ShadowMode::Map => SHADOW_MAP,
+        ShadowMode::Map | ShadowMode::Auto => SHADOW_MAP,
         ShadowMode::Ray => SHADOW_RAY,
     };
     out

@@ -4,8 +4,10 @@ pub mod aov;
 pub(crate) mod bindings;
 pub mod cause;
 pub mod constants;
+pub(crate) mod cost;
 pub(crate) mod cull;
 pub(crate) mod debug_readback;
+pub mod decide;
 pub(crate) mod download;
 pub mod error;
 pub(crate) mod frame;
@@ -36,6 +38,7 @@ pub(crate) mod textures;
 pub mod types;
 pub mod validate;
 pub mod view;
+pub(crate) mod view_sample;
 pub(crate) mod world_key;
 
 pub use aov::{Plane, PlaneData};

@@ -1,16 +1,32 @@
 //! Render options.
 
-use crate::scene::desc::{ImageDesc, ReflectionDesc, SceneDesc};
+use crate::scene::desc::{ImageDesc, LightDesc, LightKind, ReflectionDesc, SceneDesc, ShadowMode};
 
 /// Render options.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Reflection settings.
     pub reflection: ReflectionDesc,
     /// Size, sub-frames, tone.
     pub image: ImageDesc,
+    /// Shadows of lights with `shadow = "auto"`, by kind of light.
+    pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
+    /// Index of the camera whose view decides what is `auto`.
+    pub camera: usize,
     /// Drop no features, to compare with the specialized frame.
     pub general: bool,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            reflection: ReflectionDesc::default(),
+            image: ImageDesc::default(),
+            auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
+            camera: 0,
+            general: false,
+        }
+    }
 }
 
 impl RenderOptions {
@@ -19,7 +35,15 @@ impl RenderOptions {
         Self {
             reflection: desc.reflection,
             image: desc.image,
-            general: false,
+            ..Self::default()
+        }
+    }
+
+    /// How the shadows of a light are found.
+    pub fn shadow_of(&self, light: &LightDesc) -> ShadowMode {
+        match light.shadow {
+            ShadowMode::Auto => self.auto_shadow[light.kind.index()],
+            mode => mode,
         }
     }
 }

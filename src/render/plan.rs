@@ -73,7 +73,7 @@ fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
 }
 
 /// Whether some material reflects in some frame.
-fn reflects(world: &World, cutoff: f32) -> bool {
+pub fn reflects(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
 }
 
@@ -87,7 +87,7 @@ pub fn has_primary_rays(options: &RenderOptions) -> bool {
 pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
     let cutoff = options.reflection.roughness_cutoff;
     let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
-    reflections || has_primary_rays(options) || has_shadow_rays(&world.lights)
+    reflections || has_primary_rays(options) || has_shadow_rays(&world.lights, options)
 }
 
 impl Plan {
@@ -131,7 +131,7 @@ impl Plan {
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
-            shadow_rays: has_shadow_rays(&world.lights),
+            shadow_rays: has_shadow_rays(&world.lights, options),
             bounces: if single_bounce { 1 } else { settings.bounces },
             slot_pools,
             wraps,

@@ -14,6 +14,7 @@ use crate::{
 
 use super::{
     bindings::{BindingInputs, BindingKey, Bindings},
+    decide::{Decision, decide},
     error::RenderError,
     frame_uniforms::FrameUniforms,
     lights::ShadowSizes,
@@ -33,6 +34,7 @@ use super::{
 #[derive(Debug)]
 pub struct Renderer {
     pub(super) options: RenderOptions,
+    pub(super) decisions: Vec<Decision>,
     pub(super) unit_m: f32,
     pub(super) plan: Plan,
     pub(super) trees: Trees,
@@ -137,12 +139,19 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         check_world(world)?;
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
+        let decided = decide(world, &trees, options, gpu.is_software());
+        let options = &decided.options;
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
         let shaders = shaders.updated(gpu, library, &needed)?;
         let uniforms = FrameUniforms::new(gpu);
-        let key = BindingKey::new(&plan, options, ShadowSizes::of(&world.lights), &needed);
+        let key = BindingKey::new(
+            &plan,
+            options,
+            ShadowSizes::of(&world.lights, options),
+            &needed,
+        );
         let inputs = BindingInputs {
             plan: &plan,
             options,
@@ -154,6 +163,7 @@ impl Renderer {
         Ok(Self {
             unit_m: unit_of(world, options),
             options: *options,
+            decisions: decided.decisions,
             timer: Timer::new(gpu)?,
             plan,
             trees,
@@ -199,6 +209,8 @@ impl Renderer {
             .then(|| build_trees(gpu, world, options))
             .transpose()?;
         let trees = new_trees.as_ref().map_or(&self.trees, |(trees, _)| trees);
+        let decided = decide(world, trees, options, gpu.is_software());
+        let options = &decided.options;
         let new_scene = (rebuilt.materials)
             .then(|| self.scene.with_materials(gpu, world, trees, rebuilt.trees))
             .transpose()?;
@@ -206,7 +218,12 @@ impl Renderer {
         let plan = plan_of(world, trees, scene, options);
         let needed = needed_passes(&plan, options);
         let shaders = self.shaders.updated(gpu, library, &needed)?;
-        let key = BindingKey::new(&plan, options, ShadowSizes::of(&world.lights), &needed);
+        let key = BindingKey::new(
+            &plan,
+            options,
+            ShadowSizes::of(&world.lights, options),
+            &needed,
+        );
         rebuilt.passes = rebuilt.materials
             || key != self.bindings.key
             || !shaders.are_same(&self.shaders, &needed);
@@ -230,6 +247,7 @@ impl Renderer {
         }
         self.unit_m = unit_of(world, options);
         self.options = *options;
+        self.decisions = decided.decisions;
         self.plan = plan;
         self.shaders = shaders;
         self.world_key = world_key;
@@ -267,7 +285,12 @@ impl Renderer {
         &self.plan
     }
 
-    /// What it renders with.
+    /// What was left to `auto`, and what was chosen.
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// What it renders with; nothing of it is `auto`.
     pub fn options(&self) -> &RenderOptions {
         &self.options
     }
@@ -348,7 +371,7 @@ impl Renderer {
                     .to_owned(),
             );
         }
-        if !self.bindings.key.fits_lights(&world.lights) {
+        if !self.bindings.key.fits_lights(&world.lights, &self.options) {
             return refuse(
                 "its lights need other shadow maps or rays than there are; call Renderer::change first"
                     .to_owned(),

@@ -6,6 +6,7 @@ use crate::scene::desc::Method;
 
 use super::{
     cause::{Cause, Source},
+    decide::Decision,
     ray_list::{EXHAUSTED_COUNTER, RAY_COUNTER},
 };
 
@@ -87,6 +88,8 @@ pub struct FrameStats {
     /// How reflections were found.
     #[serde(serialize_with = "method_name")]
     pub method: Method,
+    /// What was left to `auto`, and what was chosen.
+    pub decisions: Vec<Decision>,
     /// The length U, meters.
     pub unit_m: f32,
     /// Building all trees on the CPU, milliseconds.
@@ -139,11 +142,7 @@ impl FrameStats {
 }
 
 fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(match method {
-        Method::Ssr => "ssr",
-        Method::Rt => "rt",
-        Method::Hybrid => "hybrid",
-    })
+    serializer.serialize_str(method.name())
 }
 
 /// Named values as an object, in their order.

@@ -241,8 +241,23 @@ pub enum Method {
     /// `"rt"`: every reflective pixel is ray traced.
     Rt,
     /// `"hybrid"`: screen space first, ray traced where that fails.
-    #[default]
     Hybrid,
+    /// `"auto"`: `rt` or `hybrid`, whichever a cost model of the adapter's kind expects to take less
+    /// time; `reflet info` and `--stats` say which and why.
+    #[default]
+    Auto,
+}
+
+impl Method {
+    /// As scene text and tables write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ssr => "ssr",
+            Self::Rt => "rt",
+            Self::Hybrid => "hybrid",
+            Self::Auto => "auto",
+        }
+    }
 }
 
 /// When a crossing on the screen counts as a hit.
@@ -258,7 +273,7 @@ pub enum Accept {
 /// `[reflection]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionDesc {
-    /// How reflections are found. Default `"hybrid"`.
+    /// How reflections are found. Default `"auto"`.
     pub method: Method,
     /// Length of a reflection ray in U, above 0. More reaches further. Default 16.
     pub ray_length_u: f32,
@@ -289,7 +304,7 @@ pub struct ReflectionDesc {
 impl Default for ReflectionDesc {
     fn default() -> Self {
         Self {
-            method: Method::Hybrid,
+            method: Method::Auto,
             ray_length_u: 16.0,
             accept: Accept::Verified,
             edge_px: 0.25,
@@ -307,7 +322,7 @@ impl Default for ReflectionDesc {
 impl ReflectionDesc {
     /// Whether the march accepts only what it can verify.
     pub fn verifies(&self) -> bool {
-        self.accept == Accept::Verified && self.method == Method::Hybrid
+        self.accept == Accept::Verified && matches!(self.method, Method::Hybrid | Method::Auto)
     }
 }
 
@@ -327,10 +342,13 @@ pub enum ToneMap {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Visibility {
     /// `"raster"`: all triangles are drawn.
-    #[default]
     Raster,
     /// `"rays"`: a ray a pixel through the trees; cheaper in small pictures of many triangles.
     Rays,
+    /// `"auto"`: the one that a cost model expects to take less time; `raster` where nothing else
+    /// follows rays.
+    #[default]
+    Auto,
 }
 
 /// `[image]`
@@ -345,7 +363,7 @@ pub struct ImageDesc {
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
     /// How the surface that each pixel shows is found. Pictures differ only at edges of triangles,
-    /// by rounding. Default `"raster"`.
+    /// by rounding. Default `"auto"`.
     pub visibility: Visibility,
 }
 
@@ -356,7 +374,7 @@ impl Default for ImageDesc {
             samples: 1,
             exposure_ev: 0.0,
             tone_map: ToneMap::Neutral,
-            visibility: Visibility::Raster,
+            visibility: Visibility::Auto,
         }
     }
 }

@@ -57,6 +57,7 @@ impl Drop for Folder {
 pub const SCENE: &str = r#"version = 1
 [image]
 size = [48, 32]
+visibility = "raster"
 [camera.main]
 eye = [0, 2, 5]
 target = [0, 0.5, 0]

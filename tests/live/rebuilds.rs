@@ -147,7 +147,8 @@ fn a_moved_dynamic_instance_redoes_the_top_level_alone() {
 
 #[test]
 fn another_shape_reads_the_scene_whole() {
-    let Some(mut session) = Session::new(SCENE) else {
+    let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
+    let Some(mut session) = Session::new(&text) else {
         return;
     };
     let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
@@ -186,7 +187,8 @@ fn broken_then_good_keeps_the_last_picture() {
 
 #[test]
 fn methods_share_what_they_have_in_common() {
-    let Some(mut session) = Session::new(SCENE) else {
+    let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
+    let Some(mut session) = Session::new(&text) else {
         return;
     };
     let first = session.picture();

@@ -59,7 +59,7 @@ impl Session {
         let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(
             "[[instance]]\nmodel = \"box\"\ntranslation = [0, 0.5, 0]\n",
             "",
-        ) + "[timeline]\nfps = 10\nend = 40\n[params]\ncount = 2\nspeed = 1.5\n";
+        ) + "[timeline]\nfps = 10\nend = 40\n[params]\ncount = 2\nspeed = 1.5\n[reflection]\nmethod = \"hybrid\"\n";
         folder.write("sub/move.rhai", SCRIPT);
         folder.write("parts/path.rhai", PATH);
         let scene = folder.write("scene.toml", text);

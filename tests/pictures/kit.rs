@@ -5,7 +5,10 @@ use std::{path::Path, sync::OnceLock};
 use reflet::{
     gpu::Gpu,
     render::{Picture, PlaneData, RenderOptions, Renderer, aov::Aov},
-    scene::{desc::SceneDesc, stages::Scene},
+    scene::{
+        desc::{Method, SceneDesc, Visibility},
+        stages::Scene,
+    },
     world::{World, load},
 };
 
@@ -57,10 +60,17 @@ pub fn render_with(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov], general: b
 
 /// A renderer for a scene.
 pub fn renderer(gpu: &Gpu, desc: &SceneDesc, world: &World, general: bool) -> Renderer {
-    let options = RenderOptions {
+    let mut options = RenderOptions {
         general,
         ..RenderOptions::of(desc)
     };
+    // A test that leaves a choice means these.
+    if options.reflection.method == Method::Auto {
+        options.reflection.method = Method::Hybrid;
+    }
+    if options.image.visibility == Visibility::Auto {
+        options.image.visibility = Visibility::Raster;
+    }
     Renderer::new(gpu, &shaders(), world, &options).unwrap_or_else(|e| panic!("{e}"))
 }
 

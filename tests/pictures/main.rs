@@ -8,6 +8,7 @@ mod animation;
 mod change;
 mod closed_form;
 mod counts;
+mod decide;
 mod edge_cases;
 mod foreign_worlds;
 mod kit;

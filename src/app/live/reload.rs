@@ -102,7 +102,7 @@ impl Live {
 
     fn build_shaders(&mut self, reload: &mut Reload) {
         let started = Instant::now();
-        let options = *self.renderer.options();
+        let options = options_of(&self.scene, self.overrides);
         let world = &self.world;
         let read = read_library(&self.source).map_err(GpuError::Shader);
         reload.parse += started.elapsed();
@@ -251,6 +251,9 @@ impl Live {
                 materials: true,
                 passes: true,
             };
+        }
+        if self.overrides.method.is_none() {
+            self.auto_method = self.renderer.method();
         }
         self.settle(read, state);
         Ok(())

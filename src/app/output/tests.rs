@@ -54,6 +54,7 @@ fn picture() -> Picture {
             size: [2, 1],
             samples: 1,
             method: Method::Hybrid,
+            decisions: Vec::new(),
             unit_m: 1.0,
             tree_ms: 0.0,
             passes_ms: Vec::new(),

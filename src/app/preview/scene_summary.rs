@@ -99,12 +99,12 @@ impl SceneSummary {
                 .map(|(light, lamp)| ShadowLight {
                     light,
                     name: lights[light].clone(),
-                    faces: shadow_faces(lamp),
+                    faces: shadow_faces(lamp, live.renderer().options()),
                 })
                 .filter(|shadow_light| shadow_light.faces > 0)
                 .collect(),
             bounds,
-            method: live.desc().reflection.method,
+            method: live.scene_method(),
             unit_m: live.renderer().unit_m(),
             dropped: dropped.map(|d| format!("{}: {}", d.what, d.why)).collect(),
             problems: live.problems.clone(),

@@ -18,6 +18,9 @@ pub enum ShadowMode {
     Ray,
     /// `"none"`: shines through everything.
     None,
+    /// `"auto"`: `map` or `ray`, alike for all lights of a kind: the one that a cost model expects
+    /// to take less time; `map` where nothing else follows rays.
+    Auto,
 }
 
 /// `kind` of a light with what only that kind has.

@@ -40,9 +40,9 @@ macro_rules! words {
 }
 
 words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
-words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None });
+words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None, "auto" => Self::Auto });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
-words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid });
+words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "auto" => Self::Auto });
 words!(CurveKind {
     "step" => Self::Step,
     "linear" => Self::Linear,
@@ -52,7 +52,7 @@ words!(CurveKind {
 });
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
-words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays });
+words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays, "auto" => Self::Auto });
 words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
 
 /// `"a", "b" or "c"`.

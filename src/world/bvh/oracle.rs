@@ -170,12 +170,22 @@ impl Trees {
         ray: &Ray,
         alpha_passes: impl Fn(u32, u32, DVec2) -> bool,
     ) -> Option<RayHit> {
-        self.traverse(ray, true, &alpha_passes)
+        self.traverse(ray, true, &alpha_passes).0
+    }
+
+    /// The nearest hit with cut-outs as solid, and how many nodes the ray visits.
+    pub fn nearest_counted(&self, ray: &Ray) -> (Option<RayHit>, u32) {
+        self.traverse(ray, true, &|_, _, _| true)
+    }
+
+    /// What blocks the ray with cut-outs as solid, and how many nodes it visits.
+    pub fn any_counted(&self, ray: &Ray) -> (Option<RayHit>, u32) {
+        self.traverse(ray, false, &|_, _, _| true)
     }
 
     /// Whether anything blocks the ray, as [`Oracle::any`].
     pub fn any(&self, ray: &Ray, alpha_passes: impl Fn(u32, u32, DVec2) -> bool) -> bool {
-        self.traverse(ray, false, &alpha_passes).is_some()
+        self.traverse(ray, false, &alpha_passes).0.is_some()
     }
 
     fn traverse(
@@ -183,16 +193,27 @@ impl Trees {
         world_ray: &Ray,
         nearest: bool,
         alpha_passes: &impl Fn(u32, u32, DVec2) -> bool,
-    ) -> Option<RayHit> {
+    ) -> (Option<RayHit>, u32) {
         let words: &[u32] = bytemuck::cast_slice(&self.nodes);
         let mut best: Option<RayHit> = None;
+        let mut visits = 0;
         // Nodes still to visit, each with the instance whose object space it is in.
-        let mut stack = vec![(TOP_ROOT, NONE), (STATIC_ROOT, NONE)];
+        let roots = [
+            (!self.top_instances.is_empty()).then_some((TOP_ROOT, NONE)),
+            (self.static_triangles > 0).then_some((STATIC_ROOT, NONE)),
+        ];
+        let mut stack: Vec<_> = roots.into_iter().flatten().collect();
         while let Some((index, inside)) = stack.pop() {
+            visits += 1;
             let mut ray = self.in_space_of(inside, world_ray);
             ray.t_max = best.map_or(ray.t_max, |hit| hit.t);
             let node = &self.nodes[index as usize];
-            for child in (0..8).filter(|c| !node.is_child_empty(*c)) {
+            // Slots are by octant: in this order the nearest child is pushed last, as the shader
+            // visits them.
+            let flip = |axis: usize, bit: usize| usize::from(ray.direction[axis] >= 0.0) * bit;
+            let flip = flip(0, 4) | flip(1, 2) | flip(2, 1);
+            let children = (0..8).map(|child| child ^ flip);
+            for child in children.filter(|c| !node.is_child_empty(*c)) {
                 let bounds = node.child_aabb(child);
                 let (min, max) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
                 if !overlaps(&ray, min.as_dvec3(), max.as_dvec3()) {
@@ -212,7 +233,7 @@ impl Trees {
                     let triangle = &self.triangles[primitive as usize];
                     if let Some(hit) = self.test(triangle, inside, &ray, nearest, alpha_passes) {
                         if !nearest {
-                            return Some(hit);
+                            return (Some(hit), visits);
                         }
                         ray.t_max = hit.t;
                         best = Some(hit);
@@ -220,7 +241,7 @@ impl Trees {
                 }
             }
         }
-        best
+        (best, visits)
     }
 
     fn test(

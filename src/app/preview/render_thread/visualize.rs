@@ -13,8 +13,11 @@ use crate::{
     bench::metric::flip,
     gpu::GpuError,
     render::{
-        Plane, PlaneData, RenderError, aov::Aov, debug_readback::CUBE_FACES, lights::has_cube_map,
-        stats::FrameStats, targets::Target,
+        Plane, PlaneData, RenderError,
+        aov::Aov,
+        lights::{CUBE_FACES, has_cube_map},
+        stats::FrameStats,
+        targets::Target,
     },
 };
 

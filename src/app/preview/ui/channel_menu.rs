@@ -8,7 +8,7 @@ use crate::{
         view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
     },
     bench::parameter::method_name,
-    render::{aov::Aov, debug_readback::CUBE_FACES},
+    render::{aov::Aov, lights::CUBE_FACES},
     scene::desc::Method,
 };
 

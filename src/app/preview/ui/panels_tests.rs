@@ -190,6 +190,7 @@ fn times_shares_and_keys_are_listed() {
         size: [10, 10],
         samples: 1,
         method: Method::Hybrid,
+        decisions: Vec::new(),
         unit_m: 1.0,
         tree_ms: 0.0,
         passes_ms: vec![("ssr".to_owned(), 1.25)],

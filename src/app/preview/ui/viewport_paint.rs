@@ -13,7 +13,7 @@ use crate::{
         view_channel::{BACKGROUND_GRAY, CUBE_CROSS},
     },
     bench::{metric::Scores, parameter::method_name},
-    render::debug_readback::CUBE_FACES,
+    render::lights::CUBE_FACES,
     scene::{desc::Method, diagnostic::Diagnostic},
 };
 

@@ -1,0 +1,208 @@
+//! Decides what the options leave to `auto`, by the cost model.
+
+use serde::Serialize;
+
+use crate::{
+    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    world::{World, bvh::Trees},
+};
+
+use super::{
+    cost::{Pair, UnitCosts, Workload},
+    cull::is_outside,
+    lights::{CUBE_FACES, has_cube_map},
+    options::RenderOptions,
+    plan::{reflects, traces_rays},
+    view::View,
+    view_sample::ViewSample,
+};
+
+/// A choice that was left to `auto`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Decision {
+    /// The scene key.
+    pub what: &'static str,
+    /// Its value.
+    pub chosen: &'static str,
+    /// Why, for people.
+    pub why: String,
+}
+
+/// Options without `auto`, and why they are what they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decided {
+    /// The same options, decided.
+    pub options: RenderOptions,
+    /// One for each choice.
+    pub decisions: Vec<Decision>,
+}
+
+/// Decides for a posed world, as its camera [`RenderOptions::camera`] shows it. `trees` are those of
+/// [`traces_rays`]; `software` says of which kind the adapter is.
+pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: bool) -> Decided {
+    let mut decider = Decider {
+        workload: None,
+        world,
+        trees,
+        asked: *options,
+        unit: if software {
+            UnitCosts::PROCESSOR
+        } else {
+            UnitCosts::GPU
+        },
+        decided: Decided {
+            options: *options,
+            decisions: Vec::new(),
+        },
+    };
+    decider.method();
+    decider.shadows();
+    decider.visibility();
+    decider.decided
+}
+
+struct Decider<'a> {
+    /// Counted when it is first needed.
+    workload: Option<Workload>,
+    world: &'a World,
+    trees: &'a Trees,
+    asked: RenderOptions,
+    unit: UnitCosts,
+    decided: Decided,
+}
+
+impl Decider<'_> {
+    fn workload(&mut self) -> Workload {
+        let (world, trees, options) = (self.world, self.trees, &self.asked);
+        *(self.workload).get_or_insert_with(|| workload(world, trees, options))
+    }
+
+    fn choose(&mut self, what: &'static str, chosen: &'static str, why: String) {
+        self.decided.decisions.push(Decision { what, chosen, why });
+    }
+
+    fn method(&mut self) {
+        if self.asked.reflection.method != Method::Auto {
+            return;
+        }
+        if !reflects(self.world, self.asked.reflection.roughness_cutoff) {
+            self.decided.options.reflection.method = Method::Rt;
+            let why = "no material can reflect".to_owned();
+            return self.choose("reflection.method", Method::Rt.name(), why);
+        }
+        let workload = self.workload();
+        let pair = workload.reflections(&self.unit);
+        let chosen = if pair.first_ms < pair.second_ms {
+            Method::Hybrid
+        } else {
+            Method::Rt
+        };
+        self.decided.options.reflection.method = chosen;
+        let view = &workload.view;
+        let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
+        let why = format!(
+            "{}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
+            compare("hybrid", "rt", pair),
+            percent(view.reflective, view.rays),
+            percent(view.shown, view.reflective),
+        );
+        self.choose("reflection.method", chosen.name(), why);
+    }
+
+    fn shadows(&mut self) {
+        let is_auto = |kind: usize| {
+            let mut lights = self.world.lights.iter();
+            lights.any(|l| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind)
+        };
+        let kinds: Vec<usize> = (0..LightKind::NAMES.len())
+            .filter(|k| is_auto(*k))
+            .collect();
+        for kind in kinds {
+            const KEYS: [&str; LightKind::NAMES.len()] = [
+                "shadow of points",
+                "shadow of spots",
+                "shadow of directionals",
+            ];
+            if !traces_rays(self.world, &self.decided.options) {
+                self.choose(KEYS[kind], "map", NO_RAYS.to_owned());
+                continue;
+            }
+            let pair = self.workload().shadow(&self.unit, kind);
+            let (mode, name) = if pair.second_ms < pair.first_ms {
+                (ShadowMode::Ray, "ray")
+            } else {
+                (ShadowMode::Map, "map")
+            };
+            self.decided.options.auto_shadow[kind] = mode;
+            self.choose(KEYS[kind], name, compare("map", "ray", pair));
+        }
+    }
+
+    fn visibility(&mut self) {
+        if self.asked.image.visibility != Visibility::Auto {
+            return;
+        }
+        let (what, raster, rays) = ("image.visibility", "raster", "rays");
+        self.decided.options.image.visibility = Visibility::Raster;
+        if !traces_rays(self.world, &self.decided.options) {
+            return self.choose(what, raster, NO_RAYS.to_owned());
+        }
+        let pair = self.workload().visibility(&self.unit);
+        let is_rays = pair.second_ms < pair.first_ms;
+        if is_rays {
+            self.decided.options.image.visibility = Visibility::Rays;
+        }
+        let chosen = if is_rays { rays } else { raster };
+        self.choose(what, chosen, compare(raster, rays, pair));
+    }
+}
+
+const NO_RAYS: &str = "nothing else follows rays, so there are no trees";
+
+fn compare(first: &str, second: &str, pair: Pair) -> String {
+    let Pair {
+        first_ms,
+        second_ms,
+    } = pair;
+    format!("{first} {first_ms:.2} ms, {second} {second_ms:.2} ms expected")
+}
+
+/// What the options' camera shows of a world.
+fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
+    let camera = world.cameras.get(options.camera).or(world.cameras.first());
+    let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
+    let view = View::new(&camera, options.image.size);
+    let clip_from_world = view.clip_from_world(glam::Vec2::ZERO);
+    let (mut triangles, mut triangles_in_view) = (0.0, 0.0);
+    for instance in &world.instances {
+        let count = world.meshes[instance.mesh].triangles.len() as f64;
+        triangles += count;
+        if !is_outside(&clip_from_world, &world.bounds_of(instance)) {
+            triangles_in_view += count;
+        }
+    }
+    let (mut map_pixels, mut map_views) = ([0.0; 3], [0.0; 3]);
+    for light in &world.lights {
+        let kind = light.desc.kind.index();
+        // Most triangles lie in one or two faces of a cube.
+        let (faces, views) = if has_cube_map(&light.desc.kind) {
+            (CUBE_FACES.len() as f64, 1.5)
+        } else {
+            (1.0, 1.0)
+        };
+        map_pixels[kind] += faces * f64::from(light.desc.shadow_px).powi(2);
+        map_views[kind] += views;
+    }
+    let [width, height] = options.image.size;
+    let settings = &options.reflection;
+    let (cutoff, bounces) = (settings.roughness_cutoff, settings.bounces);
+    Workload {
+        pixels: f64::from(width) * f64::from(height),
+        samples: f64::from(options.image.samples),
+        triangles_in_view,
+        triangles,
+        map_pixels,
+        map_views,
+        view: ViewSample::new(world, trees, &view, cutoff, bounces),
+    }
+}

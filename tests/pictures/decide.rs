@@ -1,0 +1,202 @@
+//! What is left to `auto`: counts of the CPU are those of the GPU, and choices follow the counts.
+
+use glam::DVec3;
+use reflet::{
+    render::{
+        RenderOptions, Renderer,
+        decide::{Decided, decide},
+        plan::traces_rays,
+        view::View,
+    },
+    scene::desc::{Method, ShadowMode, Visibility},
+    world::bvh::{Ray, Trees},
+};
+
+use crate::{
+    common::shaders,
+    kit::{gpu, render, renderer, scene},
+};
+
+const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+const MIRRORS: &str = include_str!("../../scenes/mirrors.toml");
+
+/// Many small balls on a floor under two kinds of lights; nothing reflects but the last ball.
+const BALLS: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 3, 14]
+[material.chrome]
+metallic = 1
+roughness = 0.05
+[material.dull]
+roughness = 0.9
+[model.ball]
+shape = { kind = "sphere", radius = 0.4, segments = 128 }
+material = "dull"
+[model.floor]
+shape = { kind = "plane", size = [60, 60] }
+material = "dull"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "ball"
+translation = [-10, 0, -10]
+repeat = { count = [20, 1, 20], step = [1, 0, 1] }
+[[instance]]
+model = "ball"
+material = "chrome"
+translation = [0, 1.5, 2]
+[light.lamp]
+kind = "point"
+position = [0, 6, 0]
+intensity_cd = 50
+shadow = "auto"
+[light.sun]
+kind = "directional"
+direction = [0.2, -1, 0.1]
+intensity_lux = 2
+shadow = "auto"
+"#;
+
+fn decided(text: &str, set: &[&str], software: bool) -> Decided {
+    let (desc, world) = scene(text, set);
+    let options = RenderOptions::of(&desc);
+    let trees = if traces_rays(&world, &options) {
+        Trees::build(&world, u64::MAX).expect("small")
+    } else {
+        Trees::unbuilt(&world)
+    };
+    decide(&world, &trees, &options, software)
+}
+
+#[test]
+fn the_cpu_counts_the_nodes_that_the_gpu_visits() {
+    let Some(gpu) = gpu() else { return };
+    let set = ["image.size=[64, 36]", "image.visibility=rays"];
+    let (desc, world) = scene(ATRIUM, &set);
+    let camera = &world.cameras[0].value;
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let counts = renderer.counts(gpu, &world, camera).expect("counted");
+    let on_gpu = counts.iter().find(|pass| pass.pass == "primary");
+    let on_gpu = on_gpu.expect("primary rays").counts.visited_nodes;
+
+    let trees = Trees::build(&world, u64::MAX).expect("small");
+    let view = View::new(camera, [64, 36]);
+    let axis = |v: glam::Vec3| v.as_dvec3();
+    let visits = |(x, y): (u32, u32)| {
+        let (across, down) = (
+            (f64::from(x) + 0.5) / 32.0 - 1.0,
+            (f64::from(y) + 0.5) / 18.0 - 1.0,
+        );
+        let direction: DVec3 =
+            axis(view.forward) + axis(view.right) * across - axis(view.up) * down;
+        let ray = Ray {
+            origin: axis(view.eye),
+            direction,
+            t_min: f64::from(view.near_m),
+            t_max: f64::INFINITY,
+        };
+        u64::from(trees.nearest_counted(&ray).1)
+    };
+    let pixels = (0..36).flat_map(|y| (0..64).map(move |x| (x, y)));
+    let on_cpu: u64 = pixels.map(visits).sum();
+    let ratio = on_cpu as f64 / on_gpu as f64;
+    assert!((0.98..1.02).contains(&ratio), "{on_cpu} against {on_gpu}");
+}
+
+#[test]
+fn what_is_written_is_kept_and_nothing_stays_auto() {
+    for method in ["ssr", "rt", "hybrid", "auto"] {
+        for visibility in ["raster", "rays", "auto"] {
+            let set = [
+                format!("reflection.method={method}"),
+                format!("image.visibility={visibility}"),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let found = decided(BALLS, &set, true);
+            let options = found.options;
+            let name = options.reflection.method.name();
+            assert!(method == "auto" || name == method);
+            assert_ne!(options.reflection.method, Method::Auto);
+            assert_ne!(options.image.visibility, Visibility::Auto);
+            assert!(!options.auto_shadow.contains(&ShadowMode::Auto));
+            let left = usize::from(method == "auto") + usize::from(visibility == "auto") + 2;
+            assert_eq!(found.decisions.len(), left, "{:?}", found.decisions);
+        }
+    }
+}
+
+#[test]
+fn rays_win_where_triangles_are_many_and_pixels_few() {
+    let small = decided(BALLS, &["image.size=[160, 90]"], true);
+    let few = BALLS.replace("count = [20, 1, 20]", "count = [2, 1, 2]");
+    let large = decided(&few, &["image.size=[3840, 2160]"], true);
+    let visibility = |d: &Decided| d.options.image.visibility;
+    assert_eq!(
+        visibility(&small),
+        Visibility::Rays,
+        "{:?}",
+        small.decisions
+    );
+    assert_eq!(
+        visibility(&large),
+        Visibility::Raster,
+        "{:?}",
+        large.decisions
+    );
+    let shadows = |d: &Decided| [d.options.auto_shadow[0], d.options.auto_shadow[2]];
+    assert_eq!(
+        shadows(&small),
+        [ShadowMode::Ray; 2],
+        "{:?}",
+        small.decisions
+    );
+    assert_eq!(
+        shadows(&large),
+        [ShadowMode::Map; 2],
+        "{:?}",
+        large.decisions
+    );
+}
+
+#[test]
+fn without_reflections_or_rays_nothing_needs_trees() {
+    let dull = BALLS.replace("metallic = 1\nroughness = 0.05", "roughness = 0.9");
+    let found = decided(&dull, &["image.size=[160, 90]"], true);
+    assert_eq!(found.options.image.visibility, Visibility::Raster);
+    assert_eq!(found.options.auto_shadow, [ShadowMode::Map; 3]);
+    assert!(found.decisions.iter().all(|d| d.why.contains("no")));
+    // A light that asks for rays brings the trees.
+    let rays = dull.replacen("shadow = \"auto\"", "shadow = \"ray\"", 1);
+    let found = decided(&rays, &["image.size=[160, 90]"], true);
+    assert_eq!(found.options.image.visibility, Visibility::Rays);
+}
+
+#[test]
+fn a_decided_picture_is_the_one_that_says_so_itself() {
+    let Some(gpu) = gpu() else { return };
+    for text in [BALLS, MIRRORS] {
+        let (desc, world) = scene(text, &["image.size=[96, 54]"]);
+        let options = RenderOptions::of(&desc);
+        let mut auto = Renderer::new(gpu, &shaders(), &world, &options).expect("built");
+        let camera = &world.cameras[0].value;
+        let picture = auto.picture(gpu, &world, camera, &[]).expect("drawn");
+        let chosen = auto.options();
+        let method = format!("reflection.method={}", chosen.reflection.method.name());
+        let visibility = match chosen.image.visibility {
+            Visibility::Rays => "image.visibility=rays",
+            _ => "image.visibility=raster",
+        };
+        let shadow = match chosen.auto_shadow[0] {
+            ShadowMode::Ray => "\"ray\"",
+            _ => "\"map\"",
+        };
+        assert_eq!(chosen.auto_shadow[0], chosen.auto_shadow[2]);
+        let text = text.replace("\"auto\"", shadow);
+        let set = ["image.size=[96, 54]", &method, visibility];
+        let written = render(gpu, &text, &set, &[]);
+        assert!(written.stats.decisions.is_empty());
+        assert!(!picture.stats.decisions.is_empty());
+        assert!(picture.display == written.display);
+    }
+}
