@@ -14,7 +14,7 @@ use super::picture::Pair;
 use mask::Mask;
 
 /// Every metric of one pair over one region.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Scores {
     /// Pixels of the region.
     pub area_px: usize,

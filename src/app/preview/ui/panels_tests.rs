@@ -153,12 +153,7 @@ fn a_comparison_moves_nothing_below_it() {
         psnr_db: 31.25,
         flip_mean: 0.0123,
         flip_p99: 0.4567,
-        area_px: 1,
-        area_share: 1.0,
-        flip_p95: 0.1,
-        rel_mse: 0.0,
-        rel_mse_trimmed: 0.0,
-        max_difference: 9.0,
+        ..Scores::default()
     };
     let mut harness = harness(move |ui, state| {
         let comparison = state.shown.map(|_| (Method::Ssr, &scores));
