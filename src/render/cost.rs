@@ -23,16 +23,16 @@ pub struct UnitCosts {
     primary: (f64, f64),
     /// A shadow ray, and a node that it visits.
     shadow: (f64, f64),
-    /// A mirror ray, and a node that it visits; both cost more than of primary rays, for neighbors
-    /// go apart.
+    /// A mirror ray with the shading of what it meets, and a node that it visits, which costs more than
+    /// of primary rays: neighbors go apart.
     mirror: (f64, f64),
     /// A ray of the march, and a node that it would visit if it were traced: the more there are, the
     /// further apart is what the march reads.
     march: (f64, f64),
     /// Building the pyramid, a pixel of the picture.
     pyramid: f64,
-    /// Shading a hit.
-    shade: f64,
+    /// Shading a hit of the march.
+    hit: f64,
     /// Starting a pass.
     pass: f64,
 }
@@ -45,10 +45,10 @@ impl UnitCosts {
         filter: 40.0,
         primary: (20.0, 21.0),
         shadow: (30.0, 30.0),
-        mirror: (20.0, 38.0),
-        march: (100.0, 10.0),
+        mirror: (160.0, 38.0),
+        march: (60.0, 14.0),
         pyramid: 4.3,
-        shade: 140.0,
+        hit: 220.0,
         pass: 150_000.0,
     };
     /// Of all others.
@@ -58,10 +58,10 @@ impl UnitCosts {
         filter: 0.05,
         primary: (0.1, 0.017),
         shadow: (0.1, 0.02),
-        mirror: (0.1, 0.025),
+        mirror: (0.2, 0.025),
         march: (0.15, 0.005),
         pyramid: 0.02,
-        shade: 0.1,
+        hit: 0.1,
         pass: 10_000.0,
     };
 }
@@ -98,7 +98,7 @@ pub struct Pair {
 /// 100 % in the scenes measured.
 const ACCEPTED: f64 = 0.7;
 /// What a ray costs more among the few that the march refuses, for they are less alike.
-const APART: f64 = 1.2;
+const APART: f64 = 1.3;
 
 const MS: f64 = 1e-6; // in a nanosecond
 
@@ -142,14 +142,14 @@ impl Workload {
         let view = &self.view;
         let of = |rays: u32, visits: u32| {
             let (ray, node) = unit.mirror;
-            f64::from(rays) * (ray + unit.shade) + f64::from(visits) * node
+            f64::from(rays) * ray + f64::from(visits) * node
         };
         let (ray, node) = unit.march;
         let march = f64::from(view.reflective) * ray + f64::from(view.mirror_visits) * node;
         let all = of(view.reflective, view.mirror_visits);
         let hidden = of(view.reflective - view.shown, view.refused_visits);
         let refused = hidden + (all - hidden) * (1.0 - ACCEPTED);
-        let shown = f64::from(view.shown) * ACCEPTED * unit.shade;
+        let shown = f64::from(view.shown) * ACCEPTED * unit.hit;
         let fixed = self.samples * (self.pixels * unit.pyramid + 4.0 * unit.pass);
         Pair {
             first_ms: MS * (self.weight() * (march + refused * APART + shown) + fixed),

@@ -20,8 +20,8 @@ use super::{
 /// A choice that was left to `auto`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Decision {
-    /// The scene key.
-    pub what: &'static str,
+    /// The scene key, or which lights.
+    pub what: String,
     /// Its value.
     pub chosen: &'static str,
     /// Why, for people.
@@ -77,8 +77,12 @@ impl Decider<'_> {
         *(self.workload).get_or_insert_with(|| workload(world, trees, options))
     }
 
-    fn choose(&mut self, what: &'static str, chosen: &'static str, why: String) {
-        self.decided.decisions.push(Decision { what, chosen, why });
+    fn choose(&mut self, what: &str, chosen: &'static str, why: String) {
+        self.decided.decisions.push(Decision {
+            what: what.to_owned(),
+            chosen,
+            why,
+        });
     }
 
     fn method(&mut self) {
@@ -118,13 +122,9 @@ impl Decider<'_> {
             .filter(|k| is_auto(*k))
             .collect();
         for kind in kinds {
-            const KEYS: [&str; LightKind::NAMES.len()] = [
-                "shadow of points",
-                "shadow of spots",
-                "shadow of directionals",
-            ];
+            let what = format!("shadow of {} lights", LightKind::NAMES[kind]);
             if !traces_rays(self.world, &self.decided.options) {
-                self.choose(KEYS[kind], "map", NO_RAYS.to_owned());
+                self.choose(&what, "map", NO_RAYS.to_owned());
                 continue;
             }
             let pair = self.workload().shadow(&self.unit, kind);
@@ -134,7 +134,7 @@ impl Decider<'_> {
                 (ShadowMode::Map, "map")
             };
             self.decided.options.auto_shadow[kind] = mode;
-            self.choose(KEYS[kind], name, compare("map", "ray", pair));
+            self.choose(&what, name, compare("map", "ray", pair));
         }
     }
 
