@@ -49,6 +49,10 @@
 //!    bounce by bounce.
 //! 9. **Blur** (if asked for), **compose** (only the mirror term is replaced), **tone**.
 //!
+//! What a scene leaves to `auto` (method, visibility, shadows) is decided before a renderer is built:
+//! [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs
+//! of the adapter's kind. Nothing is timed, so that every machine of a kind decides alike.
+//!
 //! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
 //! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
 //! settings and its camera, so any of them can be rendered alone.

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::TextureRef;
 use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
 
-/// A surface description after all overrides; textures are indices into [`World::textures`].
+/// A surface description after all overrides; textures are indices into [`World::textures`](super::World::textures).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name from scene text or file.
