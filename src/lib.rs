@@ -1,7 +1,7 @@
 //! Reflet renders scenes that people write as text, with hybrid reflections after Macedo &
 //! Rodrigues, "Real-time dynamic reflections for realistic rendering of 3D scenes" (The Visual
 //! Computer 34(3), 2018): reflections are marched in screen space first; every pixel that the march
-//! cannot answer honestly goes into a mask; only the mask is ray traced on the GPU.
+//! cannot answer goes into a mask; only the mask is ray traced on the GPU.
 //!
 //! # The map
 //!
@@ -30,7 +30,8 @@
 //! # A frame
 //!
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
-//!    with `shadow = "ray"` need none.
+//!    with `shadow = "ray"` need none. A map whose light and casters are where they were is not drawn
+//!    again.
 //! 2. **Visibility** rasterizes depth and ids (instance, triangle) and nothing else; with
 //!    `image.visibility = "rays"`, **primary** finds the same ids by a ray a pixel.
 //! 3. **Surface** resolves the G-buffer from the ids in compute and lists the reflective pixels. The

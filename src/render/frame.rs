@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::{
-    gpu::{Gpu, readback, timer::sum_by_name},
+    gpu::{Gpu, GpuError, readback, timer::sum_by_name},
     math::Bounds,
     scene::desc::CameraDesc,
     world::World,
@@ -40,7 +40,7 @@ impl Renderer {
         let mut passes_ms = Vec::new();
         for sample in 0..samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
-            passes_ms.extend(recorder.finish()?);
+            passes_ms.extend(self.submitted(recorder.finish())?);
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
@@ -65,7 +65,7 @@ impl Renderer {
         let mut before = None;
         for sample in 0..self.options.image.samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, None);
-            let submission = recorder.submit()?;
+            let submission = self.submitted(recorder.submit())?;
             if let Some(before) = before.replace(submission) {
                 gpu.wait_for(&before)?;
             }
@@ -80,6 +80,18 @@ impl Renderer {
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
         Ok(View::new(camera, self.options.image.size))
+    }
+
+    /// Has the next picture draw all shadow maps, also those of lights and casters at rest.
+    pub fn redraw_shadows(&self) {
+        if let Some(shadow) = &self.bindings.passes.shadow {
+            shadow.forget();
+        }
+    }
+
+    /// What a submission gave; after an error nobody knows which maps were drawn.
+    pub(super) fn submitted<T>(&self, result: Result<T, GpuError>) -> Result<T, GpuError> {
+        result.inspect_err(|_| self.redraw_shadows())
     }
 
     /// One sub-frame, pass by pass; a probe measures what a picture does not need.

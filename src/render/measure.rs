@@ -35,8 +35,8 @@ impl Renderer {
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::Count);
-            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
-                .submit()?;
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
+            self.submitted(recorder.submit())?;
             for counted in &self.bindings.probes.counted {
                 let new = counted.read(gpu)?;
                 match sums.iter_mut().find(|sum| sum.pass == new.pass) {
@@ -69,7 +69,7 @@ impl Renderer {
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::Traverse);
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
-            let times = recorder.finish()?;
+            let times = self.submitted(recorder.finish())?;
             let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
             if let Some(ms) = times.iter().find_map(of) {
                 sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
@@ -94,8 +94,8 @@ impl Renderer {
         let view = self.view(world, camera)?;
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::AcceptAll);
-            self.sub_frame(gpu, world, &view, sample, Timing::None, probe)
-                .submit()?;
+            let recorder = self.sub_frame(gpu, world, &view, sample, Timing::None, probe);
+            self.submitted(recorder.submit())?;
         }
         let planes = aovs.iter().map(|aov| aov.plane(gpu, self, camera));
         Ok(planes.collect::<Result<_, _>>()?)

@@ -76,6 +76,8 @@ pub struct GpuScene {
     pub draws: Vec<Draw>,
     mesh_ranges: Vec<MeshRange>,
     records: Vec<GpuInstance>,
+    /// Whether the alpha of some cut-out material may change.
+    pub has_moving_cutouts: bool,
 }
 
 impl GpuScene {
@@ -101,6 +103,7 @@ impl GpuScene {
             mesh_ranges,
             pools,
             records,
+            has_moving_cutouts: has_moving_cutouts(world),
         })
     }
 
@@ -138,6 +141,7 @@ impl GpuScene {
             mesh_ranges: self.mesh_ranges.clone(),
             pools: self.pools.clone(),
             records,
+            has_moving_cutouts: has_moving_cutouts(world),
         })
     }
 
@@ -167,6 +171,11 @@ impl GpuScene {
             gpu.queue
                 .write_buffer(&self.nodes, offset, cast_slice(&trees.nodes[range]));
         }
+    }
+
+    /// Rows of the transform of an instance.
+    pub fn pose(&self, instance: u32) -> &[[f32; 4]; 3] {
+        &self.records[instance as usize].world_from_object
     }
 
     /// Uploads the numbers of materials that may change.
@@ -232,6 +241,11 @@ fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
     let m = transform.matrix3;
     let t = transform.translation;
     [0, 1, 2].map(|r| [m.x_axis[r], m.y_axis[r], m.z_axis[r], t[r]])
+}
+
+fn has_moving_cutouts(world: &World) -> bool {
+    let mut moving = world.moving.materials.iter();
+    moving.any(|m| world.materials[m.material].alpha_cutoff.is_some())
 }
 
 fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> Vec<GpuInstance> {

@@ -9,6 +9,7 @@ use reflet::{
         cause::{Cause, Source},
     },
     scene::desc::LightKind,
+    world::{Instance, World},
 };
 
 use crate::kit::{floats, gpu, integers, render, render_with, renderer, scene, share_differing};
@@ -271,6 +272,42 @@ fn moved_instances_and_lights_look_as_if_built_there() {
         .picture(gpu, &world, &camera, &[])
         .unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(moved.display, built.display);
+}
+
+#[test]
+fn shadow_maps_at_rest_are_drawn_once() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, mut world) = scene(
+        &OBJECTS.replace("DYNAMIC", "true"),
+        &["reflection.unit_m=1"],
+    );
+    let mut kept = renderer(gpu, &desc, &world, false);
+    let camera = world.cameras[0].value.clone();
+    let mut shows = |world: &World, what: &str, is_drawn: bool| {
+        kept.update(gpu, world).expect("posed");
+        let picture = kept.picture(gpu, world, &camera, &[]).expect("drawn");
+        let mut passes = picture.stats.passes_ms.iter();
+        assert_eq!(passes.any(|(name, _)| name == "shadow"), is_drawn, "{what}");
+        let mut fresh = renderer(gpu, &desc, world, false);
+        let built = fresh.picture(gpu, world, &camera, &[]).expect("drawn");
+        assert!(picture.display == built.display, "{what}");
+    };
+    shows(&world, "the first", true);
+    shows(&world, "the same", false);
+    let place = world.instances[1].world_from_object;
+    world.instances[1].world_from_object.translation.x += 0.5;
+    shows(&world, "a caster moved", true);
+    world.instances[1].world_from_object = Instance::HIDDEN;
+    shows(&world, "it is hidden", true);
+    shows(&world, "and stays so", false);
+    world.instances[1].world_from_object = place;
+    shows(&world, "it is back", true);
+    if let LightKind::Point { position, .. } = &mut world.lights[0].desc.kind {
+        position.y -= 0.5;
+    }
+    shows(&world, "the light moved", true);
+    world.lights[0].desc.color = Vec3::X;
+    shows(&world, "it has another color", false);
 }
 
 /// A lamp between posts and balls in the corner of a room: its shadows cross all faces of the cube.

@@ -135,6 +135,9 @@ impl Block<'_> {
                 watch.begin(&self.label(&variant.label()));
                 let renderer = &mut renderer_for(&mut renderers, variant).renderer;
                 renderer.set_reflection_parameters(&variant.reflection);
+                if self.subject.motion {
+                    renderer.redraw_shadows();
+                }
                 let world = &self.subject.world;
                 let stats = renderer.render(bench.gpu, world, &self.subject.camera)?;
                 let mut sample = timed(prototype.clone(), &stats, repetition);

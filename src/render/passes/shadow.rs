@@ -1,4 +1,9 @@
-//! Shadow: depth cube maps for point lights, flat maps for spot and directional ones.
+//! Shadow: depth cube maps for point lights, flat maps for spot and directional ones. A map whose light
+//! and casters are where they were is not drawn again.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::{
     gpu::{GpuError, GroupLayout},
@@ -9,7 +14,7 @@ use crate::{
         pass::{Pass, declared_overrides},
         pass_builder::PassBuilder,
         passes::visibility::{cleared_depth, reversed_depth},
-        scene::GpuScene,
+        scene::{Draw, GpuScene},
         shadow_maps::FORMAT,
         sub_frame::SubFrame,
         types::{GpuVertex, gpu_struct},
@@ -42,6 +47,8 @@ pub struct Shadow {
     cutout: Option<wgpu::RenderPipeline>,
     slots: wgpu::Buffer,
     groups: Vec<wgpu::BindGroup>,
+    /// Hash of what each map shows; none where that is not known.
+    drawn: Mutex<Vec<Option<u64>>>,
 }
 
 impl FramePass for Shadow {
@@ -64,24 +71,32 @@ impl FramePass for Shadow {
             });
             layout.bind(gpu, &[("params", binding)])
         };
-        let groups = (0..count).map(slot).collect::<Result<_, _>>()?;
+        let groups = (0..count).map(slot).collect::<Result<Vec<_>, _>>()?;
         let make = |cutout| pipeline(builder, &layout, cutout);
         Ok(Self {
             opaque: make(false)?,
             cutout: builder.plan.cutouts.then(|| make(true)).transpose()?,
+            drawn: Mutex::new(vec![None; groups.len()]),
             groups,
             slots,
         })
     }
 
-    /// One render pass for each map, in the first sub-frame.
+    /// One render pass for each map that is not up to date, in the first sub-frame.
     fn record(&self, frame: &mut SubFrame<'_>) {
         if frame.sample > 0 {
             return;
         }
         let (scene, maps) = (frame.resources.scene, frame.resources.maps);
         let recorder = &mut frame.recorder;
-        for ((view, group), slot) in frame.shadow_views.iter().zip(&self.groups).zip(0u64..) {
+        let mut drawn = self.drawn();
+        let views = frame.shadow_views.iter().zip(&self.groups).zip(0u64..);
+        for (((view, group), slot), drawn) in views.zip(drawn.iter_mut()) {
+            let content = content(scene, view);
+            if content.is_some() && content == *drawn {
+                continue;
+            }
+            *drawn = content;
             let clip_from_world = view.clip_from_world.to_cols_array_2d();
             let params = Params { clip_from_world };
             let offset = SLOT_BYTES * slot;
@@ -114,11 +129,17 @@ impl FramePass for Shadow {
 }
 
 impl Shadow {
+    /// Has the next frame draw all maps.
+    pub fn forget(&self) {
+        self.drawn().fill(None);
+    }
+
+    fn drawn(&self) -> MutexGuard<'_, Vec<Option<u64>>> {
+        self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, scene: &GpuScene, view: &ShadowView) {
-        let visible = || {
-            let draws = scene.draws.iter();
-            draws.filter(|d| !is_outside(&view.clip_from_world, &d.bounds))
-        };
+        let visible = || casters(scene, view);
         pass.set_pipeline(&self.opaque);
         pass.set_vertex_buffer(0, scene.vertices.slice(..));
         pass.set_index_buffer(scene.mesh_data.slice(..), wgpu::IndexFormat::Uint32);
@@ -138,6 +159,26 @@ impl Shadow {
             );
         }
     }
+}
+
+/// What a map may show.
+fn casters<'a>(scene: &'a GpuScene, view: &'a ShadowView) -> impl Iterator<Item = &'a Draw> {
+    let draws = scene.draws.iter();
+    draws.filter(|d| !is_outside(&view.clip_from_world, &d.bounds))
+}
+
+/// Hash of all that a map shows; none where cut-outs may change from frame to frame.
+fn content(scene: &GpuScene, view: &ShadowView) -> Option<u64> {
+    let mut hash = Xxh3Default::new();
+    hash.update(bytemuck::bytes_of(&view.clip_from_world.to_cols_array()));
+    for draw in casters(scene, view) {
+        if draw.class.cutout && scene.has_moving_cutouts {
+            return None;
+        }
+        hash.update(&draw.instance.to_le_bytes());
+        hash.update(bytemuck::cast_slice(scene.pose(draw.instance)));
+    }
+    Some(hash.digest())
 }
 
 fn pipeline(
