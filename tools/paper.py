@@ -66,10 +66,9 @@ def pictures(assets: pathlib.Path) -> None:
     """The floor of Fig. 1's scene, where stripes and prolonged reflections are seen."""
     scene = ROOT / "scenes" / "paper" / "sponza.toml"
     thresholds = ["0.005", "0.025", "0.065"]
-    shots = [("rt", "0.025", "")]
+    shots = [("rt", "", "")]
     shots += [("ssr", t, "") for t in thresholds]
-    shots += [("hybrid", "0.025", "")]
-    shots += [("hybrid", t, "source") for t in thresholds]
+    shots += [("hybrid", t, aov) for aov in ("", "source") for t in ("", "0.025")]
     cells = []
     with tempfile.TemporaryDirectory() as folder:
         for index, (method, t, aov) in enumerate(shots):
@@ -77,10 +76,13 @@ def pictures(assets: pathlib.Path) -> None:
             command: list[str | pathlib.Path] = [ROOT / "target" / "release" / "reflet", "render"]
             command += [scene, "--assets", assets]
             command += ["--size", "1280x720", "--method", method, "-o", out]
-            command += ["--set", f"reflection.threshold_u={t}", *(["--aov", aov] if aov else [])]
+            rule = ["reflection.accept=threshold", f"reflection.threshold_u={t}"] if t else []
+            command += [part for setting in rule for part in ("--set", setting)]
+            command += ["--aov", aov] if aov else []
             subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
             shown = out.with_suffix(f".{aov}.png") if aov else out
-            what = "rt" if method == "rt" else f"{method}, T = {t} U"
+            rule_name = f", T = {t} U" if t else ", verified"
+            what = "rt" if method == "rt" else method + rule_name
             cells.append(f"{what}{', sources' if aov else ''}={shown}")
         sheet = [ROOT / ".venv" / "bin" / "python", ROOT / "tools" / "sheet.py"]
         floor = ["--crop", "320", "390", "860", "720"]
@@ -154,7 +156,8 @@ def scenario1_times(rows: Rows) -> str:
 
 
 def scenario1_passes(rows: Rows) -> str:
-    early = ["shadow", "visibility", "surface", "light", "ssr", "compact", "arguments"]
+    early = ["shadow", "visibility", "surface", "light"]
+    early += ["pyramid", "arguments", "ssr", "hits"]
     late = ["compose", "tone"]
 
     def line(method: str, rs: Rows) -> list[str]:
@@ -330,12 +333,14 @@ def atrium(rows: Rows) -> str:
     common = [float(r["passes_ms"]) - float(r["reflection_ms"]) for r in rows]
     of = by(rows, "method", "parameter", "value")
     head = ["", "FLIP in reflections", "ms a frame", "march steps", "nodes visited"]
-    chosen = [("ssr", 16.0), ("ssr", 64.0), ("hybrid", 0.001), ("hybrid", 0.025), ("hybrid", 0.2)]
-    chosen += [("rt", 2.0), ("rt", 3.0)]
+    chosen = [("ssr", "steps", 16.0), ("ssr", "steps", 64.0)]
+    chosen += [("hybrid", "threshold_u", value) for value in (0.001, 0.025, 0.2)]
+    chosen += [("hybrid", "edge_px", value) for value in (0.0, 0.25, 1.0)]
+    chosen += [("rt", "bounces", 2.0), ("rt", "bounces", 3.0)]
     names = {"threshold_u": "T"}
 
-    def line(method: str, value: float) -> list[str]:
-        key = next(k for k in of if k[0] == method and float(k[2]) == value)
+    def line(method: str, parameter: str, value: float) -> list[str]:
+        key = next(k for k in of if k[:2] == (method, parameter) and float(k[2]) == value)
         rs = of[key]
         unit = " U" if key[1] == "threshold_u" else ""
         ms = statistics.median(common) + median(rs, "reflection_ms")

@@ -98,15 +98,18 @@ fn the_specialized_frame_equals_the_general_one() {
     let cornell = include_str!("../../scenes/cornell.toml");
     let mirrors = include_str!("../../scenes/mirrors.toml");
     for text in [ATRIUM, cornell, mirrors] {
-        let aovs = [Aov::Ids, Aov::Cause];
-        let of = |general| render_with(gpu, text, &["image.size=[96, 54]"], &aovs, general);
-        let (special, general) = (of(false), of(true));
-        assert_eq!(integers(&special, Aov::Ids), integers(&general, Aov::Ids));
-        assert_eq!(
-            integers(&special, Aov::Cause),
-            integers(&general, Aov::Cause)
-        );
-        assert!(share_differing(&special, &general, 1) == 0.0);
+        for visibility in ["image.visibility=raster", "image.visibility=rays"] {
+            let aovs = [Aov::Ids, Aov::Cause];
+            let set = ["image.size=[96, 54]", visibility];
+            let of = |general| render_with(gpu, text, &set, &aovs, general);
+            let (special, general) = (of(false), of(true));
+            assert_eq!(integers(&special, Aov::Ids), integers(&general, Aov::Ids));
+            assert_eq!(
+                integers(&special, Aov::Cause),
+                integers(&general, Aov::Cause)
+            );
+            assert!(share_differing(&special, &general, 1) == 0.0);
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use reflet::render::aov::Aov;
 
-use crate::kit::{assert_color, gpu, render};
+use crate::kit::{assert_color, gpu, integers, render};
 
 const BALL: &str = r#"
 version = 1
@@ -25,18 +25,44 @@ material = "chrome"
 #[test]
 fn odd_tiny_and_wide_pictures_render() {
     let Some(gpu) = gpu() else { return };
-    for size in ["[1, 1]", "[1, 7]", "[33, 17]", "[16384, 1]"] {
-        let picture = render(
-            gpu,
-            BALL,
-            &[&format!("image.size={size}")],
-            &[Aov::Cause, Aov::Reflectance],
-        );
+    let sizes = ["[1, 1]", "[1, 7]", "[33, 17]", "[16384, 1]"];
+    let ways = [
+        ("hybrid", "raster"),
+        ("hybrid", "rays"),
+        ("rt", "rays"),
+        ("ssr", "raster"),
+    ];
+    for (size, (method, visibility)) in sizes.iter().flat_map(|size| ways.map(|way| (size, way))) {
+        let set = [
+            format!("image.size={size}"),
+            format!("reflection.method={method}"),
+            format!("image.visibility={visibility}"),
+        ];
+        let set = set.each_ref().map(String::as_str);
+        let picture = render(gpu, BALL, &set, &[Aov::Cause, Aov::Reflectance]);
         assert_eq!(
             picture.color.len(),
             4 * (picture.size[0] * picture.size[1]) as usize
         );
         assert!(picture.color.iter().all(|v| v.is_finite()));
+    }
+}
+
+#[test]
+fn a_mirror_that_fills_the_picture_is_listed_whole() {
+    let Some(gpu) = gpu() else { return };
+    for (method, edge_px) in [("hybrid", "0"), ("hybrid", "4"), ("rt", "0.25")] {
+        let set = [
+            "camera.main.eye=[0, 0, 1.05]",
+            "camera.main.near_m=0.001",
+            "image.size=[65, 33]",
+            &format!("reflection.method={method}"),
+            &format!("reflection.edge_px={edge_px}"),
+        ];
+        let picture = render(gpu, BALL, &set, &[Aov::Cause]);
+        let shares = &picture.stats.shares;
+        assert_eq!(shares.reflective, shares.pixels, "{method}");
+        assert!(integers(&picture, Aov::Cause).iter().all(|c| *c != 0));
     }
 }
 
