@@ -97,6 +97,10 @@ fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
     let mut methods: Vec<Method> = Vec::new();
     for method in args.methods.iter().map(|m| Method::from(*m)) {
+        if method == Method::Auto {
+            let text = "--methods auto: name the methods to compare: ssr, hybrid, rt";
+            return Err(AppError::Usage(text.to_owned()));
+        }
         if !methods.contains(&method) {
             methods.push(method);
         }

@@ -75,15 +75,17 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         args: args.from.clone(),
         shaders: args.shaders.clone(),
     };
+    let method = args.method.map(Method::from);
+    let method = method.filter(|method| *method != Method::Auto);
     let overrides = ViewOverrides {
         size: Some([64, 64]),
-        method: args.method.map(Method::from),
+        method,
         samples: Some(1),
     };
     let (live, is_waiting) = open(&gpu, source, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);
     let summary = SceneSummary::of(&live);
-    let method = args.method.map_or(summary.method, Method::from);
+    let method = method.unwrap_or(summary.method);
     let camera = choose_camera(&summary, args.camera.as_deref())?;
     let stem = args.scene.as_deref().and_then(|path| path.file_stem());
     let stem = stem.map_or("atrium".to_owned(), |stem| {
