@@ -24,7 +24,7 @@ const FRESH: Duration = Duration::from_secs(3);
 /// When the folder cannot be written to or the disk is full; nothing is left behind.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.file_name().is_none() {
-        let message = "the path names no file";
+        let message = "the path has no file name";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     Temporary::create(path)?.fill(bytes)?.rename_to(path)
@@ -243,13 +243,12 @@ fn place_name() -> String {
     format!("{:016x}", *PLACE)
 }
 
-/// Longer than any run goes without writing to its file: what was left alone for so long belongs to
-/// no run, wherever that was.
+/// Longer than any run goes without writing to its file: an older temporary file has no live owner.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes what killed runs have left beside these files. Runs that live keep theirs. Of those of
-/// another machine, container or boot nobody here knows whether they live, nor, except on Linux, of
-/// those of this one: theirs are removed a day after they were last written to.
+/// Removes temporary files of killed runs beside these files. Whether a run is alive can be checked on
+/// Linux, for this machine, container and boot only; elsewhere its files are removed a day after the
+/// last write.
 pub fn sweep(goals: &[PathBuf]) {
     let of_goals: HashSet<_> = goals.iter().map(|goal| goal_name(goal)).collect();
     let folders: HashSet<_> = goals.iter().map(|goal| folder_of(goal)).collect();
@@ -279,7 +278,7 @@ fn hidden_parts(name: &str) -> Option<(&str, &str, u32)> {
     Some((parts.next()?, place, id))
 }
 
-/// Whether nobody has written to a file for long; links are no such files.
+/// Whether a file has not been written to for long; false for links.
 fn is_abandoned(entry: &fs::DirEntry) -> bool {
     let written = entry.metadata().and_then(|of| of.modified());
     let age = written.ok().and_then(|time| time.elapsed().ok());
@@ -295,7 +294,7 @@ impl Drop for Temporary {
     }
 }
 
-/// The folder that a file stands in.
+/// Parent folder of a file.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -5,8 +5,8 @@ use std::{env, panic, process::ExitCode};
 
 use reflet::app;
 
-/// Mesa's choice of devices looks for a Wayland display, and complains aloud on standard error where
-/// even its folder is not named.
+/// Mesa's device selection looks for a Wayland display, and prints an error to standard error where
+/// `XDG_RUNTIME_DIR` is not set.
 #[expect(
     unsafe_code,
     reason = "the environment is changed before any other thread exists"

@@ -186,7 +186,7 @@ fn a_refused_call_is_an_error_and_the_device_lives_on() {
     assert!(
         error
             .to_string()
-            .starts_with("picture needs 100000 pixels a side")
+            .starts_with("picture needs 100000 pixels per side")
     );
 }
 

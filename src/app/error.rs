@@ -83,7 +83,9 @@ impl AppError {
                 };
                 let list = spans(missing);
                 eprintln!("error: {why}");
-                eprintln!("{frames} {is} missing: {list}; make room and add --resume to go on");
+                eprintln!(
+                    "{frames} {is} missing: {list}; free disk space and add --resume to continue"
+                );
             }
             Self::Interrupted(text) => eprintln!("{text}"),
             Self::Gpu(error) => eprintln!("error: {error}"),

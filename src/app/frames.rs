@@ -56,7 +56,7 @@ impl FrameList {
             // The first repeated frame is an error, so a list never exceeds the timeline.
             for frame in (first..=last).step_by(step as usize) {
                 if !known.insert(frame) {
-                    return Err(usage(format!("frame {frame} is there twice")));
+                    return Err(usage(format!("frame {frame} is listed twice")));
                 }
                 frames.push(frame);
             }
@@ -182,7 +182,7 @@ impl Template {
         let after = &name[start + digits..];
         if after.contains('#') {
             return Err(AppError::Usage(format!(
-                "--output {shown}: the frame number can stand in one place only"
+                "--output {shown}: the frame number may appear only once"
             )));
         }
         Ok(Some(Self {
@@ -257,7 +257,7 @@ mod tests {
             ("1-5:0", "must be 1 or more"),
             ("1-5:-1", "must be 1 or more"),
             ("5-21", "frame 21 is not in the timeline, which has 0 to 20"),
-            ("1,3,2-4", "frame 3 is there twice"),
+            ("1,3,2-4", "frame 3 is listed twice"),
             ("0-99999999999", "is too large for a frame number"),
             ("0-3:999999999999", "the step \"999999999999\" is too large"),
         ] {
@@ -279,7 +279,7 @@ mod tests {
         let list = vec!["0-1000000"; 12_000].join(",");
         match FrameList::parse("--frames", &list, &timeline) {
             Err(AppError::Usage(text)) => {
-                assert!(text.ends_with("…: frame 0 is there twice"), "{text}");
+                assert!(text.ends_with("…: frame 0 is listed twice"), "{text}");
                 assert!(text.len() < 200, "{text}");
             }
             other => panic!("{other:?}"),

@@ -29,7 +29,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         None
     } else {
         if args.resume || args.shard.is_some() {
-            let text = "--resume and --shard go with --frames";
+            let text = "--resume and --shard need --frames";
             return Err(AppError::Usage(text.to_owned()));
         }
         Some(PictureFile::new(&args.output)?)
@@ -107,7 +107,7 @@ fn choose_aovs(names: &[String]) -> Result<Vec<Aov>, AppError> {
         Aov::from_name(name.trim()).ok_or_else(|| {
             let known: Vec<&str> = Aov::ALL.iter().map(|aov| aov.name()).collect();
             AppError::Usage(format!(
-                "--aov {name}: there is no such picture; choose from {}",
+                "--aov {name}: no such AOV; choose from {}",
                 known.join(", ")
             ))
         })

@@ -63,17 +63,18 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
     let in_one_file = Format::is_film(&args.output);
     if in_one_file && (args.resume || args.shard.is_some()) {
         return Err(AppError::Usage(
-            "--resume and --shard are for frames in files of their own, such as film.####.png"
-                .to_owned(),
+            "--resume and --shard need one file per frame, such as film.####.png".to_owned(),
         ));
     }
     if in_one_file && !args.aov.is_empty() {
         return Err(AppError::Usage(
-            "--aov does not go with a film; write frames".to_owned(),
+            "--aov does not apply to a film; write frames".to_owned(),
         ));
     }
     if args.stats.is_some() {
-        return Err(AppError::Usage("--stats is for one picture".to_owned()));
+        return Err(AppError::Usage(
+            "--stats applies to a single picture".to_owned(),
+        ));
     }
     let has_number = in_one_file || Template::new(&args.output)?.is_some();
     if !has_number && frames.0.len() > 1 {
@@ -81,7 +82,7 @@ pub fn choose(args: &RenderArgs, timeline: Option<&TimelineDesc>) -> Result<Fram
         let stem = args.output.with_extension("").display().to_string();
         let ending = args.output.extension().unwrap_or_default().display();
         return Err(AppError::Usage(format!(
-            "--output {shown}: {} frames would go to one file; write {stem}.####.{ending}",
+            "--output {shown}: {} frames would be written to one file; write {stem}.####.{ending}",
             frames.0.len()
         )));
     }
@@ -260,7 +261,7 @@ fn stopped(target: &Target, done: usize, total: usize, failures: Failures) -> Ap
     AppError::Interrupted(match target {
         Target::Film(_) => format!("stopped after {done} of {total} frames; no film was written"),
         Target::Files { .. } => {
-            format!("stopped: {done} of {total} frames are there; add --resume to go on")
+            format!("stopped: {done} of {total} frames are written; add --resume to continue")
         }
     })
 }

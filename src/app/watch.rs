@@ -116,7 +116,7 @@ impl Watcher {
         let thread = thread::Builder::new()
             .name("watch".into())
             .spawn(move || watching.run(&inbox, &report))
-            .map_err(|error| format!("saved files are not followed: {error}; start again"))?;
+            .map_err(|error| format!("files cannot be watched: {error}; start again"))?;
         Ok(Self {
             messages,
             thread: Some(thread),

@@ -240,7 +240,7 @@ impl Gpu {
             what,
             width.max(height).into(),
             limit.into(),
-            "pixels a side",
+            "pixels per side",
         )
     }
 }
@@ -270,7 +270,7 @@ fn choose(
         adapters.retain(|adapter| name_matches(&adapter.get_info().name, filter));
         if adapters.is_empty() {
             return Err(GpuError::NoAdapter(format!(
-                "no adapter is named like \"{filter}\"; this machine has: {}",
+                "no adapter matches \"{filter}\"; this machine has: {}",
                 names.join(", ")
             )));
         }
@@ -344,7 +344,7 @@ mod tests {
         let error = within("triangle buffer", 10, 8, "bytes").expect_err("10 > 8");
         assert_eq!(
             error.to_string(),
-            "triangle buffer needs 10 bytes, and at most 8 are possible here"
+            "triangle buffer needs 10 bytes, but this device allows at most 8"
         );
         assert_eq!(within("triangle buffer", 8, 8, "bytes"), Ok(()));
     }

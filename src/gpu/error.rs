@@ -43,7 +43,7 @@ impl fmt::Display for GpuError {
                 unit,
             } => write!(
                 f,
-                "{what} needs {wanted} {unit}, and at most {limit} are possible here"
+                "{what} needs {wanted} {unit}, but this device allows at most {limit}"
             ),
             Self::Shader(error) => error.fmt(f),
             Self::Binding(text) => f.write_str(text),

@@ -348,7 +348,7 @@ impl Reflection<'_> {
             ImageClass::Storage { format, access } => Ok(wgpu::BindingType::StorageTexture {
                 access: storage_access(access),
                 format: storage_format(format)
-                    .ok_or_else(|| format!("{format:?} is no storage format of core WebGPU"))?,
+                    .ok_or_else(|| format!("{format:?} is not a storage format of core WebGPU"))?,
                 view_dimension,
             }),
             ImageClass::External => Err("external textures are not supported".to_owned()),

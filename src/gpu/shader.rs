@@ -170,7 +170,7 @@ impl ShaderLibrary {
         if files.is_empty() {
             return Err(ShaderError::new(
                 &root.into(),
-                "no .wgsl files here; --shaders wants a copy of Reflet's shaders folder",
+                "no .wgsl files here; --shaders expects a copy of Reflet's shaders folder",
             ));
         }
         Ok(Self {

@@ -84,7 +84,7 @@ pub fn read(
     let root = fs::canonicalize(Path::new(".").join(folder))
         .map_err(|e| missing(&format!("cannot be read: {e}")))?;
     if !real.starts_with(&root) {
-        let message = format!("{shown} leads out of the scene's folder");
+        let message = format!("{shown} resolves to a file outside the scene's folder");
         return Err(Problem::new(message, kind.inside));
     }
     let file = open_regular(&real, false);

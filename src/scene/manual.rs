@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// The prose of `desc.rs` repeats ranges and defaults for whoever reads the source.
+    /// The prose of `desc.rs` repeats ranges and defaults for readers of the source.
     #[test]
     fn comments_agree_with_the_ranges_and_defaults_that_are_read() {
         for section in &parse::recorded_keys().sections {

@@ -34,7 +34,7 @@ pub struct FrameState {
     pub frame: u32,
     /// Its time, seconds: frame / fps.
     pub time_s: f64,
-    /// Where each camera stands.
+    /// Position of each camera.
     pub cameras: Vec<CameraDesc>,
     /// World from model space of each instance, or of the first of its copies.
     pub instances: Vec<Affine3A>,

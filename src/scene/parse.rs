@@ -77,7 +77,7 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
 }
 
 /// The parameters that a text declares, with overrides as [`Texts::collect`] takes them; `None`
-/// where that cannot be told.
+/// where that cannot be determined.
 pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
     let texts = Texts::collect(text, path, overrides, &Dependencies::default());
     Document::new(&texts).params()

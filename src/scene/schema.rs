@@ -1,4 +1,4 @@
-//! The JSON Schema of the scene text, for editors: the same keys that the reader asks for.
+//! The JSON Schema of the scene text, for editors: the same keys that the reader reads.
 
 use serde_json::{Map, Value, json};
 

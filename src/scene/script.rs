@@ -142,7 +142,7 @@ impl Script {
         Ok(())
     }
 
-    /// Runs what stands outside functions once: wrong imports show before the first frame.
+    /// Runs the top level once, so that wrong imports are reported before the first frame.
     fn check(&self) -> Result<(), Box<Diagnostic>> {
         let this = &*self.0;
         let run = |engine: &Engine| engine.run_ast_with_scope(&mut Scope::new(), &this.ast);
@@ -252,7 +252,7 @@ impl Script {
     ) -> (Result<T, Ended>, Vec<String>) {
         let this = &*self.0;
         let run = |engine: &Engine, context: Context| {
-            // A new scope each time, and constants and imports evaluated anew.
+            // A new scope each time, and constants and imports evaluated again.
             let options = CallFnOptions::new().eval_ast(true).rewind_scope(true);
             let mut scope = Scope::new();
             let arguments = (context,);

@@ -91,12 +91,12 @@ pub fn hint(typed: &str, words: &[&str], quote: impl Fn(&str) -> String, lead: &
     }
 }
 
-/// A key as it stands in messages.
+/// A key, formatted for messages.
 pub fn key(text: &str) -> String {
     format!("`{}`", clip(text))
 }
 
-/// A text value as it stands in messages.
+/// A text value, formatted for messages.
 pub fn text(text: &str) -> String {
     format!("\"{}\"", clip(text).escape_debug())
 }

@@ -216,7 +216,7 @@ impl World {
             } else if !usable {
                 Some("is singular or not finite")
             } else if (pose.matrix3.determinant() < 0.0) != moving.mirrored {
-                Some("mirrors it, which it did not at first; a scale must not change its sign")
+                Some("mirrors it, unlike the first pose; a scale must not change its sign")
             } else {
                 placed.push(pose);
                 None

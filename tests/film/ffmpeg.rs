@@ -202,7 +202,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
         (
             &film,
             "echo \"Unknown encoder 'libx264'\" >&2; exit 8",
-            "ffmpeg says: Unknown encoder 'libx264'; there is no film: mend that, or write .apng \
+            "ffmpeg says: Unknown encoder 'libx264'; there is no film: fix that, or write .apng \
              or frames (f.####.png)",
         ),
         (
@@ -229,7 +229,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
     .chain([(
         &large[..],
         "exec 0<&-; sleep 0.2",
-        "ffmpeg takes no pixels: ",
+        "ffmpeg accepts no input: ",
     )]) {
         let stub = tools.join("ffmpeg");
         fs::write(&stub, format!("#!/bin/sh\n{last}\n{script}\n")).expect("writable");

@@ -47,7 +47,7 @@ fn a_full_disk_ends_a_film_and_says_what_is_missing() {
     let missing = format!("{} frames are missing: ", 40 - written);
     assert!(text.contains(&missing), "{missing}: {text}");
     assert!(
-        text.contains("make room and add --resume to go on"),
+        text.contains("free disk space and add --resume to continue"),
         "{text}"
     );
     assert!(!text.contains(".tmp"), "a half written file stays: {text}");

@@ -103,7 +103,7 @@ fn end_at_random_moments(name: &str, rounds: u32) {
         let allowed: &[i32] = if kill { &[-9, 0] } else { &[143, -15, 0] };
         assert!(allowed.contains(&code), "{context}");
         if code == 143 {
-            assert!(text.contains("add --resume to go on"), "{context}");
+            assert!(text.contains("add --resume to continue"), "{context}");
         }
         let now = pictures(&folder);
         for (name, bytes) in &now {
@@ -208,8 +208,8 @@ fn a_signal_ends_a_film_between_frames() {
     let folder = folder("signal");
     let long = ["--set", "timeline.end=2000"];
     for (output, name, code, says) in [
-        ("f.####.png", "-TERM", 143, "add --resume to go on"),
-        ("f.####.png", "-INT", 130, "add --resume to go on"),
+        ("f.####.png", "-TERM", 143, "add --resume to continue"),
+        ("f.####.png", "-INT", 130, "add --resume to continue"),
         ("f.apng", "-TERM", 143, "no film was written"),
     ] {
         let mut child = start(&folder, &[&["-o", output][..], &long].concat());

@@ -195,7 +195,7 @@ fn messages_name_file_and_place() {
     doc.primitive("indices", bad.into());
     let errors = doc.load().expect_err("index out of range");
     let expected =
-        "mesh 0 \"wall\" primitive 0: index 9 at place 2 is out of range, there are 3 vertices";
+        "mesh 0 \"wall\" primitive 0: index 9 at position 2 is out of range, there are 3 vertices";
     assert_eq!(
         (errors[0].name, errors[0].message.as_str()),
         ("gltf-index", expected)

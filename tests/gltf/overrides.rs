@@ -137,7 +137,7 @@ fn what_has_none_of_its_own_is_refused() {
         ),
         (
             "ball.material]\nbase_color = { orbit = { period_s = 1 } }",
-            "a color is no position",
+            "apply to positions, not to colors",
         ),
         (
             "nobody.material]\nroughness = { rate = 1 }",

@@ -1,4 +1,4 @@
-//! Skins and morph targets of glTF files stand still, in the right place, with a warning.
+//! Skins and morph targets of glTF files are static, correctly placed, with a warning.
 
 use crate::kit::{Doc, warnings};
 use glam::Vec3;

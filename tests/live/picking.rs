@@ -125,7 +125,7 @@ fn shadow_maps_are_told_in_meters() {
         "the face to -Y; white: 3.00 m, black: 4.00 m; nothing is blue"
     );
     let up = drawn(&mut preview, shadow(Some(2)));
-    assert_eq!(up.legend, "the face to +Y; nothing is there");
+    assert_eq!(up.legend, "the face to +Y; no surface");
     let all = drawn(&mut preview, shadow(None));
     assert_eq!(all.texture.size, [256, 192]);
     let none = drawn(
@@ -135,7 +135,7 @@ fn shadow_maps_are_told_in_meters() {
             face: None,
         }),
     );
-    assert!(none.legend.ends_with("nothing is there"), "{}", none.legend);
+    assert!(none.legend.ends_with("no surface"), "{}", none.legend);
 }
 
 #[test]
@@ -149,9 +149,5 @@ fn the_list_of_rays_is_told_with_its_count() {
     drawn(&mut preview, ViewChannel::Picture);
     preview.show(|view| view.a.method = Method::Ssr);
     let none = drawn(&mut preview, ViewChannel::Rays);
-    assert!(
-        none.legend.starts_with("no list is made"),
-        "{}",
-        none.legend
-    );
+    assert!(none.legend.starts_with("no ray list"), "{}", none.legend);
 }

@@ -188,7 +188,7 @@ fn every_number_of_a_light_moves_if_its_kind_has_it() {
             let text = format!("{SCENE}[motion.light.{name}]\n{key} = {{ rate = {value} }}\n");
             let error = pose(&text, 0).expect_err("it has none");
             assert!(
-                error.contains(&format!("`{key}` does not go with a")),
+                error.contains(&format!("`{key}` does not apply to a")),
                 "{error}"
             );
             let script = format!("ctx.light(\"{name}\", #{{ {key}: {value} }});");
@@ -300,5 +300,8 @@ fn a_color_follows_no_instance() {
     let text =
         format!("{SCENE}[motion.light.sun]\ncolor = {{ follow = {{ instance = \"ball\" }} }}\n");
     let error = pose(&text, 0).expect_err("a color");
-    assert!(error.contains("a color is no position"), "{error}");
+    assert!(
+        error.contains("apply to positions, not to colors"),
+        "{error}"
+    );
 }

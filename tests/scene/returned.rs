@@ -157,8 +157,7 @@ fn parameters_cannot_be_set_by_a_script() {
     ] {
         let errors = pose(line).expect_err(line);
         let error = errors[0].to_string();
-        let says =
-            error.contains("`ctx.params` is what the scene says") && error.contains("rhai:2:");
+        let says = error.contains("`ctx.params` is read-only") && error.contains("rhai:2:");
         assert!(says, "{line}: {error}");
     }
     for line in [

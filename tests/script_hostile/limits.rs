@@ -48,8 +48,12 @@ fn limits_are_reported_where_they_are_met() {
     let folder = folder("limits");
     fs::write(folder.join("parts/far.rhai"), FAR).expect("temporary file");
     let cases: &[(&str, &[&str], &str)] = &[
-        ("loop {}", &["s.rhai:7:"], "was ended"),
-        ("far::spin();", &["far.rhai:3:", "far.rhai:4:"], "was ended"),
+        ("loop {}", &["s.rhai:7:"], "was stopped"),
+        (
+            "far::spin();",
+            &["far.rhai:3:", "far.rhai:4:"],
+            "was stopped",
+        ),
         ("helper();", &["far.rhai:3:", "far.rhai:4:"], "s.rhai:4"),
         ("far::grow();", &["far.rhai:10:"], "too large"),
         ("far::fill();", &["far.rhai:15:"], "too large"),

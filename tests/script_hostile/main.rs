@@ -31,23 +31,23 @@ model = \"ball\"
 /// Body of `frame`, and what the message must say.
 const FRAMES: &[(&str, &str)] = &[
     // Without an end.
-    ("loop {}", "was ended"),
-    ("while true { let x = 1; }", "was ended"),
-    ("let i = 0; do { i += 1; } while i >= 0;", "was ended"),
-    ("for i in 0..1000000000 { let x = i; }", "was ended"),
+    ("loop {}", "was stopped"),
+    ("while true { let x = 1; }", "was stopped"),
+    ("let i = 0; do { i += 1; } while i >= 0;", "was stopped"),
+    ("for i in 0..1000000000 { let x = i; }", "was stopped"),
     (
         "for i in 0..1000000 { for j in 0..1000000 { let x = j; } }",
-        "was ended",
+        "was stopped",
     ),
-    ("fn_loop(ctx)", "was ended"),
-    ("loop { try { loop {} } catch { } }", "was ended"),
-    ("let a = [1]; a.map(|x| { loop {} });", "was ended"),
-    ("let a = [3, 1, 2]; loop { a.sort(); }", "was ended"),
+    ("fn_loop(ctx)", "was stopped"),
+    ("loop { try { loop {} } catch { } }", "was stopped"),
+    ("let a = [1]; a.map(|x| { loop {} });", "was stopped"),
+    ("let a = [3, 1, 2]; loop { a.sort(); }", "was stopped"),
     (
         "let s = 0; for i in range(0, 10000000000) { s += i % 7; }",
-        "was ended",
+        "was stopped",
     ),
-    ("let f = || { loop {} }; f.call();", "was ended"),
+    ("let f = || { loop {} }; f.call();", "was stopped"),
     // Too deep.
     ("down(ctx)", "more than 32 deep"),
     ("ping(ctx)", "more than 32 deep"),
@@ -72,9 +72,9 @@ const FRAMES: &[(&str, &str)] = &[
     ("let s = \"\"; s.pad(2000000000, 'x');", "too large"),
     (
         "let m = #{}; for i in 0..1000000000 { m[`k${i}`] = i; }",
-        "was ended",
+        "was stopped",
     ),
-    ("let m = #{}; loop { m.a = m; }", "was ended"),
+    ("let m = #{}; loop { m.a = m; }", "was stopped"),
     ("let a = [[0; 1]];", "syntax"),
     (
         "let a = []; loop { a.push(\"0123456789012345678901234567890123456789\"); }",
@@ -89,7 +89,7 @@ const FRAMES: &[(&str, &str)] = &[
         "let b = []; for i in 0..100 { let c = b; c.push(c); b = [c, c, c]; }",
         "too large",
     ),
-    ("loop { print(\"a lot of text\"); }", "was ended"),
+    ("loop { print(\"a lot of text\"); }", "was stopped"),
     // Much work or memory in one function of Rhai's.
     (
         "let s = \"x\"; s.pad(1000000, \"x\"); let t = s; s.replace(\"x\", t);",
@@ -120,23 +120,23 @@ const FRAMES: &[(&str, &str)] = &[
     // Through closures, in which Rhai restarts its counters.
     (
         "let a = []; a.pad(40000, 1); a.map(|x| { let b = []; b.pad(3000, 1); b.map(|y| y + 1).len() })",
-        "was ended",
+        "was stopped",
     ),
     (
         "let a = []; a.pad(40000, 1); a.filter(|x| { a_lot().filter(|y| y > 1).len() > 0 })",
-        "was ended",
+        "was stopped",
     ),
     (
         "let a = []; a.pad(40000, 1); a.for_each(|i| { a_lot().reduce(|sum, y| sum + y, 0); })",
-        "was ended",
+        "was stopped",
     ),
     (
         "let a = []; a.pad(40000, 1); a.sort(|x, y| { a_lot().sort(|p, q| p - q); x - y });",
-        "was ended",
+        "was stopped",
     ),
     (
         "let a = []; a.pad(40000, 1); a.retain(|x| { a_lot().all(|y| y == 1) });",
-        "was ended",
+        "was stopped",
     ),
     (
         "let a = []; a.pad(40000, 1); a.map(|x| { let b = [1]; b.pad(40000, 1); b })",
@@ -246,7 +246,7 @@ fn every_hostile_frame_is_ended_with_a_message() {
     });
     assert!(wrong.is_empty(), "{}", wrong.join("\n---\n"));
     #[cfg(target_os = "linux")]
-    // Two at a time, each within 1,024 MiB when last looked at; one step can double that.
+    // Two at a time, each within 1,024 MiB when last checked; one step can double that.
     assert!(peak_mib() < 4608, "{} MiB", peak_mib());
 }
 
@@ -336,7 +336,7 @@ fn what_setup_returns_is_checked_as_scene_text() {
         ),
         (
             "#{ materials: #{ gold: #{ roughness: || 1 } } }",
-            "no value of a scene",
+            "not a valid value in a scene",
         ),
         (
             "#{\nmaterials: #{ gold: #{ roughness: || 1 } } }",

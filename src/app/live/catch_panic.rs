@@ -17,7 +17,7 @@ pub(super) fn catch_panic<T>(
     // Unwind safe: after a panic all its data is dropped.
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = format!("this is a bug in Reflet: {}", panic_message(&*panic));
-        let help = "another text may work; please report this with the scene and its scripts";
+        let help = "please report this with the scene and its scripts";
         Err(vec![Diagnostic::in_file("internal", file, text).help(help)])
     })
 }

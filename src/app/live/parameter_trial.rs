@@ -9,7 +9,7 @@ use crate::{app::params::ParameterOverrides, scene::desc::ParamValue};
 pub struct Refusal {
     /// Names and refused values.
     pub values: Vec<(String, ParamValue)>,
-    /// Overrides that stay in force.
+    /// Overrides in effect.
     pub stays: ParameterOverrides,
     /// Errors that they caused.
     pub why: Problems,

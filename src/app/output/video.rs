@@ -135,11 +135,11 @@ fn failed(path: &Path, why: &Why) -> AppError {
     let (path, frames) = (path.display(), frames.display());
     AppError::Disk(match why {
         Why::File(why) => format!(
-            "cannot write {path}: {why}; there is no film: make room, or write frames ({frames}), \
+            "cannot write {path}: {why}; there is no film: free disk space, or write frames ({frames}), \
              with which --resume goes on"
         ),
         Why::Encoder(why) => format!(
-            "cannot write {path}: {why}; there is no film: mend that, or write .apng or frames \
+            "cannot write {path}: {why}; there is no film: fix that, or write .apng or frames \
              ({frames})"
         ),
     })
@@ -150,7 +150,7 @@ impl Pipe {
         let written = self.pixels.as_mut().map(|pipe| pipe.write_all(pixels));
         match written {
             Some(Err(error)) => match self.end() {
-                Ok(()) => Err(Why::Encoder(format!("ffmpeg takes no pixels: {error}"))),
+                Ok(()) => Err(Why::Encoder(format!("ffmpeg accepts no input: {error}"))),
                 Err(why) => Err(why),
             },
             _ => Ok(()),

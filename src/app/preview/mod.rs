@@ -59,7 +59,7 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         Some(folder) if folder.is_dir() => folder.clone(),
         Some(folder) => {
             let text = format!(
-                "--screenshots {}: there is no such folder",
+                "--screenshots {}: the folder does not exist",
                 folder.display()
             );
             return Err(AppError::Usage(text));

@@ -137,7 +137,7 @@ impl Folders {
 
     /// Description of the refused watches, and what to do.
     pub fn trouble(&self) -> Option<String> {
-        const MEANWHILE: &str = "meanwhile they are looked at four times a second";
+        const MEANWHILE: &str = "meanwhile they are polled four times a second";
         if let Err(refusal) = &self.system {
             return Some(format!("{}; {MEANWHILE}", refusal.why));
         }
@@ -163,9 +163,9 @@ fn no_system(error: &notify::Error) -> String {
             "too many programs watch files already".to_owned(),
             "close some, or raise the limit: `sudo sysctl fs.inotify.max_user_instances=1024`",
         ),
-        _ => (cause(error), "the system's log may say more"),
+        _ => (cause(error), "see the system log"),
     };
-    format!("the system does not tell of saved files: {why}; {what}")
+    format!("the system does not report saved files: {why}; {what}")
 }
 
 /// Why a folder is not watched.
@@ -182,10 +182,10 @@ fn not_watched(error: &notify::Error, folder: &Path) -> String {
         ),
         _ => (
             cause(error),
-            "if it stays so, move the scene to a disk of this machine".to_owned(),
+            "if this persists, move the scene to a disk of this machine".to_owned(),
         ),
     };
-    format!("the system does not tell of files saved in {folder}: {why}; {what}")
+    format!("the system does not report files saved in {folder}: {why}; {what}")
 }
 
 /// The error without its paths.

@@ -25,7 +25,7 @@ pub fn wrong_with_camera(camera: &CameraDesc) -> Option<&'static str> {
     ) else {
         return Some("has `eye` and `target` in the same place, or no `up`");
     };
-    (forward.cross(up).length() < 1e-6).then_some("looks along its `up`")
+    (forward.cross(up).length() < 1e-6).then_some("has its view direction along `up`")
 }
 
 /// Why a light could not shine.

@@ -55,7 +55,7 @@ fn add_named<'i>(
         let first = report.span(&first.span());
         let error = report.error("duplicate-name", &name.span(), message);
         error.help = Some("setup can add to the scene, but not replace what it has".into());
-        error.related = Some((first, "the scene's own is here".into()));
+        error.related = Some((first, "the scene's definition is here".into()));
         return;
     }
     table.insert(name, node);

@@ -117,7 +117,7 @@ impl<'t> Document<'t> {
         (unheard.errors() == 0).then_some((values, timeline))
     }
 
-    /// The declared parameters, with overrides; `None` where that cannot be told.
+    /// The declared parameters, with overrides; `None` where that cannot be determined.
     pub fn params(&self) -> Option<Vec<Entry<ParamValue>>> {
         let mut unheard = self.report.unheard();
         let table = self.root.get_ref().as_table()?.get("params");
@@ -162,7 +162,7 @@ impl<'t> Document<'t> {
         if shadows.is_empty() {
             names::check(&scene, table, &texts.included, &mut report);
         }
-        // Those of included files are there to be used, and stand nowhere by themselves.
+        // Those of included files are definitions only, and are not placed by themselves.
         let instances = &scene.instances;
         let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
         (scene.models).retain(|m| is_used(&m.name) || !texts.included.has(&m.at));

@@ -216,14 +216,17 @@ fn add_parts<'i>(
             let first = report.span(&first);
             let (message, help) = if same {
                 let help = "remove one of the two, or give it another name";
-                (format!("{shown} is written twice"), help)
+                (format!("{shown} is defined twice"), help)
             } else {
                 let help = "write both alike: `[name]` is a table, `[[name]]` one of a list";
-                (format!("{shown} is of another kind elsewhere"), help)
+                (
+                    format!("{shown} is a table in one place and a list in another"),
+                    help,
+                )
             };
             let error = report.error("duplicate-key", &key.span(), message);
             error.help = Some(help.into());
-            error.related = Some((first, "it is first written here".into()));
+            error.related = Some((first, "it is first defined here".into()));
         }
     }
 }

@@ -110,7 +110,7 @@ pub fn check(scene: &SceneDesc, root: &DeTable, included: &Included, report: &mu
             let note = "the first one is here";
             report.push(
                 error
-                    .help("names of instances are unique")
+                    .help("instance names must be unique")
                     .related((*first).clone(), note),
             );
         } else {

@@ -51,10 +51,7 @@ impl Section for SceneDesc {
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
         if let Some(light) = scene.lights.get(MOST_LIGHTS) {
-            let message = format!(
-                "`{}` is one light too many: at most {MOST_LIGHTS}",
-                light.name
-            );
+            let message = format!("`{}` exceeds the limit of {MOST_LIGHTS} lights", light.name);
             let at = light.at.clone();
             t.report
                 .push(Diagnostic::at("too-many-lights", at, message));
@@ -179,12 +176,12 @@ impl Section for ModelDesc {
             t.refuse("wrong-source", "material", message, help);
         }
         if t.has("shape") && t.has("lights") {
-            let message = "`lights` is for files: shapes have none";
+            let message = "`lights` applies to files only; shapes have no lights";
             t.refuse("wrong-source", "lights", message, "remove `lights`");
         }
         let animation = animation::animation(t);
         if t.has("shape") && t.has("animation") {
-            let message = "`animation` is for files: shapes have none";
+            let message = "`animation` applies to files only; shapes have no animations";
             let help = "move its instance by `[motion.instance.NAME]`";
             t.refuse("wrong-source", "animation", message, help);
         }

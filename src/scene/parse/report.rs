@@ -148,7 +148,7 @@ impl Report {
         self.list.retain(keep);
     }
 
-    /// What a loop of a script has returned wrong again and again is told once.
+    /// An error that a loop of a script repeats is reported once.
     fn merge_repeated(&mut self) {
         let mut times: Vec<usize> = Vec::new();
         let mut kept: Vec<Diagnostic> = Vec::new();

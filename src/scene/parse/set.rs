@@ -37,7 +37,7 @@ pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
     };
     if path[0].name == "include" {
         let error = report.error("bad-set", &path[0].at, "`include` cannot be set");
-        error.help = Some("write it in the scene; what it brings can be set".into());
+        error.help = Some("write it in the scene; keys of included files can be set".into());
     } else if let Some(value) = value {
         put(root, &path, value, report);
     }
@@ -267,7 +267,7 @@ fn step<'t, 'i>(
         }
         _ => {
             let message = format!(
-                "{} cannot be set: what is before it has no keys",
+                "{} cannot be set: its parent is not a table",
                 suggest::key(name)
             );
             report.error("bad-set", &segment.at, message);

@@ -53,7 +53,7 @@ pub fn parse<'i>(
     let mut line_end = None;
     for error in &errors {
         let at = place(error);
-        // A broken line gives one message, the first; a key that stands there twice is no break.
+        // A broken line gives one message, the first; a duplicate key is not a syntax error.
         let same_line = line_end.is_some_and(|end| at.start <= end);
         if same_line && error.message() != "duplicate key" {
             continue;
@@ -83,11 +83,11 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
     let moved = |range: &Range<usize>| base + range.start..base + range.end;
     if message == "duplicate key" {
         let key = text.get(at.clone()).unwrap_or("");
-        let message = format!("{} is written twice", suggest::key(key));
+        let message = format!("{} is defined twice", suggest::key(key));
         let first = first_place(text, &at).map(|range| report.span(&moved(&range)));
         let error = report.error("duplicate-key", &moved(&at), message);
         error.help = Some("remove one of the two, or give it another name".into());
-        error.related = first.map(|span: Span| (span, "it is first written here".into()));
+        error.related = first.map(|span: Span| (span, "it is first defined here".into()));
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
         // The parser does not say where.

@@ -20,7 +20,7 @@ pub use self::nested::Either;
 
 /// A description that is written as a table.
 pub trait Section: Sized {
-    /// Name of its type in `desc.rs`, where its manual stands.
+    /// Name of its type in `desc.rs`, which holds its manual.
     const TYPE: &'static str;
     /// Further types of `desc.rs` whose fields are keys of the same table.
     const ALSO: &'static [&'static str] = &[];
@@ -30,7 +30,7 @@ pub trait Section: Sized {
     fn read(table: &mut Table) -> Option<Self>;
 }
 
-/// Where a table stands.
+/// Location of a table.
 #[derive(Clone, Default)]
 pub struct Place {
     /// Its path, such as `camera.main`; empty for the whole file.
@@ -89,7 +89,7 @@ impl<'r, 'i> Table<'r, 'i> {
         value
     }
 
-    /// Runs `T`'s reader on nothing, to write down what it asks for.
+    /// Runs `T`'s reader on nothing, to record the keys that it reads.
     pub fn describe<T: Section>(notes: &mut RecordedKeys) {
         if notes.open(T::TYPE, T::ALSO, T::HEADING) {
             let (mut report, nothing) = (Report::default(), DeTable::new());

@@ -79,7 +79,7 @@ pub static API: &[Group] = &[
         entries: math::NUMBERS,
     },
     Group {
-        title: "Randomness without state",
+        title: "Stateless pseudo-random numbers",
         entries: random::RANDOM,
     },
 ];

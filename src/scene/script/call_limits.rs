@@ -16,10 +16,10 @@ use rhai::{EvalAltResult, Position};
 
 use super::limits::{DEADLINE, LINES, MEMORY, OPERATIONS, PRINTED, STACK, grouped};
 
-/// Operations between two looks at the clock; a closure that is bound to itself doubles in about
+/// Operations between two checks of the clock; a closure that is bound to itself doubles in about
 /// as many.
 const CLOCK_EVERY: u64 = 4;
-/// Time between two looks at the memory, in which a call cannot fill much of it.
+/// Time between two checks of the memory, in which a call cannot fill much of it.
 const MEMORY_EVERY: Duration = Duration::from_millis(5);
 /// Time to find the place of a limit: the second run notes each step, and is slower.
 const FINDING: Duration = Duration::from_secs(2);

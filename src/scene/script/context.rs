@@ -191,7 +191,7 @@ impl Context {
         })
     }
 
-    /// Places an instance anew.
+    /// Replaces the transform of an instance.
     pub fn place_all(&self, name: &str, at: [Dynamic; 3]) -> Result<()> {
         let [position, turn, size] = at;
         let position = vector(&position, "the position")?.as_vec3();
@@ -203,7 +203,7 @@ impl Context {
         })
     }
 
-    /// Places an instance anew; it keeps its scale.
+    /// Replaces the translation and rotation of an instance.
     pub fn turn(&self, name: &str, position: Dynamic, turn: Dynamic) -> Result<()> {
         let position = vector(&position, "the position")?.as_vec3();
         let turn = rotation(&turn)?.as_quat();

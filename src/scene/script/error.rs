@@ -27,7 +27,7 @@ pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
     let (message, help) = match word {
         Some(word @ ("eval" | "curry")) => {
             let help = "write a function, or a `for` loop".to_owned();
-            (format!("`{word}` is not part of scripts"), Some(help))
+            (format!("`{word}` is not supported in scripts"), Some(help))
         }
         _ => explain_syntax(wrong.err_type(), sources, name),
     };
@@ -59,7 +59,7 @@ fn explain_syntax(
             let known = variables(text);
             let own = "functions and closures see their parameters and what they define with `let`";
             let help = if known.contains(&variable.as_str()) {
-                format!("{own}; of what stands outside only `const NAME`, as `global::NAME`")
+                format!("{own}; of the outer scope only `const NAME` is visible, as `global::NAME`")
             } else {
                 let meant = suggest::nearest(variable, known.iter().copied());
                 meant.map_or_else(
@@ -72,7 +72,7 @@ fn explain_syntax(
         ParseErrorType::BadInput(LexError::Runtime(why)) => {
             let help = "Rhai reads long lists of parameters, entries, cases or `let` slowly: make \
                         them in a loop, or divide them; limits are in docs/scripting.md";
-            let message = format!("the script was ended while it was read: {why}");
+            let message = format!("parsing of the script was stopped: {why}");
             (message, Some(help.to_owned()))
         }
         ParseErrorType::BadInput(LexError::MalformedNumber(digits))
@@ -288,7 +288,7 @@ fn explain(wrong: &Wrong, known: &Known) -> (&'static str, String, Option<String
             let help = "look for a loop without an end; limits are in docs/scripting.md";
             (
                 "script-limit",
-                format!("the script was ended: {why}"),
+                format!("the script was stopped: {why}"),
                 Some(help.to_owned()),
             )
         }

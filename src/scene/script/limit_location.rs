@@ -93,7 +93,7 @@ fn note(seen: &mut Seen, context: &EvalContext, event: DebuggerEvent, file: &str
 
 fn met(seen: &Seen, context: &EvalContext) -> Met {
     let stack = context.global_runtime_state().debugger().call_stack();
-    // A call stands in the file of the function that makes it.
+    // A call is located in the file of the function that makes it.
     let mut file = String::new();
     let mut calls = Vec::new();
     for call in stack {

@@ -1,8 +1,8 @@
-//! `push` in place of Rhai's, after which the whole list would be measured: adding n elements one by
-//! one would take n² steps.
+//! `push` in place of Rhai's own, which measures the whole list after each call: adding n elements
+//! takes n² steps.
 //!
 //! Rhai measures what a function of the program may have changed, but not the `this` of a function
-//! that is itself a script. So `push` is one; what it does stands in a word of its own, which measures
+//! that is itself a script. So `push` is one; what it does is custom syntax, which measures
 //! the list only when so much was added that it is worth it.
 
 use std::{cell::Cell, sync::OnceLock};

@@ -163,7 +163,7 @@ fn value(out: &mut String, item: &Dynamic, key: &str, depth: usize) -> Result<()
     } else {
         let found = named(item);
         return Err(wrong(format!(
-            "{} is {found}, which is no value of a scene",
+            "{} is {found}, which is not a valid value in a scene",
             suggest::key(key)
         )));
     }

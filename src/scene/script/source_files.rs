@@ -230,7 +230,7 @@ impl Sources {
             !line.contains("//") && !after.starts_with(is_name)
         };
         let found = span.source.as_ref().and_then(|source| {
-            // Of many on one line each looks at all before it.
+            // Each of many on one line is compared with all before it.
             let mut all = source
                 .text
                 .match_indices(&definition)
@@ -341,7 +341,7 @@ impl Resolver {
     }
 }
 
-/// Compiles a module and runs what stands outside its functions.
+/// Compiles a module and runs its top level.
 fn module(
     engine: &rhai::Engine,
     name: &str,

@@ -162,7 +162,7 @@ fn mistakes_say_where_and_what_was_meant() {
             "let k = 2; [1].map(|x| x * k)",
             "functions and closures see",
         ),
-        ("Fn(\"x\").curry(1)", "`curry` is not part of scripts"),
+        ("Fn(\"x\").curry(1)", "`curry` is not supported in scripts"),
         ("ctx.t = 1.0", "`t` is read-only"),
         ("ctx.place(1, 2)", "does not take (ctx, integer, integer)"),
         ("eval(\"1\")", "eval"),
@@ -269,7 +269,10 @@ fn the_stack_of_a_call_holds_the_deepest_values() {
 #[test]
 fn functions_see_constants_but_no_variables_from_outside() {
     let error = frame("let n = 1;\nfn frame(ctx) {\n  n + 1\n}").expect_err("it is hidden");
-    assert!(error.contains("`const NAME`, as `global::NAME`"), "{error}");
+    assert!(
+        error.contains("`const NAME` is visible, as `global::NAME`"),
+        "{error}"
+    );
     assert!(error.contains("test.rhai:3:3"), "{error}");
 }
 

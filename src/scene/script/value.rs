@@ -1,4 +1,4 @@
-//! Types that scripts have beside Rhai's own, and what stands for a number, a vector or a rotation.
+//! Types that scripts have beside Rhai's own, and what converts to a number, a vector or a rotation.
 
 use glam::{DQuat, DVec3};
 use rhai::{Array, Dynamic, EvalAltResult, Position};

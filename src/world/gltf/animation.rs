@@ -281,7 +281,7 @@ impl Reader<'_> {
         }
         if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(fault(format!(
-                "times must increase, but {} follows {} at place {}",
+                "times must increase, but {} follows {} at position {}",
                 times[i + 1],
                 times[i],
                 i + 1

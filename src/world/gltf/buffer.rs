@@ -47,7 +47,7 @@ fn read_one(
     match bytes {
         Some(bytes) if (bytes.len() as u64) < buffer.byte_length => {
             let (said, got) = (buffer.byte_length, bytes.len());
-            let text = format!("byteLength is {said}, only {got} bytes are there");
+            let text = format!("byteLength is {said}, only {got} bytes are present");
             Err(Fault::new("buffer-short", text))
         }
         bytes => Ok(bytes),

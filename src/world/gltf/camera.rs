@@ -16,7 +16,7 @@ pub fn read(
         return Err(Fault::new("gltf-camera", "yfov and znear must be above 0"));
     }
     let clamped = fov_deg.clamp(1.0, 170.0);
-    let what = "cameras have a field of view that is brought into 1° to 170°";
+    let what = "cameras have a field of view that is clamped to 1° to 170°";
     notes.add(
         "camera-fov-clamped",
         u64::from(clamped != fov_deg),

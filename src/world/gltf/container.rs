@@ -83,7 +83,7 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
     // Bytes past the stated length are not part of the asset.
     let bytes = &bytes.slice(0..length as usize).ok_or_else(|| {
         broken(format!(
-            "the GLB header says {length} bytes, the file has {}; was it cut off?",
+            "the GLB header declares {length} bytes, the file has {}; was it cut off?",
             bytes.len()
         ))
     })?;
@@ -181,7 +181,7 @@ fn check_version(asset: &super::schema::Asset) -> Result<(), Fault> {
     match asset.min_version.as_deref().map(|text| (text, parse(text))) {
         None | Some((_, Some((0..=1, _) | (2, 0)))) => Ok(()),
         Some((text, _)) => Err(fault(format!(
-            "asset.minVersion is \"{text}\", this reader knows 2.0"
+            "asset.minVersion is \"{text}\", this reader supports 2.0"
         ))),
     }
 }

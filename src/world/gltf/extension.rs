@@ -43,7 +43,7 @@ pub fn check_required(required: &[String]) -> Result<(), Fault> {
         ),
     )
     .help(format!(
-        "export the file again without; supported are {}",
+        "export the file without them; supported are {}",
         SUPPORTED.join(", ")
     )))
 }

@@ -140,7 +140,7 @@ fn alpha(
             notes.add(
                 "alpha-blend-opaque",
                 1,
-                "materials that blend are shown opaque",
+                "blended materials are rendered opaque",
                 place,
             );
             Ok(None)
@@ -230,7 +230,7 @@ fn unlit(material: &mut Material, place: &str, notes: &mut Notes) {
     notes.add(
         "unlit-as-emission",
         1,
-        "unlit materials are shown as emitting ones",
+        "unlit materials are rendered as emissive",
         place,
     );
     material.emission = material.base_color.truncate();

@@ -174,7 +174,7 @@ fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> 
         let text = match parents.get(i) {
             None => format!("node {i} does not exist"),
             Some(Some(p)) => format!("node {i} is a scene's root and a child of node {p}"),
-            Some(None) if seen[i] => format!("node {i} stands twice in the scene"),
+            Some(None) if seen[i] => format!("node {i} appears twice in the scene"),
             Some(None) => {
                 seen[i] = true;
                 continue;
@@ -239,7 +239,7 @@ impl Found<'_> {
         }
         let used = (mesh, self.node.skin);
         if self.node.skin.is_some() {
-            let what = "skinned meshes stand still in the pose of the file's nodes";
+            let what = "skinned meshes are static, in the pose of the file's nodes";
             self.notes.add("skin-rest-pose", 1, what, self.path);
             // A skinned mesh is placed by its joints only, as specified.
             let mut placed = self.attached((used, self.path.to_owned()));

@@ -157,7 +157,7 @@ fn indices(data: &Data<'_>, index: usize, vertices: usize) -> Result<Vec<u32>, F
         .find(|(_, c)| **c as usize >= vertices)
     {
         let text =
-            format!("index {bad} at place {at} is out of range, there are {vertices} vertices");
+            format!("index {bad} at position {at} is out of range, there are {vertices} vertices");
         return Err(Fault::new("gltf-index", text));
     }
     Ok(corners)

@@ -25,7 +25,7 @@ pub struct Root {
     pub samplers: Vec<Sampler>,
     pub cameras: Vec<Camera>,
     pub skins: Vec<Skin>,
-    /// Each an [`Animation`], parsed one by one: a broken one is an error only where it is played.
+    /// Each an [`Animation`], parsed separately: a broken one is an error only where it is played.
     pub animations: Vec<serde_json::Value>,
     pub extensions: RootExtensions,
 }

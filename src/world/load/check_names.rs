@@ -70,7 +70,7 @@ impl Loader<'_> {
                     let mut error = error_at("unknown-animation", &name.at, text);
                     let names = || model.clips.iter().map(|c| c.name.as_str());
                     error.help = Some(match (names().next(), did_you_mean(&name.value, names())) {
-                        (None, _) => "it has none at all".to_owned(),
+                        (None, _) => "it has none".to_owned(),
                         (_, Some(meant)) => format!("{meant} {}", list_animations(model)),
                         (_, None) => list_animations(model),
                     });

@@ -12,7 +12,7 @@ pub struct FrameCost {
 }
 
 impl Default for FrameCost {
-    /// An initial guess.
+    /// Initial estimate.
     fn default() -> Self {
         Self {
             fixed_ms: 0.0,

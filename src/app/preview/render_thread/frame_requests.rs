@@ -26,7 +26,7 @@ impl Worker {
                 return;
             };
             if !self.live.problems.pose.is_empty() {
-                let text = "cannot be posed, so that nothing was made of it";
+                let text = "cannot be posed, so no picture was rendered";
                 self.send(Report::Message(format!("frame {} {text}", view.frame)));
                 continue;
             }

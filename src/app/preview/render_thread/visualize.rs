@@ -90,8 +90,9 @@ impl Worker {
                         rays.len(),
                         100.0 * rays.len() as f64 / (f64::from(size[0]) * f64::from(size[1])),
                     ),
-                    None => "no list is made: this method traces nothing, or nothing reflects"
-                        .to_owned(),
+                    None => {
+                        "no ray list: this method traces nothing, or nothing reflects".to_owned()
+                    }
                 };
                 Ok((Pixels { size, rgba }, legend))
             }
@@ -149,7 +150,7 @@ fn aov_legend(aov: Aov, plane: &Plane) -> String {
         (Aov::Reflectance, _) => "black: 0, white: 1",
         (Aov::Source | Aov::Cause, _) => "colors as in the panel's Reflections",
         (Aov::Ids | Aov::HitIds, _) => "a color for each instance and triangle",
-        _ => "linear light, cut off at 1",
+        _ => "linear radiance, clipped at 1",
     };
     text.to_owned()
 }
@@ -161,9 +162,9 @@ fn distance_legend(distances: &[f32], nothing: &str) -> String {
         (least.min(*distance), most.max(*distance))
     });
     if least > most {
-        return "nothing is there".to_owned();
+        return "no surface".to_owned();
     }
-    format!("white: {least:.2} m, black: {most:.2} m; nothing is {nothing}")
+    format!("white: {least:.2} m, black: {most:.2} m; no surface: {nothing}")
 }
 
 /// Downsamples a square map to at most [`FACE_PX`]: the minimum of each block.
@@ -264,10 +265,7 @@ mod tests {
     #[test]
     fn the_ends_of_a_scale_are_told() {
         let text = distance_legend(&[f32::INFINITY, 2.5, 1.25], "blue");
-        assert_eq!(text, "white: 1.25 m, black: 2.50 m; nothing is blue");
-        assert_eq!(
-            distance_legend(&[f32::INFINITY], "blue"),
-            "nothing is there"
-        );
+        assert_eq!(text, "white: 1.25 m, black: 2.50 m; no surface: blue");
+        assert_eq!(distance_legend(&[f32::INFINITY], "blue"), "no surface");
     }
 }

@@ -192,7 +192,7 @@ impl Window {
         let sides = self.shown.as_ref().and_then(|shown| shown.sides.first());
         match sides.map(|side| side.stats.size) {
             Some([width, height]) if width < self.viewport[0] || height < self.viewport[1] => {
-                format!(", drawn at {width}x{height} to keep up")
+                format!(", rendered at {width}x{height} to hold the frame rate")
             }
             _ => String::new(),
         }

@@ -156,9 +156,12 @@ pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, heig
     let title = match (is_folded, entries) {
         (true, [only]) => only.message.clone(),
         // The button first: it must not be cut off.
-        (true, [first, ..]) => format!("{} mistakes: {}", entries.len(), first.message),
-        (false, [_]) => "Not taken over, the picture stays".to_owned(),
-        (_, all) => format!("Not taken over, the picture stays: {} mistakes", all.len()),
+        (true, [first, ..]) => format!("{} errors: {}", entries.len(), first.message),
+        (false, [_]) => "Reload failed, the picture is unchanged".to_owned(),
+        (_, all) => format!(
+            "Reload failed, the picture is unchanged: {} errors",
+            all.len()
+        ),
     };
     ui.horizontal(|ui| {
         let right = egui::Layout::right_to_left(egui::Align::Center);
@@ -168,7 +171,7 @@ pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, heig
                     *fold = FoldState::default();
                 }
             } else if (ui.button("fold"))
-                .on_hover_text("to one line, until there is another mistake")
+                .on_hover_text("to one line, until the next error")
                 .clicked()
             {
                 fold.fold(entries);
@@ -261,7 +264,7 @@ mod tests {
         let lines: String = (0..60).map(|i| format!("wrong{i} = 1\n")).collect();
         let mut harness = harness(&format!("version = 1\n{lines}"));
         let (title, picture) = (
-            harness.get_by_label_contains("stays:"),
+            harness.get_by_label_contains("unchanged:"),
             harness.state().picture,
         );
         let covered = picture.bottom() - title.rect().top();
@@ -291,7 +294,7 @@ mod tests {
         assert!(harness.query_by_label("my.toml:3:1").is_none());
         let line = harness.get_by_label(&message).rect();
         assert!(harness.state().picture.bottom() - line.top() < 50.0);
-        // Saved again with the same mistake, elsewhere; mended; broken again.
+        // Saved with the same error at another line; fixed; broken again.
         for text in [format!("\n\n\n{ONE}"), String::new(), ONE.to_owned()] {
             harness.state_mut().problems = match text.is_empty() {
                 true => Problems::default(),
@@ -305,7 +308,7 @@ mod tests {
         harness.run();
         harness.get_by_label("fold").click();
         harness.run();
-        harness.get_by_label_contains("2 mistakes: ");
+        harness.get_by_label_contains("2 errors: ");
         harness.get_by_label("unfold").click();
         harness.run();
         for entry in DiagnosticEntry::all(&harness.state().problems) {

@@ -23,7 +23,7 @@ impl Window {
                         self.edits += 1;
                         format!("the parameters took {ms:.0} ms")
                     } else {
-                        "the parameters wait for the scene to be mended".to_owned()
+                        "the parameters are applied once the scene's errors are fixed".to_owned()
                     });
                 }
                 Ok(Report::Refused(refusal)) => {
@@ -37,10 +37,10 @@ impl Window {
                         self.comparison = None;
                         self.edits += 1;
                         format!(
-                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms to get ready"
+                            "reloaded in {ms:.0} ms from the save to the picture; {cpu:.0} ms of it to prepare"
                         )
                     } else {
-                        "not taken over; see the list over the picture".to_owned()
+                        "reload failed; see the errors over the picture".to_owned()
                     });
                 }
                 Ok(Report::Compared(comparison)) => {

@@ -52,7 +52,7 @@ pub fn panel(
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));
         }
-        ui.weak("until the scene is saved again; it wins over motion");
+        ui.weak("until the scene is saved again; overrides motion");
     });
     if settings.scrolls_to_material {
         let is_open = shown.fully_open();

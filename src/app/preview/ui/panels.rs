@@ -114,7 +114,7 @@ fn group(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let width = ui.horizontal(content).response.rect.width();
     if known.is_none_or(|known| (known - width).abs() > 0.5) {
         ui.data_mut(|data| data.insert_temp(id, width));
-        ui.ctx().request_discard("the width of a group is another");
+        ui.ctx().request_discard("the width of a group has changed");
     }
     ui.add_space(GAP);
 }

@@ -233,7 +233,7 @@ fn the_timeline_plays_steps_and_scrubs() {
     harness.run();
     assert_eq!(harness.state().timeline.frame(), 8);
     assert!(harness.query_by_label("  0.333 s").is_some());
-    // The picture is late: its own frame is told.
+    // The picture is late: the frame that it shows is stated.
     harness.state_mut().shown = Some(6);
     harness.run();
     assert!(harness.query_by_label("  0.250 s").is_some());
@@ -333,12 +333,12 @@ fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
     harness.get_by_label("script running 3.2 s");
     harness.get_by_label("picture 7 stays meanwhile");
     assert!(
-        harness.query_by_label_contains("still").is_none(),
+        harness.query_by_label_contains("idle").is_none(),
         "a script runs"
     );
     harness.state_mut().now_s = 0.0;
     harness.run();
-    harness.get_by_label("still: nothing changed since picture 7");
+    harness.get_by_label("idle: nothing changed since picture 7");
 }
 
 #[test]
@@ -384,7 +384,7 @@ fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
 
 #[test]
 fn a_refused_watch_is_told_as_long_as_it_lasts() {
-    let why = "the system does not tell of files saved in /a: raise the limit";
+    let why = "the system does not report files saved in /a: raise the limit";
     let mut harness = harness(|ui, _| unwatched(ui, why));
     harness.run();
     assert!(harness.query_by_label(&format!("Saves: {why}")).is_some());

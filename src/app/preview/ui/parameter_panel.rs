@@ -80,7 +80,7 @@ impl Parameters {
         let overrides = self.overrides.clone();
         self.forget_refused(|name, value| {
             let own = declared.iter().find(|(known, _)| known == name);
-            // A value in force was not rejected.
+            // A value in effect was not rejected.
             own.is_none_or(|(_, own)| {
                 !same_kind(own, value) || overrides.get(name).unwrap_or(own) == value
             })
@@ -112,7 +112,7 @@ pub fn params(ui: &mut Ui, declared: &DeclaredParameters, parameters: &mut Param
                     *parameters = Parameters::default();
                 }
                 let copy = ui.button("copy as text");
-                if copy.on_hover_text("the values in force").clicked() {
+                if copy.on_hover_text("the current values").clicked() {
                     ui.ctx().copy_text(parameters.overrides.as_text(declared));
                 }
             });
@@ -137,7 +137,7 @@ fn label(ui: &Ui, parameters: &Parameters, name: &str, own: &ParamValue) -> Rich
     }
 }
 
-/// Rejected values, why, and the values in force; returns whether the user resolved them.
+/// Rejected values, why, and the current values; returns whether the user resolved them.
 fn refused(
     ui: &mut Ui,
     index: usize,
@@ -170,7 +170,7 @@ fn refused(
         ui.horizontal(|ui| {
             let back = ui
                 .button("take back")
-                .on_hover_text("show what is in force");
+                .on_hover_text("show the current values");
             let again = ui.button("try again").on_hover_text("after other changes");
             if again.clicked() {
                 for (name, value) in &all.values {

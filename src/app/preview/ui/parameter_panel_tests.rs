@@ -166,7 +166,7 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     harness.run();
     click(&mut harness, "take back");
     assert_eq!(harness.query_all_by_label_contains("refused").count(), 0);
-    assert!(harness.state().requested.is_empty(), "it was not in force");
+    assert!(harness.state().requested.is_empty(), "it was not in effect");
     harness.state_mut().parameters = marked.clone();
     harness.run();
     let count = harness.get_all_by_role(Role::Slider).next();
@@ -179,7 +179,7 @@ fn a_refused_value_is_taken_back_moved_on_or_reset() {
     harness.run();
     click(&mut harness, "reset");
     assert_eq!(harness.state().parameters, Parameters::default());
-    // Written in the scene it is in force.
+    // Written in the scene, it is in effect.
     let mut written = marked;
     written.keep_what_fits(&vec![("count".to_owned(), ParamValue::Integer(60))]);
     assert_eq!(

@@ -21,7 +21,7 @@ pub const KEYS: [(&str, &str); 20] = [
     ),
     (
         "Esc",
-        "close this list or the error map; else select nothing",
+        "close this list or the error map; otherwise deselect",
     ),
     ("Space", "play, pause"),
     ("left, right arrow", "one frame back, on"),
@@ -66,7 +66,7 @@ pub fn status(
             let text = format!("script running {script_s:.1} s");
             ui.colored_label(ui.visuals().warn_fg_color, text)
                 .on_hover_text(format!(
-                    "a call is ended after {most_s} s, or by a newer save"
+                    "a call is stopped after {most_s} s, or by a newer save"
                 ));
             ui.separator();
         }
@@ -76,7 +76,7 @@ pub fn status(
                 (Activity::Playing(less), _) => format!("playing: picture {picture}{less}"),
                 (Activity::Drawing, _) => format!("drawing after picture {picture} …"),
                 (Activity::Idle, Some(_)) => format!("picture {picture} stays meanwhile"),
-                (Activity::Idle, None) => format!("still: nothing changed since picture {picture}"),
+                (Activity::Idle, None) => format!("idle: nothing changed since picture {picture}"),
             })
             .truncate(),
         );

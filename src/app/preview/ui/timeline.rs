@@ -147,7 +147,7 @@ impl Timeline {
         let fps = self.desc.fps;
         match self.rate(now_s) {
             Some(rate) if rate < KEEPS_UP * f64::from(fps) => {
-                format!("{rate:.1} of {fps} fps: frames are left out")
+                format!("{rate:.1} of {fps} fps: frames are dropped")
             }
             _ => format!("{fps} fps"),
         }
@@ -378,9 +378,9 @@ mod tests {
         for i in 1..=10 {
             time.count(3.0 + f64::from(i) / 5.0);
         }
-        assert_eq!(time.pace(5.0), "5.0 of 20 fps: frames are left out");
+        assert_eq!(time.pace(5.0), "5.0 of 20 fps: frames are dropped");
         // Also while the first frame is still being drawn.
-        assert_eq!(time.pace(9.0), "0.0 of 20 fps: frames are left out");
+        assert_eq!(time.pace(9.0), "0.0 of 20 fps: frames are dropped");
         time.toggle(9.0);
         assert_eq!(time.pace(9.0), "20 fps");
     }

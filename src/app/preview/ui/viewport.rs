@@ -78,7 +78,7 @@ impl Window {
             let is_selected = self.picked.is_some() || row.is_some();
             self.message.set(match is_selected {
                 true => "nothing to frame: the selection is not there in this frame",
-                false => "nothing to frame: nothing stands in the scene",
+                false => "nothing to frame: the scene is empty",
             });
             return;
         }

@@ -231,9 +231,9 @@ fn selection(ui: &mut Ui, label: &str, material: &str, is_seen: bool) {
     ui.strong(label);
     ui.label(format!("material {material}"));
     if !is_seen {
-        ui.label("not seen from here");
+        ui.label("not visible from here");
     }
-    ui.weak("F frames it, Esc lets go");
+    ui.weak("F frames it, Esc deselects");
 }
 
 /// Caption of the error map: metric, scores and scale.
@@ -241,7 +241,7 @@ fn error_map(ui: &mut Ui, method: Method, scores: &Scores) {
     let method = method_name(method);
     ui.strong(format!("error map: FLIP of {method} against rt"));
     if scores.max_difference == 0.0 {
-        ui.label("identical: no pixel differs, so all of it is black");
+        ui.label("identical: no pixel differs");
     } else {
         let (mean, most) = (scores.flip_mean, scores.flip_p99);
         ui.label(format!(
@@ -259,7 +259,7 @@ pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
         .show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width((rect.width() - 32.0).clamp(40.0, 1.25 * CHIP));
-                ui.strong("Nothing stands in this scene");
+                ui.strong("This scene is empty");
                 for warning in warnings {
                     ui.label(located(warning));
                     if let Some(help) = &warning.help {

@@ -41,7 +41,7 @@ fn a_scene_without_anything_says_so_and_what_to_write() {
     let read = Scene::from_text("version = 1\n", Path::new("my.toml"), &[]);
     let (_, warnings) = read.expect("only a warning");
     let harness = Harness::new_ui(move |ui| empty_scene(ui, ui.max_rect(), &warnings));
-    harness.get_by_label("Nothing stands in this scene");
+    harness.get_by_label("This scene is empty");
     harness.get_by_label("my.toml:1:1: the scene has no model, so there is nothing to see");
     harness.get_by_label_contains("write `[model.NAME]`");
 }
@@ -54,10 +54,10 @@ fn a_selection_says_its_name_and_its_material() {
     );
     harness.get_by_label("ball (2 of 3)");
     harness.get_by_label("material chrome");
-    assert!(harness.query_by_label("not seen from here").is_none());
+    assert!(harness.query_by_label("not visible from here").is_none());
     *harness.state_mut() = false;
     harness.run();
-    harness.get_by_label("not seen from here");
+    harness.get_by_label("not visible from here");
 }
 
 /// Scores of two gray pictures that differ by this much everywhere.

@@ -225,7 +225,7 @@ fn check_tracks<T>(
                 refer_instance(root, &follow.value, &follow.at, report);
             }
         } else if track.follow.is_some() || track.orbit.is_some() {
-            let message = "a color is no position: `follow` and `orbit` do not go with it";
+            let message = "`follow` and `orbit` apply to positions, not to colors";
             report.push(Diagnostic::at("wrong-motion", at.clone(), message));
         }
     }
@@ -238,7 +238,7 @@ fn check_light(scene: &SceneDesc, entry: &Entry<LightMotionDesc>, report: &mut R
     let kind = light.value.kind.name();
     let fields = entry.value.tracks.iter().map(|(field, _)| &LIGHT[*field]);
     for field in fields.filter(|field| (field.get)(&light.value).is_none()) {
-        let message = format!("`{}` does not go with a {kind} light", field.key);
+        let message = format!("`{}` does not apply to a {kind} light", field.key);
         let error = Diagnostic::at("wrong-motion", entry.at.clone(), message);
         report.push(error.related(light.at.clone(), "the light is here"));
     }

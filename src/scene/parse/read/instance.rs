@@ -1,4 +1,4 @@
-//! Readers of instances: what stands where, and how often.
+//! Readers of instances: transforms and repetition.
 
 use glam::{DMat4, DQuat, DVec4, Mat4, Quat, Vec3};
 
@@ -108,7 +108,7 @@ fn check_matrix(t: &mut Table, columns: &[f32; 16]) {
             "singular",
             "matrix",
             message,
-            "its first three columns must span space",
+            "its first three columns must be linearly independent",
         );
     }
 }

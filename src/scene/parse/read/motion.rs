@@ -246,7 +246,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     if !t.has("keys") {
         for key in ["curve", "ease", "loop_s", "constant_speed"] {
             if t.has(key) {
-                let message = format!("`{key}` shapes the way between `keys`, and there are none");
+                let message = format!("`{key}` needs `keys` to interpolate, and there are none");
                 t.refuse("no-keys", key, &message, "write `keys`, or remove it");
             }
         }
@@ -263,26 +263,26 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     for pair in track.keys.windows(2) {
         if pair[1].at_s <= pair[0].at_s {
             let message = format!(
-                "`at_s` must be later than that of the key before, which is {}",
+                "`at_s` must be later than that of the previous key, which is {}",
                 pair[0].at_s
             );
             let error = Diagnostic::at("key-order", pair[1].at.clone(), message);
             t.report
-                .push(error.related(pair[0].at.clone(), "the key before is here"));
+                .push(error.related(pair[0].at.clone(), "the previous key is here"));
         }
     }
     let run = last.at_s - track.keys[0].at_s;
     if track.loop_s.is_some_and(|l| l <= run) {
         let message =
             format!("`loop_s` must be more than the {run} s from the first key to the last");
-        let help = "in the time left after the last key, the path goes back to the first";
+        let help = "the path returns to the first key in the time after the last one";
         t.refuse("key-order", "loop_s", &message, help);
     }
     if let Some(key) = track.keys.iter().find(|key| key.ease != Ease::None)
         && track.constant_speed
     {
-        let message = "`ease` of a key does not go with `constant_speed`, which keeps one speed";
-        let help = "remove it, or write `ease` beside `keys`: that eases the whole way";
+        let message = "`ease` of a key cannot be combined with `constant_speed`";
+        let help = "remove it, or write `ease` beside `keys`: that eases the whole path";
         t.report
             .push(Diagnostic::at("no-ease", key.at.clone(), message).help(help));
     }
@@ -290,7 +290,7 @@ fn check_keys(t: &mut Table, track: &TrackDesc) {
     if let Some(key) = track.keys.iter().find(bent)
         && track.curve != CurveKind::Bezier
     {
-        let message = "`handle_in` and `handle_out` go with `curve = \"bezier\"`";
+        let message = "`handle_in` and `handle_out` need `curve = \"bezier\"`";
         t.report
             .push(Diagnostic::at("no-handles", key.at.clone(), message));
     }
@@ -348,7 +348,7 @@ impl Section for OrbitDesc {
         let period_s = t.need("period_s", ABOVE_0);
         let phase = t.get("phase", ANY, 0.0);
         if t.has("axis") && axis == Vec3::ZERO {
-            let help = "write `axis = [0, 1, 0]` to circle level";
+            let help = "write `axis = [0, 1, 0]` for a horizontal orbit";
             t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
         }
         Some(Self {

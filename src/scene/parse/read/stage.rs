@@ -26,13 +26,16 @@ impl Section for StageDesc {
         let (variants, purpose) = (names("variants"), names("purpose"));
         let subdiv = t.get("subdiv", SUBDIV, 0);
         for choice in variants.iter().filter(|choice| !is_choice(&choice.value)) {
-            let text = format!("{} is no choice of a variant", suggest::text(&choice.value));
+            let text = format!(
+                "{} is not a variant selection",
+                suggest::text(&choice.value)
+            );
             let help = "write it as USD does: \"/Prim{set=variant}\"";
             refuse(t, "bad-variant", choice, text, help.into());
         }
         for word in &purpose {
             if !PURPOSES.contains(&word.value.as_str()) {
-                let text = format!("{} is no purpose of USD", suggest::text(&word.value));
+                let text = format!("{} is not a USD purpose", suggest::text(&word.value));
                 let help = suggest::hint(&word.value, &PURPOSES, suggest::text, "they are");
                 refuse(t, "unknown-word", word, text, help);
             }

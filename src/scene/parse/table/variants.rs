@@ -42,7 +42,7 @@ impl Table<'_, '_> {
             }
         };
         let Some(chosen) = chosen else {
-            // Without the kind nobody can say which keys are wrong.
+            // Without the kind, wrong keys cannot be determined.
             self.asked
                 .extend(variants.iter().flat_map(|v| keys_of(v.1)));
             return None;
@@ -68,19 +68,19 @@ impl Table<'_, '_> {
             };
             self.asked.push(known);
             let chosen = suggest::text(chosen);
-            let message = format!("`{name}` does not go with `{kind} = {chosen}`");
+            let message = format!("`{name}` does not apply to `{kind} = {chosen}`");
             let error = self.report.error("unknown-key", &key.span(), message);
             let meant = suggest::nearest(name, mine.iter().copied());
             self.missing.retain(|(key, _)| Some(*key) != meant);
             let meant = meant
                 .map(|m| format!("did you mean `{m}`? "))
                 .unwrap_or_default();
-            error.help = Some(format!("{meant}`{name}` goes with {}", one_of(&others)));
+            error.help = Some(format!("{meant}`{name}` applies to {}", one_of(&others)));
         }
     }
 }
 
-/// The keys that a variant's reader asks for.
+/// The keys that a variant's reader reads.
 fn keys_of<T>(read: fn(&mut Table) -> Option<T>) -> Vec<&'static str> {
     let (mut report, nothing) = (Report::default(), DeTable::new());
     let mut notes = RecordedKeys::default();

@@ -21,7 +21,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "vec3(x, y, z); vec3(s)",
         gives: "vec3; vec3",
-        text: "A vector. An array of three numbers does where the scene expects one.",
+        text: "A vector. An array of three numbers is accepted where the scene expects one.",
         example: "vec3(1, 2.5, 3).y == 2.5 && vec3(2) == vec3(2, 2, 2)",
         register: |e| {
             e.register_fn(
@@ -40,7 +40,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "v.x; v.y; v.z",
         gives: "float; float; float",
-        text: "The parts of a vector, which can be set.",
+        text: "The components of a vector, which can be set.",
         example: "let v = vec3(1, 2, 3); v.x = 5.0; v.x + v.z == 8.0",
         register: |e| {
             e.register_get_set("x", |v: &mut DVec3| v.x, |v: &mut DVec3, x: f64| v.x = x);
@@ -54,7 +54,7 @@ pub static VECTORS: &[Entry] = &[
     Entry {
         signature: "a + b; a - b; a * b; a / b; -a; a == b",
         gives: "vec3; vec3; vec3; vec3; vec3; bool",
-        text: "Part by part; one side of `*` and the right side of `/` may be a number.",
+        text: "Component-wise; one side of `*` and the right side of `/` may be a number.",
         example: "2 * vec3(1, 2, 3) - vec3(1, 1, 1) / 2.0 == vec3(1.5, 3.5, 5.5)",
         register: vector_operators,
     },
@@ -139,7 +139,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "facing(direction, up)",
         gives: "quat",
-        text: "A `quat` that turns -Z to `direction` and keeps Y as near to `up` as it can.",
+        text: "A `quat` that rotates -Z to `direction`, with Y as close to `up` as possible.",
         example: "distance(facing(vec3(1, 0, 0), vec3(0, 1, 0)) * vec3(0, 0, -1), vec3(1, 0, 0)) < 1e-6",
         register: |e| {
             e.register_fn(
@@ -159,7 +159,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "a * b; q * v; inverse(q); slerp(a, b, t)",
         gives: "quat; vec3; quat; quat",
-        text: "Of rotations: first `b`, then `a`; a vector turned; the way back; between two.",
+        text: "Composition of rotations, first `b`, then `a`; rotation of a vector; inverse; spherical interpolation.",
         example: "let q = rotation_deg(0, 90, 0); distance(inverse(q) * (q * vec3(1, 2, 3)), vec3(1, 2, 3)) < 1e-6",
         register: |e| {
             e.register_fn("*", |a: DQuat, b: DQuat| a * b);
@@ -173,7 +173,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "mat4(position, rotation, scale)",
         gives: "mat4",
-        text: "A matrix that scales, then rotates, then moves; arguments as of `ctx.place`.",
+        text: "A matrix that scales, then rotates, then translates; arguments as for `ctx.place`.",
         example: "mat4([1, 0, 0], [0, 0, 0], 2) * vec3(1, 1, 1) == vec3(3, 2, 2)",
         register: |e| {
             e.register_fn(
@@ -189,7 +189,7 @@ pub static ROTATIONS: &[Entry] = &[
     Entry {
         signature: "a * b; m * v; inverse(m); direction(m, v)",
         gives: "mat4; vec3; mat4; vec3",
-        text: "Of matrices: first `b`, then `a`; a point moved; the way back; a direction, which is not moved.",
+        text: "Product of matrices, first `b`, then `a`; a transformed point; inverse; a transformed direction, without the translation.",
         example: "let m = mat4([1, 2, 3], [0, 0, 0], 1); inverse(m) * (m * vec3(4, 5, 6)) == vec3(4, 5, 6) && direction(m, vec3(0, 1, 0)) == vec3(0, 1, 0)",
         register: |e| {
             e.register_fn("*", |a: DMat4, b: DMat4| a * b);
@@ -209,7 +209,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "mix(a, b, t)",
         gives: "?",
-        text: "From `a` at t = 0 to `b` at 1; numbers or vectors.",
+        text: "Linear interpolation from `a` at t = 0 to `b` at 1; numbers or vectors.",
         example: "mix(2, 4, 0.5) == 3.0 && mix(vec3(0), vec3(2), 0.5) == vec3(1)",
         register: |e| {
             e.register_fn("mix", |a: DVec3, b: DVec3, t: Dynamic| -> Result<DVec3> {
@@ -224,7 +224,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "clamp(x, low, high)",
         gives: "float",
-        text: "The number of the range that is nearest to `x`.",
+        text: "`x` clamped to the range.",
         example: "clamp(5, 0, 1.5) == 1.5",
         register: |e| {
             e.register_fn(
@@ -239,7 +239,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "smoothstep(low, high, x)",
         gives: "float",
-        text: "0 below `low`, 1 above `high`, and a smooth way between.",
+        text: "0 below `low`, 1 above `high`, and a smooth transition between.",
         example: "smoothstep(0, 2, 1) == 0.5 && smoothstep(0, 2, 9) == 1.0",
         register: |e| {
             e.register_fn(
@@ -258,7 +258,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "fract(x)",
         gives: "float",
-        text: "What is left above the next whole number below: 0 up to 1, also for negative numbers.",
+        text: "The fractional part, `x - floor(x)`: 0 up to 1, also for negative numbers.",
         example: "fract(2.25) == 0.25 && fract(-0.25) == 0.75",
         register: |e| {
             e.register_fn("fract", |x: Dynamic| number(&x, "x").map(|x| x - x.floor()));
@@ -281,7 +281,7 @@ pub static NUMBERS: &[Entry] = &[
     Entry {
         signature: "sin(x); cos(x); tan(x); asin(x); acos(x); atan(x); sqrt(x); exp(x); ln(x)",
         gives: "float; float; float; float; float; float; float; float; float",
-        text: "As Rhai's own, of integers too; angles are radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are there as well.",
+        text: "As Rhai's own, also for integers; angles are in radians. Rhai's `abs`, `min`, `max`, `floor`, `ceiling`, `round`, `sign`, `atan(y, x)` and `PI()` are available as well.",
         example: "sin(0) == 0.0 && sqrt(9) == 3.0 && max(1, 2.5) == 2.5",
         register: |e| {
             of_one!(e,

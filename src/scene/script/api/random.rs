@@ -1,4 +1,4 @@
-//! Randomness without state: the same numbers for the same arguments, in any order, on any machine.
+//! Stateless pseudo-random numbers: the same numbers for the same arguments, in any order, on any machine.
 
 use glam::DVec3;
 use rhai::{Dynamic, EvalAltResult};
@@ -12,7 +12,7 @@ pub static RANDOM: &[Entry] = &[
     Entry {
         signature: "hash01(seed); hash01(seed, id); hash01(seed, id, frame)",
         gives: "float; float; float",
-        text: "A number from 0 up to 1 that looks random and depends on these integers alone.",
+        text: "A pseudo-random number from 0 up to 1, a hash of these integers.",
         example: "hash01(1, 2, 3) == hash01(1, 2, 3) && hash01(1, 2, 3) != hash01(1, 2, 4) && hash01(7) < 1",
         register: |e| {
             e.register_fn("hash01", |seed: i64| hash01([seed, 0, 0]));
@@ -25,7 +25,7 @@ pub static RANDOM: &[Entry] = &[
     Entry {
         signature: "noise(seed, x); noise(seed, vector)",
         gives: "float; float",
-        text: "Smooth value noise, 0 to 1: random at whole numbers, without corners between.",
+        text: "Smooth value noise, 0 to 1: random at integers and smoothly interpolated between them.",
         example: "noise(1, 2.5) == noise(1, 2.5) && noise(1, vec3(0, 0.5, 0)) <= 1",
         register: |e| {
             e.register_fn(

@@ -59,7 +59,7 @@ pub static CALL: &[Entry] = &[
             e.register_get("params", |c: &mut Context| c.call.params.clone());
             // Rhai writes back what a method was called on, changed or not.
             e.register_set("params", |call: Call, c: &mut Context, new: Map| {
-                let why = "`ctx.params` is what the scene says, and cannot be set";
+                let why = "`ctx.params` is read-only";
                 match maps_equal(&call, &new, &c.call.params, 0)? {
                     true => Ok(()),
                     false => fail(why.to_owned()),
@@ -73,7 +73,7 @@ pub static POSE: &[Entry] = &[
     Entry {
         signature: "ctx.place(name, position); ctx.place(name, position, rotation); ctx.place(name, position, rotation, scale); ctx.place(name, matrix)",
         gives: "(); (); (); ()",
-        text: "Places an instance. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. What is left out stays as it is.",
+        text: "Places an instance. A position is a `vec3` or three numbers; a rotation is a `quat` or degrees about X, Y, Z; a scale is one number or three. Omitted arguments stay unchanged.",
         example: "ctx.place(\"ball\", [0, 1, 2], [0, 90, 0], 0.5); ctx.position(\"ball\").y == 1.0",
         register: |e| {
             e.register_fn("place", |c: &mut Context, name: &str, at: Dynamic| {

@@ -1,5 +1,5 @@
-//! Sizes that pass 0 on the way: between two frames nobody would see why a model turns inside out,
-//! and in the one that meets it there would be no model.
+//! Rejects scale tracks that pass through 0: the model would turn inside out between two frames, and
+//! vanish in a frame at 0.
 
 use crate::scene::{
     desc::{CurveKind, Entry, InstanceMotionDesc, KeyDesc, PlacementDesc, SceneDesc, TrackDesc},
@@ -22,7 +22,7 @@ pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut 
         .iter()
         .find(|key| key.value.abs().min_element() == 0.0)
     {
-        let help = "it would flatten the model; one that grows from nothing starts small, such as \
+        let help = "it would flatten the model; for growth, start from a small scale, such as \
                     at 0.001";
         let message = "a key of `scale` must not be 0";
         report.push(Diagnostic::at("singular", key.at.clone(), message).help(help));
@@ -31,11 +31,11 @@ pub fn check(scene: &SceneDesc, entry: &Entry<InstanceMotionDesc>, report: &mut 
     if track.curve == CurveKind::Step && !track.keys.is_empty() {
         return; // it jumps over
     }
-    let help = "write sizes of one sign; to turn a model inside out at once, `curve = \"step\"`";
+    let help = "write sizes of one sign; to mirror a model, write `curve = \"step\"`";
     if let Some([before, key]) = between_keys(track) {
-        let message = "`scale` passes 0 on the way to this key";
+        let message = "`scale` passes through 0 before this key";
         let error = Diagnostic::at("passes-zero", key.at.clone(), message).help(help);
-        report.push(error.related(before.at.clone(), "the key before is here"));
+        report.push(error.related(before.at.clone(), "the previous key is here"));
     } else if let Some(time_s) = on_the_way(scene, entry, track) {
         let message = format!("`scale` passes 0 at about {time_s:.2} s");
         report.push(Diagnostic::at("passes-zero", entry.at.clone(), message).help(help));
