@@ -167,7 +167,7 @@ fn names_missing_on_either_side_are_errors() {
 }
 
 #[test]
-fn a_refused_call_is_an_error_and_the_device_lives_on() {
+fn refused_call_is_an_error_and_the_device_stays_usable() {
     let Some(gpu) = gpu_or_skip() else { return };
     let refused = gpu.scoped("a buffer that cannot be", || {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {

@@ -95,7 +95,7 @@ fn every_shader_stays_inside_the_default_limits() {
 }
 
 #[test]
-fn what_is_embedded_is_what_lies_in_the_folder() {
+fn embedded_shaders_equal_the_folder() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
     let embedded = ShaderLibrary::embedded();
     let Ok(on_disk) = ShaderLibrary::from_dir(&folder) else {

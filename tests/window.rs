@@ -180,7 +180,7 @@ fn brightness(picture: &[u8]) -> f64 {
 }
 
 #[test]
-fn it_opens_follows_an_edit_survives_a_mistake_and_closes() {
+fn preview_opens_follows_an_edit_survives_an_error_and_closes() {
     let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
     let text = fs::read_to_string(cornell).expect("readable");
     let Some(session) = Session::open("window", &[("scene.toml", &text)]) else {
@@ -242,7 +242,7 @@ dynamic = true
 const SCRIPT: &str = r#"fn frame(ctx) { ctx.place("ball", [2 * sin(ctx.t), 0, 0]); }"#;
 
 #[test]
-fn it_plays_pauses_and_follows_an_edit_of_the_script() {
+fn preview_plays_pauses_and_follows_a_script_edit() {
     let files = [("scene.toml", SCENE), ("move.rhai", SCRIPT)];
     let Some(session) = Session::open("play", &files) else {
         return;

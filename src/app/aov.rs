@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn sources_are_blue_and_pink_and_ids_are_seen() {
+    fn aov_images_color_sources_and_ids() {
         for (number, source) in Source::ALL.into_iter().enumerate() {
             assert_eq!(source as usize, number);
         }
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_are_shifted_and_colors_are_encoded() {
+    fn aov_images_map_normals_and_encode_colors() {
         let direction = plane(
             "normal",
             &["X", "Y", "Z"],

@@ -136,7 +136,7 @@ mod tests {
     use super::{Log, MOST_LINES, spread};
 
     #[test]
-    fn only_lines_that_are_shown_are_kept() {
+    fn script_log_keeps_only_shown_lines() {
         let mut log = Log::default();
         for frame in [9, 0, 5, 3] {
             log.add(frame, vec!["line".to_owned(); 60]);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frame_is_there_once_and_both_ends_come_first() {
+    fn check_order_has_each_frame_once_and_both_ends_first() {
         for (first, last) in [(0, 0), (3, 4), (0, 5), (7, 23), (0, 64), (1, 949)] {
             let mut frames: Vec<_> = spread(first, last).collect();
             assert_eq!(frames[0], first);

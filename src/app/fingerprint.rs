@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_was_saved_since_is_refused() {
+    fn refuses_a_file_saved_after_loading() {
         let name = format!("reflet-saved-{}", std::process::id());
         let path = std::env::temp_dir().join(name);
         fs::write(&path, "old").expect("writable");

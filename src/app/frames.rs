@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_that_are_written_out_are_read_back() {
+    fn frame_lists_round_trip() {
         let timeline = TimelineDesc {
             fps: 24.0,
             start: 0,
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn frame_list_errors_state_the_reason() {
         for (text, says) in [
             ("", "frames are missing; write all,"),
             ("1,", "frames are missing"),
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn names_have_their_number_where_it_belongs() {
+    fn frame_names_replace_the_number_signs() {
         let template = |name: &str| Template::new(Path::new(name));
         let walk = template("out/walk.####.png")
             .expect("right")

@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn the_fps_that_is_asked_for_is_found() {
+    fn finds_the_requested_fps() {
         let asked =
             |texts: &[&str]| fps_of(&texts.iter().map(|t| (*t).to_owned()).collect::<Vec<_>>());
         assert_eq!(asked(&["image.samples=2", "timeline.fps = 12"]), Some(12.0));

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_and_scene_text_read_back_as_they_were() {
+    fn settings_and_scene_text_round_trip() {
         let own = declared(TEXT, &[]);
         let mut overrides = ParameterOverrides::default();
         for (name, value) in [
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mistake_of_a_slider_is_not_said_to_be_in_a_setting() {
+    fn slider_errors_do_not_mention_settings() {
         let own = declared(TEXT, &[]);
         let mut overrides = ParameterOverrides::default();
         overrides.set("count", ParamValue::Integer(4), &own[0].1);
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_longer_fits_is_forgotten() {
+    fn drops_overrides_that_no_longer_apply() {
         let own = declared(TEXT, &[]);
         let mut overrides = ParameterOverrides::default();
         overrides.set("count", ParamValue::Integer(4), &own[0].1);

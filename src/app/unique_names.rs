@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_name_is_there_once() {
+    fn names_are_unique() {
         let names = unique_names(["ball", "floor", "ball", "ball"]);
         assert_eq!(names, ["ball", "floor", "ball#2", "ball#3"]);
     }

@@ -324,7 +324,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_adapter_says_what_to_install() {
+    fn missing_adapter_error_names_what_to_install() {
         let error = choose(Vec::new(), Some("anything")).expect_err("nothing to choose from");
         assert!(matches!(&error, GpuError::NoAdapter(text) if text.contains("driver")));
     }
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_name_what_is_too_large() {
+    fn limit_errors_name_the_resource() {
         let error = within("triangle buffer", 10, 8, "bytes").expect_err("10 > 8");
         assert_eq!(
             error.to_string(),

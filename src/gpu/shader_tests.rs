@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn an_import_comes_once_and_lines_map_back() {
+fn imports_are_included_once_and_lines_map_back() {
     let library = ShaderLibrary::from_texts(&[
         (
             "pass.wgsl",
@@ -29,7 +29,7 @@ fn an_import_comes_once_and_lines_map_back() {
 }
 
 #[test]
-fn bad_imports_say_where_and_why() {
+fn import_errors_state_place_and_reason() {
     let library = ShaderLibrary::from_texts(&[
         ("cycle.wgsl", "#import a\n"),
         ("missing.wgsl", "\n#import ssr\n"),

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn the_example_has_no_mistake() {
+    fn manual_example_parses_without_errors() {
         let (scene, warnings) =
             crate::scene::stages::Scene::from_text(EXAMPLE, "example.toml".as_ref(), &[]).unwrap();
         assert_eq!(warnings, []);

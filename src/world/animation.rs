@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_things_stay_thin_and_nothing_stays_nothing() {
+    fn flat_scales_stay_thin_and_zero_stays_zero() {
         let mut local = Local::Matrix(Affine3A::IDENTITY);
         local.set(Property::Scale, DVec4::new(2.0, 0.0, -1.0, 0.0));
         let linear = local.transform().matrix3;

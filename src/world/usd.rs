@@ -295,7 +295,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_warnings_of_a_name_are_one() {
+    fn warnings_of_one_name_are_merged() {
         let of = |name: &str, prim: &str| SidecarWarning {
             name: name.into(),
             prim: prim.into(),

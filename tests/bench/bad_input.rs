@@ -43,7 +43,7 @@ fn a_table_that_is_no_regular_file_is_refused() {
 }
 
 #[test]
-fn what_cannot_be_written_is_the_users_to_mend() {
+fn unwritable_output_is_a_usage_error() {
     let folder = folder("unwritable");
     let csv = write(&folder, &synthetic_samples());
     for taken in ["report.html", "chart-1-flip.svg"] {

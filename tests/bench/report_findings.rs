@@ -127,7 +127,7 @@ fn rt_that_wins_outright_is_said_to() {
 }
 
 #[test]
-fn the_best_pair_is_that_which_errs_least_in_reflections() {
+fn best_pair_has_the_least_error_in_reflections() {
     let mut rows = synthetic_samples();
     // On the whole frame another setting has lower error.
     rows[2].flip = Some(0.0);

@@ -24,7 +24,7 @@ fn good_exr(folder: &Folder, name: &str) -> std::path::PathBuf {
 }
 
 #[test]
-fn what_is_no_picture_is_named() {
+fn refuses_files_that_are_not_pictures() {
     let folder = Folder::new();
     let a = good(&folder, "a.png");
     fs::create_dir(folder.path("folder")).expect("a folder");

@@ -99,7 +99,7 @@ fn the_gain_is_a_power_of_two_for_all_but_one_channel_in_a_hundred() {
 }
 
 #[test]
-fn outputs_that_cannot_be_leave_nothing() {
+fn invalid_outputs_leave_no_file() {
     let folder = Folder::new();
     let [a, b] = pair(&folder);
     let before = folder.names();
@@ -155,7 +155,7 @@ fn outputs_that_cannot_be_leave_nothing() {
 }
 
 #[test]
-fn what_was_there_stays_until_the_new_file_is_whole() {
+fn existing_file_stays_until_the_new_one_is_complete() {
     let folder = Folder::new();
     let path = folder.write("file", b"old");
     write_whole(&path, b"new and longer").expect("written");
@@ -216,7 +216,7 @@ fn thresholds_hold_for_frame_and_mask() {
 }
 
 #[test]
-fn table_and_json_tell_the_same() {
+fn table_and_json_have_equal_values() {
     let folder = Folder::new();
     let [a, b] = pair(&folder);
     let found = run(&b, &a, &[]).expect("compares");

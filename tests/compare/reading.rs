@@ -255,7 +255,7 @@ fn a_mask_is_reflectance_or_gray_and_never_colors() {
 }
 
 #[test]
-fn the_content_counts_not_the_name() {
+fn format_is_detected_by_content() {
     let folder = Folder::new();
     let png = rgb(&folder, "a.png");
     let renamed = folder.path("a.exr");

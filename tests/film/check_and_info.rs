@@ -18,7 +18,7 @@ fn reflet(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String, St
 }
 
 #[test]
-fn check_poses_every_frame_and_info_tells_of_them() {
+fn check_poses_every_frame_and_info_lists_them() {
     let folder = folder("checked");
     let (code, out, err) = reflet(&folder, "check", "scene.toml");
     assert_eq!(

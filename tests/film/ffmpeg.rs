@@ -118,7 +118,7 @@ fn rates_that_a_format_cannot_have_are_refused_before_rendering() {
 
 /// On a terminal, which `script` gives.
 #[test]
-fn what_a_script_prints_stands_in_lines_of_its_own() {
+fn script_output_has_its_own_lines() {
     let has_script = Command::new("script").arg("--version").output().is_ok();
     if gpu_or_skip().is_none() || !has_script {
         eprintln!("SKIPPED: there is no script command");
@@ -252,7 +252,7 @@ fn an_ffmpeg_that_fails_is_quoted_and_leaves_nothing() {
 }
 
 #[test]
-fn without_ffmpeg_it_is_said_what_to_do() {
+fn missing_ffmpeg_error_has_help() {
     if gpu_or_skip().is_none() {
         return;
     }

@@ -188,7 +188,7 @@ fn resuming_keeps_what_is_the_same_and_renders_the_rest() {
 }
 
 #[test]
-fn failing_frames_are_told_and_the_others_are_there() {
+fn failing_frames_are_listed_and_others_are_written() {
     if gpu_or_skip().is_none() {
         return;
     }
@@ -272,7 +272,7 @@ fn films_in_one_file_decode() {
 }
 
 #[test]
-fn what_cannot_be_asked_for_is_refused() {
+fn invalid_options_are_refused() {
     let folder = folder("usage");
     for (arguments, says) in [
         (&["-o", "f.png", "--frames", "0-1"][..], "write f.####.png"),

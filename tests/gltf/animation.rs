@@ -218,7 +218,7 @@ fn lights_and_cameras_follow_moving_instances() {
 }
 
 #[test]
-fn instances_of_one_file_play_what_they_like() {
+fn instances_of_one_file_play_different_animations() {
     let (_folder, mut desc) = cart_scene(&["drive"]);
     let named = |name: &str, animation: Option<AnimationDesc>| InstanceDesc {
         name: Some(name.into()),

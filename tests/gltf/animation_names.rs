@@ -17,7 +17,7 @@ use crate::{
 };
 
 #[test]
-fn wrong_names_are_told_with_their_places() {
+fn unknown_names_are_reported_with_their_places() {
     let (_folder, mut desc) = cart_scene(&["spinn"]);
     let errors = load_scene(&desc).expect_err("there is no such animation");
     assert_eq!(errors[0].name, "unknown-animation");
@@ -231,7 +231,7 @@ fn what_is_not_played_is_named_when_it_is_asked_for() {
 
 /// Animations of a bare model before it is loaded.
 #[test]
-fn a_file_tells_what_it_can_play() {
+fn file_lists_its_animations() {
     let folder = Folder::new();
     let path = folder.write("m.glb", cart().glb());
     let sandbox = gltf::Sandbox::new([folder.0.as_path()], 1 << 20);

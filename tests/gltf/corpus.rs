@@ -28,7 +28,7 @@ fn load_file(path: &Path) -> Result<World, Vec<Diagnostic>> {
 }
 
 #[test]
-fn corpus_loads_or_says_why_not() {
+fn corpus_loads_or_fails_with_a_reason() {
     let Some(folder) = corpus() else { return };
     let index = fs::read_to_string(folder.join("INDEX.tsv")).expect("readable INDEX.tsv");
     let (mut valid, mut broken, mut accepted) = (0, 0, 0);

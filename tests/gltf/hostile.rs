@@ -189,7 +189,7 @@ fn every_wrong_value_is_named() {
 }
 
 #[test]
-fn messages_name_file_and_place() {
+fn errors_name_file_and_place() {
     let mut doc = rich();
     let bad = doc.accessor("SCALAR", 5123, 3, &[0, 0, 1, 0, 9, 0]);
     doc.primitive("indices", bad.into());

@@ -71,7 +71,7 @@ fn texture_transform_turns_like_the_viewers() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_named() {
+fn unsupported_features_are_warned_about() {
     let mut doc = stone();
     doc.json["materials"][0]["alphaMode"] = "BLEND".into();
     doc.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_materials_unlit"]);

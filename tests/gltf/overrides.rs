@@ -120,7 +120,7 @@ fn they_change_by_script_over_what_is_below_them() {
 }
 
 #[test]
-fn what_has_none_of_its_own_is_refused() {
+fn instances_without_own_material_are_refused() {
     let folder = Folder::new();
     for (motion, says) in [
         (

@@ -129,7 +129,7 @@ fn planted_circles_are_found() {
 }
 
 #[test]
-fn nothing_goes_in_circles() {
+fn modules_have_no_circular_imports() {
     let found = circles::circles(&sources().edges());
     assert!(
         found.is_empty(),
@@ -177,7 +177,7 @@ fn imports_only_point_down() {
 }
 
 #[test]
-fn files_are_short_and_say_what_they_own() {
+fn files_are_short_and_state_what_they_own() {
     let mut wrong = Vec::new();
     let mut check = |file: &Path, opening: &str, max_lines: usize| {
         let text = fs::read_to_string(file).expect("readable");

@@ -300,7 +300,7 @@ fn what_is_asked_of_a_frame_is_done_with_that_frame_whatever_is_shown() {
 }
 
 #[test]
-fn numbers_are_told_while_frames_follow_each_other() {
+fn material_numbers_are_reported_during_playback() {
     let Some(session) = Session::new() else {
         return;
     };

@@ -100,7 +100,7 @@ fn a_click_selects_an_instance_that_is_followed_through_saves_by_its_name() {
 }
 
 #[test]
-fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
+fn background_pick_and_unpick_clear_the_selection() {
     let Some(mut preview) = preview() else { return };
     assert!(pick(&mut preview, MIDDLE).is_some());
     assert!(pick(&mut preview, SKY).is_none());
@@ -114,7 +114,7 @@ fn the_background_selects_nothing_and_a_selection_can_be_let_go() {
 }
 
 #[test]
-fn shadow_maps_are_told_in_meters() {
+fn shadow_map_legend_is_in_meters() {
     let Some(mut preview) = preview() else { return };
     let shadow = |face| ViewChannel::Shadow(ShadowMapChoice { light: 0, face });
     // The lamp hangs 4 m over the floor and 3 m over the top of the box.
@@ -139,7 +139,7 @@ fn shadow_maps_are_told_in_meters() {
 }
 
 #[test]
-fn the_list_of_rays_is_told_with_its_count() {
+fn ray_list_legend_has_its_count() {
     use reflet::scene::desc::Method;
     let Some(mut preview) = preview() else { return };
     let rays = drawn(&mut preview, ViewChannel::Rays);

@@ -90,7 +90,7 @@ const MATERIALS: RebuildSummary = RebuildSummary {
 };
 
 #[test]
-fn lights_cameras_tone_and_environment_redo_nothing() {
+fn lights_cameras_tone_and_environment_rebuild_nothing() {
     let Some(mut session) = Session::new(SCENE) else {
         return;
     };
@@ -107,7 +107,7 @@ fn lights_cameras_tone_and_environment_redo_nothing() {
 }
 
 #[test]
-fn materials_and_still_instances_redo_no_more_than_themselves() {
+fn materials_and_static_instances_rebuild_only_their_data() {
     let Some(mut session) = Session::new(SCENE) else {
         return;
     };
@@ -129,7 +129,7 @@ fn materials_and_still_instances_redo_no_more_than_themselves() {
 }
 
 #[test]
-fn a_moved_dynamic_instance_redoes_the_top_level_alone() {
+fn moved_dynamic_instance_rebuilds_only_the_top_level() {
     let text = SCENE.replace(
         "translation = [0, 0.5, 0]",
         "translation = [0, 0.5, 0]\ndynamic = true",

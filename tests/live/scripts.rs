@@ -144,7 +144,7 @@ fn the_script_and_its_imports_are_watched_also_while_they_are_broken() {
 }
 
 #[test]
-fn an_edit_of_frame_poses_anew_and_redoes_nothing_else() {
+fn edit_of_frame_only_poses_again() {
     let Some(mut session) = Session::new() else {
         return;
     };

@@ -76,7 +76,7 @@ fn counts(t: &CauseTally) -> [usize; 7] {
 }
 
 #[test]
-fn every_way_to_be_wrong_is_counted_once() {
+fn each_kind_of_error_is_counted_once() {
     let found = check(&[
         (1, 2.0, 5, 2.0, 5),         // right
         (1, 2.0, 5, 2.03, 5),        // right: within 2 % of 2.03

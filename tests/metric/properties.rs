@@ -153,7 +153,7 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn flip_sees_eight_bits_and_its_heat_map_is_magma() {
+fn flip_quantizes_to_eight_bits_and_colors_with_magma() {
     let [a, b] = [100.0, 100.4].map(|v| vec![[v; 3]; 400]);
     assert!(flip::flip_map(20, 20, &a, &b).iter().all(|v| *v == 0.0));
     let heat = flip::heat(&[0.0, 1.0]);

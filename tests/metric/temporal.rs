@@ -28,7 +28,7 @@ fn a_ratio_needs_two_frames() {
 }
 
 #[test]
-fn what_stands_still_has_none() {
+fn static_sequence_has_no_flicker() {
     assert_eq!(ratio(&[5.0, 5.0, 5.0], &[80.0, 80.0, 80.0]), Some(0.0));
 }
 

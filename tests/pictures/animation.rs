@@ -183,7 +183,7 @@ fn render(folder: &Path, arguments: &[&str], code: i32) -> String {
 }
 
 #[test]
-fn a_bare_model_is_a_film() {
+fn bare_model_renders_as_a_film() {
     if gpu().is_none() {
         return;
     }
@@ -213,7 +213,7 @@ fn a_bare_model_is_a_film() {
 }
 
 #[test]
-fn resuming_knows_what_is_played() {
+fn resume_depends_on_the_played_animation() {
     if gpu().is_none() {
         return;
     }

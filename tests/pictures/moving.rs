@@ -162,7 +162,7 @@ const MOVES: [[&str; 5]; 19] = [
 ];
 
 #[test]
-fn what_moves_shows_what_a_scene_written_so_shows() {
+fn moved_scene_equals_the_scene_written_in_that_pose() {
     let folder = folder("numbers");
     for [kind, name, key, path, value] in MOVES {
         let set = [format!("{kind}.{name}.{path}={value}")];

@@ -57,7 +57,7 @@ fn size_neither_floods_nor_takes_quadratic_time() {
 }
 
 #[test]
-fn files_that_cannot_be_scenes_say_why() {
+fn invalid_scene_files_state_the_reason() {
     let folder = std::env::temp_dir().join(format!("reflet-scene-text-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a temporary folder");
     let write = |name: &str, bytes: &[u8]| {
@@ -167,7 +167,7 @@ fn the_first_message_that_is_left_out_is_counted() {
 
 /// Most of the letters differ, but a long beginning says what was meant.
 #[test]
-fn a_key_that_says_too_much_is_recognized_by_its_beginning() {
+fn overlong_key_is_suggested_by_its_prefix() {
     let text = "version = 1\n[[instance]]\nmodel = \"a\"\ntranslation_in_meters = [0, 0, 0]\n";
     let errors = Scene::from_text(text, Path::new("scene.toml"), &[]).expect_err("a wrong key");
     let text: String = errors.iter().map(ToString::to_string).collect();

@@ -250,7 +250,7 @@ fn the_lit_part_of_a_cone_is_no_wider_than_the_cone() {
 }
 
 #[test]
-fn what_a_surface_is_made_without_cannot_move() {
+fn absent_material_parts_cannot_move() {
     for (key, value, lacking) in [
         ("alpha_cutoff", "0.5", "write `alpha_cutoff = 0`"),
         ("checker_size_m", "0.5", "write `checker = { colors ="),

@@ -47,7 +47,7 @@ fn a_wrong_value_is_named_and_placed() {
 }
 
 #[test]
-fn an_unknown_key_says_what_was_meant() {
+fn unknown_key_has_a_suggestion() {
     let script = "// roughnes: not here\nfn setup(ctx) {\n    let all = #{};\n    \
                   all.gold = #{ roughnes: 0.5 };\n    #{ materials: all }\n}\n";
     assert_says(
@@ -100,7 +100,7 @@ fn what_is_missing_is_placed_at_the_map_that_lacks_it() {
 }
 
 #[test]
-fn where_the_place_cannot_be_told_it_is_setup() {
+fn unknown_location_falls_back_to_setup() {
     let script = "\n\nfn setup(ctx) {\n    let m = #{};\n    m[\"rough\" + \"ness\"] = 3;\n    \
                   let all = #{};\n    all[\"go\" + \"ld\"] = m;\n    #{ materials: all }\n}\n";
     assert_says(

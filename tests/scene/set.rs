@@ -63,7 +63,7 @@ fn values_are_set_by_path_index_and_name() {
 }
 
 #[test]
-fn a_setting_can_mend_what_the_file_has_wrong() {
+fn override_can_fix_an_error_of_the_file() {
     let text = "version = 1\n[image]\nsamples = 0\n";
     assert!(Scene::from_text(text, Path::new("scene.toml"), &[]).is_err());
     assert_eq!(read_with(text, &["image.samples=4"]).image.samples, 4);

@@ -63,7 +63,7 @@ fn every_shipped_scene_loads() {
 
 /// The story of the README after its scene, its motion and its script: the files of a folder.
 #[test]
-fn the_story_of_the_readme_holds_at_each_step() {
+fn each_step_of_the_readme_scene_is_valid() {
     let readme = crate::common::readme::Story::read();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme");
     fs::create_dir_all(&folder).expect("temporary folder");

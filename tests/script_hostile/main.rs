@@ -373,7 +373,7 @@ fn what_setup_returns_is_checked_as_scene_text() {
 }
 
 #[test]
-fn a_script_without_its_functions_says_so() {
+fn script_without_functions_is_an_error() {
     let folder = folder("empty");
     for (script, says) in [
         ("", "neither `fn setup(ctx)` nor"),

@@ -94,7 +94,7 @@ fn a_save_during_the_conversion_converts_again() {
 }
 
 #[test]
-fn a_stage_that_never_rests_is_used_and_not_kept() {
+fn constantly_changing_stage_is_used_but_not_cached() {
     let place = Workplace::new("restless");
     let tool = place.tool("echo new >> \"$here/part.usda\"");
     // A bare stage is asked for twice, first for its length; each time it is tried three times.

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_is_a_message_about_the_file() {
+    fn panic_becomes_a_diagnostic_of_the_file() {
         let path = Path::new("scenes/a.toml");
         let wrong = catch_panic::<()>(path, || panic!("the count is {}", 3)).expect_err("panics");
         assert_eq!(wrong[0].file.as_deref(), Some(path));

@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_that_a_format_cannot_have_are_refused() {
+    fn refuses_frame_rates_outside_the_format() {
         for film in &FILMS {
             assert_eq!(film.check_rate(23.976), Ok(()), "{}", film.ending);
             for fps in [1e-9, 1e6] {

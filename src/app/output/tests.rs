@@ -157,7 +157,7 @@ fn an_exr_that_was_cut_or_changed_is_not_done() {
 }
 
 #[test]
-fn paths_that_cannot_work_are_refused_before_rendering() {
+fn refuses_invalid_paths_before_rendering() {
     let folder = folder("refused");
     let long = format!("{}.png", "a".repeat(252));
     assert!(refusal(&folder.join(long)).contains("too long"));
@@ -176,7 +176,7 @@ fn paths_that_cannot_work_are_refused_before_rendering() {
 }
 
 #[test]
-fn when_one_file_fails_none_is_left() {
+fn failed_output_leaves_no_file() {
     let folder = folder("none-left");
     let output = PictureFile::new(&folder.join("out.png")).expect("writable");
     // A folder under the second file's temporary name: the first file is done when that fails.

@@ -309,7 +309,7 @@ mod tests {
     use super::{MAX_MESSAGE_BYTES, delay, end_of};
 
     #[test]
-    fn of_what_an_encoder_says_the_last_is_told() {
+    fn reports_the_last_line_of_the_encoder() {
         assert_eq!(end_of(&b"one\ntwo \n"[..]), "one; two");
         let long = "noise\n".repeat(9000) + "No space left\n";
         let told = end_of(long.as_bytes());

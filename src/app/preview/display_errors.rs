@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_busy_surface_is_passed_over() {
+    fn ignores_only_busy_surface_errors() {
         let error = |cause: ConfigureSurfaceError| wgpu::Error::Validation {
             // As wgpu wraps it.
             source: Box::new(wgpu::wgc::error::ContextError {
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn no_place_in_a_library_is_shown() {
+    fn display_errors_omit_library_source_paths() {
         for (text, left) in [
             (
                 "winit EventLoopError: os error at /home/a/winit-0.30/src/linux/mod.rs:765: \

@@ -101,7 +101,7 @@ mod tests {
     };
 
     #[test]
-    fn only_the_last_edit_of_a_material_is_left_and_nothing_else_is_lost() {
+    fn mailbox_keeps_the_last_edit_of_a_material_and_all_other_tasks() {
         let mailbox = Mailbox::default();
         let edit = |material, roughness| {
             let mut edit = Edit::new(material);

@@ -131,7 +131,7 @@ impl Drop for Case {
 }
 
 #[test]
-fn a_reached_limit_is_told_and_saves_are_seen_nonetheless_until_it_is_over() {
+fn reached_watch_limit_is_reported_and_folders_are_polled_meanwhile() {
     let case = Case::new(Some(|| ErrorKind::MaxFilesWatch), 0);
     let why = case.trouble().expect("trouble");
     assert!(
@@ -154,7 +154,7 @@ fn a_reached_limit_is_told_and_saves_are_seen_nonetheless_until_it_is_over() {
 }
 
 #[test]
-fn a_folder_that_may_not_be_listed_is_told_with_what_to_do() {
+fn unlistable_folder_is_reported_with_help() {
     let denied = || ErrorKind::Io(io::ErrorKind::PermissionDenied.into());
     let case = Case::new(Some(denied), 0);
     let why = case.trouble().expect("trouble");
@@ -165,7 +165,7 @@ fn a_folder_that_may_not_be_listed_is_told_with_what_to_do() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_system_without_a_watcher_left_is_asked_again() {
+fn retries_when_no_watcher_is_available() {
     let case = Case::new(None, 2);
     let why = case.trouble().expect("trouble");
     assert!(why.contains("fs.inotify.max_user_instances="), "{why}");

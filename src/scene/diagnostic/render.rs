@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn far_along_a_long_line_the_caret_still_meets_its_word() {
+    fn caret_is_aligned_far_along_a_long_line() {
         let text = format!("{}wrong{}", "é, ".repeat(400), " b".repeat(400));
         let start = text.find("wrong").expect("it is there");
         let shown = at(&text, start..start + 5).render(false);

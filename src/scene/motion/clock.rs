@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_runs_as_it_is_told() {
+    fn clock_applies_speed_offset_and_repeat() {
         let (once, looped, back) = (Playback::Once, Playback::Loop, Playback::PingPong);
         // Speed, start, repeat; then time and what is expected, for an animation of 2 s.
         for (speed, start_s, repeat, times) in [

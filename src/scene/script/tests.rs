@@ -55,7 +55,7 @@ fn frame(script: &str) -> Result<FrameState, String> {
 }
 
 #[test]
-fn every_example_of_the_reference_is_true() {
+fn every_example_of_the_reference_evaluates_as_documented() {
     for entry in api::API.iter().flat_map(|group| group.entries) {
         let (statements, last) = entry
             .example
@@ -88,7 +88,7 @@ fn the_example_of_the_introduction_runs() {
 }
 
 #[test]
-fn calls_keep_nothing_for_the_next() {
+fn calls_share_no_state() {
     let script = "
         const HEIGHT = 2;
         fn frame(ctx) {
@@ -107,7 +107,7 @@ fn calls_keep_nothing_for_the_next() {
 }
 
 #[test]
-fn mistakes_say_where_and_what_was_meant() {
+fn errors_have_place_and_suggestion() {
     for (body, says) in [
         ("ctx.place(\"bal\", [0, 0, 0])", "did you mean \"ball\"?"),
         ("ctx.plase(\"ball\", [0, 0, 0])", "did you mean `place`?"),
@@ -277,7 +277,7 @@ fn functions_see_constants_but_no_variables_from_outside() {
 }
 
 #[test]
-fn nested_calls_are_told() {
+fn errors_list_nested_calls() {
     let script =
         "fn a(ctx) { ctx.place(\"x\", 1) }\nfn b(ctx) { a(ctx) }\nfn frame(ctx) {\n  b(ctx)\n}";
     let error = frame(script).expect_err("no such instance");

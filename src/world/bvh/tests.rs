@@ -63,7 +63,7 @@ fn look_at(trees: &Trees, x: f64) -> Option<RayHit> {
 }
 
 #[test]
-fn structs_are_what_the_shader_reads() {
+fn structs_match_the_shader_layout() {
     assert_eq!(size_of::<CwBvhNode>(), 5 * 16);
     assert_eq!(size_of::<TraceTriangle>(), 3 * 16);
     assert_eq!(size_of::<TraceInstance>(), 4 * 16);
@@ -147,7 +147,7 @@ fn copies_are_stored_once_where_they_do_not_fit() {
 }
 
 #[test]
-fn a_scene_past_the_limit_says_so() {
+fn scene_past_the_limit_is_an_error() {
     let meshes: Vec<_> = (0..4).map(|_| triangle_mesh(&[unit_triangle()])).collect();
     let placements: Vec<_> = (0..4).map(|m| (m, Affine3A::IDENTITY, true)).collect();
     let refused = Trees::build(&world(meshes, &placements), 100).unwrap_err();

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_parts_are_found_from_two_sizes() {
+    fn fits_fixed_and_per_pixel_cost_from_two_sizes() {
         let truth = |pixels: f64| 380.0 + 3e-4 * pixels;
         let mut cost = FrameCost::default();
         for pixels in [270_000.0, 67_500.0, 67_500.0] {
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_changes_is_learned_anew() {
+    fn refits_cost_after_a_scene_change() {
         let mut cost = FrameCost::default();
         for pixels in [1e5, 2.5e4, 1e5] {
             cost.record(pixels, 10.0 + 1e-3 * pixels);

@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_finds_its_instance_in_another_scene() {
+    fn instance_key_resolves_in_a_reloaded_scene() {
         let old = world(&["ball", "floor", "ball", "ball"]);
         let key = InstanceKey::of(&old, 2).expect("is there");
         assert_eq!(key.find(&old), Some((2, 3)));

@@ -129,7 +129,7 @@ mod tests {
     /// Around a square: the square stays free, the line follows it at its distance, and far away
     /// there is nothing.
     #[test]
-    fn the_outline_runs_around_and_covers_nothing_of_it() {
+    fn outline_surrounds_the_instance_without_covering_it() {
         let size = [24_u32, 20];
         let is_inside = |x: u32, y: u32| (8..14).contains(&x) && (7..12).contains(&y);
         let pixels = |y: u32| (0..size[0]).map(move |x| (x, y));

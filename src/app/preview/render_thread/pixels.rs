@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_side_of_another_shape_keeps_it() {
+    fn wipe_keeps_the_aspect_ratio_of_each_side() {
         let mut left = plain([2, 2], 10);
         left.rgba[..4].copy_from_slice(&[77; 4]);
         let whole = compose_wipe(&left, &plain([8, 4], 90), 0.999, [8, 4]);

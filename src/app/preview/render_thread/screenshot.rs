@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_picture_takes_the_place_of_another() {
+    fn screenshots_never_overwrite_each_other() {
         let name = format!("reflet-names-{}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         fs::create_dir_all(&folder).expect("a folder");

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_are_seen_where_they_start_from_dark_to_light() {
+    fn ray_order_image_shades_pixels_by_list_position() {
         let display = vec![200; 4 * 12];
         let rgba = ray_order_image([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
         let sum = |x: usize, y: usize| -> u32 {
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_of_a_scale_are_told() {
+    fn distance_legend_states_both_ends() {
         let text = distance_legend(&[f32::INFINITY, 2.5, 1.25], "blue");
         assert_eq!(text, "white: 1.25 m, black: 2.50 m; no surface: blue");
         assert_eq!(distance_legend(&[f32::INFINITY], "blue"), "no surface");

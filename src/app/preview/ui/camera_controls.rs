@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn looking_keeps_the_eye_and_panning_the_direction() {
+    fn look_keeps_the_eye_and_pan_keeps_the_direction() {
         let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.look(Vec2::new(0.25, -0.1));
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wheel_comes_close_but_not_through() {
+    fn zoom_never_passes_the_target() {
         let mut nav = camera_controls();
         let forward = nav.forward();
         nav.dolly(1000.0);
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn flying_goes_at_its_speed_whatever_the_keys() {
+    fn diagonal_flight_has_the_set_speed() {
         let mut nav = camera_controls();
         let eye = nav.camera.eye;
         nav.fly(Vec3::new(1.0, 0.0, 1.0), 0.5);

@@ -243,7 +243,7 @@ mod tests {
     const ONE: &str = "version = 1\n[camera.main]\neyes = [0, 1, 2]\n";
 
     #[test]
-    fn message_place_and_help_are_apart() {
+    fn shows_message_place_and_help_separately() {
         let mut harness = harness(ONE);
         let entry = DiagnosticEntry::all(&harness.state().problems).remove(0);
         let place = entry.place.expect("has a place");
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn many_mistakes_leave_most_of_a_small_picture() {
+    fn many_errors_leave_most_of_a_small_picture_visible() {
         let lines: String = (0..60).map(|i| format!("wrong{i} = 1\n")).collect();
         let mut harness = harness(&format!("version = 1\n{lines}"));
         let (title, picture) = (
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn it_folds_to_a_line_until_there_is_another_mistake() {
+    fn folds_to_one_line_until_another_error() {
         let mut harness = harness(ONE);
         let message = DiagnosticEntry::all(&harness.state().problems)[0]
             .message

@@ -98,7 +98,7 @@ fn a_selected_material_shows_the_numbers_that_it_has() {
 }
 
 #[test]
-fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
+fn click_in_the_picture_opens_and_names_the_material() {
     let mut harness = harness();
     select(&mut harness, "Materials");
     assert!(harness.query_by_label("chrome  ×2").is_none(), "folded");
@@ -125,7 +125,7 @@ fn what_was_clicked_in_the_picture_opens_the_section_and_is_named() {
 }
 
 #[test]
-fn what_is_moved_is_asked_for_and_nothing_else() {
+fn moved_control_requests_only_its_own_change() {
     let mut harness = harness();
     select(&mut harness, "chrome  ×2");
     let roughness = harness.get_all_by_role(Role::Slider).nth(1);

@@ -178,7 +178,7 @@ fn a_comparison_moves_nothing_below_it() {
 }
 
 #[test]
-fn times_shares_and_keys_are_listed() {
+fn panels_list_times_shares_and_keys() {
     let mut counters = [0; 16];
     counters[1] = 30;
     let stats = FrameStats {
@@ -254,7 +254,7 @@ fn the_timeline_plays_steps_and_scrubs() {
 }
 
 #[test]
-fn a_frame_that_cannot_be_posed_is_told_apart_from_the_one_that_is_shown() {
+fn distinguishes_the_failed_frame_from_the_shown_one() {
     let mut harness = timeline_harness();
     harness.state_mut().timeline.seek(9, 0.0);
     harness.state_mut().shown = Some(9);
@@ -314,7 +314,7 @@ fn what_a_script_prints_is_listed() {
 }
 
 #[test]
-fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
+fn status_bar_shows_a_background_script() {
     let mut harness = harness(|ui, state| {
         let script_s = (state.now_s > 0.0).then_some(state.now_s);
         let doing = match state.shown {
@@ -342,7 +342,7 @@ fn the_status_tells_a_script_that_runs_beside_what_is_drawn() {
 }
 
 #[test]
-fn a_note_that_is_too_long_is_cut_and_whole_in_its_tooltip() {
+fn long_status_message_is_clipped_and_complete_in_its_tooltip() {
     let text = "wrote /a/folder/with/a/long/name/".repeat(6) + "scene-001.png";
     let said = text.clone();
     let mut harness = harness(move |ui, _| {
@@ -375,7 +375,7 @@ fn every_key_can_be_read_in_a_small_window() {
 }
 
 #[test]
-fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
+fn heat_map_legend_labels_both_ends() {
     let harness = Harness::new_ui(super::charts::flip_scale);
     for text in ["0: the same", "FLIP 0.5", "1: most"] {
         harness.get_by_label(text);
@@ -383,7 +383,7 @@ fn the_scale_of_the_heat_map_says_what_its_ends_mean() {
 }
 
 #[test]
-fn a_refused_watch_is_told_as_long_as_it_lasts() {
+fn refused_watch_is_shown_while_it_lasts() {
     let why = "the system does not report files saved in /a: raise the limit";
     let mut harness = harness(|ui, _| unwatched(ui, why));
     harness.run();

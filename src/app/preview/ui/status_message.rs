@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_leaves_after_a_while_or_at_the_next_action() {
+    fn status_message_expires_with_time_or_the_next_action() {
         let mut message = StatusMessage::default();
         assert_eq!(message.expire(true, 1.0), None, "nothing to wait for");
         message.set("saved");

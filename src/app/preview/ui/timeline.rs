@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn the_clock_decides_and_late_frames_are_left_out() {
+    fn playback_follows_the_clock_and_drops_late_frames() {
         let mut time = timeline(24.0, 10, 19);
         assert_eq!(time.tick(5.0), None, "paused");
         time.toggle(100.0);
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn a_timeline_that_goes_and_comes_back_is_where_it_was() {
+    fn restored_timeline_keeps_its_frame() {
         let desc = |end| TimelineDesc {
             fps: 24.0,
             start: 0,
@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn it_says_when_it_cannot_keep_up() {
+    fn reports_dropped_frames() {
         let mut time = timeline(20.0, 0, 100);
         time.toggle(0.0);
         for i in 1..=60 {

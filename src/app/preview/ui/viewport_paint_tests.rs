@@ -37,7 +37,7 @@ fn what_was_drawn_for_the_area_fills_it() {
 }
 
 #[test]
-fn a_scene_without_anything_says_so_and_what_to_write() {
+fn empty_scene_shows_an_example() {
     let read = Scene::from_text("version = 1\n", Path::new("my.toml"), &[]);
     let (_, warnings) = read.expect("only a warning");
     let harness = Harness::new_ui(move |ui| empty_scene(ui, ui.max_rect(), &warnings));
@@ -47,7 +47,7 @@ fn a_scene_without_anything_says_so_and_what_to_write() {
 }
 
 #[test]
-fn a_selection_says_its_name_and_its_material() {
+fn selection_label_has_name_and_material() {
     let mut harness = Harness::new_ui_state(
         |ui, is_seen| selection(ui, "ball (2 of 3)", "chrome", *is_seen),
         true,
@@ -72,7 +72,7 @@ fn scores(difference: u8) -> crate::bench::metric::Scores {
 }
 
 #[test]
-fn an_error_map_says_what_it_is_also_where_it_is_black() {
+fn error_map_has_a_label_even_if_black() {
     let state = scores(0);
     let mut harness = Harness::new_ui_state(|ui, scores| error_map(ui, Method::Ssr, scores), state);
     for text in [

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_place_is_found_behind_what_only_looks_deep() {
+    fn finds_the_first_place_that_is_nested_too_deeply() {
         let long = "a.".repeat(400_000);
         let text = format!("# {long}\nx = \"{long}\" # [[[\n\n  {long}b = 1\n");
         let found = first(&text).expect("too deep");

@@ -4,7 +4,7 @@ use super::frame;
 
 /// However deep it went wrong; and what is thrown stays as it is.
 #[test]
-fn what_is_caught_has_a_message_and_a_place_in_plain_words() {
+fn caught_errors_have_message_and_place() {
     let bounds = "array index 5 out of bounds: only 2 elements in array";
     for (body, caught) in [
         ("[1, 2][5]", format!("3:22: {bounds}")),
