@@ -234,18 +234,9 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
         return;
     }
     let folder = folder("picture");
-    let render = [
-        "render",
-        "scene.toml",
-        "--size",
-        "33x17",
-        "--set",
-        "reflection.method=hybrid",
-        "--set",
-        "image.visibility=raster",
-        "--aov",
-        "source,depth",
-    ];
+    let render = "render scene.toml --size 33x17 --set reflection.method=hybrid \
+                  --set image.visibility=raster --aov source,depth";
+    let render: Vec<&str> = render.split_whitespace().collect();
     let [out, error] = exits(
         &folder,
         &[

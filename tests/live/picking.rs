@@ -122,7 +122,7 @@ fn shadow_map_legend_is_in_meters() {
     assert_eq!(down.texture.size, [64, 64]);
     assert_eq!(
         down.legend,
-        "the face to -Y; white: 3.00 m, black: 4.00 m; nothing is blue"
+        "the face to -Y; white: 3.00 m, black: 4.00 m; no surface: blue"
     );
     let up = drawn(&mut preview, shadow(Some(2)));
     assert_eq!(up.legend, "the face to +Y; no surface");

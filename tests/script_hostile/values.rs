@@ -37,7 +37,7 @@ const DONE: [(&str, &str); 16] = [
 
 /// Bodies of `frame`, and what the message must say.
 const BODIES: &[(&str, &str)] = &[
-    ("ctx.params = #{ a: [[1]] };", "cannot be set"),
+    ("ctx.params = #{ a: [[1]] };", "is read-only"),
     (
         "let a = []; for i in 0..1500 { a = [a]; } ctx.place(\"ball\", a)",
         "not an array of 1 value",
