@@ -2,7 +2,7 @@
 """Measures what docs/paper.md compares with the paper, and rewrites its tables.
 
     tools/paper.py measure --assets DIR OUT    # five experiments and the atrium, about half an hour
-    tools/paper.py page OUT                    # the page's tables and charts, and docs/data
+    tools/paper.py page OUT                    # the page's tables, charts and sheet, and docs/data
     tools/paper.py pictures --assets DIR       # the floor with three thresholds
 
 Tables come from the samples.csv of each run by sums of this file's own, not by the report's, so
@@ -10,6 +10,7 @@ that either checks the other. Sentences around them are a person's: read them ag
 """
 
 import argparse
+import base64
 import collections
 import csv
 import pathlib
@@ -25,6 +26,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "paper.md"
 CHARTS = ROOT / "docs" / "charts"
 DATA = ROOT / "docs" / "data"
+IMAGES = ROOT / "docs" / "images"
 METHODS = ["ssr", "hybrid", "rt"]
 SMALL = ["--sizes", "320x180"]
 ONCE = ["--frames", "1", "--warm-up", "1"]
@@ -86,7 +88,7 @@ def pictures(assets: pathlib.Path) -> None:
             cells.append(f"{what}{', sources' if aov else ''}={shown}")
         sheet = [ROOT / ".venv" / "bin" / "python", ROOT / "tools" / "sheet.py"]
         floor = ["--crop", "320", "390", "860", "720"]
-        out = ROOT / "docs" / "images" / "paper-fig1.png"
+        out = IMAGES / "paper-fig1.png"
         subprocess.run(
             [*sheet, out, "--columns", "4", "--width", "480", *floor, *cells], check=True
         )
@@ -381,6 +383,29 @@ TABLES: dict[str, tuple[str, Callable[[Rows], str]]] = {
 }
 
 
+def scenario3_sheet(report: pathlib.Path) -> None:
+    """Pictures of a plane and a sphere, of those that the report holds."""
+    text = report.read_text()
+    cells: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("ground", "sphere"):
+            section = text.split(f"Scenario 3, {name}, ray length 16 (Sponza): pictures")[1]
+            figure = r'base64,([^"]+)".*?<figcaption>(.*?)</figcaption>'
+            found = [(m[2], m[1]) for m in re.finditer(figure, section, re.DOTALL)][:6]
+            for part in ("rt", ": sources", "hybrid.*difference", "ssr.*difference"):
+                caption, data = next(f for f in found if re.search(rf"^rt$|{part}", f[0]))
+                found.remove((caption, data))
+                path = pathlib.Path(folder) / f"{len(cells)}.png"
+                path.write_bytes(base64.b64decode(data))
+                gain = re.search("× [0-9]+$", caption)
+                label = caption.split(",")[0] + (", sources" if "sources" in part else "")
+                label += f", difference {gain[0].replace('× ', 'x')}" if gain else ""
+                cells.append(f"{label}={path}")
+        python = ROOT / ".venv" / "bin" / "python"
+        sheet = [python, ROOT / "tools" / "sheet.py", IMAGES / "paper-scenario3.png"]
+        subprocess.run([*sheet, "--columns", "4", "--width", "320", *cells], check=True)
+
+
 def page(out: pathlib.Path) -> None:
     runs: dict[str, Rows] = {}
     for name in RUNS:
@@ -398,6 +423,7 @@ def page(out: pathlib.Path) -> None:
     PAGE.write_text(text)
     for name, (run, drawn) in PICTURES.items():
         shutil.copyfile(out / run / drawn, CHARTS / name)
+    scenario3_sheet(out / "scenario3" / "report.html")
     DATA.mkdir(exist_ok=True)
     for name in RUNS:
         shutil.copyfile(out / name / "samples.csv", DATA / f"{name}.csv")
