@@ -31,6 +31,7 @@ use crate::{
 pub mod args;
 pub mod paper;
 pub mod progress;
+pub mod regret;
 pub mod reload;
 pub mod report_pictures;
 pub mod scenario2;
@@ -51,6 +52,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
     match &args.experiment {
         Some(Experiment::Paper(args)) => paper::paper(args),
         Some(Experiment::Reload(args)) => reload::reload(args),
+        Some(Experiment::Regret(args)) => regret::regret(args),
         None => {
             let samples = match &args.samples {
                 Some(path) => {

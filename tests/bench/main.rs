@@ -5,6 +5,7 @@ mod bad_input;
 #[path = "../common/mod.rs"]
 mod common;
 mod mask;
+mod regret;
 mod report_findings;
 mod synthetic;
 mod tables;

@@ -121,6 +121,8 @@ pub enum Experiment {
     Paper(PaperArgs),
     /// How long a save takes until the preview has its picture
     Reload(ReloadArgs),
+    /// What `auto` chooses, against the fastest of what it chooses from
+    Regret(RegretArgs),
 }
 
 /// `bench reload`
@@ -143,6 +145,28 @@ pub struct ReloadArgs {
     /// Folder for reload.json; made if it is missing
     #[arg(short, long, value_name = "DIR", default_value = "bench")]
     pub output: PathBuf,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// `bench regret`
+#[derive(Clone, Debug, Args)]
+pub struct RegretArgs {
+    /// Scene files; without one, the built-in atrium. Their own method and visibility are not taken
+    pub scenes: Vec<PathBuf>,
+    /// What is changed in them
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Sizes; without any, 640x360,1280x720,1920x1080
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_size)]
+    pub sizes: Vec<[u32; 2]>,
+    /// How often each way is timed, 1 to 10000, after one untimed frame
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub frames: u32,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
     /// Take the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,

@@ -1,0 +1,289 @@
+//! `bench regret`: what `auto` chooses, against the fastest of what it chooses from.
+
+use std::{fmt::Write as _, path::Path};
+
+use super::{args::RegretArgs, progress::Progress};
+use crate::{
+    app::{
+        error::AppError,
+        print_json, print_out,
+        scene::{LoadedScene, choose_camera, load_scene},
+    },
+    bench::{run::Watch as _, summary::digits},
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::{RenderOptions, Renderer},
+    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    world::World,
+};
+
+use serde::Serialize;
+
+/// Without any other.
+const SIZES: [[u32; 2]; 3] = [[640, 360], [1280, 720], [1920, 1080]];
+
+/// One way to render a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Way {
+    method: Method,
+    visibility: Visibility,
+    /// Of lights with `shadow = "auto"`, by their kind.
+    shadows: [ShadowMode; LightKind::NAMES.len()],
+}
+
+impl Way {
+    /// What was decided.
+    fn of(options: &RenderOptions) -> Self {
+        Self {
+            method: options.reflection.method,
+            visibility: options.image.visibility,
+            shadows: options.auto_shadow,
+        }
+    }
+
+    /// All that a choice was made from: kinds of lights without `auto` have one way.
+    fn all(world: &World) -> Vec<Self> {
+        let kinds = 0..LightKind::NAMES.len();
+        let is_auto = kinds.clone().map(|kind| {
+            let mut lights = world.lights.iter();
+            lights.any(|l| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind)
+        });
+        let is_auto: Vec<bool> = is_auto.collect();
+        let shadows = (0..1 << kinds.len()).filter_map(|bits: usize| {
+            let is_ray = |kind: usize| bits >> kind & 1 == 1;
+            let is_choice = (0..is_auto.len()).all(|kind| is_auto[kind] || !is_ray(kind));
+            is_choice.then(|| {
+                std::array::from_fn(|kind| match is_ray(kind) {
+                    true => ShadowMode::Ray,
+                    false => ShadowMode::Map,
+                })
+            })
+        });
+        let mut all = Vec::new();
+        for shadows in shadows {
+            for method in [Method::Hybrid, Method::Rt] {
+                for visibility in [Visibility::Raster, Visibility::Rays] {
+                    all.push(Self {
+                        method,
+                        visibility,
+                        shadows,
+                    });
+                }
+            }
+        }
+        all
+    }
+
+    /// The world and the options that say so themselves.
+    fn applied(self, world: &World, options: &RenderOptions) -> (World, RenderOptions) {
+        let (mut world, mut options) = (world.clone(), *options);
+        for light in &mut world.lights {
+            if light.desc.shadow == ShadowMode::Auto {
+                light.desc.shadow = self.shadows[light.desc.kind.index()];
+            }
+        }
+        options.reflection.method = self.method;
+        options.image.visibility = self.visibility;
+        (world, options)
+    }
+
+    fn name(self) -> String {
+        let visibility = match self.visibility {
+            Visibility::Rays => "rays",
+            _ => "raster",
+        };
+        let mut name = format!("{}, {visibility}", self.method.name());
+        for (kind, mode) in LightKind::NAMES.iter().zip(self.shadows) {
+            if mode == ShadowMode::Ray {
+                let _ = write!(name, ", {kind} shadows by rays"); // writing to a string cannot fail
+            }
+        }
+        name
+    }
+}
+
+/// A scene at a size.
+#[derive(Debug, Serialize)]
+struct Row {
+    scene: String,
+    size: [u32; 2],
+    chosen: String,
+    chosen_ms: f64,
+    best: String,
+    best_ms: f64,
+    /// Chosen over best.
+    regret: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A scene that does not load, no usable GPU, what the renderer refuses.
+pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
+    let gpu = Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?;
+    let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {
+        vec![None]
+    } else {
+        args.scenes
+            .iter()
+            .map(|path| Some(path.as_path()))
+            .collect()
+    };
+    let sizes = if args.sizes.is_empty() {
+        &SIZES[..]
+    } else {
+        &args.sizes
+    };
+    let mut rows = Vec::new();
+    let mut progress = Progress::new();
+    for path in scenes {
+        let loaded = load_scene(path, &args.from, &[])?;
+        for size in sizes {
+            if progress.is_stopped() {
+                let text = "stopped; a table needs all of its rows".to_owned();
+                return Err(AppError::Interrupted(text));
+            }
+            let row = measure(&gpu, &loaded, *size, args.frames, &mut progress)?;
+            rows.extend(row);
+        }
+    }
+    if args.json {
+        return print_json(&rows);
+    }
+    print_out(&table(&rows))
+}
+
+fn measure(
+    gpu: &Gpu,
+    loaded: &LoadedScene,
+    size: [u32; 2],
+    frames: u32,
+    progress: &mut Progress,
+) -> Result<Option<Row>, AppError> {
+    let world = loaded.first_frame();
+    let camera = choose_camera(loaded, None)?;
+    let mut options = RenderOptions {
+        camera,
+        ..RenderOptions::of(&loaded.scene)
+    };
+    options.image.size = size;
+    options.reflection.method = Method::Auto;
+    options.image.visibility = Visibility::Auto;
+    let library = ShaderLibrary::embedded();
+    let refused = |error| AppError::from_render(error, false);
+    let build = |world: &World, options: &RenderOptions| {
+        Renderer::new(gpu, &library, world, options).map_err(refused)
+    };
+    let decided = *build(&world, &options)?.options();
+    let mut timed = Vec::new();
+    for way in Way::all(&world) {
+        progress.begin(&format!(
+            "{}, {} x {}: {}",
+            loaded.name,
+            size[0],
+            size[1],
+            way.name()
+        ));
+        let (world, options) = way.applied(&world, &decided);
+        let renderer = build(&world, &options)?;
+        timed.push((way, world, renderer, Vec::new()));
+    }
+    // The first round is not counted; then in turns, there and back.
+    for round in 0..=frames {
+        let order: Vec<usize> = if round % 2 == 0 {
+            (0..timed.len()).collect()
+        } else {
+            (0..timed.len()).rev().collect()
+        };
+        for index in order {
+            let (_, world, renderer, times) = &mut timed[index];
+            renderer.redraw_shadows();
+            let camera = world.cameras[camera].value.clone();
+            let stats = renderer.render(gpu, world, &camera).map_err(refused)?;
+            if round > 0 {
+                times.push(stats.passes_total_ms());
+            }
+        }
+    }
+    let medians: Vec<(Way, f64)> = (timed.into_iter())
+        .map(|(way, _, _, mut times)| (way, median(&mut times)))
+        .collect();
+    let best = medians.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let chosen = medians.iter().find(|(way, _)| *way == Way::of(&decided));
+    Ok(best.zip(chosen).map(|(best, chosen)| Row {
+        scene: loaded.name.clone(),
+        size,
+        chosen: chosen.0.name(),
+        chosen_ms: chosen.1,
+        best: best.0.name(),
+        best_ms: best.1,
+        regret: chosen.1 / best.1,
+    }))
+}
+
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_by(f64::total_cmp);
+    let [low, high] = [(times.len() - 1) / 2, times.len() / 2].map(|i| times[i]);
+    (low + high) / 2.0
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut out = String::from("| scene | size | chosen | ms | best | ms | regret |\n");
+    out.push_str("| --- | --- | --- | --- | --- | --- | --- |\n");
+    for row in rows {
+        let [width, height] = row.size;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "| {} | {width} × {height} | {} | {} | {} | {} | {:.2} |",
+            row.scene,
+            row.chosen,
+            digits(row.chosen_ms),
+            row.best,
+            digits(row.best_ms),
+            row.regret,
+        );
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_of_odd_and_even_counts() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
+    }
+
+    #[test]
+    fn only_what_is_auto_is_a_choice() {
+        let mut world = World::default();
+        assert_eq!(Way::all(&world).len(), 4);
+        let mut lamp = crate::world::Light {
+            name: "lamp".to_owned(),
+            desc: crate::scene::desc::LightDesc {
+                kind: LightKind::Directional {
+                    direction: glam::Vec3::NEG_Y,
+                    intensity_lux: 1.0,
+                },
+                color: glam::Vec3::ONE,
+                shadow: ShadowMode::Map,
+                shadow_px: 64,
+            },
+            range_m: None,
+        };
+        world.lights.push(lamp.clone());
+        assert_eq!(Way::all(&world).len(), 4);
+        lamp.desc.shadow = ShadowMode::Auto;
+        world.lights.push(lamp);
+        let all = Way::all(&world);
+        assert_eq!(all.len(), 8);
+        let (applied, _) = all[7].applied(&world, &RenderOptions::default());
+        assert_eq!(applied.lights[0].desc.shadow, ShadowMode::Map);
+        assert_eq!(applied.lights[1].desc.shadow, ShadowMode::Ray);
+        assert!(all[7].name().contains("directional shadows by rays"));
+    }
+}

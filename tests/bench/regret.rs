@@ -1,0 +1,44 @@
+//! `bench regret`: the choice of `auto` beside the fastest way.
+
+use std::fs;
+
+use crate::{exits, folder, gpu_or_skip};
+
+const ROOM: &str = include_str!("../../scenes/cornell.toml");
+
+#[test]
+fn it_lists_each_scene_and_size_with_choice_and_best() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("regret");
+    let lit = ROOM.replace("kind = \"point\"", "kind = \"point\"\nshadow = \"auto\"");
+    assert_ne!(lit, ROOM);
+    fs::write(folder.join("room.toml"), lit).expect("written");
+    let arguments = [
+        "regret",
+        "room.toml",
+        "--sizes",
+        "32x18,64x36",
+        "--frames",
+        "2",
+    ];
+    let [json, _] = exits(&folder, &[&arguments[..], &["--json"]].concat(), 0);
+    let rows: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let rows = rows.as_array().expect("a list");
+    assert_eq!(rows.len(), 2);
+    for (row, size) in rows.iter().zip([[32, 18], [64, 36]]) {
+        assert_eq!(row["size"], serde_json::json!(size));
+        let number = |name: &str| row[name].as_f64().expect(name);
+        assert!(number("regret") >= 1.0 && number("best_ms") > 0.0, "{row}");
+        let ratio = number("chosen_ms") / number("best_ms");
+        assert!((number("regret") - ratio).abs() < 1e-9, "{row}");
+    }
+    let [table, _] = exits(&folder, &arguments, 0);
+    assert!(
+        table.starts_with("| scene |") && table.lines().count() == 4,
+        "{table}"
+    );
+    let [_, error] = exits(&folder, &["regret", "none.toml"], 3);
+    assert!(error.contains("none.toml"), "{error}");
+}
