@@ -142,8 +142,9 @@ struct Candidate {
     high: f32,
 }
 
-// The paper's rule: at most T behind the stored depth.
-fn decide_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
+// Whether a crossing is accepted as a screen-space hit, by the paper's rule: at most T behind the stored
+// depth (a thickness, elsewhere).
+fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let met = load_surface(c.pixel);
     let id = textureLoad(ids, c.pixel, 0).xy;
     let at = meet(triangle_of(id, frame.eye), pixel_ray(vec2f(c.pixel) + 0.5));
@@ -159,10 +160,10 @@ fn decide_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
     return m;
 }
 
-// Accepts only what the ray is shown to meet: the triangle that the pixel names, one that the pixels
+// Whether a crossing is accepted as a screen-space hit: only what the ray is shown to meet, the triangle that the pixel names, one that the pixels
 // around the point name, or the plane that they have in common. CAUSE_NOT_REFLECTIVE: the ray is
 // still in front of the surface when it leaves the pixel.
-fn decide_by_surface(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
+fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let low_m = distance_at(r, max(c.low - slack, 0.0));
     let high_m = distance_at(r, c.high + slack);
@@ -305,9 +306,9 @@ fn march(s0: Surface, direction: vec3f) -> March {
         if (c.low < 0.0) { break; }
         last = c;
         if (VERIFY) {
-            m = decide_by_surface(r, c, origin, direction);
+            m = accept_verified(r, c, origin, direction);
         } else {
-            m = decide_by_threshold(r, c, origin, direction);
+            m = accept_by_threshold(r, c, origin, direction);
         }
         if (m.cause != CAUSE_NOT_REFLECTIVE) { break; }
         // Past this pixel; the ray was in front of its surface all along.

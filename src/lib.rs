@@ -41,8 +41,8 @@
 //!    view.
 //! 5. **Pyramid** keeps the nearest depth of ever larger cells.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
-//!    they meet ([`render::cause::Cause`]): `decide_by_surface` in `shaders/ssr.wgsl` accepts a triangle
-//!    or plane that the ray is shown to meet, `decide_by_threshold` what the paper accepts. Hits are
+//!    they meet ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
+//!    or plane that the ray is shown to meet, `accept_by_threshold` what the paper accepts. Hits are
 //!    listed, and so is what must be traced, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
 //! 7. **Hits** shades the accepted hits at the point that the ray meets, with its own footprint.

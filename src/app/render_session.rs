@@ -44,7 +44,7 @@ impl RenderSession {
             adapter_filter: args.adapter.clone(),
         })?;
         let options = RenderOptions {
-            camera,
+            camera: Some(camera),
             ..RenderOptions::of(&loaded.scene)
         };
         let own_shaders = args.shaders.is_some();

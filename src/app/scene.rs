@@ -160,7 +160,7 @@ impl OpenedScene {
 }
 
 impl LoadedScene {
-    /// The world at the first frame, which decides what is `auto`; as loaded where that frame has
+    /// The world at the first frame, which decides what is `auto` in renders; as loaded where that frame has
     /// errors, which are reported when it is rendered.
     pub fn first_frame(&self) -> Cow<'_, World> {
         if let Ok(Some(state)) = self.scene.pose(self.scene.first_frame()) {
@@ -212,10 +212,9 @@ pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
 /// [`AppError::Usage`] with the existing names.
 pub fn choose_camera(loaded: &LoadedScene, name: Option<&str>) -> Result<usize, AppError> {
     let cameras = &loaded.world.cameras;
-    let named = |name: &str| cameras.iter().position(|camera| camera.name == name);
     let found = match name {
-        Some(name) => named(name),
-        None => named("main").or((!cameras.is_empty()).then_some(0)),
+        Some(name) => cameras.iter().position(|camera| camera.name == name),
+        None => (!cameras.is_empty()).then(|| loaded.world.main_camera()),
     };
     found.ok_or_else(|| {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();

@@ -6,6 +6,8 @@
 //! Those of GPUs come from an experiment on one data-center GPU, whose rasterizer is weak beside its
 //! compute units; no scene has been measured on one yet.
 
+use std::fmt;
+
 use crate::scene::desc::LightKind;
 
 use super::view_sample::ViewSample;
@@ -77,7 +79,7 @@ pub struct Workload {
     pub triangles_in_view: f64,
     /// Triangles of the scene.
     pub triangles: f64,
-    /// Pixels of the maps of each kind of light, if its lights had maps.
+    /// Pixels of the maps of the `auto` lights of each kind, if they had maps.
     pub map_pixels: [f64; LightKind::NAMES.len()],
     /// Views of those maps that a triangle is expected in.
     pub map_views: [f64; LightKind::NAMES.len()],
@@ -85,13 +87,31 @@ pub struct Workload {
     pub view: ViewSample,
 }
 
-/// Milliseconds of a pair of ways.
+/// Two ways by name, with milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
-    /// The first.
-    pub first_ms: f64,
-    /// The second.
-    pub second_ms: f64,
+pub struct Pair([(&'static str, f64); 2]);
+
+impl Pair {
+    /// The one that is expected to take less time; the second, if both take the same.
+    pub fn cheaper(&self) -> &'static str {
+        let [first, second] = self.0;
+        if first.1 < second.1 {
+            first.0
+        } else {
+            second.0
+        }
+    }
+}
+
+impl fmt::Display for Pair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = self.0;
+        write!(
+            f,
+            "{} {:.2} ms, {} {:.2} ms expected",
+            first.0, first.1, second.0, second.1
+        )
+    }
 }
 
 /// Of the mirror rays whose hit the picture shows, those that the march is expected to verify: 46 % to
@@ -108,19 +128,17 @@ impl Workload {
         self.pixels * self.samples / f64::from(self.view.rays.max(1))
     }
 
-    /// Visibility: by rasterization, by rays.
+    /// Visibility.
     pub fn visibility(&self, unit: &UnitCosts) -> Pair {
         let (triangle, pixel) = unit.raster;
         let raster = self.samples * (self.triangles_in_view * triangle + self.pixels * pixel);
         let (ray, node) = unit.primary;
         let counts = f64::from(self.view.rays) * ray + f64::from(self.view.visits) * node;
-        Pair {
-            first_ms: MS * raster,
-            second_ms: MS * self.weight() * counts,
-        }
+        let rays = self.weight() * counts + self.samples * unit.pass;
+        Pair([("rays", MS * rays), ("raster", MS * raster)])
     }
 
-    /// Shadows of a kind of light: by maps, by rays. Hits of mirror rays are lit too.
+    /// Shadows of a kind of light, as if every picture drew all maps. Hits of mirror rays are lit too.
     pub fn shadow(&self, unit: &UnitCosts, kind: usize) -> Pair {
         let view = &self.view;
         let (rays, visits) = view.shadows[kind];
@@ -131,13 +149,11 @@ impl Workload {
         let filter = self.weight() * lit * f64::from(rays) * unit.filter;
         let (ray, node) = unit.shadow;
         let counts = f64::from(rays) * ray + f64::from(visits) * node;
-        Pair {
-            first_ms: MS * (maps + filter),
-            second_ms: MS * self.weight() * lit * counts,
-        }
+        let rays = self.weight() * lit * counts;
+        Pair([("ray", MS * rays), ("map", MS * (maps + filter))])
     }
 
-    /// Reflections: by the hybrid, by rays alone.
+    /// Reflections.
     pub fn reflections(&self, unit: &UnitCosts) -> Pair {
         let view = &self.view;
         let of = |rays: u32, visits: u32| {
@@ -151,9 +167,7 @@ impl Workload {
         let refused = hidden + (all - hidden) * (1.0 - ACCEPTED);
         let shown = f64::from(view.shown) * ACCEPTED * unit.hit;
         let fixed = self.samples * (self.pixels * unit.pyramid + 4.0 * unit.pass);
-        Pair {
-            first_ms: MS * (self.weight() * (march + refused * APART + shown) + fixed),
-            second_ms: MS * self.weight() * all,
-        }
+        let hybrid = self.weight() * (march + refused * APART + shown) + fixed;
+        Pair([("hybrid", MS * hybrid), ("rt", MS * self.weight() * all)])
     }
 }

@@ -4,11 +4,11 @@ use serde::Serialize;
 
 use crate::{
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
-    world::{World, bvh::Trees},
+    world::{Light, World, bvh::Trees},
 };
 
 use super::{
-    cost::{Pair, UnitCosts, Workload},
+    cost::{UnitCosts, Workload},
     cull::is_outside,
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
@@ -91,22 +91,19 @@ impl Decider<'_> {
         }
         if !reflects(self.world, self.asked.reflection.roughness_cutoff) {
             self.decided.options.reflection.method = Method::Rt;
-            let why = "no material can reflect".to_owned();
-            return self.choose("reflection.method", Method::Rt.name(), why);
+            return;
         }
         let workload = self.workload();
         let pair = workload.reflections(&self.unit);
-        let chosen = if pair.first_ms < pair.second_ms {
-            Method::Hybrid
-        } else {
-            Method::Rt
+        let chosen = match pair.cheaper() {
+            "hybrid" => Method::Hybrid,
+            _ => Method::Rt,
         };
         self.decided.options.reflection.method = chosen;
         let view = &workload.view;
         let percent = |part: u32, of: u32| 100.0 * f64::from(part) / f64::from(of.max(1));
         let why = format!(
-            "{}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
-            compare("hybrid", "rt", pair),
+            "{pair}; {:.0} % of the pixels reflect, of which the picture shows {:.0} %",
             percent(view.reflective, view.rays),
             percent(view.shown, view.reflective),
         );
@@ -128,13 +125,12 @@ impl Decider<'_> {
                 continue;
             }
             let pair = self.workload().shadow(&self.unit, kind);
-            let (mode, name) = if pair.second_ms < pair.first_ms {
-                (ShadowMode::Ray, "ray")
-            } else {
-                (ShadowMode::Map, "map")
+            let name = pair.cheaper();
+            self.decided.options.auto_shadow[kind] = match name {
+                "ray" => ShadowMode::Ray,
+                _ => ShadowMode::Map,
             };
-            self.decided.options.auto_shadow[kind] = mode;
-            self.choose(&what, name, compare("map", "ray", pair));
+            self.choose(&what, name, pair.to_string());
         }
     }
 
@@ -142,34 +138,40 @@ impl Decider<'_> {
         if self.asked.image.visibility != Visibility::Auto {
             return;
         }
-        let (what, raster, rays) = ("image.visibility", "raster", "rays");
+        let what = "image.visibility";
         self.decided.options.image.visibility = Visibility::Raster;
         if !traces_rays(self.world, &self.decided.options) {
-            return self.choose(what, raster, NO_RAYS.to_owned());
+            return self.choose(what, "raster", NO_RAYS.to_owned());
         }
         let pair = self.workload().visibility(&self.unit);
-        let is_rays = pair.second_ms < pair.first_ms;
-        if is_rays {
+        if pair.cheaper() == "rays" {
             self.decided.options.image.visibility = Visibility::Rays;
         }
-        let chosen = if is_rays { rays } else { raster };
-        self.choose(what, chosen, compare(raster, rays, pair));
+        self.choose(what, pair.cheaper(), pair.to_string());
     }
 }
 
 const NO_RAYS: &str = "nothing else follows rays, so there are no trees";
 
-fn compare(first: &str, second: &str, pair: Pair) -> String {
-    let Pair {
-        first_ms,
-        second_ms,
-    } = pair;
-    format!("{first} {first_ms:.2} ms, {second} {second_ms:.2} ms expected")
+/// Edge of a light's map, if it had one: maps of a form are as large as the largest.
+fn map_px(world: &World, light: &Light) -> f64 {
+    let is_cube = has_cube_map(&light.desc.kind);
+    let has_map = |l: &&Light| {
+        let is_map = matches!(l.desc.shadow, ShadowMode::Map | ShadowMode::Auto);
+        is_map && has_cube_map(&l.desc.kind) == is_cube
+    };
+    let px = world
+        .lights
+        .iter()
+        .filter(has_map)
+        .map(|l| l.desc.shadow_px);
+    px.max().unwrap_or(0).into()
 }
 
 /// What the options' camera shows of a world.
 fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
-    let camera = world.cameras.get(options.camera).or(world.cameras.first());
+    let camera = options.camera.unwrap_or_else(|| world.main_camera());
+    let camera = world.cameras.get(camera);
     let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
     let view = View::new(&camera, options.image.size);
     let clip_from_world = view.clip_from_world(glam::Vec2::ZERO);
@@ -182,7 +184,11 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
         }
     }
     let (mut map_pixels, mut map_views) = ([0.0; 3], [0.0; 3]);
-    for light in &world.lights {
+    for light in world
+        .lights
+        .iter()
+        .filter(|l| l.desc.shadow == ShadowMode::Auto)
+    {
         let kind = light.desc.kind.index();
         // Most triangles lie in one or two faces of a cube.
         let (faces, views) = if has_cube_map(&light.desc.kind) {
@@ -190,7 +196,7 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
         } else {
             (1.0, 1.0)
         };
-        map_pixels[kind] += faces * f64::from(light.desc.shadow_px).powi(2);
+        map_pixels[kind] += faces * map_px(world, light).powi(2);
         map_views[kind] += views;
     }
     let [width, height] = options.image.size;

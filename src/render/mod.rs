@@ -38,7 +38,7 @@ pub(crate) mod textures;
 pub mod types;
 pub mod validate;
 pub mod view;
-pub(crate) mod view_sample;
+pub mod view_sample;
 pub(crate) mod world_key;
 
 pub use aov::{Plane, PlaneData};

@@ -1,5 +1,8 @@
 //! Render options.
 
+#[cfg(doc)]
+use crate::world::World;
+
 use crate::scene::desc::{ImageDesc, LightDesc, LightKind, ReflectionDesc, SceneDesc, ShadowMode};
 
 /// Render options.
@@ -11,8 +14,8 @@ pub struct RenderOptions {
     pub image: ImageDesc,
     /// Shadows of lights with `shadow = "auto"`, by kind of light.
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
-    /// Index of the camera whose view decides what is `auto`.
-    pub camera: usize,
+    /// Index of the camera whose view decides what is `auto`; none is [`World::main_camera`].
+    pub camera: Option<usize>,
     /// Drop no features, to compare with the specialized frame.
     pub general: bool,
 }
@@ -23,7 +26,7 @@ impl Default for RenderOptions {
             reflection: ReflectionDesc::default(),
             image: ImageDesc::default(),
             auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
-            camera: 0,
+            camera: None,
             general: false,
         }
     }

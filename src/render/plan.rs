@@ -68,7 +68,7 @@ pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
 }
 
 /// Whether a material reflects now or may do so in another frame.
-fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
+pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
 }
 

@@ -5,14 +5,14 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::{
-    scene::desc::LightKind,
+    scene::desc::{LightKind, ShadowMode},
     world::{
-        World,
+        Light, World,
         bvh::{Ray, RayHit, Trees},
     },
 };
 
-use super::{plan::can_reflect, view::View};
+use super::{plan::may_reflect, view::View};
 
 /// Samples across and down the picture.
 const GRID: [u32; 2] = [40, 24];
@@ -39,7 +39,7 @@ pub struct ViewSample {
     pub shown: u32,
     /// Nodes that the others visit.
     pub refused_visits: u32,
-    /// Shadow rays of each kind of light, and the nodes that they visit.
+    /// Shadow rays to the `auto` lights of each kind, and the nodes that they visit.
     pub shadows: [(u32, u32); LightKind::NAMES.len()],
 }
 
@@ -167,7 +167,7 @@ impl Sampler<'_> {
             } else {
                 normal
             },
-            reflects: can_reflect(&self.world.materials[instance.material], self.cutoff),
+            reflects: may_reflect(self.world, instance.material, self.cutoff),
         }
     }
 
@@ -200,14 +200,15 @@ impl Sampler<'_> {
     }
 
     fn count_shadows(&self, point: &Point, sum: &mut ViewSample) {
-        for light in &self.world.lights {
+        let lights = self.world.lights.iter();
+        for light in lights.filter(|l| l.desc.shadow == ShadowMode::Auto) {
             let kind = &light.desc.kind;
             let (direction, t_max) = match (kind.position(), kind.direction()) {
                 (Some(position), _) => (position.as_dvec3() - point.position, 0.9999),
                 (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY),
                 (None, None) => continue,
             };
-            if direction.dot(point.normal) <= 0.0 {
+            if direction.dot(point.normal) <= 0.0 || !is_in_reach(light, direction) {
                 continue;
             }
             let ray = Ray {
@@ -220,6 +221,27 @@ impl Sampler<'_> {
             *visits += self.trees.any_counted(&ray).1;
         }
     }
+}
+
+/// Whether a light's cone and range reach a point; `to_light` leads from there to the light.
+fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
+    let in_cone = match light.desc.kind {
+        LightKind::Spot {
+            direction,
+            outer_deg,
+            ..
+        } => {
+            let cosine = -to_light
+                .normalize()
+                .dot(direction.as_dvec3().normalize_or_zero());
+            cosine > f64::from(outer_deg.to_radians().cos())
+        }
+        LightKind::Point { .. } | LightKind::Directional { .. } => true,
+    };
+    in_cone
+        && light
+            .range_m
+            .is_none_or(|range_m| to_light.length() < f64::from(range_m))
 }
 
 fn mirror_ray(point: &Point, direction: DVec3) -> Ray {

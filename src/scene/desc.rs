@@ -280,12 +280,12 @@ pub struct ReflectionDesc {
     /// How method `hybrid` decides whether the picture shows what a mirror ray meets. Default
     /// `"verified"`; method `ssr` always takes `"threshold"`.
     pub accept: Accept,
-    /// With `accept = "verified"`: how far, in pixels, what a ray meets may lie from the pixel that
-    /// shows it where no triangle there is met, 0 to 4. More accepts more and errs more at edges.
-    /// Default 0.25.
+    /// With `accept = "verified"`: how far, in pixels, the point that a ray meets may lie outside of
+    /// the pixel that shows its surface, along the ray and beyond the edge of its triangle, 0 to 4.
+    /// More accepts more and errs more at edges. Default 0.25.
     pub edge_px: f32,
-    /// With `accept = "threshold"`, the paper's T: how far behind the stored depth a crossing still counts as a hit, in U, 0 or
-    /// more. Too small gives stripes, too large prolonged reflections. Default 0.025.
+    /// With `accept = "threshold"`, the paper's T: how far behind the stored depth a crossing still
+    /// counts as a hit, in U, 0 or more. Too small gives stripes, too large prolonged reflections. Default 0.025.
     pub threshold_u: f32,
     /// Most reflections in a row, 1 to 16. Default 3.
     pub bounces: u32,
@@ -362,8 +362,8 @@ pub struct ImageDesc {
     pub exposure_ev: f32,
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
-    /// How the surface that each pixel shows is found. Pictures differ only at edges of triangles,
-    /// by rounding. Default `"auto"`.
+    /// How the surface that each pixel shows is found. Pictures differ only by
+    /// rounding: at edges of triangles, and where surfaces lie in each other. Default `"auto"`.
     pub visibility: Visibility,
 }
 

@@ -163,6 +163,14 @@ pub struct Light {
 }
 
 impl World {
+    /// Index of the camera that is taken where none is chosen: `main`, else the first.
+    pub fn main_camera(&self) -> usize {
+        let mut cameras = self.cameras.iter();
+        cameras
+            .position(|camera| camera.name == "main")
+            .unwrap_or(0)
+    }
+
     /// World-space bounds of an instance; empty when it is hidden.
     pub fn bounds_of(&self, instance: &Instance) -> Bounds {
         if instance.is_hidden() {

@@ -7,6 +7,7 @@ use reflet::{
         decide::{Decided, decide},
         plan::traces_rays,
         view::View,
+        view_sample::ViewSample,
     },
     scene::desc::{Method, ShadowMode, Visibility},
     world::bvh::{Ray, Trees},
@@ -157,6 +158,45 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
         "{:?}",
         large.decisions
     );
+}
+
+#[test]
+fn only_auto_lights_and_what_they_reach_are_weighed() {
+    let small = "image.size=[160, 90]";
+    let why = |text: &str| -> Vec<String> {
+        let decisions = decided(text, &[small], true).decisions;
+        let shadows = decisions.into_iter().filter(|d| d.what.contains("point"));
+        shadows.map(|d| d.why).collect()
+    };
+    let other =
+        "\n[light.other]\nkind = \"point\"\nposition = [1, 6, 0]\nintensity_cd = 5\nshadow = ";
+    let alone = why(BALLS);
+    assert_eq!(alone.len(), 1);
+    for shadow in ["\"none\"\nshadow_px = 4096", "\"ray\""] {
+        assert_eq!(why(&format!("{BALLS}{other}{shadow}\n")), alone, "{shadow}");
+    }
+    assert_ne!(why(&format!("{BALLS}{other}\"auto\"\n")), alone);
+    // A narrow cone costs fewer rays than a wide one.
+    let spot = |outer: &str| {
+        let kind = format!("kind = \"spot\"\ntarget = [0, 0, 0]\nouter_deg = {outer}");
+        let text = BALLS.replace("kind = \"point\"", &kind);
+        let (desc, world) = scene(&text, &[small]);
+        let trees = Trees::build(&world, u64::MAX).expect("small");
+        let view = View::new(&world.cameras[0].value, desc.image.size);
+        ViewSample::new(&world, &trees, &view, 0.2, 1).shadows[1].0
+    };
+    let (narrow, wide) = (spot("30"), spot("60"));
+    assert!(0 < narrow && narrow < wide, "{narrow} {wide}");
+}
+
+#[test]
+fn the_main_camera_decides_where_none_is_chosen() {
+    let text = BALLS.replace(
+        "[camera.main]",
+        "[camera.away]\neye = [0, 3, 14]\ntarget = [0, 3, 20]\n[camera.main]",
+    );
+    let why = |text: &str| decided(text, &["image.size=[160, 90]"], true).decisions;
+    assert_eq!(why(&text), why(BALLS));
 }
 
 #[test]

@@ -164,7 +164,7 @@ fn measure(
     let world = loaded.first_frame();
     let camera = choose_camera(loaded, None)?;
     let mut options = RenderOptions {
-        camera,
+        camera: Some(camera),
         ..RenderOptions::of(&loaded.scene)
     };
     options.image.size = size;

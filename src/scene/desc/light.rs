@@ -19,7 +19,7 @@ pub enum ShadowMode {
     /// `"none"`: shines through everything.
     None,
     /// `"auto"`: `map` or `ray`, alike for all lights of a kind: the one that a cost model expects
-    /// to take less time; `map` where nothing else follows rays.
+    /// to take less time if every picture drew all maps; `map` where nothing else follows rays.
     Auto,
 }
 
