@@ -177,14 +177,8 @@ fn measure(
     };
     let decided = *build(&world, &options)?.options();
     let mut timed = Vec::new();
+    progress.note(&format!("{}, {} x {}", loaded.name, size[0], size[1]));
     for way in Way::all(&world) {
-        progress.begin(&format!(
-            "{}, {} x {}: {}",
-            loaded.name,
-            size[0],
-            size[1],
-            way.name()
-        ));
         let (world, options) = way.applied(&world, &decided);
         let renderer = build(&world, &options)?;
         timed.push((way, world, renderer, Vec::new()));
