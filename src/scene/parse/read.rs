@@ -15,9 +15,7 @@ use super::{
     table::{Either, Section, Table},
     value::{Names, Version},
 };
-use crate::scene::range::{
-    ABOVE_0, ANY, BOUNCES, EDGE_PX, FROM_0, RAY_LENGTH_U, Range, STEPS, THRESHOLD_U, UNIT, range,
-};
+use crate::scene::range::{ABOVE_0, ANY, BOUNCES, FROM_0, Range, STEPS, UNIT, range};
 use crate::scene::{desc::*, diagnostic::Diagnostic};
 
 /// Divisions around a curved shape.
@@ -262,19 +260,22 @@ impl Section for ReflectionDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         let default = Self::default();
-        Some(Self {
+        let mut settings = Self {
             method: t.get("method", ANY, default.method),
-            ray_length_u: t.get("ray_length_u", RAY_LENGTH_U, default.ray_length_u),
             accept: t.get("accept", ANY, default.accept),
-            edge_px: t.get("edge_px", EDGE_PX, default.edge_px),
-            threshold_u: t.get("threshold_u", THRESHOLD_U, default.threshold_u),
             bounces: t.get("bounces", BOUNCES, default.bounces),
             steps: t.get("steps", STEPS, default.steps),
-            roughness_cutoff: t.get("roughness_cutoff", UNIT, default.roughness_cutoff),
             unit_m: t.find("unit_m", ABOVE_0),
             fade: t.get("fade", ANY, default.fade),
-            blur_px: t.get("blur_px", range(0.0, 16.0), default.blur_px),
-        })
+            ..default
+        };
+        for field in &REFLECTION {
+            if let Some(default) = (field.get)(&default) {
+                let value = t.get(field.key, field.range, default.x);
+                (field.put)(&mut settings, Vec3::splat(value));
+            }
+        }
+        Some(settings)
     }
 }
 

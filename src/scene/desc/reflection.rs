@@ -1,0 +1,108 @@
+//! How reflections are found, as people write it.
+
+use crate::scene::{
+    number::{Field, plain},
+    range::{EDGE_PX, RAY_LENGTH_U, THRESHOLD_U, UNIT, range},
+};
+
+/// How reflections are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    /// `"ssr"`: screen space only; black where it fails.
+    Ssr,
+    /// `"rt"`: every reflective pixel is ray traced.
+    Rt,
+    /// `"hybrid"`: screen space first, ray traced where that fails.
+    Hybrid,
+    /// `"auto"`: `rt` or `hybrid`, whichever a cost model of the adapter's kind expects to take less
+    /// time; `reflet info` and `--stats` say which and why.
+    #[default]
+    Auto,
+}
+
+impl Method {
+    /// As scene text and tables write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ssr => "ssr",
+            Self::Rt => "rt",
+            Self::Hybrid => "hybrid",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+/// When a crossing on the screen counts as a hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Accept {
+    /// `"verified"`: the ray meets a triangle that the picture shows there, or their common plane.
+    #[default]
+    Verified,
+    /// `"threshold"`: it is at most `threshold_u` behind the stored depth, as in the paper.
+    Threshold,
+}
+
+/// `[reflection]`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReflectionDesc {
+    /// How reflections are found. Default `"auto"`.
+    pub method: Method,
+    /// Length of a reflection ray in U, above 0. More reaches further. Default 16.
+    pub ray_length_u: f32,
+    /// How method `hybrid` decides whether the picture shows what a mirror ray meets. Default
+    /// `"verified"`; method `ssr` always takes `"threshold"`.
+    pub accept: Accept,
+    /// With `accept = "verified"`: how far, in pixels, the point that a ray meets may lie outside of
+    /// the pixel that shows its surface, along the ray and beyond the edge of its triangle, 0 to 4.
+    /// More accepts more and errs more at edges. Default 0.25.
+    pub edge_px: f32,
+    /// With `accept = "threshold"`, the paper's T: how far behind the stored depth a crossing still
+    /// counts as a hit, in U, 0 or more. Too small gives stripes, too large prolonged reflections. Default 0.025.
+    pub threshold_u: f32,
+    /// Most reflections in a row, 1 to 16. Default 3.
+    pub bounces: u32,
+    /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
+    pub steps: u32,
+    /// `"auto"` materials reflect below this roughness, 0 to 1. Default 0.2.
+    pub roughness_cutoff: f32,
+    /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
+    pub unit_m: Option<f32>,
+    /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
+    pub fade: bool,
+    /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
+    pub blur_px: f32,
+}
+
+impl Default for ReflectionDesc {
+    fn default() -> Self {
+        Self {
+            method: Method::Auto,
+            ray_length_u: 16.0,
+            accept: Accept::Verified,
+            edge_px: 0.25,
+            threshold_u: 0.025,
+            bounces: 3,
+            steps: 128,
+            roughness_cutoff: 0.2,
+            unit_m: None,
+            fade: false,
+            blur_px: 0.0,
+        }
+    }
+}
+
+impl ReflectionDesc {
+    /// Whether the march accepts only what it can verify.
+    pub fn verifies(&self) -> bool {
+        self.accept == Accept::Verified && matches!(self.method, Method::Hybrid | Method::Auto)
+    }
+}
+
+/// The keys of `[reflection]` that are one number: the reader works from this table.
+pub static REFLECTION: [Field<ReflectionDesc>; 5] = [
+    plain!(ray_length_u, Number, RAY_LENGTH_U),
+    plain!(edge_px, Number, EDGE_PX),
+    plain!(threshold_u, Number, THRESHOLD_U),
+    plain!(roughness_cutoff, Number, UNIT),
+    plain!(blur_px, Number, range(0.0, 16.0)),
+];
