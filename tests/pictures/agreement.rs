@@ -1,5 +1,5 @@
-//! Pairs of renders that must agree: traced pixels of both methods, static and dynamic, specialized
-//! and general, moved and rebuilt.
+//! Pairs of renders that must agree: traced pixels of both methods, static and dynamic, moved and
+//! rebuilt.
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
@@ -12,7 +12,7 @@ use reflet::{
     world::{Instance, World},
 };
 
-use crate::kit::{floats, gpu, integers, render, render_with, renderer, scene, share_differing};
+use crate::kit::{floats, gpu, integers, render, renderer, scene, share_differing};
 
 const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 const SMALL: &str = "image.size=[160, 90]";
@@ -89,27 +89,6 @@ fn causes_and_sources_account_for_every_reflective_pixel() {
                 .is_some_and(|c| c.source(picture.stats.method) == Source::Traced)
         });
         assert_eq!(u64::from(picture.stats.rays), rays.count() as u64);
-    }
-}
-
-#[test]
-fn the_specialized_frame_equals_the_general_one() {
-    let Some(gpu) = gpu() else { return };
-    let cornell = include_str!("../../scenes/cornell.toml");
-    let mirrors = include_str!("../../scenes/mirrors.toml");
-    for text in [ATRIUM, cornell, mirrors] {
-        for visibility in ["image.visibility=raster", "image.visibility=rays"] {
-            let aovs = [Aov::Ids, Aov::Cause];
-            let set = ["image.size=[96, 54]", visibility];
-            let of = |general| render_with(gpu, text, &set, &aovs, general);
-            let (special, general) = (of(false), of(true));
-            assert_eq!(integers(&special, Aov::Ids), integers(&general, Aov::Ids));
-            assert_eq!(
-                integers(&special, Aov::Cause),
-                integers(&general, Aov::Cause)
-            );
-            assert!(share_differing(&special, &general, 1) == 0.0);
-        }
     }
 }
 

@@ -45,13 +45,8 @@ pub fn scene_of(file: &Path, text: &str, set: &[&str]) -> (SceneDesc, World) {
 
 /// Renders with the plan that drops what the scene does not use.
 pub fn render(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov]) -> Picture {
-    render_with(gpu, text, set, aovs, false)
-}
-
-/// Renders, specialized or `general`.
-pub fn render_with(gpu: &Gpu, text: &str, set: &[&str], aovs: &[Aov], general: bool) -> Picture {
     let (desc, world) = scene(text, set);
-    let mut renderer = renderer(gpu, &desc, &world, general);
+    let mut renderer = renderer(gpu, &desc, &world, false);
     let camera = &world.cameras[0].value;
     renderer
         .picture(gpu, &world, camera, aovs)

@@ -1,0 +1,110 @@
+//! A frame that drops what its scene does not use shows what the general frame shows, in every shipped
+//! scene and film.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use reflet::{
+    render::{Renderer, aov::Aov},
+    scene::stages::{Animator, Scene},
+    world::load::{self, LoadOptions},
+};
+
+use crate::{
+    common::shared_folder,
+    kit::{gpu, integers, renderer, share_differing},
+};
+
+/// Folders of whole scenes; `scripts/parts` holds parts.
+const FOLDERS: [&str; 3] = ["scenes", "scenes/paper", "scripts"];
+const SMALL: &str = "image.size=[96, 54]";
+
+fn shipped() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    for folder in FOLDERS {
+        let entries = fs::read_dir(root.join(folder)).expect("a folder of scenes");
+        let paths = entries.map(|entry| entry.expect("an entry").path());
+        found.extend(paths.filter(|path| path.extension().is_some_and(|e| e == "toml")));
+    }
+    found.sort();
+    found
+}
+
+/// Ids and causes are the same, colors within 1 of 255, at the first frame and in the middle.
+fn compare(path: &Path, assets: Option<&Path>, set: &[&str]) {
+    let Some(gpu) = gpu() else { return };
+    let name = path.display();
+    let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
+    let (scene, _) = Scene::from_file(path, &set).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+    let options = LoadOptions {
+        assets: assets.map(Path::to_owned).into_iter().collect(),
+        ..LoadOptions::default()
+    };
+    let mut world = match load::load(&scene, &options) {
+        Ok(world) => world,
+        Err(errors) if assets.is_none() && errors.iter().all(|e| e.name == "file-not-found") => {
+            eprintln!("SKIPPED: {name} needs assets");
+            return;
+        }
+        Err(errors) => panic!("{name}: {errors:?}"),
+    };
+    let mut frames = vec![None];
+    if let Some(timeline) = &scene.timeline {
+        frames = vec![
+            Some(timeline.start),
+            Some((timeline.start + timeline.end) / 2),
+        ];
+    }
+    let mut renderers: Option<[Renderer; 2]> = None;
+    for frame in frames {
+        if let Some(frame) = frame {
+            let state = Animator::new(&scene).pose(frame).expect("a pose");
+            world.apply(&state).expect("a world in this pose");
+        }
+        let both = renderers
+            .get_or_insert_with(|| [false, true].map(|g| renderer(gpu, &scene, &world, g)));
+        let [special, general] = both.each_mut().map(|renderer| {
+            renderer.update(gpu, &world).expect("a pose");
+            let camera = &world.cameras[0].value;
+            let picture = renderer.picture(gpu, &world, camera, &[Aov::Ids, Aov::Cause]);
+            picture.unwrap_or_else(|e| panic!("{name}: {e}"))
+        });
+        for aov in [Aov::Ids, Aov::Cause] {
+            let differ = integers(&special, aov) != integers(&general, aov);
+            assert!(!differ, "{name}, frame {frame:?}: {}", aov.name());
+        }
+        let differing = share_differing(&special, &general, 1);
+        assert!(differing == 0.0, "{name}, frame {frame:?}: {differing}");
+    }
+}
+
+#[test]
+fn the_specialized_frame_equals_the_general_one() {
+    let assets = shared_folder("REFLET_ASSETS", "assets");
+    let scenes = shipped();
+    assert!(scenes.len() >= 13, "{scenes:?}");
+    for path in scenes {
+        compare(&path, assets.as_deref(), &[SMALL]);
+    }
+}
+
+#[test]
+fn so_it_does_with_rays_for_visibility_and_other_methods() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for scene in [
+        "scenes/atrium.toml",
+        "scenes/cornell.toml",
+        "scripts/gears.toml",
+    ] {
+        for choice in [
+            "image.visibility=rays",
+            "reflection.method=rt",
+            "reflection.method=ssr",
+        ] {
+            compare(&root.join(scene), None, &[SMALL, choice]);
+        }
+    }
+}
