@@ -2,11 +2,13 @@
 // ray's own footprint, as the tracer would.
 
 #import gbuffer
+#import light_reuse
 #import lists
 
 @group(2) @binding(3) var hit: texture_2d<u32>;
 @group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(5) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(5) var visible_lights: texture_2d<u32>; // lent by the light pass
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 fn shade_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
@@ -14,7 +16,9 @@ fn shade_pixel(pixel: vec2u) {
     let found = textureLoad(hit, pixel, 0);
     let cone_m = frame.pixel_spread * (distance(first.position, frame.eye) + bitcast<f32>(found.x));
     let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
-    let lit = shade(s, -direction);
+    var lent = vec2u(0u);
+    if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
+    let lit = shade(s, -direction, lent);
     textureStore(reflection, pixel, vec4f(min(lit.diffuse + lit.specular, vec3f(65000.0)), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

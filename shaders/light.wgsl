@@ -5,7 +5,11 @@
 
 @group(2) @binding(3) var radiance: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(4) var specular: texture_storage_2d<rgba16float, write>;
-@group(2) @binding(5) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
+@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+
+// Some reflection may ask which lights reach what it meets.
+override LENDS_LIGHT: bool = true;
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
@@ -14,12 +18,13 @@ fn light_pixel(id: vec3u) {
     var lit: Shade;
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
-        lit = shade(s, normalize(frame.eye - s.position));
+        lit = shade(s, normalize(frame.eye - s.position), vec2u(0u));
     } else {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
     }
     textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));
     textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
+    if (LENDS_LIGHT) { textureStore(visible_lights, id.xy, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

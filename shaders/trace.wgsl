@@ -2,13 +2,15 @@
 
 #import cause
 #import gbuffer
+#import light_reuse
 #import lists
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
 
-@group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
+@group(2) @binding(6) var visible_lights: texture_2d<u32>; // lent by the light pass
+@group(2) @binding(7) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 // false: the same rays are followed and their hits written, but nothing is shaded; it tells what
 // traversal takes of the time.
@@ -49,7 +51,9 @@ fn trace_pixel(pixel: vec2u) {
         cone_m += frame.pixel_spread * h.t;
         let s = surface_at(h.instance, h.triangle, h.bary, direction, cone_m);
         if (SHADE) {
-            let lit = shade(s, -direction);
+            var lent = vec2u(0u);
+            if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
+            let lit = shade(s, -direction, lent);
             color += throughput * (lit.diffuse + lit.specular);
         }
         if (!is_reflector(s)) { break; }

@@ -20,6 +20,10 @@ struct Frame {
     bounces: u32,
     ground: vec3f,
     fade: u32,
+    reuse_light: u32, // 1: hits take from the picture which lights reach them
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Light {

@@ -12,6 +12,10 @@ fn pack_surface(s: Surface) -> vec4u {
     );
 }
 
+fn unpack_geometric_normal(bits: vec4u) -> vec3f {
+    return unpack_unit(bits.y);
+}
+
 fn pack_colors(s: Surface) -> vec4u {
     let emission = min(s.emission, vec3f(65000.0));
     return vec4u(
@@ -28,7 +32,7 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     let base = vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
     let roughness_metallic = unpack2x16float(bits.z);
     s.normal = unpack_unit(bits.x);
-    s.geometric_normal = unpack_unit(bits.y);
+    s.geometric_normal = unpack_geometric_normal(bits);
     s.base_color = base.xyz;
     s.occlusion = base.w;
     s.roughness = roughness_metallic.x;

@@ -4,9 +4,15 @@
 #import surface
 #import shadow
 
+// Two bits a light: 0 is unknown or partly lit.
+const LENT_LIGHTS: u32 = 32u;
+const LENT_DARK: u32 = 1u;
+const LENT_LIT: u32 = 2u;
+
 struct Shade {
     diffuse: vec3f, // view-independent: emission, lights and environment, what screen space may reuse
     specular: vec3f, // of the lights and, where nothing is traced, of the environment
+    visible: vec2u, // which lights reach it, two bits each; see light_reuse.wgsl
 }
 
 fn f0(s: Surface) -> vec3f {
@@ -97,7 +103,14 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
     return r;
 }
 
-fn shade(s: Surface, view: vec3f) -> Shade {
+// Two bits a light of 16 that are written in a word; 0 where there are none.
+fn lent_bits(words: vec2u, i: u32) -> u32 {
+    if (i >= LENT_LIGHTS) { return 0u; }
+    return (words[i >> 4u] >> (2u * (i & 15u))) & 3u;
+}
+
+// `lent`: what is known already of the lights that reach the surface; 0: nothing.
+fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     var out: Shade;
     let albedo = diffuse_albedo(s);
     out.diffuse = s.emission + albedo * ambient(s.normal) * s.occlusion;
@@ -110,7 +123,17 @@ fn shade(s: Surface, view: vec3f) -> Shade {
         if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
             continue;
         }
-        let lit = l.color * light_visibility(i, s.position, s.geometric_normal, l.to_light, l.distance_m);
+        let known = lent_bits(lent, i);
+        if (known == LENT_DARK) { continue; }
+        var visible = 1.0;
+        if (known != LENT_LIT) {
+            visible = light_visibility(i, s.position, s.geometric_normal, l.to_light, l.distance_m);
+        }
+        if (i < LENT_LIGHTS && lights[i].shadow == SHADOW_RAY) {
+            let bits = select(0u, LENT_DARK, visible == 0.0) | select(0u, LENT_LIT, visible == 1.0);
+            out.visible[i >> 4u] |= bits << (2u * (i & 15u));
+        }
+        let lit = l.color * visible;
         out.diffuse += albedo * lit * (nl / PI);
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }

@@ -15,6 +15,8 @@ pub enum Parameter {
     ThresholdU,
     /// `reflection.edge_px`, with `accept = "verified"`.
     EdgePx,
+    /// `reflection.reuse_light`, 0 or 1.
+    ReuseLight,
     /// `reflection.steps`.
     Steps,
     /// `reflection.ray_length_u`.
@@ -40,10 +42,22 @@ pub struct Variant {
     pub scale: f64,
 }
 
-/// What curves are made of: the methods, with `hybrid` apart where it accepts as the paper does.
-pub const SERIES: [&str; 4] = ["ssr", THRESHOLD_SERIES, "hybrid", "rt"];
+/// What curves are made of: the methods, with `hybrid` apart where it accepts as the paper does, and
+/// apart what follows the shadows at hits anew.
+pub const SERIES: [&str; 6] = [
+    "ssr",
+    THRESHOLD_SERIES,
+    "hybrid",
+    "rt",
+    HYBRID_ANEW_SERIES,
+    RT_ANEW_SERIES,
+];
 /// Of `hybrid` with `accept = "threshold"`.
 pub const THRESHOLD_SERIES: &str = "hybrid (threshold)";
+/// Of `hybrid` with `reuse_light = false`.
+pub const HYBRID_ANEW_SERIES: &str = "hybrid (no light reuse)";
+/// Of `rt` with `reuse_light = false`.
+pub const RT_ANEW_SERIES: &str = "rt (no light reuse)";
 
 /// Name of a method in scenes and tables.
 pub const fn method_name(method: Method) -> &'static str {
@@ -60,9 +74,10 @@ pub const fn accept_name(accept: Accept) -> &'static str {
 
 impl Parameter {
     /// All parameters.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::ThresholdU,
         Self::EdgePx,
+        Self::ReuseLight,
         Self::Steps,
         Self::RayLengthU,
         Self::Bounces,
@@ -74,6 +89,7 @@ impl Parameter {
         match self {
             Self::ThresholdU => "threshold_u",
             Self::EdgePx => "edge_px",
+            Self::ReuseLight => "reuse_light",
             Self::Steps => "steps",
             Self::RayLengthU => "ray_length_u",
             Self::Bounces => "bounces",
@@ -92,8 +108,8 @@ impl Parameter {
     pub const fn own(method: Method) -> &'static [Self] {
         match method {
             Method::Ssr => &[Self::Steps],
-            Method::Rt => &[Self::Bounces],
-            Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx],
+            Method::Rt => &[Self::Bounces, Self::ReuseLight],
+            Method::Hybrid | Method::Auto => &[Self::ThresholdU, Self::EdgePx, Self::ReuseLight],
         }
     }
 
@@ -104,19 +120,20 @@ impl Parameter {
             Self::EdgePx => matches!(method, Method::Hybrid | Method::Auto),
             // `ssr` alone follows one reflection and nothing beyond it.
             Self::Bounces => !matches!(method, Method::Ssr),
-            Self::RayLengthU | Self::Scale => true,
+            Self::RayLengthU | Self::ReuseLight | Self::Scale => true,
         }
     }
 
-    /// Five values worth comparing.
-    pub const fn default_values(self) -> [f64; 5] {
+    /// Values worth comparing.
+    pub const fn default_values(self) -> &'static [f64] {
         match self {
-            Self::ThresholdU => [0.001, 0.005, 0.025, 0.065, 0.2],
-            Self::EdgePx => [0.0, 0.125, 0.25, 0.5, 1.0],
-            Self::Steps => [16.0, 32.0, 64.0, 128.0, 256.0],
-            Self::RayLengthU => [1.0, 2.0, 4.0, 8.0, 16.0],
-            Self::Bounces => [1.0, 2.0, 3.0, 4.0, 6.0],
-            Self::Scale => [0.25, 0.375, 0.5, 0.75, 1.0],
+            Self::ThresholdU => &[0.001, 0.005, 0.025, 0.065, 0.2],
+            Self::ReuseLight => &[0.0, 1.0],
+            Self::EdgePx => &[0.0, 0.125, 0.25, 0.5, 1.0],
+            Self::Steps => &[16.0, 32.0, 64.0, 128.0, 256.0],
+            Self::RayLengthU => &[1.0, 2.0, 4.0, 8.0, 16.0],
+            Self::Bounces => &[1.0, 2.0, 3.0, 4.0, 6.0],
+            Self::Scale => &[0.25, 0.375, 0.5, 0.75, 1.0],
         }
     }
 
@@ -127,7 +144,7 @@ impl Parameter {
     pub fn check(self, value: f64) -> Result<(), String> {
         let refused = |words: &str| format!("{} = {value:?}: must be {words}", self.name());
         let range = self.range();
-        if matches!(self, Self::Steps | Self::Bounces) {
+        if matches!(self, Self::Steps | Self::Bounces | Self::ReuseLight) {
             return if value.fract() == 0.0 && range.contains(value) {
                 Ok(())
             } else {
@@ -145,6 +162,7 @@ impl Parameter {
         match self {
             Self::ThresholdU => THRESHOLD_U,
             Self::EdgePx => EDGE_PX,
+            Self::ReuseLight => range(0.0, 1.0),
             Self::Steps => STEPS,
             Self::RayLengthU => RAY_LENGTH_U,
             Self::Bounces => BOUNCES,
@@ -163,6 +181,7 @@ impl Parameter {
                 settings.accept = Accept::Verified;
                 settings.edge_px = value as f32;
             }
+            Self::ReuseLight => settings.reuse_light = value != 0.0,
             Self::Steps => settings.steps = value as u32,
             Self::RayLengthU => settings.ray_length_u = value as f32,
             Self::Bounces => settings.bounces = value as u32,

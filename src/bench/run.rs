@@ -211,8 +211,7 @@ impl Protocol {
             Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
             Turn::Own => {
                 let own = Parameter::own(method).iter();
-                let turned =
-                    own.map(|p| Variant::turned(method, settings, *p, &p.default_values()));
+                let turned = own.map(|p| Variant::turned(method, settings, *p, p.default_values()));
                 turned.flatten().collect()
             }
         };
@@ -235,6 +234,7 @@ impl Protocol {
         ReflectionDesc {
             method: Method::Rt,
             bounces: REFERENCE_BOUNCES,
+            reuse_light: false,
             ray_length_u: longest.fold(settings.ray_length_u, f32::max),
             ..*settings
         }

@@ -82,6 +82,8 @@ sample! {
     accept: String,
     /// How far a verified hit may lie from the pixel that shows it.
     edge_px: Option<f64>,
+    /// Whether hits take from the picture which lights reach them; none where it was not known.
+    reuse_light: Option<bool>,
     /// T, in U.
     threshold_u: f32,
     /// Most steps of the march.
@@ -215,9 +217,10 @@ sample! {
 }
 
 /// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 7] = [
+const NEWER: [&str; 8] = [
     "accept",
     "edge_px",
+    "reuse_light",
     "content",
     "turn",
     "since_frame",

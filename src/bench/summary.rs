@@ -2,7 +2,7 @@
 
 use super::{
     metric::{percentile, table},
-    parameter::THRESHOLD_SERIES,
+    parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, THRESHOLD_SERIES},
     sample::Sample,
 };
 
@@ -248,6 +248,8 @@ impl Point {
 pub fn series(sample: &Sample) -> &str {
     match (sample.method.as_str(), sample.accept.as_str()) {
         ("hybrid", "threshold") => THRESHOLD_SERIES,
+        ("hybrid", _) if sample.reuse_light == Some(false) => HYBRID_ANEW_SERIES,
+        ("rt", _) if sample.reuse_light == Some(false) => RT_ANEW_SERIES,
         (method, _) => method,
     }
 }

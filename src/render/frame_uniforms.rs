@@ -79,6 +79,10 @@ impl Frame {
             bounces,
             ground: environment.ground.to_array(),
             fade: u32::from(settings.fade),
+            reuse_light: u32::from(settings.reuse_light),
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 }

@@ -40,6 +40,8 @@ pub struct Plan {
     pub checkers: bool,
     /// Some light casts its shadow by rays.
     pub shadow_rays: bool,
+    /// Reflections may take from the picture which lights with shadow rays reach what they meet.
+    pub lends_light: bool,
     /// Most reflections in a row.
     pub bounces: u32,
     /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
@@ -103,6 +105,7 @@ impl Plan {
             textures: true,
             checkers: true,
             shadow_rays: true,
+            lends_light: true,
             bounces: settings.bounces,
             slot_pools: (1 << 30) - 1,
             wraps: 15,
@@ -132,6 +135,7 @@ impl Plan {
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
             checkers: materials().any(|m| m.checker.is_some()),
             shadow_rays: has_shadow_rays(&world.lights, options),
+            lends_light: reflections && has_shadow_rays(&world.lights, options),
             bounces: if single_bounce { 1 } else { settings.bounces },
             slot_pools,
             wraps,
@@ -178,6 +182,11 @@ impl Plan {
         drop(!self.checkers, "checkers", "no material has one");
         drop(!self.shadow_rays, "shadow rays", "no light asks for them");
         drop(
+            self.reflections && !self.lends_light,
+            "light reuse",
+            "no light casts its shadow by rays",
+        );
+        drop(
             self.reflections && self.bounces < settings.bounces,
             "bounces after the first",
             "no reflector can see another",
@@ -196,6 +205,7 @@ impl Plan {
             ("HAS_TEXTURES", flag(self.textures)),
             ("HAS_CHECKERS", flag(self.checkers)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
+            ("LENDS_LIGHT", flag(self.lends_light)),
             ("SLOT_POOLS", f64::from(self.slot_pools)),
             ("WRAPS", f64::from(self.wraps)),
         ]

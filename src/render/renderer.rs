@@ -315,8 +315,8 @@ impl Renderer {
         Target::last_color(self.options.image.samples)
     }
 
-    /// Takes over the settings that need no rebuilding: threshold, edge, steps, ray length, bounces. The
-    /// others stay as the renderer was made; so does what its plan left out.
+    /// Takes over the settings that need no rebuilding: threshold, edge, steps, ray length, bounces,
+    /// light reuse. The others stay as the renderer was made; so does what its plan left out.
     pub fn set_reflection_parameters(&mut self, settings: &ReflectionDesc) {
         let single_bounce = self.plan.bounces < self.options.reflection.bounces;
         if !single_bounce {
@@ -327,6 +327,7 @@ impl Renderer {
         self.options.reflection.edge_px = settings.edge_px;
         self.options.reflection.steps = settings.steps;
         self.options.reflection.ray_length_u = settings.ray_length_u;
+        self.options.reflection.reuse_light = settings.reuse_light;
     }
 
     /// Takes over a world whose instances and materials were posed anew: poses, the top level and

@@ -21,6 +21,8 @@ pub enum Target {
     Radiance,
     /// View-dependent radiance of lights and environment.
     Specular,
+    /// Which lights reach the surface, two bits each.
+    VisibleLights,
     /// Radiance along the mirror ray.
     Reflection,
     /// The reflection, blurred in one direction.
@@ -44,7 +46,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -52,6 +54,7 @@ impl Target {
         Self::Colors,
         Self::Radiance,
         Self::Specular,
+        Self::VisibleLights,
         Self::Reflection,
         Self::Blurred,
         Self::Cause,
@@ -71,6 +74,7 @@ impl Target {
             Self::Colors => "colors",
             Self::Radiance => "radiance",
             Self::Specular => "specular",
+            Self::VisibleLights => "visible_lights",
             Self::Reflection => "reflection",
             Self::Blurred => "blurred",
             Self::Cause => "cause",
@@ -85,7 +89,7 @@ impl Target {
     pub const fn format(self) -> F {
         match self {
             Self::RasterDepth => F::Depth32Float,
-            Self::Ids => F::Rg32Uint,
+            Self::Ids | Self::VisibleLights => F::Rg32Uint,
             Self::ViewDepth => F::R32Float,
             Self::Surface | Self::Colors | Self::Hit => F::Rgba32Uint,
             Self::Radiance | Self::Specular | Self::Reflection | Self::Blurred => F::Rgba16Float,

@@ -75,6 +75,14 @@ gpu_struct! {
         ground: [f32; 3],
         /// 1: reflections fade along the ray.
         fade: u32,
+        /// 1: hits take from the picture which lights reach them.
+        reuse_light: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
     }
 }
 

@@ -13,6 +13,7 @@ mod edge_cases;
 mod foreign_worlds;
 mod kit;
 mod lamp;
+mod light_reuse;
 mod material;
 mod mesh;
 mod moving;

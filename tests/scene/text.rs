@@ -317,7 +317,7 @@ fn lights_have_the_keys_of_their_kind() {
 fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
-         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nfade = true\n\
+         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"",
     );
@@ -340,6 +340,7 @@ fn environment_reflection_and_image_arrive() {
             steps: 8,
             roughness_cutoff: 1.0,
             unit_m: Some(0.5),
+            reuse_light: false,
             fade: true,
             blur_px: 1.5,
         }

@@ -48,8 +48,9 @@ pub struct BenchArgs {
         default_value = "ssr,hybrid,rt"
     )]
     pub methods: Vec<MethodArg>,
-    /// What to turn: threshold_u, edge_px, steps, ray_length_u, bounces or scale; without it each
-    /// method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces)
+    /// What to turn: threshold_u, edge_px, reuse_light, steps, ray_length_u, bounces or scale; without
+    /// it each method's own (ssr: steps, hybrid: threshold_u and edge_px, rt: bounces, both also
+    /// reuse_light)
     #[arg(long, value_name = "PARAMETER", value_parser = parse_parameter)]
     pub parameter: Option<Parameter>,
     /// What to turn it to, such as 0.005,0.025,0.065

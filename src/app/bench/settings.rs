@@ -125,7 +125,7 @@ pub fn json(
         frames: protocol.frames,
         warm_up: protocol.warm_up,
         order: "A B C, C B A, repeated",
-        reference: format!("rt, {} bounces", REFERENCE_BOUNCES),
+        reference: format!("rt, {} bounces, no light reuse", REFERENCE_BOUNCES),
         hit_tolerance_u: TOLERANCE_U,
         hit_tolerance_relative: TOLERANCE_RELATIVE,
         split_trace: protocol.split_trace,
@@ -160,6 +160,7 @@ mod tests {
             serde_json::json!([
                 { "method": "ssr", "parameter": "steps", "values": Parameter::Steps.default_values() },
                 { "method": "rt", "parameter": "bounces", "values": Parameter::Bounces.default_values() },
+                { "method": "rt", "parameter": "reuse_light", "values": [0.0, 1.0] },
             ])
         );
         assert_eq!(

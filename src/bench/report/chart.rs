@@ -1,7 +1,7 @@
 //! Milliseconds against error as SVG: a curve per method, the Pareto front, every point.
 
 use crate::bench::{
-    parameter::{SERIES, THRESHOLD_SERIES},
+    parameter::{HYBRID_ANEW_SERIES, RT_ANEW_SERIES, SERIES, THRESHOLD_SERIES},
     summary::series,
 };
 use plotters::{
@@ -55,6 +55,8 @@ pub fn color(method: &str) -> RGBColor {
         "ssr" => RGBColor(0, 114, 178),
         THRESHOLD_SERIES => RGBColor(230, 159, 0),
         "hybrid" => RGBColor(213, 94, 0),
+        HYBRID_ANEW_SERIES => RGBColor(204, 121, 167),
+        RT_ANEW_SERIES => RGBColor(86, 180, 233),
         _ => RGBColor(0, 158, 115),
     }
 }

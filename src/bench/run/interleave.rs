@@ -269,6 +269,7 @@ impl Block<'_> {
             value: variant.value,
             accept: accept_name(settings.accept).to_owned(),
             edge_px: Some(settings.edge_px.into()),
+            reuse_light: Some(settings.reuse_light),
             threshold_u: settings.threshold_u,
             steps: settings.steps,
             ray_length_u: settings.ray_length_u,

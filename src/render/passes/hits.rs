@@ -23,6 +23,7 @@ pub const PASS: Pass = Pass {
         Target::Surface,
         Target::Colors,
         Target::Hit,
+        Target::VisibleLights,
     ],
     writes: &[Target::Reflection],
     needed: ssr::PASS.needed,

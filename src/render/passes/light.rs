@@ -16,7 +16,8 @@ pub const PASS: Pass = Pass {
     name: "light",
     color: [235, 200, 90],
     reads: &[Target::ViewDepth, Target::Surface, Target::Colors],
-    writes: &[Target::Radiance, Target::Specular],
+    writes: &[Target::Radiance, Target::Specular, Target::VisibleLights],
+    is_written: |plan, _, target| target != Target::VisibleLights || plan.lends_light,
     counted: true,
     ..Pass::DEFAULT
 };

@@ -23,6 +23,7 @@ pub const PASS: Pass = Pass {
         Target::Surface,
         Target::Colors,
         Target::Cause,
+        Target::VisibleLights,
     ],
     writes: &[Target::Reflection, Target::Hit],
     needed: |plan, options| plan.reflections && is_enabled(options),

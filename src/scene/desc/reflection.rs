@@ -67,6 +67,10 @@ pub struct ReflectionDesc {
     pub roughness_cutoff: f32,
     /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
     pub unit_m: Option<f32>,
+    /// Whether what a reflection meets takes from the picture which lights with `shadow = "ray"` reach
+    /// it, where the pixels around that place show it and agree; `false` follows each shadow ray anew.
+    /// Default true.
+    pub reuse_light: bool,
     /// Whether reflections fade to the environment along the ray, as in the paper. Default false.
     pub fade: bool,
     /// Standard deviation of the Gaussian blur of the combined reflection, pixels, 0 to 16: 0 is off. Default 0.
@@ -85,6 +89,7 @@ impl Default for ReflectionDesc {
             steps: 128,
             roughness_cutoff: 0.2,
             unit_m: None,
+            reuse_light: true,
             fade: false,
             blur_px: 0.0,
         }

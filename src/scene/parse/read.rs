@@ -266,6 +266,7 @@ impl Section for ReflectionDesc {
             bounces: t.get("bounces", BOUNCES, default.bounces),
             steps: t.get("steps", STEPS, default.steps),
             unit_m: t.find("unit_m", ABOVE_0),
+            reuse_light: t.get("reuse_light", ANY, default.reuse_light),
             fade: t.get("fade", ANY, default.fade),
             ..default
         };
