@@ -3,6 +3,7 @@
 use std::{fs, io, path::Path};
 
 use super::{
+    args::MethodArg,
     error::AppError,
     print_out,
     scene::{LoadedScene, choose_camera, load_scene},
@@ -36,6 +37,7 @@ pub mod reload;
 pub mod report_pictures;
 pub mod scenario2;
 mod settings;
+mod stability;
 mod timeline;
 
 use args::{BenchArgs, Experiment, RunArgs};
@@ -53,6 +55,7 @@ pub fn bench(args: &BenchArgs) -> Result<(), AppError> {
         Some(Experiment::Paper(args)) => paper::paper(args),
         Some(Experiment::Reload(args)) => reload::reload(args),
         Some(Experiment::Regret(args)) => regret::regret(args),
+        Some(Experiment::Stability(args)) => stability::stability(args),
         None => {
             let samples = match &args.samples {
                 Some(path) => {
@@ -97,16 +100,7 @@ fn open_gpu(args: &RunArgs) -> Result<Gpu, AppError> {
 }
 
 fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
-    let mut methods: Vec<Method> = Vec::new();
-    for method in args.methods.iter().map(|m| Method::from(*m)) {
-        if method == Method::Auto {
-            let text = "--methods auto: name the methods to compare: ssr, hybrid, rt";
-            return Err(AppError::Usage(text.to_owned()));
-        }
-        if !methods.contains(&method) {
-            methods.push(method);
-        }
-    }
+    let methods = methods(&args.methods)?;
     let turn = match args.parameter {
         None => Turn::Own,
         Some(parameter) if args.values.is_empty() => {
@@ -123,6 +117,21 @@ fn protocol(args: &BenchArgs) -> Result<Protocol, AppError> {
         count: args.run.counters,
         split_trace: args.run.split_trace,
     })
+}
+
+/// The methods of `--methods`, each once.
+fn methods(listed: &[MethodArg]) -> Result<Vec<Method>, AppError> {
+    let mut methods: Vec<Method> = Vec::new();
+    for method in listed.iter().map(|m| Method::from(*m)) {
+        if method == Method::Auto {
+            let text = "--methods auto: name the methods to compare: ssr, hybrid, rt";
+            return Err(AppError::Usage(text.to_owned()));
+        }
+        if !methods.contains(&method) {
+            methods.push(method);
+        }
+    }
+    Ok(methods)
 }
 
 fn checked(parameter: Parameter, values: &[f64]) -> Result<Vec<f64>, AppError> {
@@ -189,6 +198,7 @@ pub fn subject(
         content: content.value(),
         frame: 0,
         motion: false,
+        truth: None,
     })
 }
 
@@ -202,6 +212,26 @@ pub fn run(
     protocol: &Protocol,
     reels: &mut [FrameSeries],
 ) -> Result<Vec<Sample>, AppError> {
+    let (samples, stopped) = sample(gpu, args, protocol, reels)?;
+    match stopped {
+        Some(error) => {
+            if !samples.is_empty() {
+                let title = "Speed against accuracy: stopped before all was measured";
+                report(&args.output, title, &samples, &[])?;
+            }
+            Err(error)
+        }
+        None => Ok(samples),
+    }
+}
+
+/// The same without a report of what there is where the measuring was stopped, which the error says.
+fn sample(
+    gpu: &Gpu,
+    args: &RunArgs,
+    protocol: &Protocol,
+    reels: &mut [FrameSeries],
+) -> Result<(Vec<Sample>, Option<AppError>), AppError> {
     let path = args.output.join("samples.csv");
     let mut log = if args.resume {
         Log::resume(&path)
@@ -238,18 +268,15 @@ pub fn run(
     let scenes: Vec<&str> = reels.iter().map(FrameSeries::name).collect();
     let json = settings::json(protocol, &scenes, &host, &outcome, log.samples())?;
     write(&args.output.join("bench.json"), &json)?;
-    if outcome.interrupted {
-        let held = log.samples().len();
-        if held > 0 {
-            let title = "Speed against accuracy: stopped before all was measured";
-            report(&args.output, title, log.samples(), &[])?;
-        }
-        return Err(AppError::Interrupted(format!(
-            "stopped; {} holds {held} samples, and --resume measures the rest",
-            path.display()
-        )));
-    }
-    Ok(log.samples().to_vec())
+    let samples = log.samples().to_vec();
+    let stopped = outcome.interrupted.then(|| {
+        let held = samples.len();
+        let path = path.display();
+        AppError::Interrupted(format!(
+            "stopped; {path} holds {held} samples, and --resume measures the rest"
+        ))
+    });
+    Ok((samples, stopped))
 }
 
 /// Draws the report into the folder and says where it is.

@@ -1,19 +1,17 @@
 //! Scenes × frames × methods × settings × sizes × repetitions → samples, appended to the table as they come.
 
-use std::{cell::RefCell, path::Path, time::Instant};
+use std::{cell::RefCell, time::Instant};
 
 use super::{
     host::Host,
     log::Log,
-    parameter::{MAX_STEPS, Parameter, Variant},
-    score::{Errors, Hits, PLANES, Reference, View},
+    parameter::{Parameter, Variant},
 };
 use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{RenderError, RenderOptions, Renderer},
     scene::{
-        desc::{CameraDesc, ImageDesc, Method, ReflectionDesc, Visibility},
-        diagnostic::Diagnostic,
+        desc::{Accept, CameraDesc, ImageDesc, Method, ReflectionDesc, Visibility},
         range::BOUNCES,
     },
     world::World,
@@ -23,19 +21,20 @@ mod error;
 mod flicker;
 mod frame_series;
 mod interleave;
+mod judge;
 mod work;
 
 pub use error::BenchError;
 pub use frame_series::{FrameSeries, Mover};
 pub use work::{Steps, Task, Work};
 
-use flicker::{Flicker, Since};
+use flicker::Flicker;
 
 /// Bounces of the reference: the most that a scene may ask for.
 pub const REFERENCE_BOUNCES: u32 = BOUNCES.max as u32;
 
 /// A scene to be measured.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Subject {
     /// What tables call it.
     pub name: String,
@@ -55,6 +54,8 @@ pub struct Subject {
     pub frame: u32,
     /// Whether it is one frame of several, which share renderers: they take over moved instances.
     pub motion: bool,
+    /// What it should look like, rendered by `rt` in place of the reference; of a still scene.
+    pub truth: Option<Box<Subject>>,
 }
 
 impl Subject {
@@ -119,6 +120,8 @@ pub enum Turn {
     One(Parameter, Vec<f64>),
     /// Each method's own parameter, see [`Parameter::own`].
     Own,
+    /// The rule of acceptance of `hybrid`; all else is the scene's own.
+    Rules,
 }
 
 /// Who watches the run, and may stop it.
@@ -199,6 +202,7 @@ impl Turn {
             Self::Nothing => "nothing",
             Self::One(parameter, _) => parameter.name(),
             Self::Own => "own",
+            Self::Rules => "rules",
         }
     }
 }
@@ -209,6 +213,18 @@ impl Protocol {
         let of = |&method: &Method| match &self.turn {
             Turn::Nothing => vec![Variant::fixed(method, settings)],
             Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
+            Turn::Rules => {
+                let by = |accept| ReflectionDesc {
+                    accept,
+                    ..*settings
+                };
+                match method {
+                    Method::Hybrid => [Accept::Threshold, Accept::Verified]
+                        .map(|accept| Variant::fixed(method, &by(accept)))
+                        .to_vec(),
+                    _ => vec![Variant::fixed(method, settings)],
+                }
+            }
             Turn::Own => {
                 let own = Parameter::own(method).iter();
                 let turned = own.map(|p| Variant::turned(method, settings, *p, p.default_values()));
@@ -321,65 +337,5 @@ impl Bench<'_> {
             let mut stock = self.stock.renderers.borrow_mut();
             stock.extend(ready.into_iter().map(|ready| (size, ready)));
         }
-    }
-
-    /// The reference's picture with a renderer of method `rt`.
-    fn reference(&self, subject: &Subject, rt: &mut Renderer) -> Result<Reference, BenchError> {
-        rt.set_reflection_parameters(&self.protocol.reference(&subject.reflection));
-        let picture = rt.picture(self.gpu, &subject.world, &subject.camera, &PLANES)?;
-        Reference::new(&picture).map_err(|why| {
-            let scene = Path::new(&subject.name);
-            let message = format!("the reference cannot judge anything: {why}");
-            BenchError::File(Box::new(Diagnostic::in_file("bad-pixels", scene, message)))
-        })
-    }
-
-    /// Errors and verdicts of one variant's picture.
-    fn judge(
-        &self,
-        subject: &Subject,
-        variant: &Variant,
-        renderer: &mut Renderer,
-        reference: &Reference,
-        size: [u32; 2],
-    ) -> Result<interleave::Judged, BenchError> {
-        let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
-        renderer.set_reflection_parameters(&variant.reflection);
-        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
-        let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
-            .and_then(|view| {
-                let flicker = &self.stock.flicker;
-                let since = flicker.push(subject, variant, &view, &reference.view)?;
-                Ok((reference.errors(&view)?, since))
-            })
-            .map_err(|e| e.to_string());
-        let mut verdicts = None;
-        if let (Some(hits), true) = (Hits::of(&picture.planes), variant.method != Method::Rt) {
-            renderer.set_reflection_parameters(&ReflectionDesc {
-                steps: MAX_STEPS,
-                ..variant.reflection
-            });
-            let (world, camera) = (&subject.world, &subject.camera);
-            let planes = renderer.crossings(self.gpu, world, camera, &PLANES)?;
-            let unit_m = renderer.unit_m();
-            let length_m = variant.reflection.ray_length_u * unit_m;
-            verdicts = Hits::of(&planes)
-                .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
-            renderer.set_reflection_parameters(&variant.reflection);
-        }
-        Ok(match (judged, verdicts.transpose()) {
-            (Ok((errors, since)), Ok(verdicts)) => interleave::Judged {
-                errors: Some(errors),
-                since,
-                verdicts,
-                failure: None,
-            },
-            (Err(failure), _) | (_, Err(failure)) => interleave::Judged {
-                errors: None,
-                since: None,
-                verdicts: None,
-                failure: Some(failure),
-            },
-        })
     }
 }

@@ -72,7 +72,8 @@ sample! {
     height: u32,
     /// `ssr`, `hybrid` or `rt`.
     method: String,
-    /// What the run turned: `nothing`, `own` for each method's own parameter, or one parameter for all.
+    /// What the run turned: `nothing`, `own` for each method's own parameter, `rules` of acceptance, or one
+    /// parameter for all.
     turn: String,
     /// What is turned; none for the scene's own settings.
     parameter: Option<String>,
@@ -198,6 +199,10 @@ sample! {
     temporal_difference: Option<f64>,
     /// Mean |Δreference| since that frame.
     temporal_change: Option<f64>,
+    /// Mean |Δtest − Δreference| inside the masks of both frames.
+    mask_temporal_difference: Option<f64>,
+    /// Mean |Δreference| there.
+    mask_temporal_change: Option<f64>,
     /// Adapter.
     adapter: String,
     /// Driver and its version.
@@ -217,7 +222,7 @@ sample! {
 }
 
 /// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 8] = [
+const NEWER: [&str; 10] = [
     "accept",
     "edge_px",
     "reuse_light",
@@ -226,6 +231,8 @@ const NEWER: [&str; 8] = [
     "since_frame",
     "temporal_difference",
     "temporal_change",
+    "mask_temporal_difference",
+    "mask_temporal_change",
 ];
 
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {

@@ -124,6 +124,8 @@ pub enum Experiment {
     Reload(ReloadArgs),
     /// What `auto` chooses, against the fastest of what it chooses from
     Regret(RegretArgs),
+    /// Where methods fail: scores of a suite of failure modes, or of your own scenes
+    Stability(StabilityArgs),
 }
 
 /// `bench reload`
@@ -168,6 +170,52 @@ pub struct RegretArgs {
     /// Print the table as JSON
     #[arg(long)]
     pub json: bool,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// `bench stability`
+#[derive(Clone, Debug, Args)]
+pub struct StabilityArgs {
+    /// Modes of the suite, by number (3) or name (03-rails), or scene files; without any, the whole
+    /// suite, or what the file of --ratchet holds
+    pub modes: Vec<String>,
+    /// What is changed in them
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Folder of the suite's scenes, NN-name.toml
+    #[arg(long, value_name = "DIR", default_value = "scenes/fail")]
+    pub suite: PathBuf,
+    /// Methods to score, of ssr, hybrid and rt; hybrid by both of its rules of acceptance
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "ssr,hybrid,rt"
+    )]
+    pub methods: Vec<MethodArg>,
+    /// Size of all pictures; without it, the scenes' own, or that of the ratchet
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Score the first frame alone of scenes with a timeline
+    #[arg(long)]
+    pub stills: bool,
+    /// Compare stills with the worst scores that this file allows (exit code 6 where one is worse)
+    #[arg(long, value_name = "FILE")]
+    pub ratchet: Option<PathBuf>,
+    /// Write scores that are better than the ratchet's, and those that it lacks, into it; never worse ones
+    #[arg(long, requires = "ratchet")]
+    pub tighten: bool,
+    /// Where the tables go as Markdown; without it, stability.md in the folder
+    #[arg(long, value_name = "FILE")]
+    pub document: Option<PathBuf>,
+    /// Folder for samples.csv, stability.csv and stability.md; made if it is missing
+    #[arg(short, long, value_name = "DIR", default_value = "bench")]
+    pub output: PathBuf,
+    /// Add to the samples that the folder holds, measuring only what they lack
+    #[arg(long)]
+    pub resume: bool,
     /// Take the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,

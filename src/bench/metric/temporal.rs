@@ -1,5 +1,6 @@
 //! Flicker: how much a sequence changes from frame to frame otherwise than its reference.
 
+use super::mask::{MIN_AREA_PX, Mask};
 use crate::bench::picture::{Pair, PictureError};
 
 /// The changes of a sequence, two frames in memory at a time.
@@ -22,6 +23,8 @@ struct Frame {
     size: [usize; 2],
     test: Vec<[f32; 3]>,
     reference: Vec<[f32; 3]>,
+    /// Of a mask, whether each pixel is inside.
+    inside: Option<Vec<bool>>,
 }
 
 impl Temporal {
@@ -31,15 +34,21 @@ impl Temporal {
     }
 
     /// Adds the next frame of both sequences; gives its change since the frame before, none for
-    /// the first.
+    /// the first. With masks, of the same size, that of the pixels inside the masks of both frames;
+    /// none where these are fewer than [`MIN_AREA_PX`].
     ///
     /// # Errors
     /// When its size differs from the frames before; the frame is then not added.
-    pub fn push(&mut self, pair: &Pair) -> Result<Option<Change>, PictureError> {
+    pub fn push(
+        &mut self,
+        pair: &Pair,
+        mask: Option<&Mask>,
+    ) -> Result<Option<Change>, PictureError> {
         let frame = Frame {
             size: [pair.test().width(), pair.test().height()],
             test: pair.test().display(),
             reference: pair.reference().display(),
+            inside: mask.map(|mask| mask.inside().to_vec()),
         };
         let mut since = None;
         if let Some(previous) = &self.previous {
@@ -49,7 +58,7 @@ impl Temporal {
                     second: previous.size,
                 });
             }
-            since = Some(change(previous, &frame));
+            since = change(previous, &frame);
         }
         self.previous = Some(frame);
         Ok(since)
@@ -67,30 +76,30 @@ pub fn ratio(pairs: usize, difference: f64, reference: f64) -> Option<f64> {
     }
 }
 
-/// Means over all channels of |Δtest − Δref| and |Δref|.
-fn change(before: &Frame, after: &Frame) -> Change {
-    let test = before
-        .test
-        .as_flattened()
-        .iter()
-        .zip(after.test.as_flattened());
-    let reference = before
-        .reference
-        .as_flattened()
-        .iter()
-        .zip(after.reference.as_flattened());
-    let channels = (3 * before.test.len()).max(1) as f64;
-    let (difference, reference) =
-        test.zip(reference)
-            .fold((0.0, 0.0), |(difference, total), ((t0, t1), (r0, r1))| {
-                let moved = f64::from(r1 - r0);
-                (
-                    difference + (f64::from(t1 - t0) - moved).abs(),
-                    total + moved.abs(),
-                )
-            });
-    Change {
+/// Means over all channels of |Δtest − Δref| and |Δref|, of the pixels that count in both frames.
+fn change(before: &Frame, after: &Frame) -> Option<Change> {
+    let counts = |frame: &Frame, pixel: usize| frame.inside.as_ref().is_none_or(|i| i[pixel]);
+    let (mut pixels, mut difference, mut reference) = (0_usize, 0.0, 0.0);
+    for pixel in 0..before.test.len() {
+        if !counts(before, pixel) || !counts(after, pixel) {
+            continue;
+        }
+        pixels += 1;
+        for channel in 0..3 {
+            let since = |after: &[[f32; 3]], before: &[[f32; 3]]| {
+                f64::from(after[pixel][channel] - before[pixel][channel])
+            };
+            let moved = since(&after.reference, &before.reference);
+            difference += (since(&after.test, &before.test) - moved).abs();
+            reference += moved.abs();
+        }
+    }
+    if after.inside.is_some() && pixels < MIN_AREA_PX {
+        return None;
+    }
+    let channels = (3 * pixels).max(1) as f64;
+    Some(Change {
         difference: difference / channels,
         reference: reference / channels,
-    }
+    })
 }

@@ -5,14 +5,15 @@ use std::{cell::RefCell, collections::HashMap};
 use crate::bench::{
     metric::temporal::{Change, Temporal},
     picture::{Pair, PictureError},
-    score::View,
+    score::{Reference, View},
 };
 
 use super::{Subject, Variant};
 
-/// The picture and the reference's of the last measured frame, of each size and setting.
+/// The picture and the reference's of the last measured frame, of each size and setting: of the
+/// frame, and of its mask.
 #[derive(Debug, Default)]
-pub struct Flicker(RefCell<HashMap<Key, (u32, Temporal)>>);
+pub struct Flicker(RefCell<HashMap<Key, (u32, [Temporal; 2])>>);
 
 /// Size and setting.
 type Key = ([u32; 2], String);
@@ -24,6 +25,8 @@ pub struct Since {
     pub frame: u32,
     /// The change since then.
     pub change: Change,
+    /// The change inside the masks of both frames; none where these share too few pixels.
+    pub mask: Option<Change>,
 }
 
 impl Flicker {
@@ -36,21 +39,23 @@ impl Flicker {
         subject: &Subject,
         variant: &Variant,
         view: &View,
-        reference: &View,
+        reference: &Reference,
     ) -> Result<Option<Since>, PictureError> {
         if !subject.motion {
             return Ok(None);
         }
-        let pair = Pair::new(&view.display, &reference.display)?;
+        let pair = Pair::new(&view.display, &reference.view.display)?;
         let size = [pair.test().width(), pair.test().height()].map(|side| side as u32);
         let mut known = self.0.borrow_mut();
         let entry = known.entry((size, format!("{variant:?}")));
-        let (frame, temporal) = entry.or_insert_with(|| (subject.frame, Temporal::new()));
+        let (frame, [whole, masked]) = entry.or_insert_with(|| (subject.frame, Default::default()));
         let before = std::mem::replace(frame, subject.frame);
-        let change = temporal.push(&pair)?;
+        let change = whole.push(&pair, None)?;
+        let mask = masked.push(&pair, Some(&reference.mask))?;
         Ok(change.map(|change| Since {
             frame: before,
             change,
+            mask,
         }))
     }
 

@@ -55,6 +55,21 @@ impl FrameSeries {
         &self.subject.name
     }
 
+    /// Hash of the scene's content, as samples name it.
+    pub fn content(&self) -> u64 {
+        self.subject.content
+    }
+
+    /// Size of its pictures where the protocol has none.
+    pub fn size(&self) -> [u32; 2] {
+        self.subject.image.size
+    }
+
+    /// Numbers of the frames that are measured.
+    pub fn frames(&self) -> impl Iterator<Item = u32> {
+        self.shots.iter().map(|(frame, _)| *frame)
+    }
+
     /// How many frames are measured.
     pub(super) fn len(&self) -> usize {
         self.shots.len()

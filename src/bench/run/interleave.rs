@@ -7,7 +7,7 @@ use crate::{
         metric::{hits::CauseTally, table},
         parameter::{Variant, accept_name, method_name},
         sample::{Sample, detail_columns},
-        score::{Errors, Reference},
+        score::Reference,
     },
     render::{
         probe::{Counts, PassCounts},
@@ -17,8 +17,7 @@ use crate::{
 };
 
 use super::{
-    Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Task, Watch, Work,
-    flicker::Since,
+    Bench, BenchError, Outcome, REFERENCE_BOUNCES, Ready, Subject, Task, Watch, Work, judge::Judged,
 };
 
 /// Variants of one rendered size: as many renderers as methods serve them all.
@@ -26,14 +25,6 @@ pub(super) struct Block<'a> {
     subject: &'a Subject,
     size: [u32; 2],
     pub(super) variants: Vec<Variant>,
-}
-
-/// What a variant's picture is worth.
-pub(super) struct Judged {
-    pub(super) errors: Option<Errors>,
-    pub(super) since: Option<Since>,
-    pub(super) verdicts: Option<Vec<CauseTally>>,
-    pub(super) failure: Option<String>,
 }
 
 /// Passes that find reflections.
@@ -107,7 +98,7 @@ impl Block<'_> {
             self.size,
         )?;
         watch.begin(&self.label("reference"));
-        let reference = bench.reference(self.subject, &mut rt.renderer)?;
+        let reference = bench.reference(self.subject, &mut rt.renderer, self.size)?;
         watch.did(Task::Reference, self.size);
         watch.begin(&self.label("scene to the GPU"));
         let mut renderers = self.renderers(bench, rt)?;
@@ -328,6 +319,8 @@ fn fill_errors(sample: &mut Sample, judged: &Judged) {
         sample.since_frame = Some(since.frame);
         sample.temporal_difference = Some(since.change.difference);
         sample.temporal_change = Some(since.change.reference);
+        sample.mask_temporal_difference = since.mask.map(|change| change.difference);
+        sample.mask_temporal_change = since.mask.map(|change| change.reference);
     }
     if let Some(verdicts) = &judged.verdicts {
         let sum =

@@ -1,0 +1,102 @@
+//! A variant's picture against the reference.
+
+use std::path::Path;
+
+use crate::{
+    bench::{
+        metric::hits::CauseTally,
+        parameter::{MAX_STEPS, Variant},
+        score::{Errors, Hits, PLANES, Reference, View},
+    },
+    render::Renderer,
+    scene::{
+        desc::{Method, ReflectionDesc},
+        diagnostic::Diagnostic,
+    },
+};
+
+use super::{Bench, BenchError, Subject, flicker::Since};
+
+/// What a variant's picture is worth.
+pub(super) struct Judged {
+    pub(super) errors: Option<Errors>,
+    pub(super) since: Option<Since>,
+    pub(super) verdicts: Option<Vec<CauseTally>>,
+    pub(super) failure: Option<String>,
+}
+
+impl Bench<'_> {
+    /// The reference's picture: of the subject's truth, else with the renderer of method `rt`.
+    pub(super) fn reference(
+        &self,
+        subject: &Subject,
+        rt: &mut Renderer,
+        size: [u32; 2],
+    ) -> Result<Reference, BenchError> {
+        let reflection = self.protocol.reference(&subject.reflection);
+        let mut of_truth = match &subject.truth {
+            Some(truth) => Some(truth.renderer(self.gpu, self.library, &reflection, size)?),
+            None => None,
+        };
+        let shown = subject.truth.as_deref().unwrap_or(subject);
+        let rt = of_truth.as_mut().unwrap_or(rt);
+        rt.set_reflection_parameters(&reflection);
+        let picture = rt.picture(self.gpu, &shown.world, &shown.camera, &PLANES)?;
+        Reference::new(&picture).map_err(|why| {
+            let scene = Path::new(&subject.name);
+            let message = format!("the reference cannot judge anything: {why}");
+            BenchError::File(Box::new(Diagnostic::in_file("bad-pixels", scene, message)))
+        })
+    }
+
+    /// Errors and verdicts of one variant's picture.
+    pub(super) fn judge(
+        &self,
+        subject: &Subject,
+        variant: &Variant,
+        renderer: &mut Renderer,
+        reference: &Reference,
+        size: [u32; 2],
+    ) -> Result<Judged, BenchError> {
+        let planes: &[_] = if variant.scale == 1.0 { &PLANES } else { &[] };
+        renderer.set_reflection_parameters(&variant.reflection);
+        let picture = renderer.picture(self.gpu, &subject.world, &subject.camera, planes)?;
+        let judged: Result<(Errors, Option<Since>), String> = View::new(&picture, size)
+            .and_then(|view| {
+                let flicker = &self.stock.flicker;
+                let since = flicker.push(subject, variant, &view, reference)?;
+                Ok((reference.errors(&view)?, since))
+            })
+            .map_err(|e| e.to_string());
+        let mut verdicts = None;
+        // The rays of a truth are not those of this picture.
+        let is_asked = variant.method != Method::Rt && subject.truth.is_none();
+        if let (Some(hits), true) = (Hits::of(&picture.planes), is_asked) {
+            renderer.set_reflection_parameters(&ReflectionDesc {
+                steps: MAX_STEPS,
+                ..variant.reflection
+            });
+            let (world, camera) = (&subject.world, &subject.camera);
+            let planes = renderer.crossings(self.gpu, world, camera, &PLANES)?;
+            let unit_m = renderer.unit_m();
+            let length_m = variant.reflection.ray_length_u * unit_m;
+            verdicts = Hits::of(&planes)
+                .map(|crossings| reference.verdicts(&hits, &crossings, length_m, unit_m));
+            renderer.set_reflection_parameters(&variant.reflection);
+        }
+        Ok(match (judged, verdicts.transpose()) {
+            (Ok((errors, since)), Ok(verdicts)) => Judged {
+                errors: Some(errors),
+                since,
+                verdicts,
+                failure: None,
+            },
+            (Err(failure), _) | (_, Err(failure)) => Judged {
+                errors: None,
+                since: None,
+                verdicts: None,
+                failure: Some(failure),
+            },
+        })
+    }
+}

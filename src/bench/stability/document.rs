@@ -1,0 +1,265 @@
+//! The tables of failure modes as Markdown.
+
+use std::fmt::Write as _;
+
+use super::{Against, Cell, CellScores, Mode};
+use crate::bench::{
+    metric::mask::{ERODE_PX, MIN_AREA_PX},
+    score::{TOLERANCE_RELATIVE, TOLERANCE_U},
+};
+
+/// Bands of the 99th percentile of FLIP: up to which, mark, and what it means.
+const BANDS: [(f64, &str, &str); 4] = [
+    (0.05, "🟩", "not seen"),
+    (0.2, "🟨", "seen in a direct comparison"),
+    (0.5, "🟧", "seen"),
+    (f64::INFINITY, "🟥", "wrong"),
+];
+
+/// What a score is, for one table.
+struct Score {
+    title: &'static str,
+    text: String,
+    against: Against,
+    cell: fn(&CellScores) -> Option<String>,
+    /// Whether cells without a score are named in this table.
+    names_missing: bool,
+}
+
+/// The document: tables of all modes × methods, then each mode in words. `machine` says on what
+/// it was measured; the modes are in order.
+pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str) -> String {
+    let mut out = format!(
+        "<!-- Written by `reflet bench stability --document`. -->\n# Where methods fail\n\n\
+         {} modes in which reflections fail, each the smallest scene that provokes one failure, scored on {machine}. \
+         Scores are those of `reflet compare` inside the reflective pixels, eroded by {ERODE_PX} px, \
+         of at least {MIN_AREA_PX}. A film is scored by all of its frames: means, \
+         and of the 99th percentile the worst frame's. `hybrid (threshold)` accepts by the paper's depth threshold, \
+         `hybrid` verifies.\n",
+        modes.len()
+    );
+    for score in scores() {
+        let rows: Vec<&Mode> = modes
+            .iter()
+            .filter(|mode| {
+                methods
+                    .iter()
+                    .any(|m| text(cells, mode, m, &score).is_some())
+            })
+            .collect();
+        if rows.is_empty() {
+            continue;
+        }
+        // Writing to a string cannot fail.
+        let _ = write!(out, "\n## {}\n\n{}\n\n| mode |", score.title, score.text);
+        for method in methods {
+            let _ = write!(out, " {method} |");
+        }
+        let _ = writeln!(out, "\n|---|{}", "---|".repeat(methods.len()));
+        for mode in rows {
+            let _ = write!(out, "| {} |", heading(mode).0);
+            for method in methods {
+                let text = text(cells, mode, method, &score);
+                let _ = write!(out, " {} |", text.unwrap_or_default());
+            }
+            out.push('\n');
+        }
+    }
+    out.push_str("\n## What fails, and how it is seen\n");
+    for mode in modes {
+        let (title, about) = heading(mode);
+        let _ = writeln!(out, "\n### {title}\n");
+        if !about.is_empty() {
+            let _ = writeln!(out, "{about}\n");
+        }
+        for sentence in verdicts(mode, methods, cells) {
+            let _ = writeln!(out, "- {sentence}");
+        }
+    }
+    out
+}
+
+fn scores() -> [Score; 5] {
+    let bands = BANDS.map(|(up_to, mark, means)| match up_to.is_finite() {
+        true => format!("{mark} up to {up_to}: {means}"),
+        false => format!("{mark} above: {means}"),
+    });
+    let banded: fn(&CellScores) -> _ =
+        |s| Some(format!("{} {:.3}", band(s.flip_p99).1, s.flip_p99));
+    [
+        Score {
+            title: "99th percentile of FLIP against `rt`",
+            text: format!(
+                "The reference is `rt` with 16 bounces and the same samples. {}.",
+                bands.join(", ")
+            ),
+            against: Against::Rt,
+            cell: banded,
+            names_missing: true,
+        },
+        Score {
+            title: "99th percentile of FLIP against the truth",
+            text: "The truth of a still is `rt` with 16 bounces, 64 samples and shadows by rays, of mode 26 at the \
+                   origin: what `rt` has wrong shows here too, as does all aliasing."
+                .to_owned(),
+            against: Against::Truth,
+            cell: banded,
+            names_missing: true,
+        },
+        Score {
+            title: "Mean FLIP and SSIM against `rt`",
+            text: "Means hide small failures; they say how much of the picture is concerned.".to_owned(),
+            against: Against::Rt,
+            cell: |s| {
+                let ssim = s.ssim.map_or("–".to_owned(), |v| format!("{v:.3}"));
+                Some(format!("{:.4} / {ssim}", s.flip))
+            },
+            names_missing: false,
+        },
+        Score {
+            title: "Wrong answers of the march, ‰ of the reflective pixels",
+            text: format!(
+                "Answers that a ray contradicts: another instance, a distance off by more than {TOLERANCE_U} U \
+                 and {} %, or nothing where there is something.",
+                100.0 * TOLERANCE_RELATIVE
+            ),
+            against: Against::Rt,
+            cell: |s| s.false_accepts_permille.map(|v| format!("{v:.2}")),
+            names_missing: false,
+        },
+        Score {
+            title: "Flicker of films, %",
+            text: "Σ |Δpicture − Δ`rt`| over Σ |Δ`rt`| from frame to frame inside the reflections: 0 where the picture \
+                   changes exactly as the reference does, 100 also where it does not change at all."
+                .to_owned(),
+            against: Against::Rt,
+            cell: |s| s.flicker.map(|v| format!("{:.1}", 100.0 * v)),
+            names_missing: false,
+        },
+    ]
+}
+
+/// The score of a mode's cell, or why it has none; none where the score is not of this cell's kind.
+fn text(cells: &[Cell], mode: &Mode, method: &str, score: &Score) -> Option<String> {
+    match &find(cells, mode, method, score.against)?.scores {
+        Ok(scores) => (score.cell)(scores),
+        Err(_) => score.names_missing.then(|| "not scored".to_owned()),
+    }
+}
+
+fn find<'a>(cells: &'a [Cell], mode: &Mode, method: &str, against: Against) -> Option<&'a Cell> {
+    let wanted = (mode.name.as_str(), method, against);
+    let is_wanted = |c: &&Cell| (c.mode.as_str(), c.method.as_str(), c.against) == wanted;
+    cells.iter().find(is_wanted)
+}
+
+/// Title and words of a mode, from its comment `title: words`, or from its name.
+fn heading(mode: &Mode) -> (String, String) {
+    match mode.about.split_once(": ") {
+        Some((title, about)) if title.len() < 60 => {
+            let mut letters = about.chars();
+            let first = letters.next().map(|c| c.to_uppercase().to_string());
+            (
+                title.to_owned(),
+                first.unwrap_or_default() + letters.as_str(),
+            )
+        }
+        _ => (mode.name.clone(), mode.about.clone()),
+    }
+}
+
+fn band(p99: f64) -> (f64, &'static str, &'static str) {
+    let found = BANDS.into_iter().find(|(up_to, ..)| p99 <= *up_to);
+    found.unwrap_or(BANDS[BANDS.len() - 1])
+}
+
+/// One sentence for each method: how wrong it is, and where most.
+fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for method in methods {
+        let Some(cell) = find(cells, mode, method, Against::Rt) else {
+            continue;
+        };
+        let s = match &cell.scores {
+            Err(why) => {
+                sentences.push(format!("{method}: not scored: {why}"));
+                continue;
+            }
+            Ok(scores) => scores,
+        };
+        let mut sentence = format!(
+            "{method}: {} (p99 {:.3}, mean {:.4}, relMSE {:.2e}",
+            band(s.flip_p99).2,
+            s.flip_p99,
+            s.flip,
+            s.rel_mse
+        );
+        if s.frames > 1 {
+            let _ = write!(sentence, ", worst at {}", s.worst);
+        }
+        sentence.push(')');
+        if let Some(Cell {
+            scores: Ok(truth), ..
+        }) = find(cells, mode, method, Against::Truth)
+        {
+            let _ = write!(sentence, "; against the truth {}", band(truth.flip_p99).2);
+        }
+        sentences.push(sentence);
+    }
+    sentences
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mode(name: &str, about: &str) -> Mode {
+        Mode {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            parts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn every_cell_is_in_the_tables_and_what_has_no_score_is_named() {
+        let modes = [
+            mode("03-rails", "3 thin rails: rails that are thin."),
+            mode("mine", ""),
+        ];
+        let cell = |mode: &str, method: &str, scores| Cell {
+            mode: mode.to_owned(),
+            method: method.to_owned(),
+            against: Against::Rt,
+            scores,
+        };
+        let scores = CellScores {
+            frames: 1,
+            flip_p99: 0.31,
+            ..CellScores::default()
+        };
+        let cells = [
+            cell("03-rails", "ssr", Ok(scores)),
+            cell("03-rails", "rt", Ok(CellScores::default())),
+            cell("mine", "ssr", Err("frame 0: 12 px".to_owned())),
+        ];
+        let text = document(&modes, &["ssr", "rt"], &cells, "a machine");
+        for part in [
+            "| 3 thin rails | 🟧 0.310 | 🟩 0.000 |",
+            "| mine | not scored |  |",
+            "### 3 thin rails\n\nRails that are thin.\n",
+            "- ssr: seen (p99 0.310,",
+            "- ssr: not scored: frame 0: 12 px",
+        ] {
+            assert!(text.contains(part), "no {part:?} in {text}");
+        }
+        assert!(!text.contains("## Flicker"), "no film, no flicker: {text}");
+    }
+
+    #[test]
+    fn bands_have_their_ends() {
+        assert_eq!(band(0.05).2, "not seen");
+        assert_eq!(band(0.0501).1, "🟨");
+        assert_eq!((band(0.9).2, band(f64::NAN).2), ("wrong", "wrong"));
+    }
+}

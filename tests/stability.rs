@@ -1,0 +1,227 @@
+//! `bench stability`: the ratchet over the failure modes, scenes of one's own, and bad input.
+
+mod common;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use common::gpu_or_skip;
+
+/// A floor that reflects a ball which moves for three frames.
+const SCENE: &str = "\
+# mine: a ball that rolls.
+version = 1
+[image]
+size = [96, 54]
+[timeline]
+end = 2
+[camera.main]
+eye = [0, 1, 3]
+target = [0, 0.3, 0]
+[environment]
+color = [0.5, 0.5, 0.5]
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.floor]
+shape = { kind = \"plane\", size = [4, 4] }
+material = \"mirror\"
+[model.ball]
+shape = { kind = \"sphere\", radius = 0.4, segments = 16 }
+[[instance]]
+model = \"floor\"
+[[instance]]
+name = \"ball\"
+model = \"ball\"
+translation = [0, 0.5, 0]
+dynamic = true
+[motion.instance.ball]
+translation = { rate = [4, 0, 0] }
+";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("stability-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    folder
+}
+
+/// Runs `bench stability` in the repository, into a folder; its exit code and what it says.
+fn stability(into: &Path, arguments: &[&str]) -> (i32, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["bench", "stability", "-o"])
+        .arg(into)
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1") // Mesa's layer writes to standard error without a desktop
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
+    let [out, error] =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    assert!(!error.contains("panicked"), "{error}");
+    (output.status.code().expect("an exit code"), out + &error)
+}
+
+/// Cells of a row of `stability.csv` by mode and method.
+fn row(folder: &Path, mode: &str, method: &str) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("stability.csv")).expect("a table");
+    let start = format!("{mode},{method},");
+    let row = text.lines().find(|line| line.starts_with(&start));
+    let row = row.unwrap_or_else(|| panic!("no {start} in {text}"));
+    row.split(',').map(str::to_owned).collect()
+}
+
+#[test]
+fn no_score_is_worse_than_the_ratchet_allows() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let (code, says) = stability(&folder("ratchet"), &["--ratchet", "tests/stability.toml"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(says.contains("no score is worse"), "{says}");
+}
+
+#[test]
+fn a_regression_fails_and_is_named() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("regression");
+    let worse = ["--set", "reflection.bounces=1", "--methods", "rt"];
+    let ratchet = ["15", "--ratchet", "tests/stability.toml"];
+    let (code, says) = stability(&folder, &[&ratchet[..], &worse[..]].concat());
+    assert_eq!(code, 6, "{says}");
+    assert!(
+        says.contains("worse: 15-facing-mirrors, rt: flip is"),
+        "{says}"
+    );
+}
+
+#[test]
+fn a_film_of_ones_own_is_scored_and_resumed() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("film");
+    let scene = folder.join("mine.toml");
+    fs::write(&scene, SCENE).expect("a scene");
+    let scene = scene.to_str().expect("Unicode");
+    let (code, says) = stability(&folder, &[scene, "--methods", "ssr,rt"]);
+    assert_eq!(code, 0, "{says}");
+    let [ssr, rt] = ["ssr", "rt"].map(|method| row(&folder, "mine", method));
+    let number = |cell: &str| cell.parse::<f64>().unwrap_or_else(|_| panic!("{ssr:?}"));
+    // mode, method, against, frames, mask_px, flip, flip_p99, worst (with a comma), …, flicker
+    assert_eq!((ssr[3].as_str(), rt[3].as_str()), ("3", "3"));
+    assert!(
+        number(&ssr[5]) > 0.1 && number(&rt[5]) == 0.0,
+        "{ssr:?} {rt:?}"
+    );
+    let document = fs::read_to_string(folder.join("stability.md")).expect("a document");
+    for part in [
+        "| mine | 🟥",
+        "### mine\n\nA ball that rolls.",
+        "## Flicker",
+    ] {
+        assert!(document.contains(part), "no {part:?} in {document}");
+    }
+    let samples = fs::read(folder.join("samples.csv")).expect("samples");
+    let (code, says) = stability(&folder, &[scene, "--methods", "ssr,rt", "--resume"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(says.contains("6 frames were measured before"), "{says}");
+    assert_eq!(
+        fs::read(folder.join("samples.csv")).expect("samples"),
+        samples
+    );
+}
+
+#[test]
+fn what_has_no_score_is_named_and_never_good() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("empty");
+    let scene = folder.join("dull.toml");
+    fs::write(&scene, SCENE.replace("roughness = 0", "roughness = 1")).expect("a scene");
+    let scene = scene.to_str().expect("Unicode");
+    let (code, says) = stability(&folder, &[scene, "--methods", "ssr", "--stills"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(says.contains("dull, ssr: not scored: frame 0"), "{says}");
+    let ratchet = folder.join("ratchet.toml");
+    let cell =
+        "size = [96, 54]\n[[cell]]\nmode = \"dull\"\nmethod = \"ssr\"\nflip = 1\nflip_p99 = 1\n";
+    fs::write(&ratchet, cell).expect("a ratchet");
+    let ratchet = ratchet.to_str().expect("Unicode");
+    let options = [scene, "--methods", "ssr", "--ratchet", ratchet, "--resume"];
+    let (code, says) = stability(&folder, &options);
+    assert_eq!(code, 6, "{says}");
+    assert!(
+        says.contains("worse: dull, ssr: no score: frame 0"),
+        "{says}"
+    );
+}
+
+#[test]
+fn bad_input_is_named() {
+    let folder = folder("bad");
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(&path, text).expect("written");
+        path.to_str().expect("Unicode").to_owned()
+    };
+    let broken = write("broken.toml", "version = 1\n[camera.main]\nfov = 3\n");
+    let torn = write(
+        "torn/ratchet.toml",
+        "size = [160, 90]\n[[cell]]\nmode = 3\n",
+    );
+    let gone = write(
+        "gone/ratchet.toml",
+        "size = [160, 90]\n[[cell]]\nmode = \"29-gone\"\nmethod = \"rt\"\nflip = 0\nflip_p99 = 0\n",
+    );
+    write("gap/01-a.toml", SCENE);
+    let second = write("gap/03-b.toml", SCENE);
+    let gap = Path::new(&second).parent().expect("a folder");
+    let gap = gap.to_str().expect("Unicode");
+    let output = folder.join("out");
+    for (arguments, code, parts) in [
+        (
+            &["29"][..],
+            2,
+            &["29: scenes/fail has no such mode", "03-rails"][..],
+        ),
+        (&["rails"], 2, &["rails: scenes/fail has no such mode"]),
+        (&[&broken], 3, &["broken.toml:3:1", "fov_deg"]),
+        (&["none.toml"], 3, &["none.toml"]),
+        (&["--suite", "none"], 2, &["--suite none"]),
+        (&["--suite", gap], 2, &["mode 2 is missing"]),
+        (&["3", "--methods", "auto"], 2, &["--methods auto"]),
+        (
+            &["--ratchet", "none.toml"],
+            2,
+            &["none.toml: there is no such file"],
+        ),
+        (&["--ratchet", &torn], 2, &["ratchet.toml", "line 3"]),
+        (
+            &["--ratchet", &gone],
+            2,
+            &["29-gone: scenes/fail has no such mode"],
+        ),
+        (&["3", "scenes/fail/03-rails.toml"], 2, &["the same name"]),
+        (
+            &["--ratchet", "tests/stability.toml", "--size", "99x9"],
+            2,
+            &["not of 99 x 9"],
+        ),
+    ] {
+        let (found, says) = stability(&output, arguments);
+        assert_eq!(found, code, "{arguments:?}: {says}");
+        for part in parts {
+            assert!(says.contains(part), "{arguments:?}: no {part:?} in {says}");
+        }
+    }
+    assert!(!output.exists(), "nothing was begun");
+}
