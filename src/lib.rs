@@ -24,6 +24,9 @@
 //! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
 //!
+//! [`app`] and `src/main.rs` are built with the feature `cli`, [`mod@bench`] and what follows files with
+//! `bench`, the window with `preview`; the rest is the library.
+//!
 //! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
 //! needs a device: `gpu/` if it knows no scene, else `render/`. It judges a picture: `bench/`.
 //!
@@ -97,7 +100,9 @@
 //!   length U is the diagonal of the static bounding box / 16, so that the paper's settings carry
 //!   over between scenes.
 
+#[cfg(feature = "cli")]
 pub mod app;
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod files;
 pub mod gpu;
