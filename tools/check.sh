@@ -53,6 +53,9 @@ fi
 heading "Tests"
 cargo test --release --locked --all-features
 
+heading "Example of the library"
+cargo run --release --locked --all-features --example render_to_pixels
+
 if [ "$full" = yes ]; then
     heading "Long tests"
     cargo test --release --locked --all-features -- --ignored

@@ -5,7 +5,7 @@ use std::{fs, io, path::Path};
 use super::{
     error::AppError,
     print_out,
-    scene::{LoadedScene, choose_camera, load_scene},
+    scene::{choose_camera, load_scene},
 };
 use crate::{
     bench::{
@@ -26,6 +26,7 @@ use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::RenderError,
     scene::{desc::Method, diagnostic::Diagnostic},
+    session::scene_text::LoadedScene,
 };
 
 pub mod args;

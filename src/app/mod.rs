@@ -25,7 +25,6 @@ pub mod frames;
 pub mod info;
 #[cfg(feature = "bench")]
 pub mod live;
-pub mod model_viewer_scene;
 pub mod output;
 pub mod params;
 #[cfg(feature = "preview")]
