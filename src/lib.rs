@@ -3,6 +3,9 @@
 //! Computer 34(3), 2018): reflections are marched in screen space first; every pixel that the march
 //! cannot answer goes into a mask; only the mask is ray traced on the GPU.
 //!
+//! A program opens a scene by [`session::Session`]; `docs/examples/render_to_pixels.rs` is one in a few
+//! lines.
+//!
 //! # The map
 //!
 //! Data flows one way, and imports only point down this list (`tests/layers` holds it):
@@ -16,6 +19,7 @@
 //! |---|---|
 //! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
+//! | [`session`] | the library's front door: a scene is opened, changed, posed and rendered to pixels and AOVs, as the commands do it |
 //! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |
 //! | [`world`] | SceneDesc → CPU data: glTF, images, shapes, trees and the CPU oracle; no wgpu |
@@ -23,6 +27,9 @@
 //! | [`math`], [`files`] | bounds and color over glam; files that are whole or not there |
 //! | `docs/` | `extending.md`: what each kind of addition touches; `glossary.md`: terms that are ours |
 //! | `shaders/` | a file for each pass, named like `src/render/passes/*.rs`; only `shaders/lib` can be imported |
+//!
+//! [`app`] and `src/main.rs` are built with the feature `cli`, [`mod@bench`] and what follows files with
+//! `bench`, the window with `preview`; the rest is the library.
 //!
 //! Where does a new line go? Users can write it: `scene/desc.rs`. It needs a file: `world/`. It
 //! needs a device: `gpu/` if it knows no scene, else `render/`. It judges a picture: `bench/`.
@@ -97,11 +104,14 @@
 //!   length U is the diagonal of the static bounding box / 16, so that the paper's settings carry
 //!   over between scenes.
 
+#[cfg(feature = "cli")]
 pub mod app;
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod files;
 pub mod gpu;
 pub mod math;
 pub mod render;
 pub mod scene;
+pub mod session;
 pub mod world;

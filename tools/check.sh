@@ -38,14 +38,27 @@ cargo fmt --all -- --check
 
 heading "Lints"
 # The release profile, like the tests and the demo: dependencies are built once.
-cargo clippy --release --locked --all-targets -- -D warnings
+cargo clippy --release --locked --all-targets --all-features -- -D warnings
+
+heading "Lints without the window, the measuring and the command line"
+for features in bench cli ""; do
+    cargo clippy --release --locked --no-default-features --features "$features" -- -D warnings
+done
+library="$(cargo tree --locked --no-default-features)"
+if grep -E '(egui|winit|clap|plotters) v' <<<"$library"; then
+    echo "these must not be dependencies of the library alone" >&2
+    exit 1
+fi
 
 heading "Tests"
-cargo test --release --locked
+cargo test --release --locked --all-features
+
+heading "Example of the library"
+cargo run --release --locked --all-features --example render_to_pixels
 
 if [ "$full" = yes ]; then
     heading "Long tests"
-    cargo test --release --locked -- --ignored
+    cargo test --release --locked --all-features -- --ignored
 fi
 
 if [ -f tools/pyproject.toml ]; then

@@ -3,6 +3,31 @@
 # missing, says when it needs root, and asks nothing.
 set -euo pipefail
 
+usage() {
+    echo "usage: tools/setup.sh [--build | --run]"
+    echo "  --build  only what compiles the program"
+    echo "  --run    only what the program runs: an adapter, ffmpeg, the USD converter"
+}
+
+only=all
+case "${1:-}" in
+    '') ;;
+    --build) only=build ;;
+    --run) only=run ;;
+    -h | --help)
+        usage
+        exit 0
+        ;;
+    *)
+        usage >&2
+        exit 2
+        ;;
+esac
+readonly only
+
+# Whether a part for building, running or testing is asked for.
+wants() { [ "$only" = all ] || [ "$only" = "$1" ]; }
+
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root
 # The oldest Rust that builds Reflet, from its manifest.
@@ -79,14 +104,32 @@ has_vulkan_adapter() {
 
 setup_debian() {
     local missing=()
-    heading "C toolchain"
-    if has cc && has c++; then
-        echo "present: $(command -v cc)"
-    else
-        missing+=(build-essential)
-        echo "missing: build-essential"
+    if wants build; then
+        heading "C toolchain"
+        if has cc && has c++; then
+            echo "present: $(command -v cc)"
+        else
+            missing+=(build-essential)
+            echo "missing: build-essential"
+        fi
+        if ! has cargo && [ ! -x "$HOME/.cargo/bin/cargo" ] && ! has curl; then
+            missing+=(curl ca-certificates)
+        fi
     fi
+    if wants run; then
+        missing_to_run
+    fi
+    if wants test; then
+        missing_to_test
+    fi
+    if [ "${#missing[@]}" -gt 0 ]; then
+        heading "Installing ${missing[*]}"
+        apt_install "${missing[@]}"
+    fi
+}
 
+# Adds packages to `missing`.
+missing_to_run() {
     heading "Vulkan"
     if has_vulkan_loader; then
         echo "present: the loader"
@@ -100,7 +143,19 @@ setup_debian() {
         missing+=(mesa-vulkan-drivers)
         echo "missing: an adapter; mesa-vulkan-drivers renders without a GPU"
     fi
+    if [ -f "$root/tools/pyproject.toml" ] && ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
+        missing+=(python3 python3-venv)
+        echo "missing: python3-venv"
+    fi
+    # Only .mp4, .mov, .mkv and .webm need it, so a machine for building goes without.
+    if [ "$only" = run ] && ! has ffmpeg; then
+        missing+=(ffmpeg)
+        echo "missing: ffmpeg"
+    fi
+}
 
+# Adds packages to `missing`.
+missing_to_test() {
     heading "Window test"
     local window=() package
     for package in "${window_packages[@]}"; do
@@ -114,25 +169,13 @@ setup_debian() {
     else
         echo "missing: ${window[*]}; without root they are left out, and tests/window.rs is skipped"
     fi
-
-    if ! has cargo && [ ! -x "$HOME/.cargo/bin/cargo" ] && ! has curl; then
-        missing+=(curl ca-certificates)
-    fi
-    if [ -f "$root/tools/pyproject.toml" ] && ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
-        missing+=(python3 python3-venv)
-        echo "missing: python3-venv"
-    fi
-    if [ "${#missing[@]}" -gt 0 ]; then
-        heading "Installing ${missing[*]}"
-        apt_install "${missing[@]}"
-    fi
 }
 
 # Elsewhere nothing is installed: what is missing is named.
 check_elsewhere() {
     heading "System"
     local missing=()
-    has cc || missing+=("a C compiler (cc)")
+    has cc || ! wants build || missing+=("a C compiler (cc)")
     case "$(uname -s)" in
         Linux)
             has_vulkan_loader || missing+=("the Vulkan loader (libvulkan.so.1)")
@@ -185,6 +228,12 @@ setup_python() {
     fi
     has python3 || fail "needs python3"
     [ -x "$root/.venv/bin/python" ] || python3 -m venv "$root/.venv"
+    if ! wants test; then
+        "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+            --editable "$root/tools"
+        echo "ready: .venv, without what the tests need"
+        return 0
+    fi
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --editable "$root/tools[dev]"
     # An independent renderer, for one test. It has no build for every system.
@@ -214,6 +263,12 @@ if has apt-get; then
 else
     check_elsewhere
 fi
-setup_rust
-setup_python
-setup_validator
+if wants build; then
+    setup_rust
+fi
+if wants run; then
+    setup_python
+fi
+if wants test; then
+    setup_validator
+fi

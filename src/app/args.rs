@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::frames::{Shard, parse_shard};
-use crate::scene::desc::Method;
+use crate::{scene::desc::Method, session::scene_text::SceneOptions};
 
 /// Where the scene comes from and what is changed in it.
 #[derive(Clone, Debug, Default, Args)]
@@ -17,6 +17,16 @@ pub struct SceneArgs {
     /// REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
+}
+
+impl SceneArgs {
+    /// As options of a scene.
+    pub fn options(&self) -> SceneOptions {
+        SceneOptions {
+            set: self.set.clone(),
+            assets: self.assets.clone(),
+        }
+    }
 }
 
 /// `render`
@@ -76,6 +86,7 @@ pub struct RenderArgs {
 }
 
 /// `preview`
+#[cfg(feature = "preview")]
 #[derive(Clone, Debug, Args)]
 #[command(
     after_help = "Left drag orbits, right drag looks around and flies with W A S D Q E, the \

@@ -6,7 +6,7 @@ use super::{
     args::MethodArg,
     error::AppError,
     print_out,
-    scene::{LoadedScene, choose_camera, load_scene},
+    scene::{choose_camera, load_scene},
 };
 use crate::{
     bench::{
@@ -27,6 +27,7 @@ use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::RenderError,
     scene::{desc::Method, diagnostic::Diagnostic},
+    session::scene_text::LoadedScene,
 };
 
 pub mod args;

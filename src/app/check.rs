@@ -41,7 +41,7 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
             POSING.as_secs()
         ),
     };
-    let warnings = match loaded.num_warnings {
+    let warnings = match loaded.warnings.len() {
         0 => String::new(),
         1 => ", 1 warning".to_owned(),
         n => format!(", {n} warnings"),

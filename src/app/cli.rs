@@ -2,10 +2,19 @@
 
 use clap::{Parser, Subcommand};
 
-use super::{
-    args::{CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
-    bench::args::BenchArgs,
-};
+#[cfg(not(feature = "preview"))]
+use LeftOutArgs as PreviewArgs;
+#[cfg(not(feature = "bench"))]
+use LeftOutArgs as BenchArgs;
+#[cfg(not(feature = "bench"))]
+use LeftOutArgs as CompareArgs;
+
+#[cfg(feature = "preview")]
+use super::args::PreviewArgs;
+use super::args::{CheckArgs, InfoArgs, RenderArgs};
+#[cfg(feature = "bench")]
+use super::bench::args::BenchArgs;
+#[cfg(feature = "bench")]
 use crate::bench::compare::CompareArgs;
 
 /// Renders scenes written as text with hybrid reflections: marched in screen space first, ray
@@ -24,6 +33,10 @@ pub enum Command {
     /// Render a scene to pictures or a film
     Render(RenderArgs),
     /// Show a scene in a window; every save of its files shows at once
+    #[cfg_attr(
+        not(feature = "preview"),
+        command(hide = true, disable_help_flag = true)
+    )]
     Preview(PreviewArgs),
     /// Read a scene and everything it refers to, pose its frames, and report every problem; needs no
     /// GPU
@@ -31,8 +44,10 @@ pub enum Command {
     /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
     /// Judge a picture against a reference
+    #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
+    #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Bench(Box<BenchArgs>),
     /// Print the JSON Schema of scene text, for editors
     Schema,
@@ -44,6 +59,16 @@ pub enum Command {
         #[arg(long)]
         definitions: bool,
     },
+}
+
+/// Arguments of a command that this build leaves out: anything, so that the message is about the
+/// build.
+#[cfg(not(feature = "preview"))]
+#[derive(Clone, Debug, clap::Args)]
+pub struct LeftOutArgs {
+    /// Not read.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub rest: Vec<std::ffi::OsString>,
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ const BUILT_FROM: &str = env!("REFLET_BUILT_FROM");
 /// # Errors
 /// A file that cannot be read any more, or that was modified since the scene was opened.
 pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppError> {
-    let loaded = &session.loaded;
+    let loaded = &session.scene.loaded;
     let mut hash = Xxh3Default::new();
     let mut add = |bytes: &[u8]| {
         hash.update(&(bytes.len() as u64).to_le_bytes());
@@ -55,8 +55,8 @@ pub fn of_run(args: &RenderArgs, session: &RenderSession) -> Result<u128, AppErr
         }
     }
     // Decided, where the scene leaves a choice.
-    add(format!("{:?}", session.options()).as_bytes());
-    let gpu = &session.gpu;
+    add(format!("{:?}", session.scene.options()).as_bytes());
+    let gpu = &session.scene.gpu;
     add(gpu.adapter_info.name.as_bytes());
     add(gpu.adapter_info.driver_info.as_bytes());
     Ok(hash.digest128())

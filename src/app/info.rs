@@ -5,11 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::{
-    args::InfoArgs,
-    error::AppError,
-    params::setting,
-    print_json, print_out,
-    scene::{LoadedScene, load_scene},
+    args::InfoArgs, error::AppError, params::setting, print_json, print_out, scene::load_scene,
     stats::mebibytes,
 };
 use crate::{
@@ -21,6 +17,7 @@ use crate::{
         types::GpuVertex,
     },
     scene::desc::{Entry, LightKind, SceneDesc},
+    session::scene_text::LoadedScene,
     world::{Mesh, World, animation::Listed, bvh::Trees},
 };
 
@@ -177,7 +174,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
         left_out: plan.dropped,
-        warnings: loaded.num_warnings,
+        warnings: loaded.warnings.len(),
         files: world
             .files
             .iter()

@@ -11,9 +11,7 @@ use std::{
 use super::{
     args::SceneArgs,
     error::AppError,
-    model_viewer_scene::is_model,
     params::{DeclaredParameters, ParameterOverrides},
-    scene::SceneText,
     watch::{Change, WatchList},
 };
 use crate::{
@@ -24,6 +22,10 @@ use crate::{
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
         diagnostic::Diagnostic,
         stages::Scene,
+    },
+    session::{
+        model_viewer_scene::is_model,
+        scene_text::{SceneOptions, SceneText},
     },
     world::{
         World,
@@ -378,9 +380,9 @@ impl Live {
 
 /// The scene of [`EMPTY_SCENE`].
 fn empty_scene(source: &SceneSource) -> Result<Read, Vec<Diagnostic>> {
-    let from = SceneArgs {
+    let from = SceneOptions {
         assets: source.args.assets.clone(),
-        ..SceneArgs::default()
+        ..SceneOptions::default()
     };
     let text = SceneText::new(EMPTY_SCENE, Path::new("nothing"), &from);
     let opened = text.open(&[], &Dependencies::default())?;

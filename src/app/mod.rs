@@ -7,13 +7,13 @@ use std::{
 
 use clap::Parser as _;
 
-use crate::{
-    bench::compare::{CompareArgs, compare},
-    scene::{manual::manual, schema::schema, script},
-};
+#[cfg(feature = "bench")]
+use crate::bench::compare::{CompareArgs, compare};
+use crate::scene::{manual::manual, schema::schema, script};
 
 pub mod aov;
 pub mod args;
+#[cfg(feature = "bench")]
 pub mod bench;
 pub mod check;
 pub mod cli;
@@ -23,10 +23,11 @@ pub mod fingerprint;
 pub mod frame_spans;
 pub mod frames;
 pub mod info;
+#[cfg(feature = "bench")]
 pub mod live;
-pub mod model_viewer_scene;
 pub mod output;
 pub mod params;
+#[cfg(feature = "preview")]
 pub mod preview;
 pub mod progress;
 pub mod render;
@@ -35,7 +36,9 @@ pub mod scene;
 pub mod sequence;
 pub mod shutdown;
 pub mod stats;
+#[cfg(feature = "bench")]
 pub mod unique_names;
+#[cfg(feature = "bench")]
 pub mod watch;
 
 use cli::{Cli, Command};
@@ -49,11 +52,20 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     let cli = Cli::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     match cli.command {
         Command::Render(args) => render::render(&args),
+        #[cfg(feature = "preview")]
         Command::Preview(args) => preview::preview(&args),
+        #[cfg(not(feature = "preview"))]
+        Command::Preview(_) => Err(left_out("preview", "preview")),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => bench::bench(&args),
+        #[cfg(not(feature = "bench"))]
+        Command::Compare(_) => Err(left_out("compare", "bench")),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench(_) => Err(left_out("bench", "bench")),
         Command::Schema => print_json(&schema()),
         Command::Manual => print_out(&manual()),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
@@ -61,6 +73,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
     }
 }
 
+/// A command that this build leaves out.
+#[cfg(not(feature = "preview"))]
+fn left_out(command: &str, feature: &str) -> AppError {
+    AppError::Usage(format!(
+        "this build of Reflet has no `{command}`; build it with `cargo build --release`, or with \
+         `--features {feature}`"
+    ))
+}
+
+#[cfg(feature = "bench")]
 fn run_compare(args: &CompareArgs) -> Result<(), AppError> {
     let comparison = compare(args).map_err(|diagnostic| AppError::Picture(vec![*diagnostic]))?;
     print_out(&if args.json {

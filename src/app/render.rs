@@ -57,17 +57,10 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
                 .collect::<Vec<_>>(),
         ),
     );
-    let scene = &session.loaded.scene;
-    let posed = scene.pose(scene.first_frame());
-    if let Some(state) = posed.map_err(AppError::Scene)? {
-        for line in &state.log {
-            eprintln!("{line}");
-        }
-        session
-            .loaded
-            .world
-            .apply(&state)
-            .map_err(AppError::Scene)?;
+    let loaded = &mut session.scene.loaded;
+    let log = loaded.pose(loaded.scene.first_frame());
+    for line in &log.map_err(AppError::Scene)? {
+        eprintln!("{line}");
     }
     let picture = session
         .picture()
@@ -86,10 +79,11 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     for path in output.write(&picture)? {
         eprintln!("wrote {}", path.display());
     }
-    let mut report = Report::new(&session.gpu, picture.stats, context);
+    let mut report = Report::new(&session.scene.gpu, picture.stats, context);
     if args.counters {
         report.counts = Some(
             session
+                .scene
                 .counts()
                 .map_err(|error| AppError::from_render(error, session.own_shaders))?,
         );

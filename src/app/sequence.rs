@@ -159,9 +159,9 @@ pub fn render(
         }
     }
     shutdown::listen();
-    let gpu = session.gpu.clone();
+    let gpu = session.scene.gpu.clone();
     let encoders = Encoders::new(&gpu, &target, progress);
-    let scene = session.loaded.scene.clone();
+    let scene = session.scene.loaded.scene.clone();
     let animator = Animator::new(&scene);
     let has_color = matches!(&target, Target::Files { output, .. } if output.has_color());
     let asked: Vec<u32> = wanted.iter().map(|(_, frame, _)| *frame).collect();
@@ -272,7 +272,7 @@ fn target(
     session: &RenderSession,
     frames: &FrameList,
 ) -> Result<Target, AppError> {
-    let desc = &session.loaded.scene;
+    let desc = &session.scene.loaded.scene;
     if let Format::Film(format) = Format::expect(&args.output)? {
         let fps = desc.timeline.as_ref().map_or(24.0, |t| t.fps);
         let film = Film::new(&args.output, format, desc.image.size, fps, frames.0.len())?;
@@ -308,7 +308,8 @@ fn begin_frame(
     for line in &state.log {
         encoders.print_above(|| eprintln!("frame {frame}: {line}"));
     }
-    session.loaded.world.apply(&state).map_err(scene_error)?;
+    let world = &mut session.scene.loaded.world;
+    world.apply(&state).map_err(scene_error)?;
     session.begin(has_color).map_err(|error| {
         let fatal = matches!(
             error,

@@ -2,8 +2,8 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use reflet::{
-    app::{args::SceneArgs, scene::SceneText},
     scene::desc::InstanceDesc,
+    session::scene_text::{SceneOptions, SceneText},
     world::{
         gltf,
         load::{self},
@@ -270,7 +270,7 @@ fn file_lists_its_animations() {
 fn a_model_that_was_read_for_its_timeline_is_not_read_again() {
     let folder = Folder::new();
     let path = folder.write("m.glb", cart().glb());
-    let text = SceneText::read(Some(&path), &SceneArgs::default()).expect("it can be read");
+    let text = SceneText::read(Some(&path), &SceneOptions::default()).expect("it can be read");
     let opened = text.open(&[], &<_>::default()).expect("it is a scene");
     assert!(opened.scene.timeline.is_some());
     let (desc, options) = (opened.scene.desc, opened.options);

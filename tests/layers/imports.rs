@@ -120,7 +120,7 @@ fn module_of(file: &Path) -> Module {
 
 /// The text without comments, strings and the tests at its end.
 fn code_of(text: &str) -> String {
-    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or("");
+    let text = text.split(")]\nmod tests {").next().unwrap_or("");
     let mut code = String::new();
     for line in text.lines() {
         let mut in_string = false;

@@ -9,7 +9,7 @@ use std::{
 };
 
 /// Lower comes first. A file may name modules of its own layer and of those it lists.
-const LAYERS: [(&str, &[&str]); 8] = [
+const LAYERS: [(&str, &[&str]); 9] = [
     ("math", &[]),
     ("files", &[]),
     ("scene", &["math", "files"]),
@@ -17,12 +17,18 @@ const LAYERS: [(&str, &[&str]); 8] = [
     ("gpu", &["math", "files"]),
     ("render", &["gpu", "world", "scene", "math"]),
     (
+        "session",
+        &["render", "gpu", "world", "scene", "math", "files"],
+    ),
+    (
         "bench",
         &["render", "gpu", "world", "scene", "math", "files"],
     ),
     (
         "app",
-        &["bench", "render", "gpu", "world", "scene", "math", "files"],
+        &[
+            "session", "bench", "render", "gpu", "world", "scene", "math", "files",
+        ],
     ),
 ];
 

@@ -10,16 +10,13 @@ use super::{
     run, scenario2, subject,
 };
 use crate::{
-    app::{
-        args::SceneArgs,
-        error::AppError,
-        scene::{ATRIUM, SceneText, asset_folders},
-    },
+    app::{error::AppError, scene::load},
     bench::{
         parameter::Parameter,
         run::{FrameSeries, Protocol, Subject, Turn},
     },
     scene::desc::{Accept, Method, ReflectionDesc},
+    session::scene_text::{ATRIUM, SceneOptions, SceneText, asset_folders},
 };
 
 /// Size without `--sizes`: what a CPU draws in a second.
@@ -278,15 +275,13 @@ fn surfaces(has_models: bool) -> Vec<(String, Vec<String>)> {
 impl Stage {
     fn subjects(&self, assets: &[PathBuf]) -> Result<Vec<Subject>, AppError> {
         let load = |(what, changes): &(String, Vec<String>)| {
-            let from = SceneArgs {
+            let from = SceneOptions {
                 set: changes.clone(),
                 assets: assets.to_vec(),
             };
             let text = SceneText::new(self.text, Path::new(self.file), &from);
             let opened = text.open(&[], &<_>::default());
-            let loaded = opened
-                .map_err(AppError::Scene)?
-                .load(self.file.to_owned())?;
+            let loaded = load(opened.map_err(AppError::Scene)?, self.file.to_owned())?;
             let name = format!("{what} ({})", self.place);
             subject(loaded, name, None)
         };

@@ -7,12 +7,13 @@ use crate::{
     app::{
         error::AppError,
         print_json, print_out,
-        scene::{LoadedScene, choose_camera, load_scene},
+        scene::{choose_camera, load_scene},
     },
     bench::{run::Watch as _, summary::digits},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{RenderOptions, Renderer},
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    session::scene_text::LoadedScene,
     world::World,
 };
 

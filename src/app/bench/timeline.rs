@@ -1,13 +1,10 @@
 //! Which frames of a scene `bench` measures, and how they are posed.
 
 use crate::{
-    app::{
-        error::AppError,
-        frames::FrameList,
-        scene::{LoadedScene, choose_camera},
-    },
+    app::{error::AppError, frames::FrameList, scene::choose_camera},
     bench::run::{FrameSeries, Subject},
     scene::stages::Animator,
+    session::scene_text::LoadedScene,
 };
 
 use super::subject;

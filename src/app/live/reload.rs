@@ -11,13 +11,13 @@ use super::{
 };
 use crate::{
     app::{
-        scene::load_options,
         unique_names::unique_names,
         watch::{Change, Changes},
     },
     gpu::{GpuError, ShaderError, ShaderLibrary},
     render::{RebuildSummary, RenderError, RenderOptions},
     scene::{desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState, stages::Scene},
+    session::scene_text::load_options,
     world::{World, load},
 };
 
@@ -219,7 +219,7 @@ impl Live {
         };
         let apply = |world: &mut World| state.as_ref().map_or(Ok(()), |s| world.apply(s));
         let reused = if reuse_files {
-            let options = load_options(&self.source.args, &self.dependencies);
+            let options = load_options(&self.source.args.options(), &self.dependencies);
             self.asset_cache
                 .reuse_assets(&self.world, &read.scene, &options)?
         } else {

@@ -14,13 +14,13 @@ use super::{Live, Reload, SceneSource, catch_panic::catch_panic};
 use crate::{
     app::{
         params::{DeclaredParameters, ParameterOverrides},
-        scene::{OpenedScene, SceneText},
         watch::{Change, Changes},
     },
     scene::{
         dependencies::Dependencies, desc::SceneDesc, diagnostic::Diagnostic, motion::FrameState,
         stages::Scene,
     },
+    session::scene_text::{OpenedScene, SceneText},
     world::load::LoadOptions,
 };
 
@@ -190,7 +190,7 @@ fn read_uncaught(
     texts: &Dependencies,
     frame: u32,
 ) -> Result<Read, Vec<Diagnostic>> {
-    let text = SceneText::read(source.path.as_deref(), &source.args)?;
+    let text = SceneText::read(source.path.as_deref(), &source.args.options())?;
     let declared = text.declared();
     let mut parameters = parameters.clone();
     if let Some(declared) = &declared {

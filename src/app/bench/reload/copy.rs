@@ -8,14 +8,10 @@ use std::{
 };
 
 use crate::{
-    app::{
-        args::SceneArgs,
-        error::AppError,
-        live::SceneSource,
-        scene::{SceneText, asset_folders},
-    },
+    app::{args::SceneArgs, error::AppError, live::SceneSource},
     gpu::ShaderLibrary,
     scene::{dependencies::Dependencies, desc::SceneDesc},
+    session::scene_text::{SceneText, asset_folders},
 };
 
 /// What is edited.
@@ -114,7 +110,7 @@ impl SceneCopy {
                 ShaderLibrary::from_dir(folder).map_err(|e| AppError::from_user_shader(&e))?
             }
         };
-        let opened = SceneText::read(path, from)
+        let opened = SceneText::read(path, &from.options())
             .and_then(|text| text.open(&[], &Dependencies::default()))
             .map_err(AppError::Scene)?;
         let (text, desc) = (opened.text, opened.scene.desc);

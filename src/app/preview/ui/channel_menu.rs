@@ -91,7 +91,7 @@ fn shadow_menu(
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 mod tests {
     use eframe::egui::accesskit::Role;
     use egui_kittest::{Harness, kittest::Queryable as _};

@@ -203,7 +203,7 @@ pub fn list(ui: &mut Ui, entries: &[DiagnosticEntry], fold: &mut FoldState, heig
         });
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 mod tests {
     use std::path::Path;
 

@@ -207,6 +207,6 @@ fn scene_text(material: &MaterialDesc) -> String {
     text
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 #[path = "material_panel_tests.rs"]
 mod tests;

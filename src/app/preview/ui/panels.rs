@@ -371,6 +371,6 @@ pub fn comparison(
         });
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 #[path = "panels_tests.rs"]
 pub(super) mod tests;

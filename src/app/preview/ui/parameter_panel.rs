@@ -242,6 +242,6 @@ fn range(own: f64, around: f64) -> RangeInclusive<f64> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 #[path = "parameter_panel_tests.rs"]
 mod tests;

@@ -270,6 +270,6 @@ pub(super) fn empty_scene(ui: &Ui, rect: Rect, warnings: &[Diagnostic]) {
         });
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "ui-tests"))]
 #[path = "viewport_paint_tests.rs"]
 mod tests;

@@ -1,0 +1,211 @@
+//! The renderer as a library: a session opens a scene, changes its values, poses its frames and
+//! renders them to pixels and AOVs. It prints nothing and writes no files.
+//!
+//! `docs/examples/render_to_pixels.rs` is a whole program.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::{Picture, aov::Aov},
+    scene::{dependencies::Dependencies, diagnostic::Diagnostic},
+    world::load::AssetCache,
+};
+
+pub mod error;
+pub mod model_viewer_scene;
+pub mod scene_renderer;
+pub mod scene_text;
+
+pub use error::SessionError;
+use scene_renderer::SceneRenderer;
+use scene_text::{LoadedScene, OpenedScene, SceneOptions, SceneText};
+
+/// How a session is opened.
+#[derive(Clone, Debug, Default)]
+pub struct SessionOptions {
+    /// Changed values and asset folders.
+    pub scene: SceneOptions,
+    /// Camera to look through; without one `main`, else the first.
+    pub camera: Option<String>,
+    /// Part of the name of the adapter to use; without one as [`GpuOptions`] has it.
+    pub adapter: Option<String>,
+    /// Folder of shaders that replace the built-in ones.
+    pub shaders: Option<PathBuf>,
+}
+
+/// An open scene with its device and renderer.
+pub struct Session {
+    /// File of the scene; none for the built-in one.
+    path: Option<PathBuf>,
+    options: SessionOptions,
+    library: ShaderLibrary,
+    scene: SceneRenderer,
+    /// Files of the scene, which another text of it takes over.
+    assets: AssetCache,
+    frame: u32,
+}
+
+impl Session {
+    /// Opens a scene file, or a model (`.gltf`, `.glb`, USD), which gets daylight and a camera, at its
+    /// first frame.
+    ///
+    /// # Errors
+    /// A file that is missing or has mistakes; a camera that the scene lacks; no usable adapter;
+    /// a scene past the adapter's limits; a shader that does not build.
+    pub fn open(path: impl AsRef<Path>, options: &SessionOptions) -> Result<Self, SessionError> {
+        Self::new(Some(path.as_ref().to_owned()), options)
+    }
+
+    /// Opens the built-in atrium.
+    ///
+    /// # Errors
+    /// As [`Session::open`].
+    pub fn built_in(options: &SessionOptions) -> Result<Self, SessionError> {
+        Self::new(None, options)
+    }
+
+    fn new(path: Option<PathBuf>, options: &SessionOptions) -> Result<Self, SessionError> {
+        let library = match &options.shaders {
+            None => ShaderLibrary::embedded(),
+            Some(folder) => ShaderLibrary::from_dir(folder)?,
+        };
+        let (opened, name) = read(path.as_deref(), &options.scene)?;
+        let (loaded, assets) = opened.load_with_cache(name)?;
+        let camera = camera_of(&loaded, options)?;
+        let frame = loaded.scene.first_frame();
+        let gpu = Gpu::new(&GpuOptions {
+            adapter_filter: options.adapter.clone(),
+        })?;
+        let mut session = Self {
+            path,
+            options: options.clone(),
+            scene: SceneRenderer::new(gpu, loaded, camera, &library)?,
+            library,
+            assets,
+            frame,
+        };
+        session.pose(frame)?;
+        Ok(session)
+    }
+
+    /// Changes values of the scene, each written as `--set` takes it: `material.chrome.roughness=0.2`,
+    /// `image.size=[640, 360]`, `params.height=2`. The text and the script are read again, models and
+    /// images only where the changed scene needs others. The frame stays, where the timeline still has it.
+    ///
+    /// # Errors
+    /// As [`Session::open`]; the session is then as before.
+    pub fn set<S: Into<String>>(
+        &mut self,
+        values: impl IntoIterator<Item = S>,
+    ) -> Result<(), SessionError> {
+        let mut options = self.options.clone();
+        options.scene.set.extend(values.into_iter().map(Into::into));
+        let (opened, name) = read(self.path.as_deref(), &options.scene)?;
+        let world = &self.scene.loaded.world;
+        let reused = (self.assets).reuse_assets(world, &opened.scene, &opened.options)?;
+        let (mut loaded, assets) = match reused {
+            Some(mut reused) => {
+                reused.meshes.clone_from(&world.meshes);
+                reused.textures.clone_from(&world.textures);
+                (opened.with_world(name, reused), None)
+            }
+            None => {
+                let (loaded, assets) = opened.load_with_cache(name)?;
+                (loaded, Some(assets))
+            }
+        };
+        let camera = camera_of(&loaded, &options)?;
+        let has_frame = check_frame(&loaded, self.frame).is_ok();
+        let frame = if has_frame {
+            self.frame
+        } else {
+            loaded.scene.first_frame()
+        };
+        loaded.pose(frame)?;
+        self.scene.change(loaded, camera, &self.library)?;
+        if let Some(assets) = assets {
+            self.assets = assets;
+        }
+        (self.options, self.frame) = (options, frame);
+        Ok(())
+    }
+
+    /// Poses the scene at a frame of its timeline, and returns what its script printed there. A scene
+    /// without a timeline has frame 0 only.
+    ///
+    /// # Errors
+    /// [`SessionError::Frame`] outside of the timeline; [`SessionError::Scene`] where the script fails
+    /// at that frame. The session is then as before.
+    pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, SessionError> {
+        check_frame(&self.scene.loaded, frame)?;
+        let log = self.scene.loaded.pose(frame)?;
+        self.frame = frame;
+        Ok(log)
+    }
+
+    /// Renders the posed scene: linear radiance, display color and the named AOVs ([`Aov::ALL`]), such
+    /// as `depth` or `cause`.
+    ///
+    /// # Errors
+    /// [`SessionError::UnknownName`] for an AOV that does not exist; [`SessionError::Gpu`] for a device
+    /// that is lost or out of memory.
+    pub fn render(&mut self, aovs: &[&str]) -> Result<Picture, SessionError> {
+        let aovs: Result<Vec<Aov>, _> = aovs.iter().map(|name| find_aov(name)).collect();
+        Ok(self.scene.picture(&aovs?)?)
+    }
+
+    /// The scene as it is posed.
+    pub fn scene(&self) -> &LoadedScene {
+        &self.scene.loaded
+    }
+
+    /// Warnings about the scene's text, script and files.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.scene.loaded.warnings
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.scene.gpu
+    }
+}
+
+fn read(
+    path: Option<&Path>,
+    options: &SceneOptions,
+) -> Result<(OpenedScene, String), SessionError> {
+    let text = SceneText::read(path, options)?;
+    let name = text.name();
+    Ok((text.open(&[], &Dependencies::default())?, name))
+}
+
+fn find_aov(name: &str) -> Result<Aov, SessionError> {
+    Aov::from_name(name).ok_or_else(|| SessionError::UnknownName {
+        kind: "AOV",
+        name: name.to_owned(),
+        known: Aov::ALL.iter().map(|aov| aov.name().to_owned()).collect(),
+    })
+}
+
+fn camera_of(loaded: &LoadedScene, options: &SessionOptions) -> Result<usize, SessionError> {
+    let name = options.camera.as_deref();
+    loaded
+        .camera(name)
+        .ok_or_else(|| SessionError::UnknownName {
+            kind: "camera",
+            name: name.unwrap_or_default().to_owned(),
+            known: (loaded.camera_names().into_iter())
+                .map(str::to_owned)
+                .collect(),
+        })
+}
+
+fn check_frame(loaded: &LoadedScene, frame: u32) -> Result<(), SessionError> {
+    let timeline = loaded.scene.timeline.as_ref();
+    let (first, last) = timeline.map_or((0, 0), |t| (t.start, t.end));
+    if (first..=last).contains(&frame) {
+        return Ok(());
+    }
+    Err(SessionError::Frame { frame, first, last })
+}

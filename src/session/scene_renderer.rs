@@ -1,0 +1,108 @@
+//! A loaded scene with its device and renderer, for one picture or many.
+
+use std::sync::Arc;
+
+use super::scene_text::LoadedScene;
+use crate::{
+    gpu::{Gpu, ShaderLibrary},
+    render::{
+        PendingPicture, Picture, PictureRequest, RenderError, RenderOptions, Renderer, aov::Aov,
+        probe::PassCounts,
+    },
+};
+
+/// Everything that renders pictures of one scene.
+pub struct SceneRenderer {
+    /// The device, which the encoders of a film share.
+    pub gpu: Arc<Gpu>,
+    /// The scene, posed for the next picture.
+    pub loaded: LoadedScene,
+    renderer: Renderer,
+    camera: usize,
+}
+
+/// Options of a scene, seen by one of its cameras.
+fn options_of(loaded: &LoadedScene, camera: usize) -> RenderOptions {
+    RenderOptions {
+        camera: Some(camera),
+        ..RenderOptions::of(&loaded.scene)
+    }
+}
+
+impl SceneRenderer {
+    /// Builds the renderer of a scene, with the shaders of `library`, for one of its cameras.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn new(
+        gpu: Gpu,
+        loaded: LoadedScene,
+        camera: usize,
+        library: &ShaderLibrary,
+    ) -> Result<Self, RenderError> {
+        let options = options_of(&loaded, camera);
+        let renderer = Renderer::new(&gpu, library, &loaded.first_frame(), &options)?;
+        Ok(Self {
+            gpu: Arc::new(gpu),
+            loaded,
+            renderer,
+            camera,
+        })
+    }
+
+    /// Shows another scene, and builds anew only what differs.
+    ///
+    /// # Errors
+    /// As [`Renderer::change`]; nothing has changed then.
+    pub fn change(
+        &mut self,
+        loaded: LoadedScene,
+        camera: usize,
+        library: &ShaderLibrary,
+    ) -> Result<(), RenderError> {
+        let options = options_of(&loaded, camera);
+        let world = loaded.first_frame();
+        (self.renderer).change(&self.gpu, library, &world, &options)?;
+        drop(world);
+        (self.loaded, self.camera) = (loaded, camera);
+        Ok(())
+    }
+
+    /// Settings without `auto`.
+    pub fn options(&self) -> &RenderOptions {
+        self.renderer.options()
+    }
+
+    /// Renders the posed scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn picture(&mut self, aovs: &[Aov]) -> Result<Picture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world)?;
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.picture(&self.gpu, world, camera, aovs)
+    }
+
+    /// Starts a picture of the posed scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::begin_picture`].
+    pub fn begin(&mut self, request: PictureRequest) -> Result<PendingPicture, RenderError> {
+        let world = &self.loaded.world;
+        self.renderer.update(&self.gpu, world)?;
+        let camera = &world.cameras[self.camera].value;
+        self.renderer
+            .begin_picture(&self.gpu, world, camera, request)
+    }
+
+    /// Renders a frame that counts the work of each pass.
+    ///
+    /// # Errors
+    /// As [`Renderer::counts`].
+    pub fn counts(&mut self) -> Result<Vec<PassCounts>, RenderError> {
+        let world = &self.loaded.world;
+        let camera = &world.cameras[self.camera].value;
+        self.renderer.counts(&self.gpu, world, camera)
+    }
+}

@@ -1,0 +1,244 @@
+//! Scene opening: file, model or built-in atrium, overrides, asset folders.
+
+use std::{
+    borrow::Cow,
+    env,
+    path::{Path, PathBuf},
+};
+
+use super::model_viewer_scene::{is_model, model_viewer_scene};
+use crate::{
+    scene::{
+        dependencies::Dependencies, desc::ParamValue, diagnostic::Diagnostic, parse, stages::Scene,
+    },
+    world::{
+        World,
+        load::{self, AssetCache, LoadOptions},
+    },
+};
+
+/// Environment variable with asset folders, separated as in `PATH`.
+pub const ASSETS_ENV: &str = "REFLET_ASSETS";
+
+/// Built-in scene.
+pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+
+/// What is changed in a scene, and where its files are searched.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneOptions {
+    /// Values to change, as `--set` takes them, such as `image.size=[320, 180]`.
+    pub set: Vec<String>,
+    /// Folders to search for models and textures after the scene's own, before those of
+    /// [`ASSETS_ENV`].
+    pub assets: Vec<PathBuf>,
+}
+
+/// Text of a scene to open.
+#[derive(Debug)]
+pub struct SceneText {
+    text: String,
+    /// Name in messages.
+    file: PathBuf,
+    /// Name of the whole scene in messages.
+    name: String,
+    /// Overrides of its options.
+    set: Vec<String>,
+    options: LoadOptions,
+}
+
+/// A scene read from disk, without its assets.
+#[derive(Debug)]
+pub struct OpenedScene {
+    /// Scene text, for fingerprints.
+    pub text: String,
+    /// Overrides applied to it.
+    pub overrides: Vec<String>,
+    /// Description after overrides and the script's `setup`.
+    pub scene: Scene,
+    /// Warnings about its text and its script.
+    pub warnings: Vec<Diagnostic>,
+    /// Options for loading, with the dependencies so far.
+    pub options: LoadOptions,
+}
+
+/// A loaded scene with its description.
+#[derive(Debug)]
+pub struct LoadedScene {
+    /// Name in messages.
+    pub name: String,
+    /// Description after overrides and the script's `setup`.
+    pub scene: Scene,
+    /// Loaded scene.
+    pub world: World,
+    /// Scene text, for fingerprints.
+    pub text: String,
+    /// Overrides applied to it.
+    pub overrides: Vec<String>,
+    /// Warnings about its text, script and files.
+    pub warnings: Vec<Diagnostic>,
+}
+
+impl SceneText {
+    /// Reads the scene text: of the file, of a model viewer scene, or of the built-in atrium. A
+    /// model is read for that and cached for the load.
+    ///
+    /// # Errors
+    /// As [`parse::read`], and a stage that cannot be converted.
+    pub fn read(path: Option<&Path>, from: &SceneOptions) -> Result<Self, Vec<Diagnostic>> {
+        let options = load_options(from, &Dependencies::default());
+        let (text, file) = match path {
+            Some(path) if is_model(path) => {
+                let text = model_viewer_scene(path, &options, &from.set);
+                (text.map_err(|error| vec![*error])?, path)
+            }
+            Some(path) => (parse::read(path)?, path),
+            None => (ATRIUM.to_owned(), Path::new("atrium.toml")),
+        };
+        let name = path.map(|path| path.display().to_string());
+        Ok(Self {
+            text,
+            file: file.to_owned(),
+            name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
+            set: from.set.clone(),
+            options,
+        })
+    }
+
+    /// From a text in memory; `file` is its name in messages.
+    pub fn new(text: &str, file: &Path, from: &SceneOptions) -> Self {
+        Self {
+            text: text.to_owned(),
+            file: file.to_owned(),
+            name: file.display().to_string(),
+            set: from.set.clone(),
+            options: load_options(from, &Dependencies::default()),
+        }
+    }
+
+    /// Name of the scene in messages.
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Declared parameters in the scene's order; `None` if the text cannot be parsed.
+    pub fn declared(&self) -> Option<Vec<(String, ParamValue)>> {
+        let declared = parse::params(&self.text, &self.file, &self.set);
+        declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
+    }
+
+    /// Reads the scene and runs its script's `setup`; `more` are overrides after those of its options. Adds
+    /// scripts and included files to `texts`, also on errors.
+    ///
+    /// # Errors
+    /// All errors in the scene's texts.
+    pub fn open(
+        self,
+        more: &[String],
+        texts: &Dependencies,
+    ) -> Result<OpenedScene, Vec<Diagnostic>> {
+        let overrides = [self.set.as_slice(), more].concat();
+        let read = Scene::from_text_traced(&self.text, &self.file, &overrides, texts);
+        let (scene, warnings) = read?;
+        Ok(OpenedScene {
+            text: self.text,
+            overrides,
+            scene,
+            warnings,
+            options: self.options,
+        })
+    }
+}
+
+impl OpenedScene {
+    /// Loads the assets of the scene; `name` is used in messages.
+    ///
+    /// # Errors
+    /// All errors, after the warnings about its text.
+    pub fn load(self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
+        self.load_with_cache(name).map(|(loaded, _)| loaded)
+    }
+
+    /// As [`OpenedScene::load`], with the assets for later texts of the scene.
+    ///
+    /// # Errors
+    /// As [`OpenedScene::load`].
+    pub fn load_with_cache(
+        self,
+        name: String,
+    ) -> Result<(LoadedScene, AssetCache), Vec<Diagnostic>> {
+        match load::load_with_cache(&self.scene, &self.options) {
+            Ok((world, assets)) => Ok((self.with_world(name, world), assets)),
+            Err(errors) => Err(self.warnings.into_iter().chain(errors).collect()),
+        }
+    }
+
+    /// With its loaded world.
+    pub(super) fn with_world(mut self, name: String, world: World) -> LoadedScene {
+        self.warnings.extend(world.warnings.iter().cloned());
+        LoadedScene {
+            name,
+            scene: self.scene,
+            world,
+            text: self.text,
+            overrides: self.overrides,
+            warnings: self.warnings,
+        }
+    }
+}
+
+impl LoadedScene {
+    /// The world at the first frame, which decides what is `auto` in renders; as loaded where that frame has
+    /// errors, which are reported when it is rendered.
+    pub fn first_frame(&self) -> Cow<'_, World> {
+        if let Ok(Some(state)) = self.scene.pose(self.scene.first_frame()) {
+            let mut world = self.world.clone();
+            if world.apply(&state).is_ok() {
+                return Cow::Owned(world);
+            }
+        }
+        Cow::Borrowed(&self.world)
+    }
+
+    /// Poses the world at a frame, and returns the lines that the script printed there.
+    ///
+    /// # Errors
+    /// All errors of the frame; the world is as before.
+    pub fn pose(&mut self, frame: u32) -> Result<Vec<String>, Vec<Diagnostic>> {
+        let Some(state) = self.scene.pose(frame)? else {
+            return Ok(Vec::new());
+        };
+        self.world.apply(&state)?;
+        Ok(state.log)
+    }
+
+    /// Index of the named camera; without a name that of `main`, else of the first.
+    pub fn camera(&self, name: Option<&str>) -> Option<usize> {
+        let cameras = &self.world.cameras;
+        match name {
+            Some(name) => cameras.iter().position(|camera| camera.name == name),
+            None => (!cameras.is_empty()).then(|| self.world.main_camera()),
+        }
+    }
+
+    /// Names of its cameras.
+    pub fn camera_names(&self) -> Vec<&str> {
+        let cameras = &self.world.cameras;
+        cameras.iter().map(|camera| camera.name.as_str()).collect()
+    }
+}
+
+/// Load options; searched files are recorded in `dependencies`.
+pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOptions {
+    LoadOptions {
+        assets: asset_folders(&from.assets),
+        dependencies: dependencies.clone(),
+        ..LoadOptions::default()
+    }
+}
+
+/// The given folders, then those of the environment.
+pub fn asset_folders(given: &[PathBuf]) -> Vec<PathBuf> {
+    let listed = env::var_os(ASSETS_ENV).unwrap_or_default();
+    let listed = env::split_paths(&listed).filter(|folder| !folder.as_os_str().is_empty());
+    given.iter().cloned().chain(listed).collect()
+}

@@ -1,0 +1,273 @@
+//! The library's session: what it renders is what the command line renders, and bad input is an error.
+
+mod common;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use common::gpu_or_skip;
+use reflet::{
+    gpu::GpuError,
+    render::PlaneData,
+    session::{Session, SessionError, SessionOptions, scene_text::SceneOptions},
+};
+
+/// A wall that fills the picture, 3 m away; the script moves it away, 1 m a frame, and says so.
+const SCENE: &str = "version = 1
+script = \"away.rhai\"
+[image]
+size = [24, 16]
+[timeline]
+start = 5
+end = 8
+[params]
+step = 1.0
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+[camera.near]
+eye = [0, 0, 2]
+target = [0, 0, 0]
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.wall]
+shape = { kind = \"box\", size = [40, 40, 2] }
+material = \"mirror\"
+[[instance]]
+name = \"wall\"
+model = \"wall\"
+translation = [0, 0, -1]
+dynamic = true
+[light.sun]
+kind = \"directional\"
+direction = [0, -1, -1]
+intensity_lux = 3
+[environment]
+zenith = [0.2, 0.3, 0.5]
+horizon = [0.6, 0.6, 0.6]
+ground = [0.1, 0.1, 0.1]
+";
+const SCRIPT: &str = "fn frame(ctx) {
+    print(`frame ${ctx.frame}`);
+    if ctx.frame == 7 { throw \"no frame 7\"; }
+    ctx.place(\"wall\", [0, 0, -1 - ctx.params.step * (ctx.frame - 5)]);
+}
+";
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("session-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("temporary folder");
+    fs::write(folder.join("scene.toml"), SCENE).expect("temporary scene");
+    fs::write(folder.join("away.rhai"), SCRIPT).expect("temporary script");
+    folder
+}
+
+fn open(folder: &Path, options: &SessionOptions) -> Result<Session, SessionError> {
+    Session::open(folder.join("scene.toml"), options)
+}
+
+fn with_set(set: &[&str]) -> SessionOptions {
+    SessionOptions {
+        scene: SceneOptions {
+            set: set.iter().map(|value| (*value).to_owned()).collect(),
+            ..SceneOptions::default()
+        },
+        ..SessionOptions::default()
+    }
+}
+
+/// Distance to the wall in the middle of the picture, meters.
+#[track_caller]
+fn depth_m(session: &mut Session) -> f32 {
+    let picture = session.render(&["depth"]).expect("it renders");
+    let PlaneData::F32(depths) = &picture.planes[0].data else {
+        panic!("depths are floats")
+    };
+    let [width, height] = picture.size;
+    assert_eq!(depths.len(), (width * height) as usize);
+    depths[(height / 2 * width + width / 2) as usize]
+}
+
+/// The message of what must be an error.
+#[track_caller]
+fn refused<T>(result: Result<T, SessionError>) -> String {
+    result.err().expect("an error").to_string()
+}
+
+#[test]
+fn frames_and_cameras_show_what_stands_there() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("frames");
+    let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
+    let near = |depth: f32, wanted: f32| (depth - wanted).abs() < 1e-3;
+    assert!(near(depth_m(&mut session), 3.0));
+    let printed = session.pose(8).expect("it poses");
+    assert!(
+        printed.len() == 1 && printed[0].ends_with("away.rhai:2: frame 8"),
+        "{printed:?}"
+    );
+    assert!(near(depth_m(&mut session), 6.0));
+    session.set(["params.step=0.5"]).expect("it is set");
+    assert!(near(depth_m(&mut session), 4.5), "the frame stays");
+    session.set(["timeline.end=6"]).expect("it is set");
+    assert!(
+        near(depth_m(&mut session), 3.0),
+        "the first, without frame 8"
+    );
+    let options = SessionOptions {
+        camera: Some("near".to_owned()),
+        ..SessionOptions::default()
+    };
+    let mut session = open(&folder, &options).expect("it opens");
+    assert!(near(depth_m(&mut session), 2.0));
+}
+
+/// Also with a change that needs another mesh, and one that reuses all files.
+#[test]
+fn a_changed_session_renders_what_a_new_one_does() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("set");
+    for set in [
+        &[
+            "material.mirror.base_color=[0.9, 0.3, 0.1]",
+            "image.size=[30, 10]",
+        ][..],
+        &["model.wall.shape={ kind = \"sphere\", radius = 1.5 }"],
+        &["reflection.method=\"rt\"", "image.samples=3"],
+    ] {
+        let mut changed = open(&folder, &SessionOptions::default()).expect("it opens");
+        let before = changed.render(&[]).expect("it renders");
+        changed.set(set.iter().copied()).expect("it is set");
+        let mut new = open(&folder, &with_set(set)).expect("it opens");
+        let [changed, new] = [&mut changed, &mut new].map(|session| {
+            let picture = session.render(&["normal", "cause"]).expect("it renders");
+            (picture.size, picture.color, picture.display, picture.planes)
+        });
+        assert!(changed == new, "{set:?}");
+        assert!(changed.2 != before.display, "{set:?} changes nothing");
+    }
+}
+
+#[test]
+fn session_and_command_line_write_the_same_pixels() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("command-line");
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(&folder)
+        .args(["render", "scene.toml", "--output", "out.png"])
+        .args(["--set", "image.samples=2"])
+        .output();
+    assert!(output.expect("the program starts").status.success());
+    let written = image::open(folder.join("out.png")).expect("a picture");
+    let mut session = open(&folder, &with_set(&["image.samples=2"])).expect("it opens");
+    let picture = session.render(&[]).expect("it renders");
+    let rgb: Vec<u8> = (picture.display.chunks_exact(4))
+        .flat_map(|rgba| rgba[..3].to_vec())
+        .collect();
+    assert!(written.to_rgb8().into_raw() == rgb);
+    assert!(rgb.iter().any(|value| *value > 50), "the wall is lit");
+}
+
+#[test]
+fn bad_input_is_refused_when_opened() {
+    let folder = folder("bad-input");
+    let missing = refused(Session::open(
+        folder.join("none.toml"),
+        &SessionOptions::default(),
+    ));
+    assert!(missing.contains("none.toml"), "{missing}");
+    let size = refused(open(&folder, &with_set(&["image.size=[0, 16]"])));
+    assert!(size.contains("image.size") && size.contains('0'), "{size}");
+    let camera = SessionOptions {
+        camera: Some("far".to_owned()),
+        ..SessionOptions::default()
+    };
+    assert_eq!(
+        refused(open(&folder, &camera)),
+        "there is no camera `far`; there are: main, near"
+    );
+    let shaders = SessionOptions {
+        shaders: Some(folder.join("none")),
+        ..SessionOptions::default()
+    };
+    let shaders = refused(open(&folder, &shaders));
+    assert!(shaders.contains("none"), "{shaders}");
+    fs::write(
+        folder.join("scene.toml"),
+        "version = 1\n[camera.main]\neyes = 1\n",
+    )
+    .expect("written");
+    let mistake = refused(open(&folder, &SessionOptions::default()));
+    assert!(mistake.contains("scene.toml:3:1"), "{mistake}");
+}
+
+#[test]
+fn a_missing_adapter_is_an_error() {
+    let folder = folder("adapter");
+    let options = SessionOptions {
+        adapter: Some("no adapter has this name".to_owned()),
+        ..SessionOptions::default()
+    };
+    let error = open(&folder, &options).err().expect("an error");
+    assert!(
+        matches!(error, SessionError::Gpu(GpuError::NoAdapter(_))),
+        "{error}"
+    );
+}
+
+#[test]
+fn bad_input_leaves_an_open_session_as_it_was() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("stays");
+    let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
+    session.pose(6).expect("it poses");
+    let before = session.render(&["ids"]).expect("it renders");
+    let size = refused(session.set(["image.size=[24, 0]"]));
+    assert!(size.contains("image.size"), "{size}");
+    let key = refused(session.set(["material.miror.roughness=1"]));
+    assert!(key.contains("miror") && key.contains("mirror"), "{key}");
+    let aov = refused(session.render(&["depth", "deepth"]));
+    assert!(
+        aov.starts_with("there is no AOV `deepth`; there are: depth, "),
+        "{aov}"
+    );
+    let frame = refused(session.pose(9));
+    assert_eq!(frame, "there is no frame 9; the timeline has 5 to 8");
+    let thrown = refused(session.pose(7));
+    assert!(
+        thrown.contains("away.rhai:3") && thrown.contains("no frame 7"),
+        "{thrown}"
+    );
+    fs::remove_file(folder.join("scene.toml")).expect("removed");
+    let gone = refused(session.set(["image.samples=2"]));
+    assert!(gone.contains("scene.toml"), "{gone}");
+    let after = session.render(&["ids"]).expect("it renders");
+    assert!((before.display, before.planes) == (after.display, after.planes));
+}
+
+#[test]
+fn a_lost_device_is_an_error() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("lost");
+    let mut session = open(&folder, &SessionOptions::default()).expect("it opens");
+    session.gpu().device.destroy();
+    for _ in 0..2 {
+        let error = session.render(&["depth"]).expect_err("an error");
+        assert!(matches!(error, SessionError::Gpu(_)), "{error}");
+    }
+}
