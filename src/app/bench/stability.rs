@@ -9,11 +9,7 @@ use super::{
     write,
 };
 use crate::{
-    app::{
-        error::AppError,
-        print_out,
-        scene::{LoadedScene, load_scene},
-    },
+    app::{error::AppError, print_out, scene::load_scene},
     bench::{
         hash::Hash,
         parameter::{THRESHOLD_SERIES, method_name},
@@ -25,6 +21,7 @@ use crate::{
     },
     files::write_whole,
     scene::desc::{Method, ShadowMode},
+    session::scene_text::LoadedScene,
 };
 
 mod suite;
