@@ -89,6 +89,9 @@ impl Report {
         for (index, (pass, ms)) in frame.passes_ms.iter().enumerate() {
             line(if index == 0 { "passes" } else { "" }, time(pass, *ms));
         }
+        if !frame.processor_ms.is_empty() {
+            line("", time("processor time of all passes", frame.cost_ms()));
+        }
         line("", time("submit to done", frame.frame_ms));
         line("", time("start to picture", self.first_picture_ms));
         if frame.passes_ms.is_empty() {
@@ -221,6 +224,7 @@ mod tests {
                 unit_m: 1.0,
                 tree_ms: 0.5,
                 passes_ms: vec![("ssr".to_owned(), 1.5), ("trace".to_owned(), 2.5)],
+                processor_ms: Vec::new(),
                 frame_ms: 4.1,
                 shares: Shares::new(&counters, [100, 10], Method::Hybrid),
                 rays: 50,

@@ -127,6 +127,10 @@ sample! {
     passes_ms: Option<f64>,
     /// The same of march, hits, tracing and blur.
     reflection_ms: Option<f64>,
+    /// Processor time of the process in all passes, milliseconds; none on a GPU.
+    passes_cpu_ms: Option<f64>,
+    /// The same in march, hits, tracing and blur.
+    reflection_cpu_ms: Option<f64>,
     /// The rays of the trace pass followed once more without shading, milliseconds; measured in a
     /// frame of its own right after this one, where it was asked for.
     traverse_ms: Option<f64>,
@@ -222,7 +226,9 @@ sample! {
 }
 
 /// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 10] = [
+const NEWER: [&str; 12] = [
+    "passes_cpu_ms",
+    "reflection_cpu_ms",
     "accept",
     "edge_px",
     "reuse_light",

@@ -311,7 +311,10 @@ mod tests {
     fn one_frame_without_a_score_leaves_the_cell_without_one() {
         let says = |samples: &[Sample]| of(2, samples).expect_err("no score");
         let first = sample(0, Some(0.1));
-        assert_eq!(says(std::slice::from_ref(&first)), "frame 1, 32 x 18: not measured");
+        assert_eq!(
+            says(std::slice::from_ref(&first)),
+            "frame 1, 32 x 18: not measured"
+        );
         let empty = says(&[first.clone(), sample(1, None)]);
         assert!(empty.contains("frame 1, 32 x 18: 12 px inside"), "{empty}");
         let mut failed = sample(1, Some(0.1));

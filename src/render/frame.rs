@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::{
-    gpu::{Gpu, GpuError, readback, timer::sum_by_name},
+    gpu::{Gpu, GpuError, readback},
     math::Bounds,
     scene::desc::CameraDesc,
     world::World,
@@ -14,7 +14,7 @@ use super::{
     frame_pass::FramePass as _,
     lights::{ShadowView, lights},
     probe::Probe,
-    recorder::{Recorder, Timing},
+    recorder::{PassTimes, Recorder, Timing},
     renderer::Renderer,
     stats::{FrameStats, Shares},
     sub_frame::SubFrame,
@@ -37,14 +37,14 @@ impl Renderer {
         let started = Instant::now();
         let samples = self.options.image.samples;
         let view = self.view(world, camera)?;
-        let mut passes_ms = Vec::new();
+        let mut times = PassTimes::default();
         for sample in 0..samples {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, None);
-            passes_ms.extend(self.submitted(recorder.finish())?);
+            times.extend(self.submitted(recorder.finish())?);
         }
         gpu.wait()?;
         let frame_ms = started.elapsed().as_secs_f64() * 1e3;
-        let mut stats = self.stats(sum_by_name(passes_ms), frame_ms);
+        let mut stats = self.stats(times.summed(), frame_ms);
         let counters = &self.bindings.ray_list.counters;
         stats.set_counters(&readback::read_buffer(gpu, counters)?);
         Ok(stats)
@@ -70,7 +70,7 @@ impl Renderer {
                 gpu.wait_for(&before)?;
             }
         }
-        Ok(self.stats(Vec::new(), 0.0))
+        Ok(self.stats(PassTimes::default(), 0.0))
     }
 
     /// The view of a camera in a world that was checked to be the uploaded one, posed.
@@ -164,7 +164,7 @@ impl Renderer {
     }
 
     /// The stats of a frame whose counters nobody has read.
-    fn stats(&self, passes_ms: Vec<(String, f64)>, frame_ms: f64) -> FrameStats {
+    fn stats(&self, times: PassTimes, frame_ms: f64) -> FrameStats {
         let mut bytes: Vec<(String, u64)> = Vec::new();
         let named = |(name, size): (&str, u64)| (name.to_owned(), size);
         bytes.extend(self.scene.report().into_iter().map(named));
@@ -190,7 +190,8 @@ impl Renderer {
             rays: 0,
             exhausted_rays: 0,
             decisions: self.decisions.clone(),
-            passes_ms,
+            passes_ms: times.passes_ms,
+            processor_ms: times.processor_ms,
             frame_ms,
             bytes,
         }

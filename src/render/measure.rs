@@ -71,7 +71,7 @@ impl Renderer {
             let recorder = self.sub_frame(gpu, world, &view, sample, Timing::Passes, probe);
             let times = self.submitted(recorder.finish())?;
             let of = |(name, ms): &(String, f64)| (name == trace::TRAVERSE.name).then_some(*ms);
-            if let Some(ms) = times.iter().find_map(of) {
+            if let Some(ms) = times.passes_ms.iter().find_map(of) {
                 sum_ms = Some(sum_ms.unwrap_or(0.0) + ms);
             }
         }

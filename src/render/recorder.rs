@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::gpu::{Gpu, GpuError, Timer, timer::sum_by_name};
 
-use super::shared_groups::SharedGroups;
+use super::{processor_time::processor_ms, shared_groups::SharedGroups};
 
 /// Whether passes are timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,31 @@ pub enum Timing {
     Passes,
     /// Untimed.
     None,
+}
+
+/// Times of passes, milliseconds, in frame order.
+#[derive(Clone, Debug, Default)]
+pub struct PassTimes {
+    /// GPU time, or wall time of passes that were waited for.
+    pub passes_ms: Vec<(String, f64)>,
+    /// Processor time of waited passes on Linux; empty elsewhere.
+    pub processor_ms: Vec<(String, f64)>,
+}
+
+impl PassTimes {
+    /// Adds what other passes took.
+    pub fn extend(&mut self, more: Self) {
+        self.passes_ms.extend(more.passes_ms);
+        self.processor_ms.extend(more.processor_ms);
+    }
+
+    /// Passes of one name added up.
+    pub fn summed(self) -> Self {
+        Self {
+            passes_ms: sum_by_name(self.passes_ms),
+            processor_ms: sum_by_name(self.processor_ms),
+        }
+    }
 }
 
 /// One sub-frame being recorded.
@@ -27,8 +52,8 @@ pub struct Recorder<'a> {
     /// `None` without timing, or if the recorder waits instead.
     timer: Option<&'a Timer>,
     encoder: wgpu::CommandEncoder,
-    /// Times of waited passes, milliseconds; `None` without waiting.
-    waited: Option<Vec<(String, f64)>>,
+    /// Times of waited passes; `None` without waiting.
+    waited: Option<PassTimes>,
     fault: Option<GpuError>,
 }
 
@@ -48,7 +73,7 @@ impl<'a> Recorder<'a> {
             size,
             timer: (timed && !gpu.is_software()).then_some(timer),
             encoder: encoder(gpu),
-            waited: (timed && gpu.is_software()).then(Vec::new),
+            waited: (timed && gpu.is_software()).then(PassTimes::default),
             fault: None,
         }
     }
@@ -76,12 +101,16 @@ impl<'a> Recorder<'a> {
 
     fn wait(&mut self, name: &str) -> Result<(), GpuError> {
         let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu));
-        let started = Instant::now();
+        let (started, before_ms) = (Instant::now(), processor_ms());
         self.gpu.submit(recorded)?;
         self.gpu.wait()?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         if let Some(waited) = &mut self.waited {
-            waited.push((name.to_owned(), ms));
+            waited.passes_ms.push((name.to_owned(), ms));
+            if let Some((before, after)) = before_ms.zip(processor_ms()) {
+                let own_ms = (after - before).max(0.0);
+                waited.processor_ms.push((name.to_owned(), own_ms));
+            }
         }
         Ok(())
     }
@@ -101,7 +130,7 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// The first GPU error.
-    pub fn finish(mut self) -> Result<Vec<(String, f64)>, GpuError> {
+    pub fn finish(mut self) -> Result<PassTimes, GpuError> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
@@ -110,10 +139,13 @@ impl<'a> Recorder<'a> {
         }
         self.gpu.submit(self.encoder)?;
         match (self.waited, self.timer) {
-            (None, Some(timer)) => timer.read(self.gpu),
+            (None, Some(timer)) => Ok(PassTimes {
+                passes_ms: timer.read(self.gpu)?,
+                processor_ms: Vec::new(),
+            }),
             (waited, _) => {
                 self.gpu.wait()?;
-                Ok(sum_by_name(waited.unwrap_or_default()))
+                Ok(waited.unwrap_or_default().summed())
             }
         }
     }

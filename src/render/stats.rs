@@ -97,6 +97,10 @@ pub struct FrameStats {
     /// GPU time of each pass over all sub-frames, milliseconds; empty where nothing was timed.
     #[serde(serialize_with = "as_map")]
     pub passes_ms: Vec<(String, f64)>,
+    /// Processor time of the process during each pass, milliseconds, on a software adapter on Linux;
+    /// empty elsewhere. Other programs do not lengthen it.
+    #[serde(serialize_with = "as_map", skip_serializing_if = "Vec::is_empty")]
+    pub processor_ms: Vec<(String, f64)>,
     /// From the first submission to the last pixel done, milliseconds; 0 where nothing was timed.
     pub frame_ms: f64,
     /// Of the last sub-frame.
@@ -124,6 +128,15 @@ impl FrameStats {
     /// Sum of the passes, milliseconds.
     pub fn passes_total_ms(&self) -> f64 {
         self.passes_ms.iter().map(|(_, ms)| ms).sum()
+    }
+
+    /// What the passes cost, milliseconds: processor time where it is known, else their time.
+    pub fn cost_ms(&self) -> f64 {
+        let passes = match self.processor_ms.as_slice() {
+            [] => &self.passes_ms,
+            passes => passes,
+        };
+        passes.iter().map(|(_, ms)| ms).sum()
     }
 
     /// Whether the passes' sum and the time from submission to done differ by more than 10 %; then

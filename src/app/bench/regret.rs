@@ -197,7 +197,7 @@ fn measure(
             let camera = world.cameras[camera].value.clone();
             let stats = renderer.render(gpu, world, &camera).map_err(refused)?;
             if round > 0 {
-                times.push(stats.passes_total_ms());
+                times.push(stats.cost_ms());
             }
         }
     }

@@ -58,6 +58,7 @@ fn picture() -> Picture {
             unit_m: 1.0,
             tree_ms: 0.0,
             passes_ms: Vec::new(),
+            processor_ms: Vec::new(),
             frame_ms: 0.0,
             shares: Shares::new(&[], [2, 1], Method::Hybrid),
             rays: 0,

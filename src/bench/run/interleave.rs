@@ -359,11 +359,16 @@ fn fill_counts(sample: &mut Sample, passes: &[PassCounts]) {
 fn timed(mut sample: Sample, stats: &FrameStats, repetition: u32) -> Sample {
     sample.repetition = repetition;
     sample.frame_ms = Some(stats.frame_ms);
+    let is_reflection = |(name, _): &&(String, f64)| REFLECTION_PASSES.contains(&name.as_str());
     if !stats.passes_ms.is_empty() {
-        let is_reflection = |(name, _): &&(String, f64)| REFLECTION_PASSES.contains(&name.as_str());
         let reflection = stats.passes_ms.iter().filter(is_reflection);
         sample.passes_ms = Some(stats.passes_total_ms());
         sample.reflection_ms = Some(reflection.map(|(_, ms)| ms).sum());
+    }
+    if !stats.processor_ms.is_empty() {
+        let reflection = stats.processor_ms.iter().filter(is_reflection);
+        sample.passes_cpu_ms = Some(stats.cost_ms());
+        sample.reflection_cpu_ms = Some(reflection.map(|(_, ms)| ms).sum());
     }
     sample.tree_ms = stats.tree_ms;
     sample.rays = u64::from(stats.rays);
