@@ -59,6 +59,13 @@ cargo run --release --locked --all-features --example render_to_pixels
 if [ "$full" = yes ]; then
     heading "Long tests"
     cargo test --release --locked --all-features -- --ignored
+
+    heading "Licenses and vulnerabilities of dependencies"
+    if cargo deny --version >/dev/null 2>&1; then
+        cargo deny check --config tools/deny.toml
+    else
+        echo "missing: cargo-deny; cargo install --locked cargo-deny"
+    fi
 fi
 
 if [ -f tools/pyproject.toml ]; then

@@ -59,6 +59,17 @@ pub enum Command {
         #[arg(long)]
         definitions: bool,
     },
+    /// Print completions for a shell, such as for bash into
+    /// ~/.local/share/bash-completion/completions/reflet
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page of Reflet or of one of its commands: reflet man render | man -l -
+    Man {
+        /// The command, such as render or bench paper; without one, all of Reflet
+        command: Vec<String>,
+    },
 }
 
 /// Arguments of a command that this build leaves out: anything, so that the message is about the

@@ -34,6 +34,7 @@ pub mod render;
 pub mod render_session;
 pub mod scene;
 pub mod sequence;
+pub mod shell;
 pub mod shutdown;
 pub mod stats;
 #[cfg(feature = "bench")]
@@ -70,6 +71,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Manual => print_out(&manual()),
         Command::Scripting { definitions: true } => print_out(&script::api::definitions()),
         Command::Scripting { definitions: false } => print_out(&script::api::manual()),
+        Command::Completions { shell } => print_out(&shell::completions(shell)),
+        Command::Man { command } => print_out(&shell::man_page(&command)?),
     }
 }
 

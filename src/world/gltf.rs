@@ -1,8 +1,8 @@
 //! Reads a glTF 2.0 file into a [`Model`]: meshes, materials, placements, lights and cameras. All
 //! content is untrusted until validated.
 //!
-//! The JSON is read into plain data of our own (`schema`), because ready-made readers refuse valid
-//! files and panic on broken ones.
+//! The JSON is read into plain data of our own (`schema`): the crate `gltf` refused 39 of 248 valid files
+//! and panicked on 2. It judges this reader instead (`tests/gltf/judge.rs`).
 
 use std::{
     collections::BTreeMap,

@@ -12,6 +12,7 @@ mod corpus;
 mod geometry;
 mod hostile;
 mod image;
+mod judge;
 mod kit;
 mod limits;
 mod material;
