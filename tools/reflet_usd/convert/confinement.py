@@ -55,6 +55,8 @@ class Files:
     """Other files that are there."""
     missing: set[str] = field(default_factory=set)
     """What does not resolve, or was left out."""
+    outside: set[str] = field(default_factory=set)
+    """Folders outside the allowed ones that hold layers which the stage names."""
     absent: set[str] = field(default_factory=set)
     """Where what does not resolve would lie, as far as that is one plain and allowed file."""
 
@@ -130,6 +132,9 @@ def _fault(
 ) -> tuple[str, str] | None:
     """Why the asset must not be opened (a name and a message), else None and where it belongs."""
     if _is_outside(asset_path, roots):
+        path = re.sub(r"^file:(//)?", "", asset_path)
+        if _names_a_layer(path) and os.path.isfile(path):
+            files.outside.add(os.path.dirname(os.path.realpath(path)))
         message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
         return "asset-outside-roots", message
     identifier = layer.ComputeAbsolutePath(asset_path)
@@ -144,6 +149,8 @@ def _fault(
         return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
     is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
     if is_layer and not allowed:
+        outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+        files.outside.add(os.path.dirname(os.path.realpath(outer)))
         message = f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
         return "asset-outside-roots", message
     if allowed:
@@ -208,6 +215,34 @@ def warn_left_out(stage: Usd.Stage, cut: list[LeftOut], ledger: Ledger) -> None:
     for item in cut:
         if id(item) not in told:  # sublayers, and prims that nothing on the stage uses
             ledger.warn(item.name, "/", item.message)
+
+
+def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger) -> None:
+    """Name the value clips that cannot be read: USD leaves their animation out without a word."""
+    for prim in stage.TraverseAll():
+        if not prim.HasAuthoredMetadata("clips"):
+            continue
+        for name, clip_set in sorted(prim.GetMetadata("clips").items()):
+            if not isinstance(clip_set, dict):
+                continue
+            paths = Usd.ClipsAPI(prim).ComputeClipAssetPaths(name)
+            if not paths:
+                message = f"the value clips '{name}' name no layer that is there"
+                ledger.warn("clips-missing", prim, f"{message}, their animation is lost")
+            lost = [path.path for path in paths if not _is_readable(path, roots)]
+            if lost:
+                message = f"{len(lost)} of {len(paths)} layers of the value clips '{name}'"
+                message += f" cannot be read, their animation is lost; the first is @{lost[0]}@"
+                ledger.warn("clips-missing", prim, message)
+
+
+def _is_readable(asset: Sdf.AssetPath, roots: tuple[str, ...]) -> bool:
+    if not asset.resolvedPath or not is_allowed(asset.resolvedPath, roots):
+        return False
+    try:
+        return open_layer(asset.resolvedPath) is not None
+    except Tf.ErrorException:
+        return False
 
 
 def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:

@@ -17,6 +17,7 @@ from reflet_usd.convert.confinement import (
     cut_foreign_layers,
     open_layer,
     warn_left_out,
+    warn_missing_clips,
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
@@ -54,6 +55,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     _select_variants(stage, options, str(path))
     check_prim_count(stage)
     warn_left_out(stage, cut, ledger)
+    warn_missing_clips(stage, roots, ledger)
     _warn_composition(stage, delegate, ledger)
     context = Context(stage, options, ledger, roots, files)
     _read_units(context)
