@@ -31,6 +31,8 @@ FALLBACK_METERS_PER_UNIT = 0.01
 FALLBACK_CODES_PER_SECOND = 24.0
 # Units from picometers to billions of kilometers; outside, lengths leave single precision.
 LEAST_UNIT = 1e-12
+# Time codes per second; outside, keys of a clip leave single precision as seconds.
+LEAST_RATE, MOST_RATE = 1e-6, 1e9
 
 
 def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context:
@@ -80,7 +82,7 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         if not layer.pseudoRoot.HasInfo("timeCodesPerSecond"):
             continue
         rate = layer.pseudoRoot.GetInfo("timeCodesPerSecond")
-        if _is_positive(rate):
+        if _is_rate(rate):
             continue
         name = os.path.basename(layer.identifier)
         message = f"timeCodesPerSecond of {name} is {rate!r}, taken as 24"
@@ -206,6 +208,10 @@ def _is_positive(value: Any) -> bool:
         return False
 
 
+def _is_rate(value: Any) -> bool:
+    return _is_positive(value) and LEAST_RATE <= value <= MOST_RATE
+
+
 def _read_time(context: Context) -> None:
     stage = context.stage
     rate = stage_metadata(stage, "timeCodesPerSecond")
@@ -213,7 +219,7 @@ def _read_time(context: Context) -> None:
         rate = stage_metadata(stage, "framesPerSecond")
     if rate is None:
         rate = FALLBACK_CODES_PER_SECOND
-    if not _is_positive(rate):
+    if not _is_rate(rate):
         message = f"timeCodesPerSecond is {rate!r}, taken as 24"
         context.ledger.warn("time-rate-invalid", "/", message)
         rate = FALLBACK_CODES_PER_SECOND

@@ -102,7 +102,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         tuple(settings.get("purpose") or ("default", "render")),
         float(units) if _is_positive(units) else 0.01,
         axis == "Z",
-        float(rate) if _is_positive(rate) else 24.0,
+        float(rate) if _is_rate(rate) else 24.0,
         float(settings.get("timeOrigin") or 0.0),
         int(settings.get("subdivLevel") or 0),
         roots,
@@ -270,7 +270,7 @@ def _repair_time_rate(layer: Sdf.Layer) -> None:
     """Give a layer whose rates are no rates USD's default, in memory: usd-core hangs on 0."""
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         root = layer.pseudoRoot
-        if root.HasInfo(name) and not _is_positive(root.GetInfo(name)):
+        if root.HasInfo(name) and not _is_rate(root.GetInfo(name)):
             layer.pseudoRoot.ClearInfo(name)
 
 
@@ -280,6 +280,11 @@ def _root_metadata(stage: Usd.Stage, name: str) -> Any:
         if layer is not None and layer.pseudoRoot.HasInfo(name):
             return layer.pseudoRoot.GetInfo(name)
     return None
+
+
+def _is_rate(value: Any) -> bool:
+    """A documented rate: 1e-6 to 1e9 codes per second."""
+    return _is_positive(value) and 1e-6 <= value <= 1e9
 
 
 def _is_positive(value: Any) -> bool:
