@@ -17,7 +17,7 @@ use crate::{
         RenderOptions,
         decide::{Decision, decide},
         plan::{Dropped, Plan, can_reflect, traces_rays},
-        textures::{self, assign_slots},
+        textures::Layers,
         types::GpuVertex,
     },
     scene::desc::{Entry, LightKind, SceneDesc},
@@ -135,7 +135,8 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         Trees::unbuilt(world)
     };
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
-    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &gpu.options);
+    let layers = Layers::of(world);
+    let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;
     Ok(Info {
@@ -169,7 +170,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         ray_length_m: reflection.ray_length_u * unit_m,
         threshold_m: reflection.threshold_u * unit_m,
         geometry_bytes: geometry_bytes(world),
-        texture_bytes: texture_bytes(world),
+        texture_bytes: layers.bytes(),
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
@@ -213,17 +214,6 @@ fn geometry_bytes(world: &World) -> u64 {
             + size_of_val(mesh.uv1.as_slice())
     };
     world.meshes.iter().map(mesh).sum::<usize>() as u64
-}
-
-/// GPU memory of the texture pools: each image at its pool's size, with all mips.
-fn texture_bytes(world: &World) -> u64 {
-    let places = textures::assign_slots(&world.textures);
-    let layer = |place: &textures::PoolSlot| {
-        let px = u64::from(textures::POOL_PX[place.pool as usize]);
-        // All mip levels together are 4/3 of the largest.
-        px * px * 4 * 4 / 3
-    };
-    places.iter().map(layer).sum()
 }
 
 fn table(info: &Info) -> String {

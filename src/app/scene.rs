@@ -194,6 +194,7 @@ pub fn load_scene(
 pub fn load_options(from: &SceneArgs, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
+        lenient: from.lenient,
         dependencies: dependencies.clone(),
         ..LoadOptions::default()
     }

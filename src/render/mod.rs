@@ -14,6 +14,7 @@ pub(crate) mod frame;
 pub(crate) mod frame_pass;
 pub(crate) mod frame_uniforms;
 pub(crate) mod geometry;
+pub(crate) mod gpu_material;
 pub(crate) mod lights;
 pub mod measure;
 pub mod options;

@@ -5,7 +5,7 @@
 //! files and panic on broken ones.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -28,6 +28,7 @@ mod extension;
 mod geometry;
 mod light;
 mod material;
+mod meshopt;
 mod node;
 mod primitive;
 mod primitive_context;
@@ -35,12 +36,15 @@ mod read_array;
 pub(super) mod repair;
 mod schema;
 mod skin;
+mod specular_glossiness;
+mod texture_ref;
 mod transform;
 pub(super) mod uri;
 
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
 /// Contents of one file; transforms are relative to the model.
@@ -52,6 +56,11 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
+    /// Names of the material variants.
+    pub variants: Vec<String>,
+    /// For each mesh its material in some variants: indices into [`Model::variants`] and
+    /// [`Model::materials`].
+    pub variant_materials: HashMap<usize, Vec<(usize, usize)>>,
     /// Mesh placements.
     pub placements: Vec<Attached<Placement>>,
     /// KHR_lights_punctual, in the space of their nodes.
@@ -126,6 +135,23 @@ pub enum ImageSource {
     Bytes(Bytes),
     /// In a file, canonical path.
     File(PathBuf),
+    /// Made of other images.
+    SpecularGlossiness(Arc<SpecularGlossinessMaps>),
+}
+
+impl ImageSource {
+    /// The files that it is read from.
+    pub fn files(&self) -> Vec<&PathBuf> {
+        match self {
+            Self::Bytes(_) => Vec::new(),
+            Self::File(path) => vec![path],
+            Self::SpecularGlossiness(maps) => [&maps.diffuse, &maps.specular]
+                .into_iter()
+                .flatten()
+                .flat_map(Self::files)
+                .collect(),
+        }
+    }
 }
 
 /// An error inside a file; the caller adds the file name.
@@ -208,34 +234,36 @@ const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 /// Maximum number of listed errors per file.
 const MAX_ERRORS: usize = 20;
 
-/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]).
+/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). With `lenient`, extensions that
+/// only change the look are ignored even if the file requires them.
 ///
 /// # Errors
 /// All errors, each with its place inside the file.
-pub fn read(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox).map_err(|faults| {
+pub fn read(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox, lenient).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
             .map(|fault| fault.in_file(path))
             .collect()
     })
 }
 
-fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
+fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
-    let (root, binary) = container::open(bytes).map_err(one)?;
+    let (root, binary) = container::open(bytes, lenient).map_err(one)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files: vec![path.to_owned()],
         ..Model::default()
     };
     let mut notes = Notes::default();
-    extension::note_ignored(&root, &mut notes);
     let buffers = buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.stage = Stage::of(&root);
+    let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
+    model.variants = variants.map(|v| v.name.clone()).collect();
     model.clips = animation::read(&root, &data);
     for fault in model
         .clips
@@ -248,7 +276,15 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
     let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
-    model.warnings = notes.into_warnings(path);
+    model.warnings = extension::ignored(&root, path);
+    model.warnings.extend(notes.into_warnings(path));
+    if model.placements.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
+        let text = "the file shows nothing: no node places a mesh with triangles";
+        model.warnings.push(Diagnostic {
+            severity: Severity::Warning,
+            ..Diagnostic::in_file("model-empty", path, text)
+        });
+    }
     Ok(model)
 }
 

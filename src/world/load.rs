@@ -45,6 +45,8 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
+    /// Whether extensions that only change the look are ignored in glTF files that require them.
+    pub lenient: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,
     /// Models that were read before.
@@ -58,6 +60,7 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
+            lenient: false,
             dependencies: Dependencies::default(),
             preloaded_models: PreloadedModels::default(),
         }
@@ -244,7 +247,8 @@ impl<'a> Loader<'a> {
             self.read_stage(path, choice)
         } else {
             let ready = self.options.preloaded_models.take(path);
-            ready.map_or_else(|| read_guarded(path, &self.sandbox), Ok)
+            let lenient = self.options.lenient;
+            ready.map_or_else(|| read_guarded(path, &self.sandbox, lenient), Ok)
         };
         match read {
             Ok(model) => {
@@ -272,7 +276,7 @@ impl<'a> Loader<'a> {
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
         let ready = self.options.preloaded_models.take(&converted.glb);
-        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox), Ok)?;
+        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox, false), Ok)?;
         model.warnings.extend(converted.warnings);
         model.files = converted.files;
         Ok(model)
@@ -305,15 +309,13 @@ impl<'a> Loader<'a> {
             .into_iter()
             .map(|(key, request)| ((key, request.srgb), request))
             .unzip();
-        let image_files = requests.iter().filter_map(|r| match &r.source {
-            gltf::ImageSource::File(path) => Some(path.clone()),
-            gltf::ImageSource::Bytes(_) => None,
-        });
-        let image_files: Vec<_> = image_files.collect();
+        let image_files = requests.iter().flat_map(|r| r.source.files());
+        let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
         self.warn_of_reduced(&requests);
-        camera::add_default(&mut self.world, self.desc.image.size);
+        let meshes = self.world.meshes.clone();
+        camera::add_default(&mut self.world, &meshes, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
@@ -351,8 +353,8 @@ impl Loader<'_> {
 }
 
 /// Panic boundary: a reader's panic becomes an error about its file.
-fn read_guarded(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
-    let worker = thread::scope(|scope| scope.spawn(|| gltf::read(path, sandbox)).join());
+fn read_guarded(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Diagnostic>> {
+    let worker = thread::scope(|scope| scope.spawn(|| gltf::read(path, sandbox, lenient)).join());
     worker.unwrap_or_else(|_| {
         let text = "the reader panicked on this file; please report this";
         Err(vec![Diagnostic::in_file("internal", path, text)])

@@ -30,6 +30,9 @@ pub struct Material {
     pub alpha_cutoff: Option<f32>,
     /// Whether it is double-sided.
     pub double_sided: bool,
+    /// Whether the base color is shown as it is: without light, exposure and tone map
+    /// (KHR_materials_unlit). Such a material has no specular.
+    pub unlit: bool,
     /// Reflection mode.
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
@@ -60,6 +63,7 @@ impl Default for Material {
             occlusion_strength: 1.0,
             alpha_cutoff: None,
             double_sided: false,
+            unlit: false,
             reflection: ReflectionMode::Auto,
             checker: None,
             base_color_texture: None,

@@ -125,7 +125,7 @@ pub struct TextureRef {
 }
 
 /// glTF's wrap modes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// REPEAT
     #[default]

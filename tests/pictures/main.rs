@@ -18,3 +18,4 @@ mod mesh;
 mod moving;
 mod oracle;
 mod ray_list;
+mod textures;

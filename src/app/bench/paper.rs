@@ -281,6 +281,7 @@ impl Stage {
             let from = SceneArgs {
                 set: changes.clone(),
                 assets: assets.to_vec(),
+                ..SceneArgs::default()
             };
             let text = SceneText::new(self.text, Path::new(self.file), &from);
             let opened = text.open(&[], &<_>::default());

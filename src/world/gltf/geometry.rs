@@ -11,7 +11,7 @@ use super::{
     node::{MeshUse, Primitives, Visit},
     primitive,
     primitive_context::Context,
-    schema::Root,
+    schema::{Primitive, Root},
     skin,
 };
 
@@ -62,6 +62,12 @@ pub fn read(
                 notes.merge(new);
                 if let Some(mesh) = mesh {
                     let material = primitive.material.unwrap_or(root.materials.len());
+                    let of_variants = variant_materials(primitive);
+                    if !of_variants.is_empty() {
+                        model
+                            .variant_materials
+                            .insert(model.meshes.len(), of_variants);
+                    }
                     let shown = out.entry(mesh_use).or_default();
                     shown.push((model.meshes.len(), material));
                     model.meshes.push(mesh);
@@ -75,4 +81,15 @@ pub fn read(
     } else {
         Err(faults)
     }
+}
+
+/// Variant and material of each mapping of KHR_materials_variants.
+fn variant_materials(primitive: &Primitive) -> Vec<(usize, usize)> {
+    let mappings = primitive
+        .extensions
+        .variants
+        .iter()
+        .flat_map(|v| &v.mappings);
+    let each = mappings.flat_map(|m| m.variants.iter().map(|variant| (*variant, m.material)));
+    each.collect()
 }

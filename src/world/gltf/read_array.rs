@@ -9,7 +9,8 @@ use super::{
 };
 
 impl Data<'_> {
-    fn spend(&self, bytes: u64) -> Result<(), Fault> {
+    /// Takes bytes from the budget.
+    pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
         let spend = |left: u64| left.checked_sub(bytes);
         (self
             .bytes_left

@@ -80,7 +80,7 @@ impl AssetCache {
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
-            camera::add_default(&mut loader.world, desc.image.size);
+            camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
             loader.world.meshes = Shared::default();

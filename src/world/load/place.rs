@@ -17,7 +17,7 @@ use crate::{
         diagnostic::{Diagnostic, Severity, Span},
         motion::{changing_overrides, moving},
     },
-    world::{Instance, animation::Listed, pose::MovingInstance, rig::Player},
+    world::{Instance, animation::Listed, gltf::Placement, pose::MovingInstance, rig::Player},
 };
 
 /// A mesh of a loaded file.
@@ -236,13 +236,26 @@ impl Loader<'_> {
                 continue;
             }
             let mesh = self.file_mesh(loaded, placement.value.mesh);
-            let material = self.instance_material(job, loaded, placement.value.material);
+            let material = self.variant_material(job, loaded, &placement.value);
+            let material = self.instance_material(job, loaded, material);
             let name = format!("{name}/{}", placement.value.name);
             self.push(name, (mesh, material), place, dropped);
             if self.world.instances.len() > MAX_INSTANCES {
                 return;
             }
         }
+    }
+
+    /// Material of a placement in the model's chosen variant.
+    fn variant_material(&self, job: &Job<'_>, loaded: usize, placement: &Placement) -> usize {
+        let model = &self.loaded[loaded];
+        let chosen = self.desc.models[job.model].value.variant.as_ref();
+        let index = chosen.and_then(|name| model.variants.iter().position(|v| *v == name.value));
+        let mapped = model.variant_materials.get(&placement.mesh);
+        let found = index
+            .zip(mapped)
+            .and_then(|(index, mapped)| mapped.iter().find(|(variant, _)| *variant == index));
+        found.map_or(placement.material, |(_, material)| *material)
     }
 
     /// Adds an instance; `binding` is its mesh and material.
