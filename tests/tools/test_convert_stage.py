@@ -416,3 +416,26 @@ def test_points_that_begin_without_a_value_are_drawn(tmp_path: Path, prim: str) 
     assert sorted(map(tuple, positions)) == [(0, 0, 0), (0, 1, 0), (1, 0, 0)]
     assert "mesh-empty" not in done.warnings()
     assert agrees(done)
+
+
+def test_backslashes_separate_folders(tmp_path: Path) -> None:
+    part = '#usda 1.0\n(\n defaultPrim = "P"\n)\ndef Sphere "P" {\n}\n'
+    (tmp_path / "parts" / "deep").mkdir(parents=True)
+    (tmp_path / "parts" / "deep" / "a.usda").write_text(part, encoding="utf-8")
+    (tmp_path / "odd\\name.usda").write_text(part, encoding="utf-8")
+    text = """
+def "X" (references = @.\\parts\\deep\\a.usda@)
+{
+}
+def "Y" (references = @odd\\name.usda@)
+{
+}
+def "Z" (references = @..\\outside.usda@)
+{
+}
+"""
+    done = convert_text(tmp_path, text)
+    for prim in ("/X", "/Y"):
+        assert done.gltf.nodes[done.node(prim)].mesh is not None
+    assert done.warnings("/Z") == {"asset-unresolved"}
+    assert agrees(done)

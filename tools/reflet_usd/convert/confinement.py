@@ -86,6 +86,7 @@ def cut_foreign_layers(
     seen = {root_layer.identifier}
     for layer in layers:  # grows while it is walked
         files.layers.append(layer.identifier)
+        _turn_separators(layer)
         for identifier in _kept_dependencies(layer, roots, files, cut):
             if identifier in seen or len(layers) > MAX_LAYERS:
                 continue
@@ -97,6 +98,32 @@ def cut_foreign_layers(
             if opened is not None:
                 layers.append(opened)
     return layers, cut
+
+
+def _turn_separators(layer: Sdf.Layer) -> None:
+    """Write, in memory, names with the separators of Windows with slashes, where that is a file."""
+
+    def resolves(path: str) -> bool:
+        if UsdShade.UdimUtils.IsUdimIdentifier(path):
+            return bool(UsdShade.UdimUtils.ResolveUdimTilePaths(path, layer))
+        return bool(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path)))
+
+    turned: dict[str, str] = {}
+
+    def look(path: str) -> str:
+        slashes = path.replace("\\", "/")
+        if slashes != path and "`" not in path and not resolves(path) and resolves(slashes):
+            turned[path] = slashes
+        return path
+
+    UsdUtils.ModifyAssetPaths(layer, look)
+    packaged = Ar.IsPackageRelativePath(layer.identifier)
+    if not turned or packaged or layer.GetFileFormat().formatId == "usdz":
+        return
+    was_editable = layer.permissionToEdit
+    layer.SetPermissionToEdit(True)
+    UsdUtils.ModifyAssetPaths(layer, lambda path: turned.get(path, path))
+    layer.SetPermissionToEdit(was_editable)
 
 
 def _kept_dependencies(

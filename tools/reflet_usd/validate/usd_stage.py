@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
+from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from .scene_data import Array, StageError
 
@@ -83,6 +83,8 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
     roots = tuple(
         os.path.realpath(root) for root in (path.resolve().parent, *(settings.get("roots") or ()))
     )
+    _confine(stage, roots)
+    _turn_separators(stage)
     _confine(stage, roots)
     # Else usd-core scales the times that baking writes into it.
     for name in ("timeCodesPerSecond", "framesPerSecond"):
@@ -264,6 +266,29 @@ def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
         for prim in Usd.PrimRange(root):
             if prim.IsA(UsdGeom.Imageable):
                 yield from prim.GetAuthoredAttributes()
+
+
+def _turn_separators(stage: Usd.Stage) -> None:
+    """A backslash that is part of no file's name separates folders, as on Windows."""
+    done: set[str] = set()
+    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
+        for layer in layers:
+            done.add(layer.identifier)
+            if layer.anonymous or Ar.IsPackageRelativePath(layer.identifier):
+                continue
+
+            turned: dict[str, str] = {}
+
+            def look(path: str, layer: Sdf.Layer = layer, turned: dict[str, str] = turned) -> str:
+                known = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path))
+                if "\\" in path and "`" not in path and not known:
+                    turned[path] = path.replace("\\", "/")
+                return path
+
+            UsdUtils.ModifyAssetPaths(layer, look)
+            if turned:
+                layer.SetPermissionToEdit(True)
+                UsdUtils.ModifyAssetPaths(layer, lambda path, to=turned: to.get(path, path))
 
 
 def _repair_time_rate(layer: Sdf.Layer) -> None:
