@@ -395,6 +395,26 @@ def Cube "X" (
     assert "clips-missing" not in convert_text(tmp_path, text).warnings()
 
 
+def test_templates_of_value_clips_are_looked_for(tmp_path: Path) -> None:
+    text = """
+def Cube "X" (
+    clips = {
+        dictionary default = {
+            string primPath = "/X"
+            asset templateAssetPath = @./clip.#.usda@
+            double templateEndTime = 2
+            double templateStartTime = 1
+            double templateStride = 1
+        }
+    }
+) {
+}
+"""
+    assert "clips-missing" in convert_text(tmp_path, text).warnings("/X")
+    (tmp_path / "clip.1.usda").write_text('#usda 1.0\nover "X" {\n}\n', encoding="utf-8")
+    assert "clips-missing" not in convert_text(tmp_path, text).warnings()
+
+
 @pytest.mark.parametrize(
     "prim",
     [

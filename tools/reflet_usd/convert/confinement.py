@@ -252,8 +252,11 @@ def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger)
         for name, clip_set in sorted(prim.GetMetadata("clips").items()):
             if not isinstance(clip_set, dict):
                 continue
-            paths = Usd.ClipsAPI(prim).ComputeClipAssetPaths(name)
-            if not paths:
+            try:
+                paths = Usd.ClipsAPI(prim).ComputeClipAssetPaths(name)
+            except Tf.ErrorException:  # templates without a manifest, and sets that say too little
+                paths = []
+            if not paths and not _template_matches(prim, name):
                 message = f"the value clips '{name}' name no layer that is there"
                 ledger.warn("clips-missing", prim, f"{message}, their animation is lost")
             lost = [path.path for path in paths if not _is_readable(path, roots)]
@@ -261,6 +264,19 @@ def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger)
                 message = f"{len(lost)} of {len(paths)} layers of the value clips '{name}'"
                 message += f" cannot be read, their animation is lost; the first is @{lost[0]}@"
                 ledger.warn("clips-missing", prim, message)
+
+
+def _template_matches(prim: Usd.Prim, name: str) -> bool:
+    """Whether a clip set's template, such as clip.##.usda, names some file that is there."""
+    for spec in prim.GetPrimStack():
+        clip_set = spec.GetInfo("clips").get(name, {}) if spec.HasInfo("clips") else {}
+        template = clip_set.get("templateAssetPath") if isinstance(clip_set, dict) else None
+        path = template.path if isinstance(template, Sdf.AssetPath) else str(template or "")
+        folder, file = os.path.split(spec.layer.ComputeAbsolutePath(path) if path else "")
+        pattern = re.compile(re.sub(r"#+", r"-?\\d+", re.escape(file).replace(r"\#", "#")))
+        if "#" in file and os.path.isdir(folder):
+            return any(pattern.fullmatch(entry) for entry in os.listdir(folder))
+    return False
 
 
 def _is_readable(asset: Sdf.AssetPath, roots: tuple[str, ...]) -> bool:
