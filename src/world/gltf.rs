@@ -25,10 +25,12 @@ mod camera;
 mod check_indices;
 mod container;
 mod extension;
+mod frozen_pose;
 mod geometry;
 mod light;
 mod material;
 mod meshopt;
+mod morph;
 mod node;
 mod primitive;
 mod primitive_context;
@@ -44,6 +46,7 @@ pub(super) mod uri;
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use frozen_pose::FrozenPose;
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
@@ -56,6 +59,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
+    /// Whether some mesh has a skin or morph targets, so that it depends on the pose it is read in.
+    pub deforms: bool,
     /// Names of the material variants.
     pub variants: Vec<String>,
     /// For each mesh its material in some variants: indices into [`Model::variants`] and
@@ -235,19 +240,30 @@ const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 const MAX_ERRORS: usize = 20;
 
 /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). With `lenient`, extensions that
-/// only change the look are ignored even if the file requires them.
+/// only change the look are ignored even if the file requires them. Skins and morph targets are
+/// read in `pose`, else at rest.
 ///
 /// # Errors
 /// All errors, each with its place inside the file.
-pub fn read(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox, lenient).map_err(|faults| {
+pub fn read(
+    path: &Path,
+    sandbox: &Sandbox,
+    lenient: bool,
+    pose: Option<&FrozenPose>,
+) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox, lenient, pose).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
             .map(|fault| fault.in_file(path))
             .collect()
     })
 }
 
-fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Fault>> {
+fn read_faults(
+    path: &Path,
+    sandbox: &Sandbox,
+    lenient: bool,
+    pose: Option<&FrozenPose>,
+) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
     let (root, binary) = container::open(bytes, lenient).map_err(one)?;
@@ -273,7 +289,8 @@ fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, V
         let what = "animations are broken and cannot be played";
         notes.add("animation-broken", 1, what, &fault.message);
     }
-    let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
+    let visit = node::traverse(&root, &data, &model.clips, pose, &mut notes).map_err(one)?;
+    model.deforms = visit.deforms(&root);
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = extension::ignored(&root, path);

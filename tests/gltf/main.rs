@@ -11,6 +11,7 @@ mod assets;
 mod buffers;
 mod corpus;
 mod default_camera;
+mod deform;
 mod extensions;
 mod geometry;
 mod hostile;

@@ -26,6 +26,7 @@ pub fn check(root: &Root) -> Result<(), Fault> {
                 .values()
                 .copied()
                 .chain(primitive.indices)
+                .chain(primitive.targets.iter().flat_map(|t| t.values().copied()))
             {
                 exists("accessor", Some(index), root.accessors.len(), &place)?;
             }

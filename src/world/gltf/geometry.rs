@@ -28,27 +28,32 @@ pub fn read(
 ) -> Result<Primitives, Vec<Fault>> {
     let uses: BTreeSet<MeshUse> = visit.mesh_uses().collect();
     let mut poses = HashMap::new();
-    for skin in uses.iter().filter_map(|(_, skin)| *skin) {
+    for skin in uses.iter().filter_map(|u| u.skin) {
         let pose = skin::pose(root, data, visit, skin);
         poses.insert(skin, pose.map_err(|f| vec![f.at(&format!("skin {skin}"))])?);
     }
     let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
     let primitives = |u: &MeshUse| {
         let u = *u;
-        let primitives = root.meshes[u.0].primitives.iter().enumerate();
+        let primitives = root.meshes[u.mesh].primitives.iter().enumerate();
         primitives.map(move |(p, primitive)| (u, p, primitive))
     };
     let jobs: Vec<_> = uses.iter().flat_map(primitives).collect();
     let results: Vec<_> = (jobs.par_iter())
-        .map(|((mesh, skin), p, primitive)| {
-            let name = root.meshes[*mesh].name.as_deref();
-            let place = format!("{} primitive {p}", label("mesh", *mesh, name));
+        .map(|(mesh_use, p, primitive)| {
+            let mesh = &root.meshes[mesh_use.mesh];
+            let name = mesh.name.as_deref();
+            let place = format!("{} primitive {p}", label("mesh", mesh_use.mesh, name));
             let mut notes = Notes::default();
             let context = Context {
                 data,
                 primitive,
                 quantized,
-                pose: skin.and_then(|skin| poses.get(&skin)).map(Vec::as_slice),
+                weights: visit.weights(root, mesh_use),
+                pose: mesh_use
+                    .skin
+                    .and_then(|skin| poses.get(&skin))
+                    .map(Vec::as_slice),
             };
             let built = primitive::build(&context, place.clone(), &mut notes);
             (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))

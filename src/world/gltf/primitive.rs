@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::{
     Fault, Notes,
     accessor::{self, Data},
+    morph,
     primitive_context::Context,
     repair,
     schema::Primitive,
@@ -37,6 +38,7 @@ pub fn build(
         ..Mesh::default()
     };
     read_attributes(context, &mut mesh)?;
+    morph::apply(context, &mut mesh)?;
     if let Some(pose) = context.pose {
         skin::apply(context, pose, &mut mesh)?;
     }
@@ -73,13 +75,7 @@ fn shown(
                 "primitives without POSITION are not shown",
             );
         }
-        4..=6 => {
-            if !primitive.targets.is_empty() {
-                let what = "primitives with morph targets are shown unmorphed";
-                note("morph-rest-pose", what);
-            }
-            return Ok(position.map(|position| (position, mode)));
-        }
+        4..=6 => return Ok(position.map(|position| (position, mode))),
         _ => {
             let text = format!("mode {mode} is unknown, expected 0 to 6");
             return Err(Fault::new("gltf-mode", text));

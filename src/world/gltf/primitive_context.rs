@@ -12,6 +12,8 @@ pub struct Context<'a> {
     pub primitive: &'a Primitive,
     /// Whether KHR_mesh_quantization is in use.
     pub quantized: bool,
+    /// Weights of the morph targets, finite.
+    pub weights: &'a [f32],
     /// For skinned meshes: model from bind pose, for each joint.
     pub pose: Option<&'a [Affine3A]>,
 }

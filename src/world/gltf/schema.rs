@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, de::IgnoredAny};
+use serde::Deserialize;
 
 mod material;
 
@@ -107,6 +107,8 @@ pub struct Node {
     pub scale: Option<[f32; 3]>,
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
+    /// Of the morph targets, instead of the mesh's.
+    pub weights: Option<Vec<f32>>,
     pub camera: Option<usize>,
     pub extensions: NodeExtensions,
 }
@@ -148,6 +150,9 @@ pub struct Mesh {
     pub name: Option<String>,
     #[serde(default)]
     pub primitives: Vec<Primitive>,
+    /// Of the morph targets.
+    #[serde(default)]
+    pub weights: Vec<f32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -156,8 +161,9 @@ pub struct Primitive {
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u32>,
+    /// Accessors of the offsets of each morph target, by attribute.
     #[serde(default)]
-    pub targets: Vec<IgnoredAny>,
+    pub targets: Vec<BTreeMap<String, usize>>,
     #[serde(default)]
     pub extensions: PrimitiveExtensions,
 }

@@ -1,4 +1,4 @@
-//! Static skinning: vertices in the pose of the file's node transforms.
+//! Static skinning: vertices in one pose of the file's nodes.
 
 use glam::{Affine3A, Mat3A, Mat4, Vec3, Vec3A, Vec4};
 
@@ -37,7 +37,7 @@ pub fn pose(
     }
     let joint = |(&joint, bind): (&usize, &[f32; 16])| {
         let missing = || fault(format!("joint {joint} is not a node of the scene"));
-        let model_from_joint = visit.model_from_node(joint).ok_or_else(missing)?;
+        let model_from_joint = visit.model_from_joint(joint).ok_or_else(missing)?;
         Ok(model_from_joint * Affine3A::from_mat4(Mat4::from_cols_array(bind)))
     };
     skin.joints.iter().zip(&bind).map(joint).collect()

@@ -7,6 +7,7 @@ use super::{
     LoadOptions, Loader, Source, camera,
     material::{ImageKey, slots},
     place::MeshKey,
+    pose,
     vertex_streams::{self, Needs},
 };
 use crate::{
@@ -24,6 +25,8 @@ type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 #[derive(Debug)]
 pub struct AssetCache {
     pub(super) sources: Vec<NamedSource>,
+    /// See [`pose::keys`].
+    pub(super) poses: Vec<Option<Option<String>>>,
     pub(super) models: Vec<Source>,
     /// Models without their meshes, which are in the world.
     pub(super) loaded: Vec<Model>,
@@ -62,7 +65,9 @@ impl AssetCache {
         desc: &SceneDesc,
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
-        if self.sources != sources(desc) {
+        if self.sources != sources(desc)
+            || self.poses != pose::keys(desc, &self.models, &self.loaded)
+        {
             return Ok(None);
         }
         let mut loader = Loader::new(desc, options);

@@ -132,7 +132,7 @@ impl Loader<'_> {
                     model: entry.name.clone(),
                     name: clip.name.clone(),
                     duration_s: whole.map_or(0.0, |a| a.duration_s),
-                    channels: whole.map_or(0, |a| a.channels.len()),
+                    channels: whole.map_or(0, |a| a.channels.len() + a.weights.len()),
                     played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
                 });
             }
