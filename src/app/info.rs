@@ -21,7 +21,7 @@ use crate::{
         types::GpuVertex,
     },
     scene::desc::{Entry, LightKind, SceneDesc},
-    world::{Mesh, World, animation::Listed, bvh::Trees},
+    world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
 
 /// Output of `info --json`.
@@ -53,6 +53,8 @@ pub struct Info {
     pub lights: [usize; LightKind::NAMES.len()],
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
+    /// Material variants of the files that have some.
+    pub variants: Vec<ListedVariants>,
     /// First frame, last frame and frames a second; `None` without a timeline.
     pub timeline: Option<Timeline>,
     /// Animated values and their sources.
@@ -156,6 +158,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         textures: world.textures.len(),
         lights: LightKind::NAMES.map(num_lights),
         animations: world.animations.clone(),
+        variants: world.variants.clone(),
         timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
             start: t.start,
             end: t.end,
@@ -246,17 +249,8 @@ fn table(info: &Info) -> String {
     let lights = info.lights.iter().zip(LightKind::NAMES);
     let lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
     line("lights", lights.join(", "));
-    for animation in &info.animations {
-        let state = match (animation.channels, animation.played) {
-            (0, _) => "cannot be played".to_owned(),
-            (n, played) => format!(
-                "{:.3} s, {n} channels, {}",
-                animation.duration_s,
-                if played { "played" } else { "not played" }
-            ),
-        };
-        let (model, name) = (&animation.model, &animation.name);
-        line("animation", format!("\"{name}\" of model {model}: {state}"));
+    for (label, value) in choices(info) {
+        line(label, value);
     }
     if let Some(Timeline { start, end, fps }) = info.timeline {
         line("timeline", format!("frames {start} to {end} at {fps} fps"));
@@ -296,6 +290,32 @@ fn table(info: &Info) -> String {
         line("file", file.clone());
     }
     out
+}
+
+/// Animations and material variants of the files, of which scene text chooses.
+fn choices(info: &Info) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    for animation in &info.animations {
+        let state = match (animation.channels, animation.played) {
+            (0, _) => "cannot be played".to_owned(),
+            (n, played) => format!(
+                "{:.3} s, {n} channels, {}",
+                animation.duration_s,
+                if played { "played" } else { "not played" }
+            ),
+        };
+        let (model, name) = (&animation.model, &animation.name);
+        lines.push(("animation", format!("\"{name}\" of model {model}: {state}")));
+    }
+    for listed in &info.variants {
+        let shown = listed.shown.as_deref().unwrap_or("none of them");
+        let (names, model) = (listed.names.join(", "), &listed.model);
+        lines.push((
+            "variants",
+            format!("{names} of model {model}; shown: {shown}"),
+        ));
+    }
+    lines
 }
 
 /// What is left to `auto` becomes what, on which adapters.

@@ -1,6 +1,7 @@
 //! Materials: what shading and tracing know of a surface.
 
 use glam::{Vec3, Vec4};
+use serde::Serialize;
 
 use super::TextureRef;
 use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
@@ -47,6 +48,17 @@ pub struct Material {
     pub occlusion_texture: Option<TextureRef>,
     /// sRGB.
     pub emission_texture: Option<TextureRef>,
+}
+
+/// The material variants of a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ListedVariants {
+    /// Name of the `[model.NAME]`.
+    pub model: String,
+    /// Names in scene text.
+    pub names: Vec<String>,
+    /// The one that is shown; `None`: the file's own materials.
+    pub shown: Option<String>,
 }
 
 impl Default for Material {

@@ -1,7 +1,10 @@
 //! Extensions that files require.
 
 use crate::kit::{Doc, Folder, scene, warnings};
-use reflet::world::load::{LoadOptions, load};
+use reflet::world::{
+    gltf::SUPPORTED_EXTENSIONS,
+    load::{LoadOptions, load},
+};
 use serde_json::json;
 
 fn lenient(doc: &Doc) -> Result<reflet::world::World, Vec<reflet::scene::diagnostic::Diagnostic>> {
@@ -42,4 +45,15 @@ fn a_required_look_loads_when_asked() {
     for (warning, name) in world.warnings.iter().zip(names) {
         assert!(warning.message.contains(name), "{}", warning.message);
     }
+}
+
+#[test]
+fn the_manual_lists_every_supported_extension() {
+    let manual = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/gltf.md");
+    let text = std::fs::read_to_string(manual).expect("the manual");
+    let rows = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    let names: Vec<_> = rows.map(|(name, _)| name).collect();
+    assert_eq!(names, SUPPORTED_EXTENSIONS);
 }

@@ -1,7 +1,11 @@
 //! Images inside glTF files: decoded to 8-bit RGBA, or refused before decoding.
 
-use std::io::Cursor;
+use std::{
+    io::Cursor,
+    time::{Duration, Instant},
+};
 
+use crate::common::Random;
 use crate::kit::{Doc, Folder, one_error, png, rich, scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use reflet::world::{
@@ -81,6 +85,43 @@ fn webp_is_read_where_its_extension_names_it() {
     assert_eq!(texture.rgba, expected);
     doc.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 7.into();
     assert_eq!(doc.error().0, "gltf-index");
+}
+
+#[test]
+fn broken_webp_is_refused_or_decoded_in_time() {
+    let mut random = Random(40);
+    let pixel = |x: u32, y: u32| image::Rgba([(x * y) as u8, (7 * x) as u8, y as u8, 255]);
+    let mut webp = Cursor::new(Vec::new());
+    (image::RgbaImage::from_fn(64, 48, pixel).write_to(&mut webp, ImageFormat::WebP))
+        .expect("encoded");
+    let good = webp.into_inner();
+    let (mut decoded, mut refused) = (0, 0);
+    for i in 0..300 {
+        let mut bytes = good.clone();
+        for _ in 0..=random.below(4) {
+            let at = random.below(bytes.len());
+            bytes[at] = random.below(256) as u8;
+        }
+        if random.below(4) == 0 {
+            bytes.truncate(random.below(good.len()));
+        }
+        let started = Instant::now();
+        match textured(&bytes).load() {
+            Ok(_) => decoded += 1,
+            Err(errors) => {
+                assert!(
+                    errors.iter().all(|e| e.name != "internal"),
+                    "{i}: {errors:?}"
+                );
+                refused += 1;
+            }
+        }
+        assert!(started.elapsed() < Duration::from_secs(5), "mutation {i}");
+    }
+    assert!(
+        decoded > 5 && refused > 20,
+        "{decoded} decoded, {refused} refused"
+    );
 }
 
 /// Loads a file with this image and gives the error's name.

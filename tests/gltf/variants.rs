@@ -47,6 +47,11 @@ fn a_variant_is_chosen_by_name() {
             .map(|i| world.materials[i.material].name.as_str())
             .collect();
         assert_eq!(names, [expected, "default"], "{variant:?}");
+        let [listed] = &world.variants[..] else {
+            panic!("one file has variants: {:?}", world.variants);
+        };
+        assert_eq!(listed.names, ["beach", "street", "night"]);
+        assert_eq!(listed.shown.as_deref(), variant);
     }
     desc.models[0].value.variant = Some(at("nigt"));
     let errors = load_scene(&desc).expect_err("no such variant");

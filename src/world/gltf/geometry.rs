@@ -48,6 +48,8 @@ pub fn read(
             let context = Context {
                 data,
                 primitive,
+                num_vertices: 0,
+                rows: None,
                 quantized,
                 weights: visit.weights(root, mesh_use),
                 pose: mesh_use
@@ -55,7 +57,7 @@ pub fn read(
                     .and_then(|skin| poses.get(&skin))
                     .map(Vec::as_slice),
             };
-            let built = primitive::build(&context, place.clone(), &mut notes);
+            let built = primitive::build(context, place.clone(), &mut notes);
             (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))
         })
         .collect();

@@ -10,7 +10,7 @@ use crate::world::Mesh;
 /// # Errors
 /// Offsets of wrong type or count.
 pub fn apply(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
-    let count = mesh.positions.len();
+    let count = context.num_vertices;
     let used = context.primitive.targets.iter().zip(context.weights);
     for (number, (target, &weight)) in used.enumerate().filter(|(_, (_, weight))| **weight != 0.0) {
         let offsets = |attribute: &str| {
@@ -21,15 +21,13 @@ pub fn apply(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
                 true => accessor::any_but_u32,
                 false => accessor::float_only,
             };
-            let offsets = context.data.floats::<3>(index, accept);
             let place = format!("target {number} {attribute}");
-            let offsets = offsets.map_err(|f| f.at(&place))?;
-            if offsets.len() != count {
-                let own = offsets.len();
+            let own = context.data.count(index).map_err(|f| f.at(&place))?;
+            if own != count {
                 let text = format!("{place} has {own} elements, POSITION has {count}");
                 return Err(Fault::new("gltf-attribute", text));
             }
-            Ok(offsets)
+            (context.floats::<3>(index, accept)).map_err(|f| f.at(&place))
         };
         let scaled = |offset: [f32; 3]| Vec3::from_array(offset) * weight;
         for (position, offset) in mesh.positions.iter_mut().zip(offsets("POSITION")?) {

@@ -13,11 +13,14 @@ use super::{
 use crate::{
     math::invertible,
     scene::{
-        desc::{InstanceDesc, SceneDesc},
+        desc::{Entry, InstanceDesc, ModelDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
         motion::{changing_overrides, moving},
     },
-    world::{Instance, animation::Listed, gltf::Placement, pose::MovingInstance, rig::Player},
+    world::{
+        Instance, ListedVariants, animation::Listed, gltf::Placement, pose::MovingInstance,
+        rig::Player,
+    },
 };
 
 /// A mesh of a loaded file.
@@ -118,6 +121,7 @@ impl Loader<'_> {
             let Source::File(loaded) = source else {
                 continue;
             };
+            self.list_variants(entry, *loaded);
             let placements = desc
                 .instances
                 .iter()
@@ -136,6 +140,17 @@ impl Loader<'_> {
                     played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
                 });
             }
+        }
+    }
+
+    fn list_variants(&mut self, model: &Entry<ModelDesc>, loaded: usize) {
+        let names = &self.loaded[loaded].variants;
+        if !names.is_empty() {
+            self.world.variants.push(ListedVariants {
+                model: model.name.clone(),
+                names: names.clone(),
+                shown: model.value.variant.as_ref().map(|v| v.value.clone()),
+            });
         }
     }
 
