@@ -19,7 +19,7 @@ struct Params {
 @group(2) @binding(6) var cause: texture_2d<u32>;
 @group(2) @binding(7) var hit: texture_2d<u32>;
 @group(2) @binding(8) var previous: texture_2d<f32>;
-@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>;
+@group(2) @binding(9) var color: texture_storage_2d<rgba32float, write>; // w: sub-frames with a display color
 @group(2) @binding(10) var<uniform> params: Params;
 
 // The paper's attenuation: a reflection loses itself in the environment towards the ray's length.
@@ -34,7 +34,9 @@ fn faded(pixel: vec2u, s: Surface, direction: vec3f, found: vec3f) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
-    var out = textureLoad(radiance, id.xy, 0).xyz + textureLoad(specular, id.xy, 0).xyz;
+    let lit = textureLoad(radiance, id.xy, 0);
+    var out = lit.xyz + textureLoad(specular, id.xy, 0).xyz;
+    var unlit = lit.w;
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);
@@ -43,6 +45,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             out += fresnel(s, dot(s.normal, -direction)) * found;
         }
     }
-    if (params.sample > 0u) { out += textureLoad(previous, id.xy, 0).xyz; }
-    textureStore(color, id.xy, vec4f(out, 1.0));
+    if (params.sample > 0u) {
+        let before = textureLoad(previous, id.xy, 0);
+        out += before.xyz;
+        unlit += before.w;
+    }
+    textureStore(color, id.xy, vec4f(out, unlit));
 }

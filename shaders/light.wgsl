@@ -3,7 +3,7 @@
 #import gbuffer
 #import lists
 
-@group(2) @binding(3) var radiance: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var radiance: texture_storage_2d<rgba16float, write>; // w: 1 where it is a display color
 @group(2) @binding(4) var specular: texture_storage_2d<rgba16float, write>;
 @group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
@@ -16,13 +16,15 @@ const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 fn light_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
     var lit: Shade;
+    var unlit = 0.0;
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         lit = shade(s, normalize(frame.eye - s.position), vec2u(0u));
+        unlit = select(0.0, 1.0, s.unlit);
     } else {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
     }
-    textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));
+    textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), unlit));
     textureStore(specular, id.xy, vec4f(min(lit.specular, BRIGHTEST), 1.0));
     if (LENDS_LIGHT) { textureStore(visible_lights, id.xy, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }

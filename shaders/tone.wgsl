@@ -5,8 +5,8 @@
 struct Params {
     scale: f32, // exposure over the number of sub-frames
     curve: u32, // TONE_*
+    sample_share: f32, // one over the number of sub-frames
     pad0: u32,
-    pad1: u32,
 }
 
 @group(2) @binding(0) var color: texture_2d<f32>;
@@ -40,11 +40,14 @@ fn srgb(c: vec3f) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= textureDimensions(color))) { return; }
-    var c = max(textureLoad(color, id.xy, 0).xyz * params.scale, vec3f(0.0));
+    let sum = max(textureLoad(color, id.xy, 0), vec4f(0.0));
+    var c = sum.xyz * params.scale;
     switch params.curve {
         case TONE_NEUTRAL: { c = neutral(c); }
         case TONE_ACES: { c = aces(c); }
         default: {}
     }
+    // Unlit materials are not exposed and not tone-mapped.
+    if (sum.w > 0.0) { c = mix(c, sum.xyz * params.sample_share, sum.w * params.sample_share); }
     textureStore(display, id.xy, vec4f(srgb(saturate(c)), 1.0));
 }

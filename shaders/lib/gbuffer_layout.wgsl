@@ -22,7 +22,7 @@ fn pack_colors(s: Surface) -> vec4u {
         pack2x16float(s.base_color.xy),
         pack2x16float(vec2f(s.base_color.z, s.occlusion)),
         pack2x16float(emission.xy),
-        pack2x16float(vec2f(emission.z, 0.0)),
+        pack2x16float(vec2f(emission.z, select(0.0, 1.0, s.unlit))),
     );
 }
 
@@ -39,6 +39,8 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.metallic = roughness_metallic.y;
     s.reflectivity = unpack2x16float(bits.w).x;
     s.reflection = bits.w >> 16u;
-    s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x);
+    let emission_z_unlit = unpack2x16float(packed.w);
+    s.emission = vec3f(unpack2x16float(packed.z), emission_z_unlit.x);
+    s.unlit = emission_z_unlit.y > 0.0;
     return s;
 }

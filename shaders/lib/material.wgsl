@@ -6,7 +6,7 @@ struct TextureUse {
     row_v: vec3f,
     bits: u32, // TEXTURE_*
     texels: vec2f, // size of the source image, for nearest
-    pad: vec2f,
+    signs: vec2f, // of the material's uv_scale
 }
 
 struct Material {
@@ -22,9 +22,9 @@ struct Material {
     checker_b: vec3f,
     alpha_cutoff: f32, // below 0: opaque
     reflection: u32, // REFLECTION_*
+    unlit: u32, // 1: the base color is shown as it is
     pad0: u32,
     pad1: u32,
-    pad2: u32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
 }
 
@@ -39,6 +39,7 @@ struct Surface {
     reflectivity: f32,
     occlusion: f32,
     reflection: u32, // 0 none, 1 auto, 2 mirror
+    unlit: bool, // its emission is a display color: no exposure, no tone map
 }
 
 // A surface with the numbers of a material, before textures.
@@ -51,5 +52,6 @@ fn material_surface(m: u32) -> Surface {
     s.emission = materials[m].emission;
     s.occlusion = 1.0;
     s.reflection = materials[m].reflection;
+    s.unlit = materials[m].unlit != 0u;
     return s;
 }

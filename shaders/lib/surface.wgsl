@@ -157,11 +157,16 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         s.metallic *= metallic_roughness.z;
         if (HAS_NORMAL_MAPS && t[NORMAL_SLOT].layer != NONE) {
             let texel = texel_at(t[NORMAL_SLOT], pools_of(NORMAL_SLOT), instance, c.index, bary, area2, footprint);
-            n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale);
+            n = perturbed(instance, c.index, weights, n, texel.xyz, materials[m].normal_scale * t[NORMAL_SLOT].signs);
         }
         let occlusion = texel_at(t[OCCLUSION_SLOT], pools_of(OCCLUSION_SLOT), instance, c.index, bary, area2, footprint).x;
         s.occlusion = 1.0 + materials[m].occlusion_strength * (occlusion - 1.0);
         s.emission *= texel_at(t[EMISSION_SLOT], pools_of(EMISSION_SLOT), instance, c.index, bary, area2, footprint).xyz;
+    }
+    if (s.unlit) {
+        // KHR_materials_unlit: no light changes the base color; the material has no specular.
+        s.emission += s.base_color;
+        s.base_color = vec3f(0.0);
     }
     if (behind) {
         n = -n;
@@ -182,8 +187,9 @@ fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, b
     return sample_slot(used, at.uv, at.footprint, pools);
 }
 
-// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3).
-fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: f32) -> vec3f {
+// Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v
+// of the map runs against the tangents.
+fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
     let base = instances[instance].vertex_base;
     var t_object = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
@@ -195,7 +201,7 @@ fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texe
     let mirrored = select(1.0, -1.0, (instances[instance].flags & FLAG_MIRRORED) != 0u);
     let tangent = normalize(t);
     let bitangent = cross(n, tangent) * sign * mirrored;
-    let v = (texel * 2.0 - 1.0) * vec3f(scale, scale, 1.0);
+    let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
     let mapped = tangent * v.x + bitangent * v.y + n * v.z;
     return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12);
 }

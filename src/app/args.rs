@@ -17,6 +17,10 @@ pub struct SceneArgs {
     /// REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
+    /// Load glTF files without the materials, textures and lights of extensions that they require
+    /// and Reflet does not know
+    #[arg(long)]
+    pub lenient: bool,
 }
 
 impl SceneArgs {
@@ -25,6 +29,7 @@ impl SceneArgs {
         SceneOptions {
             set: self.set.clone(),
             assets: self.assets.clone(),
+            lenient: self.lenient,
         }
     }
 }

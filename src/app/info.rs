@@ -13,12 +13,12 @@ use crate::{
         RenderOptions,
         decide::{Decision, decide},
         plan::{Dropped, Plan, can_reflect, traces_rays},
-        textures::{self, assign_slots},
+        textures::Layers,
         types::GpuVertex,
     },
     scene::desc::{Entry, LightKind, SceneDesc},
     session::scene_text::LoadedScene,
-    world::{Mesh, World, animation::Listed, bvh::Trees},
+    world::{ListedVariants, Mesh, World, animation::Listed, bvh::Trees},
 };
 
 /// Output of `info --json`.
@@ -50,6 +50,8 @@ pub struct Info {
     pub lights: [usize; LightKind::NAMES.len()],
     /// Animations of the files, played or not.
     pub animations: Vec<Listed>,
+    /// Material variants of the files that have some.
+    pub variants: Vec<ListedVariants>,
     /// First frame, last frame and frames a second; `None` without a timeline.
     pub timeline: Option<Timeline>,
     /// Animated values and their sources.
@@ -132,7 +134,8 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         Trees::unbuilt(world)
     };
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
-    let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &gpu.options);
+    let layers = Layers::of(world);
+    let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
     let cutoff = reflection.roughness_cutoff;
     Ok(Info {
@@ -152,6 +155,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         textures: world.textures.len(),
         lights: LightKind::NAMES.map(num_lights),
         animations: world.animations.clone(),
+        variants: world.variants.clone(),
         timeline: loaded.scene.timeline.as_ref().map(|t| Timeline {
             start: t.start,
             end: t.end,
@@ -166,7 +170,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         ray_length_m: reflection.ray_length_u * unit_m,
         threshold_m: reflection.threshold_u * unit_m,
         geometry_bytes: geometry_bytes(world),
-        texture_bytes: texture_bytes(world),
+        texture_bytes: layers.bytes(),
         tree_bytes: (size_of_val(trees.nodes.as_slice())
             + size_of_val(trees.triangles.as_slice())
             + size_of_val(trees.instances.as_slice())) as u64,
@@ -212,17 +216,6 @@ fn geometry_bytes(world: &World) -> u64 {
     world.meshes.iter().map(mesh).sum::<usize>() as u64
 }
 
-/// GPU memory of the texture pools: each image at its pool's size, with all mips.
-fn texture_bytes(world: &World) -> u64 {
-    let places = textures::assign_slots(&world.textures);
-    let layer = |place: &textures::PoolSlot| {
-        let px = u64::from(textures::POOL_PX[place.pool as usize]);
-        // All mip levels together are 4/3 of the largest.
-        px * px * 4 * 4 / 3
-    };
-    places.iter().map(layer).sum()
-}
-
 fn table(info: &Info) -> String {
     let mut out = String::new();
     let mut line = |label: &str, value: String| {
@@ -253,17 +246,8 @@ fn table(info: &Info) -> String {
     let lights = info.lights.iter().zip(LightKind::NAMES);
     let lights: Vec<_> = lights.map(|(n, name)| format!("{n} {name}")).collect();
     line("lights", lights.join(", "));
-    for animation in &info.animations {
-        let state = match (animation.channels, animation.played) {
-            (0, _) => "cannot be played".to_owned(),
-            (n, played) => format!(
-                "{:.3} s, {n} channels, {}",
-                animation.duration_s,
-                if played { "played" } else { "not played" }
-            ),
-        };
-        let (model, name) = (&animation.model, &animation.name);
-        line("animation", format!("\"{name}\" of model {model}: {state}"));
+    for (label, value) in choices(info) {
+        line(label, value);
     }
     if let Some(Timeline { start, end, fps }) = info.timeline {
         line("timeline", format!("frames {start} to {end} at {fps} fps"));
@@ -303,6 +287,32 @@ fn table(info: &Info) -> String {
         line("file", file.clone());
     }
     out
+}
+
+/// Animations and material variants of the files, of which scene text chooses.
+fn choices(info: &Info) -> Vec<(&'static str, String)> {
+    let mut lines = Vec::new();
+    for animation in &info.animations {
+        let state = match (animation.channels, animation.played) {
+            (0, _) => "cannot be played".to_owned(),
+            (n, played) => format!(
+                "{:.3} s, {n} channels, {}",
+                animation.duration_s,
+                if played { "played" } else { "not played" }
+            ),
+        };
+        let (model, name) = (&animation.model, &animation.name);
+        lines.push(("animation", format!("\"{name}\" of model {model}: {state}")));
+    }
+    for listed in &info.variants {
+        let shown = listed.shown.as_deref().unwrap_or("none of them");
+        let (names, model) = (listed.names.join(", "), &listed.model);
+        lines.push((
+            "variants",
+            format!("{names} of model {model}; shown: {shown}"),
+        ));
+    }
+    lines
 }
 
 /// What is left to `auto` becomes what, on which adapters.

@@ -15,7 +15,13 @@ use super::{
     sequence,
     stats::{Report, ReportContext},
 };
-use crate::{files::sweep, gpu::ShaderLibrary, render::aov::Aov, scene::desc::Method};
+use crate::{
+    files::sweep,
+    gpu::ShaderLibrary,
+    render::aov::Aov,
+    scene::{desc::Method, diagnostic::Diagnostic},
+    session::{model_viewer_scene::is_model, scene_text::LoadedScene},
+};
 
 /// Renders one picture, or the frames of a film.
 ///
@@ -39,6 +45,7 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
+    refuse_empty(&loaded, args.scene.as_deref())?;
     let camera = choose_camera(&loaded, args.camera.as_deref())?;
     let Some(output) = output else {
         let frames = sequence::choose(args, loaded.scene.timeline.as_ref())?;
@@ -92,6 +99,19 @@ pub fn render(args: &RenderArgs) -> Result<(), AppError> {
         Some(StatsForm::Text) => print_out(&report.table()),
         Some(StatsForm::Json) => print_json(&report),
         None => Ok(()),
+    }
+}
+
+/// A model without anything to show would be an empty picture.
+fn refuse_empty(loaded: &LoadedScene, path: Option<&Path>) -> Result<(), AppError> {
+    match path.filter(|path| is_model(path) && loaded.world.instances.is_empty()) {
+        None => Ok(()),
+        Some(path) => {
+            let text = "there is nothing to show: no node places a mesh with triangles";
+            let mut error = Diagnostic::in_file("nothing-to-show", path, text.to_owned());
+            error.help = Some("place the model in a scene of your own to render it anyway".into());
+            Err(AppError::Scene(vec![error]))
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
     world::{Material, World, Wrap, bvh::Trees},
 };
 
-use super::{lights::has_shadow_rays, options::RenderOptions, textures::PoolSlot};
+use super::{lights::has_shadow_rays, options::RenderOptions, textures::Layers};
 
 /// One thing that was left out, and why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -114,13 +114,13 @@ impl Plan {
     }
 
     /// What this scene needs.
-    pub fn of(world: &World, trees: &Trees, slots: &[PoolSlot], options: &RenderOptions) -> Self {
+    pub fn of(world: &World, trees: &Trees, layers: &Layers, options: &RenderOptions) -> Self {
         let settings = &options.reflection;
         let mut used: Vec<usize> = world.instances.iter().map(|i| i.material).collect();
         used.sort_unstable();
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
-        let (slot_pools, wraps) = samplers(world, &used, slots);
+        let (slot_pools, wraps) = samplers(world, &used, layers);
         let cutoff = settings.roughness_cutoff;
         let reflections = reflects(world, cutoff);
         let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
@@ -213,13 +213,14 @@ impl Plan {
 }
 
 /// Which pools each slot, and which wrap pairs the used materials sample, as the shader's bit masks.
-fn samplers(world: &World, used: &[usize], slots: &[PoolSlot]) -> (u32, u32) {
+fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32) {
     let (mut slot_pools, mut wraps) = (0, 0);
     for &m in used {
         let slots_of = world.materials[m].slots().into_iter().enumerate();
         for (index, slot) in slots_of.filter_map(|(i, slot)| Some((i, slot?))) {
             let srgb = u32::from(world.textures[slot.texture].srgb);
-            slot_pools |= 1 << (6 * index as u32 + 2 * slots[slot.texture].pool + srgb);
+            let pool = layers.slot(&slot, &world.textures).map_or(0, |s| s.pool);
+            slot_pools |= 1 << (6 * index as u32 + 2 * pool + srgb);
             let clamps = slot.wrap.map(|w| w != Wrap::Repeat);
             wraps |= match clamps {
                 [false, false] => 1,

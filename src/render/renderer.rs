@@ -387,7 +387,7 @@ fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptio
     if options.general {
         Plan::general(&options.reflection)
     } else {
-        Plan::of(world, trees, &scene.pools.slots, options)
+        Plan::of(world, trees, &scene.pools.layers, options)
     }
 }
 

@@ -9,20 +9,16 @@ use crate::{
     gpu::{Gpu, GpuError},
     math::Bounds,
     world::{
-        Material, TextureRef, World, Wrap,
+        Material, World,
         bvh::{CwBvhNode, TraceTriangle, Trees},
     },
 };
 
 use super::{
     geometry::{MeshRange, buffer, geometry},
-    plan::has_specular,
-    textures::{PoolSlot, Pools},
-    types::{
-        FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST,
-        TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP,
-        WRAP_MIRROR, WRAP_REPEAT,
-    },
+    gpu_material::gpu_material,
+    textures::Pools,
+    types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
 };
 
 /// How a draw is rasterized.
@@ -121,6 +117,11 @@ impl GpuScene {
     ) -> Result<Self, GpuError> {
         let storage = wgpu::BufferUsages::STORAGE;
         let records = instance_records(world, trees, &self.mesh_ranges);
+        // Another sampler may need another resampling.
+        let pools = match self.pools.layers.cover(world) {
+            true => self.pools.clone(),
+            false => Pools::new(gpu, world)?,
+        };
         let (nodes, triangles) = if new_trees {
             (
                 buffer(gpu, "tree nodes", &trees.nodes, storage)?,
@@ -135,11 +136,11 @@ impl GpuScene {
             instances: buffer(gpu, "instances", &records, storage)?,
             vertices: self.vertices.clone(),
             mesh_data: self.mesh_data.clone(),
-            materials: materials(gpu, world, &self.pools)?,
+            materials: materials(gpu, world, &pools)?,
             samplers: self.samplers.clone(),
             draws: draws(world, &self.mesh_ranges),
             mesh_ranges: self.mesh_ranges.clone(),
-            pools: self.pools.clone(),
+            pools,
             records,
             has_moving_cutouts: has_moving_cutouts(world),
         })
@@ -182,7 +183,7 @@ impl GpuScene {
     pub fn update_materials(&self, gpu: &Gpu, world: &World) {
         for moving in &world.moving.materials {
             let material = &world.materials[moving.material];
-            let record = gpu_material(material, world, &self.pools.slots);
+            let record = gpu_material(material, world, &self.pools.layers);
             let offset = (moving.material * size_of::<GpuMaterial>()) as u64;
             gpu.queue
                 .write_buffer(&self.materials, offset, bytemuck::bytes_of(&record));
@@ -230,11 +231,6 @@ impl GpuScene {
             ("texture_pools", self.pools.bytes),
         ]
     }
-}
-
-/// `bit` if set.
-fn flag(on: bool, bit: u32) -> u32 {
-    if on { bit } else { 0 }
 }
 
 fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
@@ -315,71 +311,9 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
 fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, GpuError> {
     let materials = world.materials.iter();
     let materials: Vec<GpuMaterial> = materials
-        .map(|m| gpu_material(m, world, &pools.slots))
+        .map(|m| gpu_material(m, world, &pools.layers))
         .collect();
     buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
-}
-
-fn gpu_material(m: &Material, world: &World, slots: &[PoolSlot]) -> GpuMaterial {
-    let slot =
-        |slot: Option<TextureRef>| slot.map_or(NO_TEXTURE, |s| texture_use(&s, world, slots));
-    let checker = m.checker;
-    let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
-    GpuMaterial {
-        base_color: m.base_color.to_array(),
-        emission: m.emission.to_array(),
-        metallic: m.metallic,
-        roughness: m.roughness,
-        reflectivity: m.reflectivity,
-        normal_scale: m.normal_scale,
-        occlusion_strength: m.occlusion_strength,
-        checker_a: color(0),
-        checker_size_m: checker.map_or(0.0, |c| c.size_m),
-        checker_b: color(1),
-        alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
-        // Without specular there is no reflection, whatever the reflection mode.
-        reflection: if has_specular(m) {
-            m.reflection as u32
-        } else {
-            0
-        },
-        pad0: 0,
-        pad1: 0,
-        pad2: 0,
-        textures: m.slots().map(slot),
-    }
-}
-
-const NO_TEXTURE: GpuTextureUse = GpuTextureUse {
-    row_u: [0.0; 3],
-    layer: NONE,
-    row_v: [0.0; 3],
-    bits: 0,
-    texels: [1.0; 2],
-    pad: [0.0; 2],
-};
-
-fn texture_use(slot: &TextureRef, world: &World, slots: &[PoolSlot]) -> GpuTextureUse {
-    let texture = &world.textures[slot.texture];
-    let pool_slot = slots[slot.texture];
-    let wrap = |w: Wrap| match w {
-        Wrap::Repeat => WRAP_REPEAT,
-        Wrap::Clamp => WRAP_CLAMP,
-        Wrap::Mirror => WRAP_MIRROR,
-    };
-    GpuTextureUse {
-        row_u: slot.transform[0].to_array(),
-        layer: pool_slot.layer,
-        row_v: slot.transform[1].to_array(),
-        bits: pool_slot.pool
-            | flag(texture.srgb, TEXTURE_SRGB)
-            | flag(slot.uv_set & 1 == 1, TEXTURE_UV1)
-            | wrap(slot.wrap[0]) << TEXTURE_WRAP_U_SHIFT
-            | wrap(slot.wrap[1]) << TEXTURE_WRAP_V_SHIFT
-            | flag(slot.nearest, TEXTURE_NEAREST),
-        texels: [texture.width as f32, texture.height as f32],
-        pad: [0.0; 2],
-    }
 }
 
 fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {

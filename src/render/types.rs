@@ -174,8 +174,8 @@ gpu_struct! {
         bits: u32,
         /// Size of the source image.
         texels: [f32; 2],
-        /// Unused.
-        pad: [f32; 2],
+        /// Signs of the material's `uv_scale`: which way its u and v run.
+        signs: [f32; 2],
     }
 }
 
@@ -225,15 +225,20 @@ gpu_struct! {
         alpha_cutoff: f32,
         /// 0 none, 1 auto, 2 mirror.
         reflection: u32,
+        /// 1: the base color is shown as it is.
+        unlit: u32,
         /// Unused.
         pad0: u32,
         /// Unused.
         pad1: u32,
-        /// Unused.
-        pad2: u32,
         /// Base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; 5],
     }
+}
+
+/// `bit` if set.
+pub fn flag(on: bool, bit: u32) -> u32 {
+    if on { bit } else { 0 }
 }
 
 /// Index value for none.

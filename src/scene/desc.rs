@@ -109,6 +109,9 @@ pub struct ModelDesc {
     pub overrides: Vec<Entry<MaterialDesc>>,
     /// For files: whether its own lights are used. Default true.
     pub lights: bool,
+    /// For glTF files: which of its material variants is shown, by name (KHR_materials_variants).
+    /// Default: the file's own materials.
+    pub variant: Option<At<String>>,
     /// For files: which of its animations is played, by name, `"*"` for all of them, or a table
     /// with more. Default: none.
     pub animation: Option<AnimationDesc>,

@@ -121,12 +121,14 @@ fn playable(
         Sandbox::new(roots, options.max_file_bytes).with_dependencies(&options.dependencies);
     let path = sandbox.resolve(folder, name)?;
     if !is_stage(&path) {
-        return Ok(options.preloaded_models.read(&path, &sandbox));
+        return Ok(options
+            .preloaded_models
+            .read(&path, &sandbox, options.lenient));
     }
     let glb = usd::convert(&path, choice, &folders)?.glb;
     let folder = glb.parent().unwrap_or(Path::new("."));
     let sandbox = Sandbox::new([folder], options.max_file_bytes);
-    Ok(options.preloaded_models.read(&glb, &sandbox))
+    Ok(options.preloaded_models.read(&glb, &sandbox, false))
 }
 
 /// The animation to play and its duration; broken ones are skipped.

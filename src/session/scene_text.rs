@@ -31,6 +31,9 @@ pub struct SceneOptions {
     /// Folders to search for models and textures after the scene's own, before those of
     /// [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
+    /// Load glTF files without the materials, textures and lights of extensions that they require and
+    /// Reflet does not know.
+    pub lenient: bool,
 }
 
 /// Text of a scene to open.
@@ -231,6 +234,7 @@ impl LoadedScene {
 pub fn load_options(from: &SceneOptions, dependencies: &Dependencies) -> LoadOptions {
     LoadOptions {
         assets: asset_folders(&from.assets),
+        lenient: from.lenient,
         dependencies: dependencies.clone(),
         ..LoadOptions::default()
     }

@@ -29,6 +29,16 @@ pub enum Interpolation {
     Cubic,
 }
 
+impl Interpolation {
+    /// Values of a key: in-tangent, value and out-tangent of a spline, else one.
+    pub fn values_per_key(self) -> usize {
+        match self {
+            Self::Cubic => 3,
+            Self::Step | Self::Linear => 1,
+        }
+    }
+}
+
 /// Keyframes; the first and last values extend outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampler {
@@ -105,22 +115,44 @@ pub struct Channel {
     pub sampler: Sampler,
 }
 
+/// The weights of a node's morph targets over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WeightTrack {
+    /// Index of the node in its file.
+    pub node: usize,
+    /// One for each target; its value is in x.
+    pub samplers: Vec<Sampler>,
+}
+
+impl WeightTrack {
+    /// The weights at a time, seconds.
+    pub fn at(&self, time_s: f64) -> Vec<f32> {
+        let weight = |sampler: &Sampler| sampler.at(time_s, Property::Scale).x as f32;
+        self.samplers.iter().map(weight).collect()
+    }
+}
+
 /// An animation of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
     /// Channels.
     pub channels: Vec<Channel>,
+    /// Weights of morph targets.
+    pub weights: Vec<WeightTrack>,
     /// Time of its last key, seconds.
     pub duration_s: f32,
 }
 
 impl Animation {
-    /// Animation of these channels.
-    pub fn new(channels: Vec<Channel>) -> Self {
-        let ends = channels.iter().filter_map(|c| c.sampler.times_s.last());
+    /// Animation of these channels and weights.
+    pub fn new(channels: Vec<Channel>, weights: Vec<WeightTrack>) -> Self {
+        let of_weights = weights.iter().filter_map(|track| track.samplers.first());
+        let samplers = channels.iter().map(|c| &c.sampler).chain(of_weights);
+        let ends = samplers.filter_map(|sampler| sampler.times_s.last());
         Self {
             duration_s: ends.copied().fold(0.0, f32::max),
             channels,
+            weights,
         }
     }
 }

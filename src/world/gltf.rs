@@ -5,7 +5,7 @@
 //! and panicked on 2. It judges this reader instead (`tests/gltf/judge.rs`).
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -25,9 +25,12 @@ mod camera;
 mod check_indices;
 mod container;
 mod extension;
+mod frozen_pose;
 mod geometry;
 mod light;
 mod material;
+mod meshopt;
+mod morph;
 mod node;
 mod primitive;
 mod primitive_context;
@@ -35,12 +38,16 @@ mod read_array;
 pub(super) mod repair;
 mod schema;
 mod skin;
+mod specular_glossiness;
+mod texture_ref;
 mod transform;
 pub(super) mod uri;
 
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use frozen_pose::FrozenPose;
+pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
 /// Contents of one file; transforms are relative to the model.
@@ -52,6 +59,13 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
+    /// Whether some mesh has a skin or morph targets, so that it depends on the pose it is read in.
+    pub deforms: bool,
+    /// Names of the material variants.
+    pub variants: Vec<String>,
+    /// For each mesh its material in some variants: indices into [`Model::variants`] and
+    /// [`Model::materials`].
+    pub variant_materials: HashMap<usize, Vec<(usize, usize)>>,
     /// Mesh placements.
     pub placements: Vec<Attached<Placement>>,
     /// KHR_lights_punctual, in the space of their nodes.
@@ -126,6 +140,23 @@ pub enum ImageSource {
     Bytes(Bytes),
     /// In a file, canonical path.
     File(PathBuf),
+    /// Made of other images.
+    SpecularGlossiness(Arc<SpecularGlossinessMaps>),
+}
+
+impl ImageSource {
+    /// The files that it is read from.
+    pub fn files(&self) -> Vec<&PathBuf> {
+        match self {
+            Self::Bytes(_) => Vec::new(),
+            Self::File(path) => vec![path],
+            Self::SpecularGlossiness(maps) => [&maps.diffuse, &maps.specular]
+                .into_iter()
+                .flatten()
+                .flat_map(Self::files)
+                .collect(),
+        }
+    }
 }
 
 /// An error inside a file; the caller adds the file name.
@@ -208,34 +239,47 @@ const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 /// Maximum number of listed errors per file.
 const MAX_ERRORS: usize = 20;
 
-/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]).
+/// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). With `lenient`, extensions that
+/// only change the look are ignored even if the file requires them. Skins and morph targets are
+/// read in `pose`, else at rest.
 ///
 /// # Errors
 /// All errors, each with its place inside the file.
-pub fn read(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox).map_err(|faults| {
+pub fn read(
+    path: &Path,
+    sandbox: &Sandbox,
+    lenient: bool,
+    pose: Option<&FrozenPose>,
+) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox, lenient, pose).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
             .map(|fault| fault.in_file(path))
             .collect()
     })
 }
 
-fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
+fn read_faults(
+    path: &Path,
+    sandbox: &Sandbox,
+    lenient: bool,
+    pose: Option<&FrozenPose>,
+) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
-    let (root, binary) = container::open(bytes).map_err(one)?;
+    let (root, binary) = container::open(bytes, lenient).map_err(one)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files: vec![path.to_owned()],
         ..Model::default()
     };
     let mut notes = Notes::default();
-    extension::note_ignored(&root, &mut notes);
     let buffers = buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
     model.stage = Stage::of(&root);
+    let variants = root.extensions.variants.iter().flat_map(|v| &v.variants);
+    model.variants = variants.map(|v| v.name.clone()).collect();
     model.clips = animation::read(&root, &data);
     for fault in model
         .clips
@@ -245,10 +289,19 @@ fn read_faults(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Fault>> {
         let what = "animations are broken and cannot be played";
         notes.add("animation-broken", 1, what, &fault.message);
     }
-    let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
+    let visit = node::traverse(&root, &data, &model.clips, pose, &mut notes).map_err(one)?;
+    model.deforms = visit.deforms(&root);
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
-    model.warnings = notes.into_warnings(path);
+    model.warnings = extension::ignored(&root, path);
+    model.warnings.extend(notes.into_warnings(path));
+    if model.placements.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
+        let text = "the file shows nothing: no node places a mesh with triangles";
+        model.warnings.push(Diagnostic {
+            severity: Severity::Warning,
+            ..Diagnostic::in_file("model-empty", path, text)
+        });
+    }
     Ok(model)
 }
 

@@ -1,20 +1,15 @@
 //! Loads a scene description and its files into a [`World`].
 
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-    thread,
-};
+use std::{collections::HashMap, path::PathBuf};
 
 use super::{
     World,
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
-    usd,
 };
 use crate::scene::{
     dependencies::Dependencies,
-    desc::{At, ModelDesc, ModelSource, SceneDesc, is_stage},
+    desc::{At, SceneDesc},
     diagnostic::{Diagnostic, Severity, Span},
 };
 
@@ -26,7 +21,9 @@ mod material;
 mod material_binding;
 mod model_instance;
 mod place;
+mod pose;
 mod preloaded_models;
+mod read_models;
 mod repeat;
 mod tangent;
 mod vertex_streams;
@@ -45,6 +42,8 @@ pub struct LoadOptions {
     pub image_budget_bytes: u64,
     /// Largest single file, bytes.
     pub max_file_bytes: u64,
+    /// Whether extensions that only change the look are ignored in glTF files that require them.
+    pub lenient: bool,
     /// Records the files that were searched.
     pub dependencies: Dependencies,
     /// Models that were read before.
@@ -58,6 +57,7 @@ impl Default for LoadOptions {
             max_texture_px: 16384,
             image_budget_bytes: 2 << 30,
             max_file_bytes: 4 << 30,
+            lenient: false,
             dependencies: Dependencies::default(),
             preloaded_models: PreloadedModels::default(),
         }
@@ -100,7 +100,7 @@ struct Loader<'a> {
     errors: Vec<Diagnostic>,
     textures: material::TextureTable,
     /// Files already read, by canonical path and what of a stage is read; `None` after an error.
-    files: HashMap<(PathBuf, usd::Choice), Option<usize>>,
+    files: HashMap<read_models::Part, Option<usize>>,
     loaded: Vec<Model>,
     /// World mesh of each loaded model and mesh.
     meshes: HashMap<place::MeshKey, usize>,
@@ -202,82 +202,6 @@ impl<'a> Loader<'a> {
         Err(Box::new(error))
     }
 
-    fn read_models(&mut self) -> Vec<Source> {
-        let desc = self.desc;
-        desc.models
-            .iter()
-            .map(|entry| self.read_model(&entry.name, &entry.value))
-            .collect()
-    }
-
-    fn read_model(&mut self, name: &str, model: &ModelDesc) -> Source {
-        let file = match &model.source {
-            ModelSource::Shape(shape) => {
-                let mut mesh = super::shape::mesh(shape);
-                mesh.name = name.to_owned();
-                self.world.meshes.push(mesh);
-                return Source::Shape(self.world.meshes.len() - 1);
-            }
-            ModelSource::File(file) => file,
-        };
-        let path = match self.find(file) {
-            Ok(path) => path,
-            Err(error) => {
-                self.report_once(*error);
-                return Source::Broken;
-            }
-        };
-        let part = (path, usd::Choice::of(&model.usd));
-        if !self.files.contains_key(&part) {
-            let read = self.read_file(&part, &file.at);
-            self.files.insert(part.clone(), read);
-        }
-        self.files[&part].map_or(Source::Broken, Source::File)
-    }
-
-    fn read_file(
-        &mut self,
-        (path, choice): &(PathBuf, usd::Choice),
-        named_at: &Span,
-    ) -> Option<usize> {
-        let read = if is_stage(path) {
-            self.read_stage(path, choice)
-        } else {
-            let ready = self.options.preloaded_models.take(path);
-            ready.map_or_else(|| read_guarded(path, &self.sandbox), Ok)
-        };
-        match read {
-            Ok(model) => {
-                self.world.warnings.extend_from_slice(&model.warnings);
-                self.add_files(&model.files);
-                self.loaded.push(model);
-                Some(self.loaded.len() - 1)
-            }
-            Err(errors) => {
-                let named = |error: Diagnostic| error.related(named_at.clone(), "named here");
-                self.errors.extend(errors.into_iter().map(named));
-                None
-            }
-        }
-    }
-
-    /// A stage is read from its converted glTF file; its own files are the dependencies.
-    fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
-        let named = |fault: Fault| {
-            let mut error = Diagnostic::in_file(fault.name, path, fault.message);
-            error.help = fault.help;
-            vec![error]
-        };
-        let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
-        let folder = converted.glb.parent().unwrap_or(Path::new("."));
-        let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
-        let ready = self.options.preloaded_models.take(&converted.glb);
-        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox), Ok)?;
-        model.warnings.extend(converted.warnings);
-        model.files = converted.files;
-        Ok(model)
-    }
-
     /// Text files come after the cached ones: another text may have others.
     fn add_texts(&mut self) {
         self.add_files(&self.desc.text_files());
@@ -305,20 +229,19 @@ impl<'a> Loader<'a> {
             .into_iter()
             .map(|(key, request)| ((key, request.srgb), request))
             .unzip();
-        let image_files = requests.iter().filter_map(|r| match &r.source {
-            gltf::ImageSource::File(path) => Some(path.clone()),
-            gltf::ImageSource::Bytes(_) => None,
-        });
-        let image_files: Vec<_> = image_files.collect();
+        let image_files = requests.iter().flat_map(|r| r.source.files());
+        let image_files: Vec<_> = image_files.cloned().collect();
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
         self.warn_of_reduced(&requests);
-        camera::add_default(&mut self.world, self.desc.image.size);
+        let meshes = self.world.meshes.clone();
+        camera::add_default(&mut self.world, &meshes, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
         let asset_cache = AssetCache {
             sources: asset_cache::sources(self.desc),
+            poses: pose::keys(self.desc, &models, &self.loaded),
             models,
             loaded: self.loaded,
             meshes: self.meshes,
@@ -348,13 +271,4 @@ impl Loader<'_> {
             }
         }
     }
-}
-
-/// Panic boundary: a reader's panic becomes an error about its file.
-fn read_guarded(path: &Path, sandbox: &Sandbox) -> Result<Model, Vec<Diagnostic>> {
-    let worker = thread::scope(|scope| scope.spawn(|| gltf::read(path, sandbox)).join());
-    worker.unwrap_or_else(|_| {
-        let text = "the reader panicked on this file; please report this";
-        Err(vec![Diagnostic::in_file("internal", path, text)])
-    })
 }

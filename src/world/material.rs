@@ -1,6 +1,7 @@
 //! Materials: what shading and tracing know of a surface.
 
 use glam::{Vec3, Vec4};
+use serde::Serialize;
 
 use super::TextureRef;
 use crate::scene::desc::{CheckerDesc, MaterialDesc, ReflectionMode};
@@ -30,6 +31,9 @@ pub struct Material {
     pub alpha_cutoff: Option<f32>,
     /// Whether it is double-sided.
     pub double_sided: bool,
+    /// Whether the base color is shown as it is: without light, exposure and tone map
+    /// (KHR_materials_unlit). Such a material has no specular.
+    pub unlit: bool,
     /// Reflection mode.
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
@@ -46,6 +50,17 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
 }
 
+/// The material variants of a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ListedVariants {
+    /// Name of the `[model.NAME]`.
+    pub model: String,
+    /// Names in scene text.
+    pub names: Vec<String>,
+    /// The one that is shown; `None`: the file's own materials.
+    pub shown: Option<String>,
+}
+
 impl Default for Material {
     fn default() -> Self {
         Self {
@@ -60,6 +75,7 @@ impl Default for Material {
             occlusion_strength: 1.0,
             alpha_cutoff: None,
             double_sided: false,
+            unlit: false,
             reflection: ReflectionMode::Auto,
             checker: None,
             base_color_texture: None,

@@ -24,7 +24,7 @@ mod shared;
 pub mod texture;
 pub mod usd;
 
-pub use material::Material;
+pub use material::{ListedVariants, Material};
 pub use shared::Shared;
 
 /// A loaded scene: geometry in object space, placed by instances.
@@ -46,6 +46,8 @@ pub struct World {
     pub environment: EnvironmentDesc,
     /// The animations of all files.
     pub animations: Vec<animation::Listed>,
+    /// The material variants of the files that have some.
+    pub variants: Vec<ListedVariants>,
     /// Named warnings collected while loading.
     pub warnings: Vec<Diagnostic>,
     /// Every file that was read, for fingerprints and watching.
@@ -125,7 +127,7 @@ pub struct TextureRef {
 }
 
 /// glTF's wrap modes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// REPEAT
     #[default]

@@ -240,23 +240,27 @@ impl World {
         }
     }
 
-    /// Bounds over the whole time of played animations; instances moved by the scene only are at
-    /// rest.
-    pub fn bounds_over_time(&self) -> Bounds {
+    /// Whether an animation of a file moves each instance.
+    pub fn animated_instances(&self) -> Vec<bool> {
+        let mut animated = vec![false; self.instances.len()];
+        for m in &self.moving.instances {
+            animated[m.instance] |= m.anchor.node.is_some();
+        }
+        animated
+    }
+
+    /// Boxes of the instances that animations of files move, at times spread over the whole of
+    /// them; the scene's own motion is at rest.
+    pub fn animated_bounds(&self) -> Vec<Bounds> {
         /// Number of sampled times.
         const TIMES: u32 = 32;
         let moving = &self.moving;
-        let is_animated = |m: &&MovingInstance| m.anchor.node.is_some();
-        let animated = || moving.instances.iter().filter(is_animated);
-        let mut still = vec![true; self.instances.len()];
-        animated().for_each(|m| still[m.instance] = false);
-        let rest = self.instances.iter().zip(still).filter(|(_, still)| *still);
-        let mut bounds = rest.fold(Bounds::EMPTY, |b, (i, _)| b.union(self.bounds_of(i)));
+        let mut bounds = Vec::new();
         for time in 0..=TIMES {
             let share = f64::from(time) / f64::from(TIMES);
             let players = moving.players.iter();
             let poses: Vec<_> = players.map(|p| p.pose_at(share * p.duration_s())).collect();
-            for m in animated() {
+            for m in &moving.instances {
                 let Some((player, slot)) = m.anchor.node else {
                     continue;
                 };
@@ -264,7 +268,7 @@ impl World {
                 let world = m.world_from_model * node.model_from_node * m.anchor.local;
                 if node.visible && invertible(&world) {
                     let mesh = self.instances[m.instance].mesh;
-                    bounds = bounds.union(self.meshes[mesh].bounds.transformed(&world));
+                    bounds.push(self.meshes[mesh].bounds.transformed(&world));
                 }
             }
         }

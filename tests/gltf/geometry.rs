@@ -100,7 +100,7 @@ fn points_lines_and_empty_primitives_are_skipped_by_name() {
         doc.primitive("mode", mode.into());
         let world = doc.world();
         assert!(world.instances.is_empty());
-        assert_eq!(warnings(&world), [name]);
+        assert_eq!(warnings(&world), [name, "model-empty"]);
     }
     let mut doc = Doc::triangle();
     doc.primitive("mode", 7.into());

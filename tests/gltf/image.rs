@@ -1,7 +1,11 @@
 //! Images inside glTF files: decoded to 8-bit RGBA, or refused before decoding.
 
-use std::io::Cursor;
+use std::{
+    io::Cursor,
+    time::{Duration, Instant},
+};
 
+use crate::common::Random;
 use crate::kit::{Doc, Folder, one_error, png, rich, scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use reflet::world::{
@@ -55,6 +59,71 @@ fn every_depth_becomes_rgba8() {
     );
 }
 
+#[test]
+fn webp_is_read_where_its_extension_names_it() {
+    let pixel = image::RgbaImage::from_fn(3, 2, |x, y| {
+        image::Rgba([10, 20 * x as u8, 30, 90 + y as u8])
+    });
+    let expected = pixel.clone().into_raw();
+    let mut webp = Cursor::new(Vec::new());
+    (pixel.write_to(&mut webp, ImageFormat::WebP)).expect("encoded");
+    let mut doc = textured(&png(1, 1, [9; 4]));
+    let view = doc.view(&webp.into_inner());
+    let image = doc.add(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/webp"}),
+    );
+    doc.json["textures"][0]["extensions"] = json!({"EXT_texture_webp": {"source": image}});
+    doc.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    doc.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let world = doc.world();
+    assert_eq!(world.warnings.len(), 0, "{:?}", world.warnings);
+    let [texture] = &world.textures[..] else {
+        panic!("only the WebP image is used");
+    };
+    assert_eq!((texture.width, texture.height), (3, 2));
+    assert_eq!(texture.rgba, expected);
+    doc.json["textures"][0]["extensions"]["EXT_texture_webp"]["source"] = 7.into();
+    assert_eq!(doc.error().0, "gltf-index");
+}
+
+#[test]
+fn broken_webp_is_refused_or_decoded_in_time() {
+    let mut random = Random(40);
+    let pixel = |x: u32, y: u32| image::Rgba([(x * y) as u8, (7 * x) as u8, y as u8, 255]);
+    let mut webp = Cursor::new(Vec::new());
+    (image::RgbaImage::from_fn(64, 48, pixel).write_to(&mut webp, ImageFormat::WebP))
+        .expect("encoded");
+    let good = webp.into_inner();
+    let (mut decoded, mut refused) = (0, 0);
+    for i in 0..300 {
+        let mut bytes = good.clone();
+        for _ in 0..=random.below(4) {
+            let at = random.below(bytes.len());
+            bytes[at] = random.below(256) as u8;
+        }
+        if random.below(4) == 0 {
+            bytes.truncate(random.below(good.len()));
+        }
+        let started = Instant::now();
+        match textured(&bytes).load() {
+            Ok(_) => decoded += 1,
+            Err(errors) => {
+                assert!(
+                    errors.iter().all(|e| e.name != "internal"),
+                    "{i}: {errors:?}"
+                );
+                refused += 1;
+            }
+        }
+        assert!(started.elapsed() < Duration::from_secs(5), "mutation {i}");
+    }
+    assert!(
+        decoded > 5 && refused > 20,
+        "{decoded} decoded, {refused} refused"
+    );
+}
+
 /// Loads a file with this image and gives the error's name.
 fn image_error(image: &[u8]) -> &'static str {
     let doc = textured(image);
@@ -92,7 +161,16 @@ fn image_bombs_are_stopped_at_the_header() {
         (&good[..20], "image-broken"),
         (&[0xFF, 0xD8, 0xFF][..], "image-broken"),
         (&[0xFF, 0xD8, 0xFF, 0xDA, 0, 2][..], "image-broken"),
-        (b"RIFF\0\0\0\0WEBPVP8 ", "image-unsupported"),
+        (b"RIFF\0\0\0\0WEBPVP8 ", "image-broken"),
+        (
+            b"RIFF\x20\0\0\0WEBPVP8L\x05\0\0\0\x2f\xff\xff\xff\x0f\0",
+            "image-broken",
+        ),
+        (
+            b"RIFF\x20\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\xff\xff\xff\xff\xff\xff",
+            "image-too-large",
+        ),
+        (b"GIF89a", "image-unsupported"),
         (b"<svg></svg>", "image-unsupported"),
     ] {
         assert_eq!(image_error(bytes), expected, "{bytes:?}");

@@ -201,6 +201,7 @@ pub fn scene(folder: &Path, file: &str) -> SceneDesc {
         material: None,
         overrides: Vec::new(),
         lights: true,
+        variant: None,
         animation: None,
         usd: StageDesc::default(),
     };

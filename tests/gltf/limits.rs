@@ -166,3 +166,46 @@ fn mutated_files_never_panic() {
         "mutations should sometimes do harm: {loaded} load"
     );
 }
+
+/// Thousands of primitives that share the vertices of the whole file keep only their own.
+#[test]
+fn primitives_keep_only_the_vertices_that_they_use() {
+    const VERTICES: u32 = 60_000;
+    const PRIMITIVES: u32 = 2_000;
+    let mut doc = Doc::empty();
+    let place = |i: u32| [i as f32, (i % 7) as f32, (i % 3) as f32];
+    let positions: Vec<f32> = (0..VERTICES).flat_map(place).collect();
+    let positions = doc.floats("VEC3", &positions);
+    let uv: Vec<f32> = (0..VERTICES).flat_map(|i| [i as f32, 0.5]).collect();
+    let uv = doc.floats("VEC2", &uv);
+    let sparse = doc.accessor("SCALAR", 5125, 1, &(VERTICES - 1).to_le_bytes());
+    let offsets = doc.floats("VEC3", &[0.0, 0.0, 1.0]);
+    let views = [sparse, offsets].map(|i| doc.json["accessors"][i]["bufferView"].clone());
+    let normals = doc.add(
+        "accessors",
+        json!({"componentType": 5126, "type": "VEC3", "count": VERTICES, "sparse": {
+            "count": 1, "indices": {"bufferView": views[0], "componentType": 5125},
+            "values": {"bufferView": views[1]}
+        }}),
+    );
+    let corners = |p: u32| [VERTICES - 1, p * 3, p * 3 + 1];
+    let primitive = |doc: &mut Doc, p: u32| {
+        let bytes: Vec<u8> = corners(p).iter().flat_map(|c| c.to_le_bytes()).collect();
+        let indices = doc.accessor("SCALAR", 5125, 3, &bytes);
+        let attributes = json!({"POSITION": positions, "TEXCOORD_0": uv, "NORMAL": normals});
+        json!({"attributes": attributes, "indices": indices})
+    };
+    let primitives: Vec<Value> = (0..PRIMITIVES).map(|p| primitive(&mut doc, p)).collect();
+    let mesh = doc.add("meshes", json!({"primitives": primitives}));
+    doc.root_node(json!({"mesh": mesh}));
+    let world = doc.world();
+    assert_eq!(world.meshes.len(), PRIMITIVES as usize);
+    for (p, mesh) in world.meshes.iter().enumerate() {
+        assert_eq!(mesh.positions.len(), 3);
+        let found = mesh.triangles[0].map(|i| mesh.positions[i as usize].to_array());
+        assert_eq!(found, corners(p as u32).map(place), "primitive {p}");
+        let uv = mesh.triangles[0].map(|i| mesh.uv0[i as usize].x);
+        assert_eq!(uv, corners(p as u32).map(|c| c as f32));
+        assert_eq!(mesh.normals[mesh.triangles[0][0] as usize], glam::Vec3::Z);
+    }
+}

@@ -20,3 +20,4 @@ mod moving;
 mod oracle;
 mod ray_list;
 mod specialized;
+mod textures;

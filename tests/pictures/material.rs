@@ -164,19 +164,28 @@ fn a_normal_map_tips_the_normal_along_its_texture() {
     let named = "normal_texture = \"tipped-normal.png\"\n[model.wall]";
     let text = WALL.replace("[model.wall]", named);
     let tipped = Vec3::from_array(texel.map(|v| f32::from(v) / 255.0 * 2.0 - 1.0)).normalize();
-    for scale in ["[1, 1, 1]", "[-1, 1, 1]", "[1, 1, -1]"] {
+    let mirrors = [
+        ("[1, 1, 1]", [1.0, 1.0]),
+        ("[-1, 1, 1]", [1.0, 1.0]),
+        ("[1, 1, -1]", [1.0, 1.0]),
+        ("[1, 1, 1]", [-2.0, 1.0]),
+        ("[-1, 1, 1]", [3.0, -1.0]),
+    ];
+    for (scale, uv_scale) in mirrors {
         let set = format!("instance.0.scale={scale}");
-        let (desc, world) = scene_of(&folder.join("test.toml"), &text, &[&set]);
+        let uv = format!("material.wall.uv_scale={uv_scale:?}");
+        let (desc, world) = scene_of(&folder.join("test.toml"), &text, &[&set, &uv]);
         let Some(picture) = picture(&desc, &world, &[Aov::Normal]) else {
             return;
         };
         let [du, dv, _] = wall_axes(&world);
+        let (du, dv) = (du * uv_scale[0], dv * uv_scale[1]);
         let expected = tipped.x * du.normalize() - tipped.y * dv.normalize() + tipped.z * Vec3::Z;
         let at = 3 * (20 * 48 + 24);
         let found = Vec3::from_slice(&floats(&picture, Aov::Normal)[at..at + 3]);
         assert!(
             found.distance(expected) < 0.01,
-            "{scale}: {found}, expected {expected}"
+            "{scale} {uv_scale:?}: {found}, expected {expected}"
         );
     }
 }

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from read_converted import Converted, convert_text
+from tampering import agrees
 
 
 def light(done: Converted, index: int = 0) -> dict[str, Any]:
@@ -183,3 +184,32 @@ def test_what_a_pinhole_lacks_is_named(tmp_path: Path) -> None:
 )
 def test_odd_cameras_are_named(tmp_path: Path, line: str, warning: str) -> None:
     assert warning in convert_light(tmp_path, "Camera", line).warnings("/L")
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "1e-45", "3e38"])
+@pytest.mark.parametrize("name", ["verticalAperture", "horizontalAperture", "focalLength"])
+def test_lenses_beyond_all_numbers_make_no_camera(tmp_path: Path, name: str, value: str) -> None:
+    done = convert_text(tmp_path, f'def Camera "C" {{\n    float {name} = {value}\n}}\n')
+    assert "camera-invalid" in done.warnings("/C")
+    assert not done.gltf.cameras
+    assert agrees(done)
+
+
+@pytest.mark.parametrize("rate", ["nan", "inf", "1e-45", "1e300", "-1"])
+def test_time_rates_beyond_all_clocks_are_taken_as_24(tmp_path: Path, rate: str) -> None:
+    moves = "double3 xformOp:translate.timeSamples = { 0: (0, 0, 0), 12: (1, 0, 0) }"
+    text = f"""#usda 1.0
+(
+    metersPerUnit = 1
+    timeCodesPerSecond = {rate}
+    upAxis = "Y"
+)
+def Cube "C" {{
+    {moves}
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+"""
+    done = convert_text(tmp_path, text)
+    assert "time-rate-invalid" in done.warnings()
+    times = done.array(done.gltf.animations[0].samplers[0].input)
+    assert times.reshape(-1).tolist() == [0.0, 0.5]

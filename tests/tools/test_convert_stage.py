@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from read_converted import Converted, convert_text
 from reflet_usd.convert import ConvertError, ConvertOptions, convert_stage
@@ -128,7 +129,23 @@ def test_a_link_does_not_lead_out(tmp_path: Path) -> None:
     inside = folders(tmp_path)
     (inside / "link.usda").symlink_to(tmp_path / "out" / "part.usda")
     text = '#usda 1.0\ndef "X" (\n prepend references = @link.usda@\n) {\n}\n'
-    assert "asset-outside-roots" in convert_text(inside, text).warnings()
+    drawn = convert_text(inside, f'{text}def Cube "C" {{\n}}\n')
+    assert "asset-outside-roots" in drawn.warnings()
+
+
+@pytest.mark.parametrize("absolute", [False, True])
+def test_an_empty_result_is_no_success_where_its_layers_are_outside(
+    tmp_path: Path, absolute: bool
+) -> None:
+    inside = folders(tmp_path)
+    path = str(tmp_path / "out" / "part.usda") if absolute else "../out/part.usda"
+    text = f'#usda 1.0\ndef "X" (\n prepend references = @{path}@\n) {{\n}}\n'
+    with pytest.raises(ConvertError) as raised:
+        convert_text(inside, text)
+    assert raised.value.name == "asset-outside-roots"
+    assert f"--root {tmp_path / 'out'}" in str(raised.value)
+    assert not (inside / "out.glb").exists()
+    assert convert_text(inside, text, extra_roots=(tmp_path / "out",)).json["meshes"]
 
 
 def test_what_a_referenced_layer_must_not_read_is_named_where_it_is_used(tmp_path: Path) -> None:
@@ -138,7 +155,8 @@ def test_what_a_referenced_layer_must_not_read_is_named_where_it_is_used(tmp_pat
         '  variantSets = "v"\n ) {\n'
         '  variantSet "v" = { "a" (payload = @../out/part.usda@) {} }\n }\n}\n'
     )
-    done = convert_text(inside, 'def "A" (references = @middle.usda@</M>) {\n}\n')
+    text = 'def "A" (references = @middle.usda@</M>) {\n}\ndef Cube "C" {\n}\n'
+    done = convert_text(inside, text)
     assert "asset-outside-roots" in done.warnings("/A/N")
     assert agrees(done)
     forget(done, "asset-outside-roots")
@@ -329,3 +347,115 @@ def test_every_small_stage_agrees_with_usd(stage: Path, tmp_path: Path) -> None:
     validation = validate_file(out, stage, khronos=False)
     failed = [(c.check, c.prim, c.worst) for c in validation.checks if not c.passed]
     assert validation.passed, failed
+
+
+def test_fallback_types_stand_in_for_unknown_ones(tmp_path: Path) -> None:
+    head = """#usda 1.0
+(
+    fallbackPrimTypes = {
+        token[] FancyBall = ["NoSuchType", "Sphere"]
+    }
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+"""
+    ball = 'def FancyBall "B" {\n    double radius = 3\n}\n'
+    done = convert_text(tmp_path, head + ball)
+    assert done.warnings() == set()
+    points = done.triangles(done.gltf.nodes[done.node("/B")].mesh).reshape(-1, 3)
+    assert np.linalg.norm(points, axis=1) == pytest.approx(np.full(len(points), 3.0))
+    assert agrees(done)
+    alone = convert_text(tmp_path, ball)
+    assert "schema-ignored" in alone.warnings("/B")
+
+
+def test_value_clips_that_are_not_there_are_named(tmp_path: Path) -> None:
+    clip = '#usda 1.0\nover "X" {\n  double3 xformOp:translate.timeSamples = { 0: (1, 0, 0) }\n}\n'
+    (tmp_path / "clip.usda").write_text(clip, encoding="utf-8")
+    text = """
+def Cube "X" (
+    clips = {
+        dictionary default = {
+            double2[] active = [(0, 0), (5, 1)]
+            asset[] assetPaths = [@./clip.usda@, @./gone.usda@]
+            string primPath = "/X"
+            double2[] times = [(0, 0), (10, 10)]
+        }
+    }
+) {
+    double3 xformOp:translate
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+    done = convert_text(tmp_path, text)
+    assert "clips-missing" in done.warnings("/X")
+    (message,) = [w["message"] for w in done.sidecar["warnings"] if w["name"] == "clips-missing"]
+    assert "1 of 2 layers" in message and "@./gone.usda@" in message
+    (tmp_path / "gone.usda").write_text(clip, encoding="utf-8")
+    assert "clips-missing" not in convert_text(tmp_path, text).warnings()
+
+
+def test_templates_of_value_clips_are_looked_for(tmp_path: Path) -> None:
+    text = """
+def Cube "X" (
+    clips = {
+        dictionary default = {
+            string primPath = "/X"
+            asset templateAssetPath = @./clip.#.usda@
+            double templateEndTime = 2
+            double templateStartTime = 1
+            double templateStride = 1
+        }
+    }
+) {
+}
+"""
+    assert "clips-missing" in convert_text(tmp_path, text).warnings("/X")
+    (tmp_path / "clip.1.usda").write_text('#usda 1.0\nover "X" {\n}\n', encoding="utf-8")
+    assert "clips-missing" not in convert_text(tmp_path, text).warnings()
+
+
+@pytest.mark.parametrize(
+    "prim",
+    [
+        'def Points "P" {\n    float[] widths = [1, 1, 1]\n POINTS }',
+        'def Mesh "P" {\n int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
+        " POINTS }",
+        'def BasisCurves "P" {\n uniform token type = "linear"\n int[] curveVertexCounts = [3]\n'
+        " POINTS }",
+    ],
+)
+def test_points_that_begin_without_a_value_are_drawn(tmp_path: Path, prim: str) -> None:
+    points = (
+        "point3f[] points.timeSamples = { 0: None, 1: None,"
+        " 5: [(0,0,0), (1,0,0), (0,1,0)], 10: [(0,0,0), (1,0,0), (0,2,0)] }\n"
+    )
+    done = convert_text(tmp_path, prim.replace("POINTS", points))
+    mesh = done.json["meshes"][done.gltf.nodes[done.node("/P")].mesh]
+    positions = done.array(mesh["primitives"][0]["attributes"]["POSITION"])
+    assert sorted(map(tuple, positions)) == [(0, 0, 0), (0, 1, 0), (1, 0, 0)]
+    assert "mesh-empty" not in done.warnings()
+    assert agrees(done)
+
+
+def test_backslashes_separate_folders(tmp_path: Path) -> None:
+    part = '#usda 1.0\n(\n defaultPrim = "P"\n)\ndef Sphere "P" {\n}\n'
+    (tmp_path / "parts" / "deep").mkdir(parents=True)
+    (tmp_path / "parts" / "deep" / "a.usda").write_text(part, encoding="utf-8")
+    (tmp_path / "odd\\name.usda").write_text(part, encoding="utf-8")
+    text = """
+def "X" (references = @.\\parts\\deep\\a.usda@)
+{
+}
+def "Y" (references = @odd\\name.usda@)
+{
+}
+def "Z" (references = @..\\outside.usda@)
+{
+}
+"""
+    done = convert_text(tmp_path, text)
+    for prim in ("/X", "/Y"):
+        assert done.gltf.nodes[done.node(prim)].mesh is not None
+    assert done.warnings("/Z") == {"asset-unresolved"}
+    assert agrees(done)

@@ -340,3 +340,25 @@ def test_a_transparent_color_that_nothing_reads_does_not_show(tmp_path: Path) ->
     info = material(done)["pbrMetallicRoughness"]["baseColorTexture"]
     assert (pixels(done, info)[..., 3] == 255).all()
     assert agrees(done)
+
+
+def test_formats_that_need_other_programs_are_not_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from PIL import EpsImagePlugin
+
+    def start(*_: Any, **__: Any) -> None:
+        raise AssertionError("Ghostscript was started")
+
+    monkeypatch.setattr(EpsImagePlugin, "Ghostscript", start)
+    eps = "%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 8\n%%EndComments\nshowpage\n%%EOF\n"
+    (tmp_path / "a.png").write_text(eps, encoding="ascii")
+    done = convert_text(
+        tmp_path,
+        stage(
+            "color3f inputs:diffuseColor.connect = </Mat/T.outputs:rgb>",
+            texture("T", "a.png", ""),
+        ),
+    )
+    assert "texture-unreadable" in done.warnings()
+    assert not done.gltf.images

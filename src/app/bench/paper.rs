@@ -278,6 +278,7 @@ impl Stage {
             let from = SceneOptions {
                 set: changes.clone(),
                 assets: assets.to_vec(),
+                ..SceneOptions::default()
             };
             let text = SceneText::new(self.text, Path::new(self.file), &from);
             let opened = text.open(&[], &<_>::default());

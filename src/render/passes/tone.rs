@@ -30,10 +30,10 @@ gpu_struct! {
         scale: f32,
         /// 0 none, 1 neutral, 2 ACES.
         curve: u32,
+        /// One over the number of sub-frames.
+        sample_share: f32,
         /// Unused.
         pad0: u32,
-        /// Unused.
-        pad1: u32,
     }
 }
 
@@ -43,8 +43,8 @@ impl Params {
         Self {
             scale: image.exposure_ev.exp2() / image.samples as f32,
             curve: image.tone_map as u32,
+            sample_share: 1.0 / image.samples as f32,
             pad0: 0,
-            pad1: 0,
         }
     }
 }

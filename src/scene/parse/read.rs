@@ -183,6 +183,11 @@ impl Section for ModelDesc {
             let help = "move its instance by `[motion.instance.NAME]`";
             t.refuse("wrong-source", "animation", message, help);
         }
+        let variant = t.find("variant", ANY);
+        if t.has("shape") && t.has("variant") {
+            let message = "`variant` applies to files only; shapes have no variants";
+            t.refuse("wrong-source", "variant", message, "remove `variant`");
+        }
         let usd = stage::stage(t, file.as_ref());
         let source = file.map(ModelSource::File).or(shape);
         Some(Self {
@@ -190,6 +195,7 @@ impl Section for ModelDesc {
             material,
             overrides,
             lights,
+            variant,
             animation,
             usd,
         })

@@ -1,11 +1,12 @@
 //! Buffer views and accessors: every count, range, stride and alignment is validated before bytes
 //! are read (by `gather`).
 
-use std::sync::atomic::AtomicU64;
+use std::sync::{OnceLock, atomic::AtomicU64};
 
 use super::{
     Fault,
     container::Bytes,
+    meshopt,
     schema::{Accessor, BufferView, Root},
 };
 
@@ -16,6 +17,8 @@ const MAX_VIRTUAL_ELEMENTS: u64 = 1 << 22;
 pub struct Data<'a> {
     root: &'a Root,
     buffers: Vec<Option<Bytes>>,
+    /// Decompressed buffer views, each on first use.
+    decompressed: Vec<OnceLock<Result<Bytes, Fault>>>,
     /// Remaining decode budget.
     pub(super) bytes_left: AtomicU64,
 }
@@ -118,6 +121,7 @@ impl<'a> Data<'a> {
         let data = Self {
             root,
             buffers,
+            decompressed: root.buffer_views.iter().map(|_| OnceLock::new()).collect(),
             bytes_left: AtomicU64::new(budget_bytes),
         };
         for (i, view) in root.buffer_views.iter().enumerate() {
@@ -135,15 +139,11 @@ impl<'a> Data<'a> {
 
     fn check_view(&self, view: &BufferView) -> Result<(), Fault> {
         let fault = |text: String| Err(Fault::new("gltf-buffer-view", text));
-        let Some(buffer) = self.root.buffers.get(view.buffer) else {
-            return fault(format!("buffer {} does not exist", view.buffer));
-        };
-        let end = view.byte_offset.checked_add(view.byte_length);
-        if end.is_none_or(|end| end > buffer.byte_length) {
-            return fault(format!(
-                "byteOffset {} + byteLength {} lies outside buffer {} of {} bytes",
-                view.byte_offset, view.byte_length, view.buffer, buffer.byte_length
-            ));
+        self.check_range(view.buffer, view.byte_offset, view.byte_length)?;
+        if let Some(stream) = view.extensions.meshopt() {
+            self.check_range(stream.buffer, stream.byte_offset, stream.byte_length)
+                .and_then(|()| meshopt::check(view, stream).map(|_| ()))
+                .map_err(|f| f.at("meshopt compression"))?;
         }
         match view.byte_stride {
             Some(s) if !(4..=252).contains(&s) || s % 4 != 0 => fault(format!(
@@ -151,6 +151,22 @@ impl<'a> Data<'a> {
             )),
             _ => Ok(()),
         }
+    }
+
+    /// Checks bytes of a buffer against its stated length.
+    fn check_range(&self, buffer: usize, offset: u64, length: u64) -> Result<(), Fault> {
+        let fault = |text: String| Err(Fault::new("gltf-buffer-view", text));
+        let Some(found) = self.root.buffers.get(buffer) else {
+            return fault(format!("buffer {buffer} does not exist"));
+        };
+        let end = offset.checked_add(length);
+        if end.is_none_or(|end| end > found.byte_length) {
+            return fault(format!(
+                "byteOffset {offset} + byteLength {length} lies outside buffer {buffer} of {} bytes",
+                found.byte_length
+            ));
+        }
+        Ok(())
     }
 
     pub(super) fn accessor(&self, index: usize) -> Result<&'a Accessor, Fault> {
@@ -163,19 +179,37 @@ impl<'a> Data<'a> {
             .ok_or_else(|| fault(format!("bufferView {index} does not exist")))
     }
 
-    /// The bytes of a buffer view.
+    /// The bytes of a buffer view, decompressed.
     pub fn view_bytes(&self, index: usize) -> Result<Bytes, Fault> {
         let view = self.view(index)?;
-        let buffer = self.buffers.get(view.buffer).and_then(Option::as_ref);
-        let buffer = buffer.ok_or_else(|| {
-            let text = format!("buffer {} has no uri and no GLB chunk", view.buffer);
+        let place = || format!("bufferView {index}");
+        let Some(stream) = view.extensions.meshopt() else {
+            let bytes = self.buffer_bytes(view.buffer, view.byte_offset, view.byte_length);
+            return bytes.map_err(|f| f.at(&place()));
+        };
+        let decompress = || {
+            let decoding = meshopt::check(view, stream)?;
+            let encoded =
+                self.buffer_bytes(stream.buffer, stream.byte_offset, stream.byte_length)?;
+            self.spend(decoding.bytes)?;
+            meshopt::decode(&decoding, &encoded).map(Bytes::new)
+        };
+        self.decompressed[index]
+            .get_or_init(|| decompress().map_err(|f| f.at(&place())))
+            .clone()
+    }
+
+    fn buffer_bytes(&self, buffer: usize, offset: u64, length: u64) -> Result<Bytes, Fault> {
+        let bytes = self.buffers.get(buffer).and_then(Option::as_ref);
+        let bytes = bytes.ok_or_else(|| {
+            let text = format!("buffer {buffer} has no uri and no GLB chunk");
             Fault::new("buffer-missing", text)
         })?;
-        let start = usize::try_from(view.byte_offset).ok();
-        let length = usize::try_from(view.byte_length).ok();
+        let start = usize::try_from(offset).ok();
+        let length = usize::try_from(length).ok();
         let range = start.and_then(|start| Some(start..start.checked_add(length?)?));
-        (range.and_then(|range| buffer.slice(range)))
-            .ok_or_else(|| fault(format!("bufferView {index} lies outside its buffer")))
+        (range.and_then(|range| bytes.slice(range)))
+            .ok_or_else(|| fault("it lies outside its buffer".into()))
     }
 
     pub(super) fn layout(&self, index: usize) -> Result<Layout, Fault> {

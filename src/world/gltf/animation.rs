@@ -16,7 +16,7 @@ use super::{
     schema::Root,
     uri::shorten,
 };
-use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampler};
+use crate::world::animation::{Animation, Channel, Interpolation, Property, Sampler, WeightTrack};
 
 /// A named animation; a broken one is an error only where it is played.
 #[derive(Clone, Debug)]
@@ -138,10 +138,17 @@ impl Reader<'_> {
         if animation.channels.is_empty() {
             return Err(fault("it has no channels"));
         }
-        let mut channels = Vec::new();
+        let (mut channels, mut weights) = (Vec::new(), Vec::new());
         let mut targets = HashSet::new();
         for (c, channel) in animation.channels.iter().enumerate() {
             let at = |fault: Fault| fault.at(&format!("channel {c}"));
+            if let Some(track) = self.weights(animation, channel).map_err(at)? {
+                let what = "channels move the weights of morph targets, which stay as in the first \
+                            frame";
+                notes.add("animation-weights", 1, what, place);
+                weights.push(track);
+                continue;
+            }
             let target = self.target(&channel.target, place, notes).map_err(at)?;
             let Some((node, property)) = target else {
                 continue;
@@ -171,7 +178,56 @@ impl Reader<'_> {
                 sampler,
             });
         }
-        Ok(Animation::new(channels))
+        Ok(Animation::new(channels, weights))
+    }
+
+    /// The weights that a channel moves; `None` for other channels, and for nodes without targets.
+    fn weights(
+        &mut self,
+        animation: &schema::Animation,
+        channel: &schema::Channel,
+    ) -> Result<Option<WeightTrack>, Fault> {
+        let target = &channel.target;
+        if target.path != "weights" || target.extensions.pointer.is_some() {
+            return Ok(None);
+        }
+        let mesh = target.node.and_then(|i| self.root.nodes.get(i)?.mesh);
+        let primitive = mesh.and_then(|i| self.root.meshes.get(i)?.primitives.first());
+        let (Some(node), Some(count)) = (target.node, primitive.map(|p| p.targets.len())) else {
+            return Ok(None);
+        };
+        let Some(sampler) = animation
+            .samplers
+            .get(channel.sampler)
+            .filter(|_| count > 0)
+        else {
+            return Ok(None);
+        };
+        let interpolation = interpolation(sampler)?;
+        let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
+        let accept = accessor::float_or_normalized;
+        let values = self.data.floats::<1>(sampler.output, accept);
+        let values = values.map_err(|f| f.at("output"))?;
+        let per_key = interpolation.values_per_key();
+        let expected = times_s.len().saturating_mul(per_key).saturating_mul(count);
+        if values.len() != expected || !finite(values.as_flattened()) {
+            return Err(fault(format!(
+                "{} keys of {count} weights need {expected} finite output values, there are {}",
+                times_s.len(),
+                values.len()
+            )));
+        }
+        let of_target = |target: usize| Sampler {
+            times_s: times_s.to_vec(),
+            values: (values[target..].iter().step_by(count))
+                .map(|[weight]| DVec4::new(f64::from(*weight), 0.0, 0.0, 0.0))
+                .collect(),
+            interpolation,
+        };
+        Ok(Some(WeightTrack {
+            node,
+            samplers: (0..count).map(of_target).collect(),
+        }))
     }
 
     /// Target node and property; `None` where it is not supported.
@@ -198,7 +254,8 @@ impl Reader<'_> {
                 "rotation" => Property::Rotation,
                 "scale" => Property::Scale,
                 "weights" => {
-                    let what = "channels move the weights of morph targets, which stay at rest";
+                    let what = "channels move weights of nodes without morph targets and are left \
+                                out";
                     return left_out("animation-weights", what);
                 }
                 _ => {
@@ -223,22 +280,10 @@ impl Reader<'_> {
         sampler: &schema::AnimationSampler,
         property: Property,
     ) -> Result<Sampler, Fault> {
-        let interpolation = match sampler.interpolation.as_deref() {
-            None | Some("LINEAR") => Interpolation::Linear,
-            Some("STEP") => Interpolation::Step,
-            Some("CUBICSPLINE") => Interpolation::Cubic,
-            Some(other) => {
-                let text = format!("interpolation \"{}\" is unknown", shorten(other));
-                return Err(fault(text));
-            }
-        };
+        let interpolation = interpolation(sampler)?;
         let times_s = self.times(sampler.input).map_err(|f| f.at("input"))?;
         let mut values = self.values(sampler.output, property)?;
-        let per_key = if interpolation == Interpolation::Cubic {
-            3
-        } else {
-            1
-        };
+        let per_key = interpolation.values_per_key();
         let expected = times_s.len().saturating_mul(per_key);
         if values.len() != expected {
             return Err(fault(format!(
@@ -309,6 +354,18 @@ impl Reader<'_> {
         }
         let wide = |v: [f32; 4]| DVec4::from_array(v.map(f64::from));
         Ok(values.into_iter().map(wide).collect())
+    }
+}
+
+fn interpolation(sampler: &schema::AnimationSampler) -> Result<Interpolation, Fault> {
+    match sampler.interpolation.as_deref() {
+        None | Some("LINEAR") => Ok(Interpolation::Linear),
+        Some("STEP") => Ok(Interpolation::Step),
+        Some("CUBICSPLINE") => Ok(Interpolation::Cubic),
+        Some(other) => {
+            let text = format!("interpolation \"{}\" is unknown", shorten(other));
+            Err(fault(text))
+        }
     }
 }
 

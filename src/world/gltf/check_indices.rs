@@ -13,6 +13,11 @@ pub fn check(root: &Root) -> Result<(), Fault> {
             }
             None => Ok(()),
         };
+    let num_variants = root
+        .extensions
+        .variants
+        .as_ref()
+        .map_or(0, |v| v.variants.len());
     for (m, mesh) in root.meshes.iter().enumerate() {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let place = || format!("{} primitive {p}", label("mesh", m, mesh.name.as_deref()));
@@ -21,15 +26,35 @@ pub fn check(root: &Root) -> Result<(), Fault> {
                 .values()
                 .copied()
                 .chain(primitive.indices)
+                .chain(primitive.targets.iter().flat_map(|t| t.values().copied()))
             {
                 exists("accessor", Some(index), root.accessors.len(), &place)?;
             }
             exists("material", primitive.material, root.materials.len(), &place)?;
+            for mapping in primitive
+                .extensions
+                .variants
+                .iter()
+                .flat_map(|v| &v.mappings)
+            {
+                exists(
+                    "material",
+                    Some(mapping.material),
+                    root.materials.len(),
+                    &place,
+                )?;
+                for variant in &mapping.variants {
+                    exists("variant", Some(*variant), num_variants, &place)?;
+                }
+            }
         }
     }
     for (t, texture) in root.textures.iter().enumerate() {
         let place = || format!("texture {t}");
-        exists("image", texture.source, root.images.len(), &place)?;
+        let webp = texture.extensions.webp.as_ref().and_then(|e| e.source);
+        for image in [texture.source, webp] {
+            exists("image", image, root.images.len(), &place)?;
+        }
         exists("sampler", texture.sampler, root.samplers.len(), &place)?;
     }
     for (i, image) in root.images.iter().enumerate() {

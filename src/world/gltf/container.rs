@@ -49,15 +49,16 @@ const CHUNK_HEADER: usize = 8;
 const CHUNK_JSON: u32 = 0x4E4F_534A;
 const CHUNK_BIN: u32 = 0x004E_4942;
 
-/// Parses a file's bytes; the second value is GLB's binary chunk.
-pub fn open(bytes: Vec<u8>) -> Result<(Root, Option<Bytes>), Fault> {
+/// Parses a file's bytes; the second value is GLB's binary chunk. With `lenient`, unsupported looks
+/// may be required.
+pub fn open(bytes: Vec<u8>, lenient: bool) -> Result<(Root, Option<Bytes>), Fault> {
     let bytes = Bytes::new(bytes);
     let (json, binary) = if bytes.starts_with(b"glTF") {
         split_glb(&bytes)?
     } else {
         (bytes.clone(), None)
     };
-    let root = parse(&json)?;
+    let root = parse(&json, lenient)?;
     Ok((root, binary))
 }
 
@@ -117,7 +118,7 @@ fn split_glb(bytes: &Bytes) -> Result<(Bytes, Option<Bytes>), Fault> {
     Ok((json, binary))
 }
 
-fn parse(json: &[u8]) -> Result<Root, Fault> {
+fn parse(json: &[u8], lenient: bool) -> Result<Root, Fault> {
     // Checked first, so that glTF 1.0 gets its own error message.
     #[derive(serde::Deserialize)]
     struct Head {
@@ -131,7 +132,7 @@ fn parse(json: &[u8]) -> Result<Root, Fault> {
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let head: Head = serde_json::from_slice(json).map_err(unreadable)?;
     check_version(&head.asset)?;
-    extension::check_required(&head.required)?;
+    extension::check_required(&head.required, lenient)?;
     serde_json::from_slice(json).or_else(|first| {
         // The specification allows integers written as 1.0; rare, so a second try.
         let mut value = serde_json::from_slice(json).map_err(unreadable)?;

@@ -1,10 +1,15 @@
 //! glTF extensions: supported, safely ignored, and ignored with a warning.
 
-use super::{Fault, Notes, schema::Root};
+use std::{collections::BTreeSet, path::Path};
+
+use super::{Fault, schema::Root, uri::shorten};
+use crate::scene::diagnostic::{Diagnostic, Severity};
 
 /// Extensions that may stand in `extensionsRequired`.
-pub const SUPPORTED: [&str; 11] = [
+pub const SUPPORTED: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -13,52 +18,65 @@ pub const SUPPORTED: [&str; 11] = [
     "KHR_materials_unlit",
     "KHR_materials_variants", // without a chosen variant the default materials show, as specified
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
 /// Ignored: the picture is the same, or the file has a fallback.
-const HARMLESS: [&str; 4] = [
-    "EXT_meshopt_compression",
+const HARMLESS: [&str; 3] = [
     "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_xmp_json_ld",
 ];
 
-/// A named error for every required extension that is not supported.
-pub fn check_required(required: &[String]) -> Result<(), Fault> {
-    let unknown: Vec<_> = required
+/// Whether an extension can only change how things look, as far as its name tells: materials,
+/// textures and lights.
+fn is_look(name: &str) -> bool {
+    ["_materials_", "_texture_", "_lights_"]
         .iter()
-        .filter(|name| !SUPPORTED.contains(&name.as_str()))
-        .map(|name| format!("\"{name}\""))
+        .any(|part| name.contains(part))
+}
+
+/// Refuses unsupported extensions in `extensionsRequired`; with `lenient` only those that may
+/// change more than the look, the others are ignored as if they were optional.
+pub fn check_required(required: &[String], lenient: bool) -> Result<(), Fault> {
+    let unknown = || {
+        let names = required.iter().map(String::as_str);
+        names.filter(|name| !(SUPPORTED.contains(name) || lenient && is_look(name)))
+    };
+    let quoted: Vec<_> = unknown()
+        .map(|name| format!("\"{}\"", shorten(name)))
         .collect();
-    if unknown.is_empty() {
+    if quoted.is_empty() {
         return Ok(());
     }
+    let instead = if unknown().all(is_look) {
+        "add --lenient to load it without them"
+    } else {
+        "export the file without them"
+    };
     Err(Fault::new(
         "extension-unsupported",
         format!(
             "the file requires {}, which is not supported",
-            unknown.join(", ")
+            quoted.join(", ")
         ),
     )
-    .help(format!(
-        "export the file without them; supported are {}",
-        SUPPORTED.join(", ")
-    )))
+    .help(format!("{instead}; supported are {}", SUPPORTED.join(", "))))
 }
 
-/// Warns about ignored extensions that change the appearance.
-pub fn note_ignored(root: &Root, notes: &mut Notes) {
-    for name in &root.extensions_used {
-        let name = name.as_str();
-        if !SUPPORTED.contains(&name) && !HARMLESS.contains(&name) {
-            notes.add(
-                "extension-ignored",
-                1,
-                "extension is ignored",
-                &format!("\"{name}\""),
-            );
+/// A warning for each ignored extension that changes the appearance.
+pub fn ignored(root: &Root, file: &Path) -> Vec<Diagnostic> {
+    let all = root.extensions_used.iter().chain(&root.extensions_required);
+    let used: BTreeSet<&str> = all.map(String::as_str).collect();
+    let is_ignored = |name: &&str| !SUPPORTED.contains(name) && !HARMLESS.contains(name);
+    let warning = |name: &str| {
+        let text = format!("extension \"{}\" is ignored", shorten(name));
+        Diagnostic {
+            severity: Severity::Warning,
+            ..Diagnostic::in_file("extension-ignored", file, text)
         }
-    }
+    };
+    used.into_iter().filter(is_ignored).map(warning).collect()
 }

@@ -11,7 +11,7 @@ use super::{
     node::{MeshUse, Primitives, Visit},
     primitive,
     primitive_context::Context,
-    schema::Root,
+    schema::{Primitive, Root},
     skin,
 };
 
@@ -28,29 +28,36 @@ pub fn read(
 ) -> Result<Primitives, Vec<Fault>> {
     let uses: BTreeSet<MeshUse> = visit.mesh_uses().collect();
     let mut poses = HashMap::new();
-    for skin in uses.iter().filter_map(|(_, skin)| *skin) {
+    for skin in uses.iter().filter_map(|u| u.skin) {
         let pose = skin::pose(root, data, visit, skin);
         poses.insert(skin, pose.map_err(|f| vec![f.at(&format!("skin {skin}"))])?);
     }
     let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
     let primitives = |u: &MeshUse| {
         let u = *u;
-        let primitives = root.meshes[u.0].primitives.iter().enumerate();
+        let primitives = root.meshes[u.mesh].primitives.iter().enumerate();
         primitives.map(move |(p, primitive)| (u, p, primitive))
     };
     let jobs: Vec<_> = uses.iter().flat_map(primitives).collect();
     let results: Vec<_> = (jobs.par_iter())
-        .map(|((mesh, skin), p, primitive)| {
-            let name = root.meshes[*mesh].name.as_deref();
-            let place = format!("{} primitive {p}", label("mesh", *mesh, name));
+        .map(|(mesh_use, p, primitive)| {
+            let mesh = &root.meshes[mesh_use.mesh];
+            let name = mesh.name.as_deref();
+            let place = format!("{} primitive {p}", label("mesh", mesh_use.mesh, name));
             let mut notes = Notes::default();
             let context = Context {
                 data,
                 primitive,
+                num_vertices: 0,
+                rows: None,
                 quantized,
-                pose: skin.and_then(|skin| poses.get(&skin)).map(Vec::as_slice),
+                weights: visit.weights(root, mesh_use),
+                pose: mesh_use
+                    .skin
+                    .and_then(|skin| poses.get(&skin))
+                    .map(Vec::as_slice),
             };
-            let built = primitive::build(&context, place.clone(), &mut notes);
+            let built = primitive::build(context, place.clone(), &mut notes);
             (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))
         })
         .collect();
@@ -62,6 +69,12 @@ pub fn read(
                 notes.merge(new);
                 if let Some(mesh) = mesh {
                     let material = primitive.material.unwrap_or(root.materials.len());
+                    let of_variants = variant_materials(primitive);
+                    if !of_variants.is_empty() {
+                        model
+                            .variant_materials
+                            .insert(model.meshes.len(), of_variants);
+                    }
                     let shown = out.entry(mesh_use).or_default();
                     shown.push((model.meshes.len(), material));
                     model.meshes.push(mesh);
@@ -75,4 +88,15 @@ pub fn read(
     } else {
         Err(faults)
     }
+}
+
+/// Variant and material of each mapping of KHR_materials_variants.
+fn variant_materials(primitive: &Primitive) -> Vec<(usize, usize)> {
+    let mappings = primitive
+        .extensions
+        .variants
+        .iter()
+        .flat_map(|v| &v.mappings);
+    let each = mappings.flat_map(|m| m.variants.iter().map(|variant| (*variant, m.material)));
+    each.collect()
 }

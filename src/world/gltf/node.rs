@@ -9,7 +9,7 @@ use std::{
 use glam::Affine3A;
 
 use super::{
-    Attached, Clip, Fault, Model, Notes, Placement,
+    Attached, Clip, Fault, FrozenPose, Model, Notes, Placement,
     accessor::Data,
     camera, label, light,
     schema::{Node, Root},
@@ -31,8 +31,16 @@ const MAX_DEPTH: usize = 256;
 /// Maximum number of placements of one file.
 const MAX_PLACEMENTS: usize = 1 << 20;
 
-/// A mesh of the file, and the skin that poses it.
-pub type MeshUse = (usize, Option<usize>);
+/// A mesh of the file, and what deforms it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MeshUse {
+    /// Index in the file.
+    pub mesh: usize,
+    /// The skin that poses it.
+    pub skin: Option<usize>,
+    /// The node that says the weights of its morph targets; `None`: the mesh does.
+    pub weights: Option<usize>,
+}
 
 /// Model mesh and material of each visible primitive of a mesh.
 pub type Primitives = HashMap<MeshUse, Vec<(usize, usize)>>;
@@ -44,6 +52,10 @@ pub struct Visit {
     lights: Vec<Attached<Light>>,
     cameras: Vec<Attached<(String, CameraDesc)>>,
     rig: Rig,
+    /// Transforms of all nodes as they pose skins; empty at rest.
+    posed: Vec<Option<Affine3A>>,
+    /// Animated weights of morph targets, by node.
+    weights: HashMap<usize, Vec<f32>>,
 }
 
 impl Visit {
@@ -52,10 +64,31 @@ impl Visit {
         self.meshes.iter().map(|placed| placed.value.0)
     }
 
-    /// Transform of a node of the scene.
-    pub fn model_from_node(&self, node: usize) -> Option<Affine3A> {
+    /// Transform of a joint of a skin, if it is part of the scene.
+    pub fn model_from_joint(&self, node: usize) -> Option<Affine3A> {
+        if let Some(posed) = self.posed.get(node) {
+            return *posed;
+        }
         let node = self.rig.nodes.get(node)?.as_ref()?;
         Some(node.model_from_node)
+    }
+
+    /// Weights of the morph targets of a use.
+    pub fn weights<'a>(&'a self, root: &'a Root, used: &MeshUse) -> &'a [f32] {
+        let own = used.weights.and_then(|node| match self.weights.get(&node) {
+            Some(animated) => Some(animated),
+            None => root.nodes[node].weights.as_ref(),
+        });
+        own.map_or(&root.meshes[used.mesh].weights, Vec::as_slice)
+    }
+
+    /// Whether some mesh has a skin or morph targets.
+    pub fn deforms(&self, root: &Root) -> bool {
+        let morphs = |u: &MeshUse| {
+            let mut primitives = root.meshes[u.mesh].primitives.iter();
+            primitives.any(|p| !p.targets.is_empty())
+        };
+        self.mesh_uses().any(|u| u.skin.is_some() || morphs(&u))
     }
 }
 
@@ -69,6 +102,7 @@ pub fn traverse(
     root: &Root,
     data: &Data<'_>,
     clips: &[Clip],
+    pose: Option<&FrozenPose>,
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
     let parents = parents(root)?;
@@ -85,7 +119,10 @@ pub fn traverse(
             .collect(),
     };
     check_roots(&roots, &parents)?;
-    let mut visit = Visit::default();
+    let mut visit = Visit {
+        weights: pose.map_or_else(HashMap::new, |pose| pose.weights(clips)),
+        ..Visit::default()
+    };
     visit.rig.nodes.resize(root.nodes.len(), None);
     let switched = switched(clips);
     let start = |&node: &usize| Step {
@@ -146,6 +183,7 @@ pub fn traverse(
             hidden,
         }));
     }
+    visit.posed = pose.map_or_else(Vec::new, |pose| pose.nodes(clips, &visit.rig));
     Ok(visit)
 }
 
@@ -237,9 +275,24 @@ impl Found<'_> {
         if mesh >= self.root.meshes.len() {
             return Err(fault(format!("mesh {mesh} does not exist")));
         }
-        let used = (mesh, self.node.skin);
+        let has_weights =
+            self.node.weights.is_some() || self.visit.weights.contains_key(&self.index);
+        if self
+            .node
+            .weights
+            .iter()
+            .flatten()
+            .any(|weight| !weight.is_finite())
+        {
+            return Err(fault("weights must be finite"));
+        }
+        let used = MeshUse {
+            mesh,
+            skin: self.node.skin,
+            weights: has_weights.then_some(self.index),
+        };
         if self.node.skin.is_some() {
-            let what = "skinned meshes are static, in the pose of the file's nodes";
+            let what = "skinned meshes do not move; they stay in the pose of the first frame";
             self.notes.add("skin-rest-pose", 1, what, self.path);
             // A skinned mesh is placed by its joints only, as specified.
             let mut placed = self.attached((used, self.path.to_owned()));

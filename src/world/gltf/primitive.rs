@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::{
     Fault, Notes,
     accessor::{self, Data},
+    morph,
     primitive_context::Context,
     repair,
     schema::Primitive,
@@ -18,7 +19,7 @@ use crate::world::Mesh;
 /// # Errors
 /// Accessors of wrong type or count, indices out of range, an unknown mode.
 pub fn build(
-    context: &Context<'_>,
+    mut context: Context<'_>,
     name: String,
     notes: &mut Notes,
 ) -> Result<Option<Mesh>, Fault> {
@@ -30,20 +31,27 @@ pub fn build(
         true => accessor::any_but_u32,
         false => accessor::float_only,
     };
-    let positions = data.floats::<3>(position, accept);
+    context.num_vertices = data.count(position).map_err(|f| f.at("POSITION"))?;
+    let mut corners = match primitive.indices {
+        Some(index) => indices(data, index, context.num_vertices)?,
+        None => (0..vertex_count(context.num_vertices)?).collect(),
+    };
+    context.rows = used_rows(&mut corners, context.num_vertices);
+    spend(&context, corners.len())?;
     let mut mesh = Mesh {
         name,
-        positions: vectors(positions, "POSITION", Vec3::from_array)?,
+        positions: vectors(
+            context.floats(position, accept),
+            "POSITION",
+            Vec3::from_array,
+        )?,
         ..Mesh::default()
     };
-    read_attributes(context, &mut mesh)?;
+    read_attributes(&context, &mut mesh)?;
+    morph::apply(&context, &mut mesh)?;
     if let Some(pose) = context.pose {
-        skin::apply(context, pose, &mut mesh)?;
+        skin::apply(&context, pose, &mut mesh)?;
     }
-    let corners = match primitive.indices {
-        Some(index) => indices(data, index, mesh.positions.len())?,
-        None => (0..vertex_count(&mesh)?).collect(),
-    };
     mesh.triangles = triangles(mode, &corners);
     drop(corners);
     repair::run(&mut mesh, notes);
@@ -53,6 +61,38 @@ pub fn build(
         return Ok(None);
     }
     Ok(Some(mesh))
+}
+
+/// The vertices that `corners` use, if they are at most half of all; `corners` become indices
+/// into them. Many primitives may share the vertices of a whole file.
+fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
+    if corners.len() > num_vertices / 2 {
+        return None;
+    }
+    let mut rows = corners.to_vec();
+    rows.sort_unstable();
+    rows.dedup();
+    for corner in corners {
+        // Every corner is among the rows.
+        *corner = rows.binary_search(corner).map_or(0, |row| row as u32);
+    }
+    Some(rows)
+}
+
+/// Takes from the budget what the mesh will hold beyond the attributes that are decoded.
+fn spend(context: &Context<'_>, num_corners: usize) -> Result<(), Fault> {
+    /// Texture coordinates, which are zeros without an attribute.
+    const UV_BYTES: u64 = 8;
+    /// Positions, normals and coordinates where flat shading gives each corner a vertex.
+    const FLAT_BYTES: u64 = 32;
+    /// Of a corner of a triangle.
+    const INDEX_BYTES: u64 = 4;
+    let vertices = context.rows.as_ref().map_or(context.num_vertices, Vec::len) as u64;
+    let flat = !context.primitive.attributes.contains_key("NORMAL");
+    let corner_bytes = INDEX_BYTES + if flat { FLAT_BYTES } else { 0 };
+    context
+        .data
+        .spend(vertices * UV_BYTES + num_corners as u64 * corner_bytes)
 }
 
 /// The accessor of the positions and the mode, if the primitive has triangles; notes why not.
@@ -73,13 +113,7 @@ fn shown(
                 "primitives without POSITION are not shown",
             );
         }
-        4..=6 => {
-            if !primitive.targets.is_empty() {
-                let what = "primitives with morph targets are shown unmorphed";
-                note("morph-rest-pose", what);
-            }
-            return Ok(position.map(|position| (position, mode)));
-        }
+        4..=6 => return Ok(position.map(|position| (position, mode))),
         _ => {
             let text = format!("mode {mode} is unknown, expected 0 to 6");
             return Err(Fault::new("gltf-mode", text));
@@ -88,9 +122,9 @@ fn shown(
     Ok(None)
 }
 
-fn vertex_count(mesh: &Mesh) -> Result<u32, Fault> {
+fn vertex_count(num_vertices: usize) -> Result<u32, Fault> {
     let text = "more than 2³² vertices in one primitive";
-    u32::try_from(mesh.positions.len()).map_err(|_| Fault::new("geometry-too-large", text))
+    u32::try_from(num_vertices).map_err(|_| Fault::new("geometry-too-large", text))
 }
 
 fn vectors<T, const N: usize>(
@@ -104,7 +138,7 @@ fn vectors<T, const N: usize>(
 
 fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
     let (data, quantized, count) = (context.data, context.quantized, mesh.positions.len());
-    let find = |attribute: &str| context.attribute(attribute, count);
+    let find = |attribute: &str| context.attribute(attribute);
     let direction = if quantized {
         accessor::float_or_signed
     } else {
@@ -116,15 +150,23 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
         accessor::float_or_unsigned
     };
     if let Some(i) = find("NORMAL")? {
-        mesh.normals = vectors(data.floats::<3>(i, direction), "NORMAL", Vec3::from_array)?;
+        mesh.normals = vectors(
+            context.floats::<3>(i, direction),
+            "NORMAL",
+            Vec3::from_array,
+        )?;
         // Without normals the specification says to ignore tangents.
         if let Some(i) = find("TANGENT")? {
-            mesh.tangents = vectors(data.floats::<4>(i, direction), "TANGENT", Vec4::from_array)?;
+            mesh.tangents = vectors(
+                context.floats::<4>(i, direction),
+                "TANGENT",
+                Vec4::from_array,
+            )?;
         }
     }
     mesh.uv0 = match find("TEXCOORD_0")? {
         Some(i) => vectors(
-            data.floats::<2>(i, coordinate),
+            context.floats::<2>(i, coordinate),
             "TEXCOORD_0",
             Vec2::from_array,
         )?,
@@ -132,7 +174,7 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
     };
     if let Some(i) = find("TEXCOORD_1")? {
         mesh.uv1 = vectors(
-            data.floats::<2>(i, coordinate),
+            context.floats::<2>(i, coordinate),
             "TEXCOORD_1",
             Vec2::from_array,
         )?;
@@ -140,10 +182,10 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
     if let Some(i) = find("COLOR_0")? {
         let accept = accessor::float_or_unsigned;
         mesh.colors = match data.lanes(i) {
-            3 => vectors(data.floats::<3>(i, accept), "COLOR_0", |[r, g, b]| {
+            3 => vectors(context.floats::<3>(i, accept), "COLOR_0", |[r, g, b]| {
                 Vec4::new(r, g, b, 1.0)
             })?,
-            _ => vectors(data.floats::<4>(i, accept), "COLOR_0", Vec4::from_array)?,
+            _ => vectors(context.floats::<4>(i, accept), "COLOR_0", Vec4::from_array)?,
         };
     }
     Ok(())

@@ -2,7 +2,11 @@
 
 use glam::Affine3A;
 
-use super::{Fault, accessor::Data, schema::Primitive};
+use super::{
+    Fault,
+    accessor::{Component, Data},
+    schema::Primitive,
+};
 
 /// A primitive with its context.
 pub struct Context<'a> {
@@ -10,15 +14,22 @@ pub struct Context<'a> {
     pub data: &'a Data<'a>,
     /// The primitive.
     pub primitive: &'a Primitive,
+    /// Number of elements of each of its attributes.
+    pub num_vertices: usize,
+    /// Vertices that are read, where its indices use few of many; all without.
+    pub rows: Option<Vec<u32>>,
     /// Whether KHR_mesh_quantization is in use.
     pub quantized: bool,
+    /// Weights of the morph targets, finite.
+    pub weights: &'a [f32],
     /// For skinned meshes: model from bind pose, for each joint.
     pub pose: Option<&'a [Affine3A]>,
 }
 
 impl Context<'_> {
-    /// The accessor of an attribute, which must have `count` elements.
-    pub fn attribute(&self, name: &str, count: usize) -> Result<Option<usize>, Fault> {
+    /// The accessor of an attribute, which must have an element for each vertex.
+    pub fn attribute(&self, name: &str) -> Result<Option<usize>, Fault> {
+        let count = self.num_vertices;
         let Some(&index) = self.primitive.attributes.get(name) else {
             return Ok(None);
         };
@@ -28,5 +39,14 @@ impl Context<'_> {
             return Err(Fault::new("gltf-attribute", text));
         }
         Ok(Some(index))
+    }
+
+    /// Elements of an attribute for the vertices that are read, as [`Data::floats`].
+    pub fn floats<const N: usize>(
+        &self,
+        index: usize,
+        accept: fn(Component, bool) -> bool,
+    ) -> Result<Vec<[f32; N]>, Fault> {
+        self.data.floats_at(index, accept, self.rows.as_deref())
     }
 }

@@ -9,7 +9,8 @@ use super::{
 };
 
 impl Data<'_> {
-    fn spend(&self, bytes: u64) -> Result<(), Fault> {
+    /// Takes bytes from the budget.
+    pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
         let spend = |left: u64| left.checked_sub(bytes);
         (self
             .bytes_left
@@ -30,6 +31,16 @@ impl Data<'_> {
         index: usize,
         accept: fn(Component, bool) -> bool,
     ) -> Result<Vec<[f32; N]>, Fault> {
+        self.floats_at(index, accept, None)
+    }
+
+    /// As [`Data::floats`], of these elements only; each is below the accessor's count.
+    pub fn floats_at<const N: usize>(
+        &self,
+        index: usize,
+        accept: fn(Component, bool) -> bool,
+        rows: Option<&[u32]>,
+    ) -> Result<Vec<[f32; N]>, Fault> {
         let layout = self.layout(index)?;
         let accessor = self.accessor(index)?;
         if layout.lanes != N || !accept(layout.component, accessor.normalized) {
@@ -44,33 +55,48 @@ impl Data<'_> {
                 layout.component
             )));
         }
-        self.spend(layout.count as u64 * (N as u64 * 4))?;
-        let convert = |bytes: &[u8], layout: &Layout| match (layout.component, accessor.normalized)
-        {
-            (Component::F32, _) => gather::<4, N>(bytes, layout, f32::from_le_bytes),
-            (Component::U32, _) => gather::<4, N>(bytes, layout, |b| u32::from_le_bytes(b) as f32),
-            (Component::I8, false) => gather::<1, N>(bytes, layout, |b| f32::from(b[0] as i8)),
-            (Component::U8, false) => gather::<1, N>(bytes, layout, |b| f32::from(b[0])),
+        // Sparse elements are laid over all, of which the rows are taken then.
+        let gathered = rows.filter(|_| accessor.sparse.is_none());
+        let count = gathered.map_or(layout.count, <[u32]>::len);
+        self.spend(count as u64 * (N as u64 * 4))?;
+        let convert = |bytes: &[u8], layout: &Layout, rows: Option<&[u32]>| match (
+            layout.component,
+            accessor.normalized,
+        ) {
+            (Component::F32, _) => gather::<4, N>(bytes, layout, rows, f32::from_le_bytes),
+            (Component::U32, _) => {
+                gather::<4, N>(bytes, layout, rows, |b| u32::from_le_bytes(b) as f32)
+            }
+            (Component::I8, false) => {
+                gather::<1, N>(bytes, layout, rows, |b| f32::from(b[0] as i8))
+            }
+            (Component::U8, false) => gather::<1, N>(bytes, layout, rows, |b| f32::from(b[0])),
             (Component::I16, false) => {
-                gather::<2, N>(bytes, layout, |b| f32::from(i16::from_le_bytes(b)))
+                gather::<2, N>(bytes, layout, rows, |b| f32::from(i16::from_le_bytes(b)))
             }
             (Component::U16, false) => {
-                gather::<2, N>(bytes, layout, |b| f32::from(u16::from_le_bytes(b)))
+                gather::<2, N>(bytes, layout, rows, |b| f32::from(u16::from_le_bytes(b)))
             }
             // glTF 2.0 §3.6.2.2, the formulas for normalized integers.
-            (Component::I8, true) => {
-                gather::<1, N>(bytes, layout, |b| (f32::from(b[0] as i8) / 127.0).max(-1.0))
+            (Component::I8, true) => gather::<1, N>(bytes, layout, rows, |b| {
+                (f32::from(b[0] as i8) / 127.0).max(-1.0)
+            }),
+            (Component::U8, true) => {
+                gather::<1, N>(bytes, layout, rows, |b| f32::from(b[0]) / 255.0)
             }
-            (Component::U8, true) => gather::<1, N>(bytes, layout, |b| f32::from(b[0]) / 255.0),
-            (Component::I16, true) => gather::<2, N>(bytes, layout, |b| {
+            (Component::I16, true) => gather::<2, N>(bytes, layout, rows, |b| {
                 (f32::from(i16::from_le_bytes(b)) / 32767.0).max(-1.0)
             }),
-            (Component::U16, true) => gather::<2, N>(bytes, layout, |b| {
+            (Component::U16, true) => gather::<2, N>(bytes, layout, rows, |b| {
                 f32::from(u16::from_le_bytes(b)) / 65535.0
             }),
         };
-        self.assemble(accessor, &layout, [0.0; N], convert)
-            .map_err(|f| f.at(&format!("accessor {index}")))
+        let all = self.assemble(accessor, &layout, [0.0; N], convert, gathered);
+        let all = all.map_err(|f| f.at(&format!("accessor {index}")))?;
+        Ok(match rows.filter(|_| gathered.is_none()) {
+            Some(rows) => rows.iter().map(|&row| all[row as usize]).collect(),
+            None => all,
+        })
     }
 
     /// Elements of a scalar accessor of unsigned integers.
@@ -89,22 +115,26 @@ impl Data<'_> {
             return Err(fault(text));
         }
         self.spend(layout.count as u64 * 4)?;
-        self.assemble(accessor, &layout, [0; 1], gather_unsigned)
+        let convert =
+            |bytes: &[u8], layout: &Layout, _: Option<&[u32]>| gather_unsigned(bytes, layout);
+        self.assemble(accessor, &layout, [0; 1], convert, None)
             .map(|v| v.into_iter().map(|[i]| i).collect())
             .map_err(|f| f.at(&format!("accessor {index}")))
     }
 
-    /// Base elements (zeros without a view), then the sparse ones over them.
+    /// Base elements (zeros without a view), then the sparse ones over them. `rows` are for
+    /// accessors without sparse elements.
     fn assemble<T: Copy>(
         &self,
         accessor: &Accessor,
         layout: &Layout,
         zero: T,
-        convert: impl Fn(&[u8], &Layout) -> Vec<T>,
+        convert: impl Fn(&[u8], &Layout, Option<&[u32]>) -> Vec<T>,
+        rows: Option<&[u32]>,
     ) -> Result<Vec<T>, Fault> {
         let mut out = match accessor.buffer_view {
-            Some(view) => convert(&self.view_bytes(view)?, layout),
-            None => vec![zero; layout.count],
+            Some(view) => convert(&self.view_bytes(view)?, layout, rows),
+            None => vec![zero; rows.map_or(layout.count, <[u32]>::len)],
         };
         let Some(sparse) = &accessor.sparse else {
             return Ok(out);
@@ -124,7 +154,7 @@ impl Data<'_> {
         let size = layout.component.size();
         let element = shape(&accessor.kind, size).map_or(size, |s| s.pitch);
         let value_layout = part(layout.component, values.byte_offset, element);
-        let values = convert(&self.view_bytes(values.buffer_view)?, &value_layout);
+        let values = convert(&self.view_bytes(values.buffer_view)?, &value_layout, None);
         let mut previous = None;
         for ([target], value) in targets.into_iter().zip(values) {
             let slot = out.get_mut(target as usize);
@@ -142,10 +172,12 @@ impl Data<'_> {
     }
 }
 
-/// `SIZE`-byte components of `N`-vectors; the layout was checked against the view's length.
+/// `SIZE`-byte components of `N`-vectors, of all or of some; the layout was checked against the
+/// view's length.
 fn gather<const SIZE: usize, const N: usize>(
     bytes: &[u8],
     layout: &Layout,
+    rows: Option<&[u32]>,
     convert: impl Fn([u8; SIZE]) -> f32,
 ) -> Vec<[f32; N]> {
     let element = |i: usize| {
@@ -157,7 +189,10 @@ fn gather<const SIZE: usize, const N: usize>(
             component.map_or(0.0, &convert)
         })
     };
-    (0..layout.count).map(element).collect()
+    match rows {
+        Some(rows) => rows.iter().map(|&row| element(row as usize)).collect(),
+        None => (0..layout.count).map(element).collect(),
+    }
 }
 
 fn gather_unsigned(bytes: &[u8], layout: &Layout) -> Vec<[u32; 1]> {

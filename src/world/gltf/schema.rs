@@ -3,7 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, de::IgnoredAny};
+use serde::Deserialize;
+
+mod material;
+
+pub use material::{
+    Image, Material, MaterialExtensions, Sampler, SpecularGlossiness, Texture, TextureInfo,
+    TextureTransform,
+};
 
 /// The whole document.
 #[derive(Debug, Default, Deserialize)]
@@ -42,6 +49,19 @@ pub struct Asset {
 pub struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub lights: Option<Lights>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Option<Variants>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Variants {
+    pub variants: Vec<Variant>,
+}
+
+#[derive(Debug, Deserialize)]
+pub struct Variant {
+    pub name: String,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -87,6 +107,8 @@ pub struct Node {
     pub scale: Option<[f32; 3]>,
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
+    /// Of the morph targets, instead of the mesh's.
+    pub weights: Option<Vec<f32>>,
     pub camera: Option<usize>,
     pub extensions: NodeExtensions,
 }
@@ -128,6 +150,9 @@ pub struct Mesh {
     pub name: Option<String>,
     #[serde(default)]
     pub primitives: Vec<Primitive>,
+    /// Of the morph targets.
+    #[serde(default)]
+    pub weights: Vec<f32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -136,8 +161,31 @@ pub struct Primitive {
     pub indices: Option<usize>,
     pub material: Option<usize>,
     pub mode: Option<u32>,
+    /// Accessors of the offsets of each morph target, by attribute.
     #[serde(default)]
-    pub targets: Vec<IgnoredAny>,
+    pub targets: Vec<BTreeMap<String, usize>>,
+    #[serde(default)]
+    pub extensions: PrimitiveExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct PrimitiveExtensions {
+    #[serde(rename = "KHR_materials_variants")]
+    pub variants: Option<VariantMappings>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct VariantMappings {
+    pub mappings: Vec<VariantMapping>,
+}
+
+/// The material that a primitive has in some of [`Variants`].
+#[derive(Debug, Deserialize)]
+pub struct VariantMapping {
+    pub material: usize,
+    pub variants: Vec<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -187,6 +235,38 @@ pub struct BufferView {
     pub byte_offset: u64,
     pub byte_length: u64,
     pub byte_stride: Option<u64>,
+    #[serde(default)]
+    pub extensions: BufferViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct BufferViewExtensions {
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr_meshopt: Option<MeshoptCompression>,
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext_meshopt: Option<MeshoptCompression>,
+}
+
+impl BufferViewExtensions {
+    /// Either extension; they differ in what encoders may write.
+    pub fn meshopt(&self) -> Option<&MeshoptCompression> {
+        self.khr_meshopt.as_ref().or(self.ext_meshopt.as_ref())
+    }
+}
+
+/// Where the compressed bytes of a buffer view are, and what they become.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct MeshoptCompression {
+    pub buffer: usize,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: u64,
+    pub count: u64,
+    pub mode: String,
+    pub filter: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -194,128 +274,6 @@ pub struct BufferView {
 pub struct Buffer {
     pub byte_length: u64,
     pub uri: Option<String>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct Material {
-    pub name: Option<String>,
-    pub pbr_metallic_roughness: Pbr,
-    pub normal_texture: Option<TextureInfo>,
-    pub occlusion_texture: Option<TextureInfo>,
-    pub emissive_texture: Option<TextureInfo>,
-    pub emissive_factor: Option<[f32; 3]>,
-    pub alpha_mode: Option<String>,
-    pub alpha_cutoff: Option<f32>,
-    pub double_sided: bool,
-    pub extensions: MaterialExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct Pbr {
-    pub base_color_factor: Option<[f32; 4]>,
-    pub base_color_texture: Option<TextureInfo>,
-    pub metallic_factor: Option<f32>,
-    pub roughness_factor: Option<f32>,
-    pub metallic_roughness_texture: Option<TextureInfo>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub struct MaterialExtensions {
-    #[serde(rename = "KHR_materials_emissive_strength")]
-    pub emissive_strength: Option<EmissiveStrength>,
-    #[serde(rename = "KHR_materials_ior")]
-    pub ior: Option<Ior>,
-    #[serde(rename = "KHR_materials_specular")]
-    pub specular: Option<Specular>,
-    #[serde(rename = "KHR_materials_unlit")]
-    pub unlit: Option<IgnoredAny>,
-    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
-    pub specular_glossiness: Option<SpecularGlossiness>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct SpecularGlossiness {
-    pub diffuse_factor: Option<[f32; 4]>,
-    pub diffuse_texture: Option<TextureInfo>,
-    pub specular_factor: Option<[f32; 3]>,
-    pub glossiness_factor: Option<f32>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct EmissiveStrength {
-    pub emissive_strength: Option<f32>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub struct Ior {
-    pub ior: Option<f32>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct Specular {
-    pub specular_factor: Option<f32>,
-    pub specular_color_factor: Option<[f32; 3]>,
-    pub specular_texture: Option<IgnoredAny>,
-    pub specular_color_texture: Option<IgnoredAny>,
-}
-
-/// A use of a texture, with the keys of normal and occlusion textures too.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct TextureInfo {
-    pub index: usize,
-    #[serde(default)]
-    pub tex_coord: u32,
-    pub scale: Option<f32>,
-    pub strength: Option<f32>,
-    #[serde(default)]
-    pub extensions: TextureInfoExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub struct TextureInfoExtensions {
-    #[serde(rename = "KHR_texture_transform")]
-    pub transform: Option<TextureTransform>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct TextureTransform {
-    pub offset: Option<[f32; 2]>,
-    pub rotation: Option<f32>,
-    pub scale: Option<[f32; 2]>,
-    pub tex_coord: Option<u32>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub struct Texture {
-    pub sampler: Option<usize>,
-    pub source: Option<usize>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct Image {
-    pub name: Option<String>,
-    pub uri: Option<String>,
-    pub buffer_view: Option<usize>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default, rename_all = "camelCase")]
-pub struct Sampler {
-    pub mag_filter: Option<u32>,
-    pub wrap_s: Option<u32>,
-    pub wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]

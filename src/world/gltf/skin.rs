@@ -1,4 +1,4 @@
-//! Static skinning: vertices in the pose of the file's node transforms.
+//! Static skinning: vertices in one pose of the file's nodes.
 
 use glam::{Affine3A, Mat3A, Mat4, Vec3, Vec3A, Vec4};
 
@@ -37,7 +37,7 @@ pub fn pose(
     }
     let joint = |(&joint, bind): (&usize, &[f32; 16])| {
         let missing = || fault(format!("joint {joint} is not a node of the scene"));
-        let model_from_joint = visit.model_from_node(joint).ok_or_else(missing)?;
+        let model_from_joint = visit.model_from_joint(joint).ok_or_else(missing)?;
         Ok(model_from_joint * Affine3A::from_mat4(Mat4::from_cols_array(bind)))
     };
     skin.joints.iter().zip(&bind).map(joint).collect()
@@ -63,20 +63,14 @@ pub fn apply(context: &Context<'_>, pose: &[Affine3A], mesh: &mut Mesh) -> Resul
     let mut blends = vec![zero; mesh.positions.len()];
     for set in 0.. {
         let (joints, weights) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
-        let (Some(j), Some(w)) = (
-            context.attribute(&joints, blends.len())?,
-            context.attribute(&weights, blends.len())?,
-        ) else {
+        let (Some(j), Some(w)) = (context.attribute(&joints)?, context.attribute(&weights)?) else {
             break;
         };
         let joint_type =
             |c, normalized: bool| !normalized && matches!(c, Component::U8 | Component::U16);
-        let joints = context
-            .data
-            .floats::<4>(j, joint_type)
-            .map_err(|f| f.at(&joints))?;
-        let weights = (context.data.floats::<4>(w, accessor::float_or_unsigned))
-            .map_err(|f| f.at(&weights))?;
+        let joints = (context.floats::<4>(j, joint_type)).map_err(|f| f.at(&joints))?;
+        let weights =
+            (context.floats::<4>(w, accessor::float_or_unsigned)).map_err(|f| f.at(&weights))?;
         for ((blend, joints), weights) in blends.iter_mut().zip(joints).zip(weights) {
             for (joint, weight) in joints.into_iter().zip(weights) {
                 // Unused slots may have any value.

@@ -7,6 +7,7 @@ use super::{
     LoadOptions, Loader, Source, camera,
     material::{ImageKey, slots},
     place::MeshKey,
+    pose,
     vertex_streams::{self, Needs},
 };
 use crate::{
@@ -24,6 +25,8 @@ type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 #[derive(Debug)]
 pub struct AssetCache {
     pub(super) sources: Vec<NamedSource>,
+    /// See [`pose::keys`].
+    pub(super) poses: Vec<Option<Option<String>>>,
     pub(super) models: Vec<Source>,
     /// Models without their meshes, which are in the world.
     pub(super) loaded: Vec<Model>,
@@ -62,7 +65,9 @@ impl AssetCache {
         desc: &SceneDesc,
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
-        if self.sources != sources(desc) {
+        if self.sources != sources(desc)
+            || self.poses != pose::keys(desc, &self.models, &self.loaded)
+        {
             return Ok(None);
         }
         let mut loader = Loader::new(desc, options);
@@ -80,7 +85,7 @@ impl AssetCache {
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
-            camera::add_default(&mut loader.world, desc.image.size);
+            camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
             loader.world.meshes = Shared::default();

@@ -1,6 +1,6 @@
 //! Default camera for scenes without one.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 use crate::{
     math::Bounds,
@@ -8,31 +8,38 @@ use crate::{
         desc::{CameraDesc, Entry},
         diagnostic::Span,
     },
-    world::World,
+    world::{Mesh, World},
 };
 
-/// Maximum fraction of the picture that the scene fills.
-const FILLED: f32 = 0.9;
+/// Fraction of the picture's width or height that the scene fills.
+const FILLED: f32 = 0.8;
+/// Most vertices that are looked at; beyond them, the boxes of instances.
+const MOST_VERTICES: usize = 1 << 23;
+/// Thickness of a flat scene, as a fraction of its second smallest extent.
+const FLAT: f32 = 0.1;
 
 /// Adds a camera `main` that frames the whole scene at `size` pixels, if there is no camera.
-pub fn add_default(world: &mut World, size: [u32; 2]) {
+/// `meshes` are those of the world, with their vertices.
+pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
     if !world.cameras.is_empty() {
         return;
     }
-    let bounds = if world.moving.players.is_empty() {
-        world.static_bounds()
-    } else {
-        world.bounds_over_time()
-    };
+    let framed = Framed::of(world, meshes);
+    let bounds = framed.bounds();
     let radius = (bounds.diagonal() * 0.5).max(1e-3);
-    let center = bounds.center();
     let defaults = CameraDesc::default();
-    let to_eye = Vec3::new(0.5, 0.4, 1.0).normalize();
+    let to_eye = framed.to_eye(&bounds);
     let half_angle = defaults.fov_deg.to_radians() * 0.5;
-    let distance = fitting_distance(&bounds, to_eye, half_angle, size[0] as f32 / size[1] as f32);
+    let fit = Fit {
+        to_eye,
+        half_angle,
+        aspect: size[0] as f32 / size[1] as f32,
+        origin: bounds.center(),
+    };
+    let (target, distance) = framed.fitted(&fit);
     let value = CameraDesc {
-        eye: center + to_eye * distance.max(radius * 0.1),
-        target: center,
+        eye: target + to_eye * distance.max(radius * 0.1),
+        target,
         near_m: (radius * 1e-3).clamp(1e-5, defaults.near_m),
         ..defaults
     };
@@ -43,25 +50,169 @@ pub fn add_default(world: &mut World, size: [u32; 2]) {
     });
 }
 
-/// Distance from the center of a box, in the direction `to_eye`, at which every corner is within
-/// [`FILLED`] of the picture. `half_angle`: of the vertical field of view, radians.
-fn fitting_distance(bounds: &Bounds, to_eye: Vec3, half_angle: f32, aspect: f32) -> f32 {
-    let right = Vec3::Y.cross(to_eye).normalize();
-    let up = to_eye.cross(right);
-    let high = FILLED * half_angle.tan();
-    let wide = high * aspect;
-    let half = if bounds.is_empty() {
-        Vec3::ZERO
-    } else {
-        (bounds.max - bounds.min) * 0.5
-    };
-    let needed = |index: u32| {
-        let sign = |bit: u32| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        let corner = half * Vec3::new(sign(0), sign(1), sign(2));
-        let sideways = (corner.dot(right).abs() / wide).max(corner.dot(up).abs() / high);
-        sideways + corner.dot(to_eye)
-    };
-    (0..8).map(needed).fold(0.0, f32::max)
+/// What the camera frames.
+struct Framed<'a> {
+    meshes: Vec<(&'a Mesh, Affine3A, bool)>,
+    /// Of animated instances at several times, and of all where there are too many vertices.
+    boxes: Vec<Bounds>,
+}
+
+impl<'a> Framed<'a> {
+    /// What stands still, and where animations take the rest; everything if nothing stands still.
+    fn of(world: &World, meshes: &'a [Mesh]) -> Self {
+        let mut boxes = world.animated_bounds();
+        let has_players = !world.moving.players.is_empty();
+        let is_animated = world.animated_instances();
+        let still = |i: usize| {
+            if has_players {
+                !is_animated[i]
+            } else {
+                !world.instances[i].dynamic
+            }
+        };
+        let seen = |i: &usize| !world.instances[*i].is_hidden();
+        let all = || (0..world.instances.len()).filter(seen);
+        let mut shown: Vec<usize> = all().filter(|i| still(*i)).collect();
+        if shown.is_empty() && boxes.is_empty() {
+            shown = all().collect();
+        }
+        let of = |i: &usize| {
+            let instance = &world.instances[*i];
+            let double_sided = world.materials[instance.material].double_sided;
+            (
+                &meshes[instance.mesh],
+                instance.world_from_object,
+                double_sided,
+            )
+        };
+        let mut meshes: Vec<_> = shown.iter().map(of).collect();
+        let vertices: usize = meshes.iter().map(|(mesh, ..)| mesh.positions.len()).sum();
+        if vertices > MOST_VERTICES {
+            let placed = meshes
+                .iter()
+                .map(|(m, place, _)| m.bounds.transformed(place));
+            boxes.extend(placed);
+            meshes.clear();
+        }
+        Self { meshes, boxes }
+    }
+
+    /// All points, in world space.
+    fn points(&self) -> impl Iterator<Item = Vec3> {
+        let corner = |bounds: &Bounds, index: u32| {
+            let pick = |bit: u32| index >> bit & 1 == 1;
+            Vec3::select(
+                glam::BVec3::new(pick(0), pick(1), pick(2)),
+                bounds.max,
+                bounds.min,
+            )
+        };
+        let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
+        let corners = boxes.flat_map(move |bounds| (0..8).map(move |i| corner(bounds, i)));
+        let vertices = self.meshes.iter().flat_map(|(mesh, place, _)| {
+            (mesh.positions.iter()).map(|position| place.transform_point3(*position))
+        });
+        vertices.chain(corners)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::of(self.points())
+    }
+
+    /// Unit direction from the scene to the eye: slightly from the right and above; more onto a
+    /// flat scene, and from the side that its triangles face.
+    fn to_eye(&self, bounds: &Bounds) -> Vec3 {
+        let usual = Vec3::new(0.5, 0.4, 1.0).normalize();
+        if bounds.is_empty() {
+            return usual;
+        }
+        let extent = bounds.max - bounds.min;
+        let thin = extent.min_position();
+        let mut others = extent;
+        others[thin] = f32::INFINITY;
+        if extent[thin] > others.min_element() * FLAT {
+            return usual;
+        }
+        let mut to_eye = usual;
+        to_eye[thin] = 1.0;
+        if self.facing()[thin] < 0.0 {
+            to_eye[thin] = -1.0;
+        }
+        to_eye.normalize()
+    }
+
+    /// Sum of the area vectors of all triangles that have only one side.
+    fn facing(&self) -> Vec3 {
+        let single = self
+            .meshes
+            .iter()
+            .filter(|(.., double_sided)| !double_sided);
+        let area = |(mesh, place, _): &(&Mesh, Affine3A, bool)| {
+            let place = place.matrix3;
+            let corner = |i: u32| place * glam::Vec3A::from(mesh.positions[i as usize]);
+            let triangle = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(corner);
+                (b - a).cross(c - a)
+            };
+            let sum: glam::Vec3A = mesh.triangles.iter().map(triangle).sum();
+            // The order of corners turns with a mirror, their front does not.
+            Vec3::from(sum) * place.determinant().signum()
+        };
+        single.map(area).sum()
+    }
+
+    /// Target and distance at which all points are within the picture and touch its borders on two
+    /// opposite sides.
+    fn fitted(&self, fit: &Fit) -> (Vec3, f32) {
+        let right = Vec3::Y.cross(fit.to_eye).normalize();
+        let up = fit.to_eye.cross(right);
+        let high = FILLED * fit.half_angle.tan();
+        let slopes = [high * fit.aspect, high];
+        // Largest offset of each border at distance 0: right, left, up, down.
+        let mut most = [f32::NEG_INFINITY; 4];
+        for point in self.points() {
+            let p = point - fit.origin;
+            let near = p.dot(fit.to_eye);
+            for (axis, (side, slope)) in [right, up].into_iter().zip(slopes).enumerate() {
+                let along = p.dot(side);
+                most[2 * axis] = most[2 * axis].max(along + slope * near);
+                most[2 * axis + 1] = most[2 * axis + 1].max(-along + slope * near);
+            }
+        }
+        if !most.iter().all(|m| m.is_finite()) {
+            return (fit.origin, 0.0);
+        }
+        let needed = |axis: usize| (most[2 * axis] + most[2 * axis + 1]) * 0.5 / slopes[axis];
+        let middle = |axis: usize| (most[2 * axis] - most[2 * axis + 1]) * 0.5;
+        let distance = needed(0).max(needed(1));
+        let mut target = fit.origin + right * middle(0) + up * middle(1);
+        // The axis with room to spare is centered where the eye is, not where it would be for it.
+        let (spare, side) = if needed(0) < needed(1) {
+            (0, right)
+        } else {
+            (1, up)
+        };
+        if distance > needed(spare) {
+            let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+            for point in self.points() {
+                let p = point - target;
+                let slope = p.dot(side) / (distance - p.dot(fit.to_eye));
+                range = [range[0].min(slope), range[1].max(slope)];
+            }
+            target += side * ((range[0] + range[1]) * 0.5 * distance);
+        }
+        (target, distance)
+    }
+}
+
+/// View that is fitted.
+struct Fit {
+    to_eye: Vec3,
+    /// Of the vertical field of view, radians.
+    half_angle: f32,
+    /// Width over height.
+    aspect: f32,
+    origin: Vec3,
 }
 
 #[cfg(test)]
@@ -70,9 +221,12 @@ mod tests {
 
     #[test]
     fn a_box_fills_the_picture_and_stays_inside() {
-        let bounds = Bounds {
-            min: Vec3::new(-3.0, -1.0, -0.5),
-            max: Vec3::new(3.0, 1.0, 0.5),
+        let framed = Framed {
+            meshes: Vec::new(),
+            boxes: vec![Bounds {
+                min: Vec3::new(-2.0, -1.0, -0.5),
+                max: Vec3::new(4.0, 1.0, 0.5),
+            }],
         };
         for (to_eye, aspect, want) in [
             // From the front: 3 m to the side at the front face, half a meter nearer.
@@ -81,9 +235,18 @@ mod tests {
             // From the side: half a meter to the side.
             (Vec3::X, 1.0, 3.0 + 1.0 / FILLED),
         ] {
-            let quarter_turn = std::f32::consts::FRAC_PI_4;
-            let got = fitting_distance(&bounds, to_eye, quarter_turn, aspect);
-            assert!((got - want).abs() < 1e-5, "{to_eye} {aspect}: {got} {want}");
+            let fit = Fit {
+                to_eye,
+                half_angle: std::f32::consts::FRAC_PI_4,
+                aspect,
+                origin: Vec3::X,
+            };
+            let (target, distance) = framed.fitted(&fit);
+            assert!(
+                (distance - want).abs() < 1e-5,
+                "{to_eye} {aspect}: {distance} {want}"
+            );
+            assert!(target.distance(Vec3::X) < 1e-5, "{target}");
         }
     }
 }

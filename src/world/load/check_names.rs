@@ -2,7 +2,7 @@
 
 use super::{Loader, Source, did_you_mean, error_at};
 use crate::{
-    scene::desc::AnimationDesc,
+    scene::desc::{AnimationDesc, ModelDesc},
     world::{Material, gltf::Model},
 };
 
@@ -31,6 +31,7 @@ impl Loader<'_> {
             let Source::File(loaded) = source else {
                 continue;
             };
+            self.check_variant(&model.value, *loaded);
             let known = &self.loaded[*loaded].materials;
             let overrides = model.value.overrides.iter().map(|e| (&e.name, &e.at));
             let motion = desc.motion.models.iter().filter(|m| m.name == model.name);
@@ -47,6 +48,28 @@ impl Loader<'_> {
                 }
             }
         }
+    }
+
+    /// Reports a material variant that the file of a model does not have.
+    fn check_variant(&mut self, desc: &ModelDesc, loaded: usize) {
+        let model = &self.loaded[loaded];
+        let names = || model.variants.iter().map(String::as_str);
+        let Some(name) = desc
+            .variant
+            .as_ref()
+            .filter(|v| !names().any(|n| n == v.value))
+        else {
+            return;
+        };
+        let file = model.files[0].display();
+        let text = format!("\"{file}\" has no material variant \"{}\"", name.value);
+        let mut error = error_at("unknown-variant", &name.at, text);
+        error.help = Some(match (names().next(), did_you_mean(&name.value, names())) {
+            (None, _) => "it has none".to_owned(),
+            (_, Some(meant)) => format!("{meant} {}", list("variants", names())),
+            (_, None) => list("variants", names()),
+        });
+        self.errors.push(error);
     }
 
     /// Reports animations that the file of a model does not have, or that are broken.

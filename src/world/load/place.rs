@@ -13,11 +13,14 @@ use super::{
 use crate::{
     math::invertible,
     scene::{
-        desc::{InstanceDesc, SceneDesc},
+        desc::{Entry, InstanceDesc, ModelDesc, SceneDesc},
         diagnostic::{Diagnostic, Severity, Span},
         motion::{changing_overrides, moving},
     },
-    world::{Instance, animation::Listed, pose::MovingInstance, rig::Player},
+    world::{
+        Instance, ListedVariants, animation::Listed, gltf::Placement, pose::MovingInstance,
+        rig::Player,
+    },
 };
 
 /// A mesh of a loaded file.
@@ -118,6 +121,7 @@ impl Loader<'_> {
             let Source::File(loaded) = source else {
                 continue;
             };
+            self.list_variants(entry, *loaded);
             let placements = desc
                 .instances
                 .iter()
@@ -132,10 +136,21 @@ impl Loader<'_> {
                     model: entry.name.clone(),
                     name: clip.name.clone(),
                     duration_s: whole.map_or(0.0, |a| a.duration_s),
-                    channels: whole.map_or(0, |a| a.channels.len()),
+                    channels: whole.map_or(0, |a| a.channels.len() + a.weights.len()),
                     played: whole.is_some() && played.iter().flatten().any(|p| p.plays(&clip.name)),
                 });
             }
+        }
+    }
+
+    fn list_variants(&mut self, model: &Entry<ModelDesc>, loaded: usize) {
+        let names = &self.loaded[loaded].variants;
+        if !names.is_empty() {
+            self.world.variants.push(ListedVariants {
+                model: model.name.clone(),
+                names: names.clone(),
+                shown: model.value.variant.as_ref().map(|v| v.value.clone()),
+            });
         }
     }
 
@@ -236,13 +251,26 @@ impl Loader<'_> {
                 continue;
             }
             let mesh = self.file_mesh(loaded, placement.value.mesh);
-            let material = self.instance_material(job, loaded, placement.value.material);
+            let material = self.variant_material(job, loaded, &placement.value);
+            let material = self.instance_material(job, loaded, material);
             let name = format!("{name}/{}", placement.value.name);
             self.push(name, (mesh, material), place, dropped);
             if self.world.instances.len() > MAX_INSTANCES {
                 return;
             }
         }
+    }
+
+    /// Material of a placement in the model's chosen variant.
+    fn variant_material(&self, job: &Job<'_>, loaded: usize, placement: &Placement) -> usize {
+        let model = &self.loaded[loaded];
+        let chosen = self.desc.models[job.model].value.variant.as_ref();
+        let index = chosen.and_then(|name| model.variants.iter().position(|v| *v == name.value));
+        let mapped = model.variant_materials.get(&placement.mesh);
+        let found = index
+            .zip(mapped)
+            .and_then(|(index, mapped)| mapped.iter().find(|(variant, _)| *variant == index));
+        found.map_or(placement.material, |(_, material)| *material)
     }
 
     /// Adds an instance; `binding` is its mesh and material.

@@ -5,7 +5,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use super::read_guarded;
+use super::read_models::read_guarded;
 use crate::world::gltf::{Model, Playable, Sandbox};
 
 /// Models by their canonical path; clones share them.
@@ -15,8 +15,8 @@ pub struct PreloadedModels(Arc<Mutex<Vec<(PathBuf, Model)>>>);
 impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
     /// load; returns its animations. Invalid files are not cached; the load reports their errors.
-    pub fn read(&self, path: &Path, sandbox: &Sandbox) -> Playable {
-        let Ok(model) = read_guarded(path, sandbox) else {
+    pub fn read(&self, path: &Path, sandbox: &Sandbox, lenient: bool) -> Playable {
+        let Ok(model) = read_guarded(path, sandbox, lenient, None) else {
             return Playable::default();
         };
         let playable = model.playable();

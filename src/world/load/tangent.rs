@@ -1,13 +1,39 @@
 //! Tangents by MikkTSpace, the algorithm that normal maps are baked against.
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use glam::{Vec2, Vec4};
+use glam::{Mat2, Vec2, Vec4};
 
-use crate::world::{Mesh, gltf::repair::gather_vertices};
+use crate::world::{Mesh, TextureRef, gltf::repair::gather_vertices};
+
+/// Coordinates that a normal map is sampled with, as far as tangents depend on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalUv {
+    uv_set: u32,
+    /// Linear part of KHR_texture_transform. Without a rotation only the signs of the scales:
+    /// their size changes no direction.
+    turn: Mat2,
+}
+
+impl NormalUv {
+    /// Of a material's normal map.
+    pub fn of(map: &TextureRef) -> Self {
+        let [u, v] = map.transform.map(|row| row.truncate());
+        let turn = if u.y == 0.0 && v.x == 0.0 {
+            Mat2::from_diagonal(Vec2::new(u.x, v.y).map(f32::signum))
+        } else {
+            Mat2::from_cols(u, v).transpose()
+        };
+        Self {
+            uv_set: map.uv_set,
+            turn,
+        }
+    }
+}
 
 struct Corners<'a> {
     mesh: &'a Mesh,
     uv: &'a [Vec2],
+    turn: Mat2,
     /// One for each corner of each triangle.
     tangents: Vec<Vec4>,
 }
@@ -36,7 +62,7 @@ impl Geometry for Corners<'_> {
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
-        let uv = self.uv[self.index(face, corner)];
+        let uv = self.turn * self.uv[self.index(face, corner)];
         // MikkTSpace thinks of v as pointing up, glTF's points down.
         [uv.x, 1.0 - uv.y]
     }
@@ -48,15 +74,20 @@ impl Geometry for Corners<'_> {
     }
 }
 
-/// Fills `mesh.tangents` from texture coordinates 0 or 1; vertices whose corners disagree are split.
-pub fn generate(mesh: &mut Mesh, uv_set: u32) {
-    let uv = if uv_set == 1 && !mesh.uv1.is_empty() {
+/// Fills `mesh.tangents`; vertices whose corners disagree are split.
+pub fn generate(mesh: &mut Mesh, normal_uv: &NormalUv) {
+    let uv = if normal_uv.uv_set == 1 && !mesh.uv1.is_empty() {
         &mesh.uv1
     } else {
         &mesh.uv0
     };
     let tangents = vec![Vec4::ZERO; mesh.triangles.len() * 3];
-    let mut corners = Corners { mesh, uv, tangents };
+    let mut corners = Corners {
+        mesh,
+        uv,
+        turn: normal_uv.turn,
+        tangents,
+    };
     // The only error is having no faces: then there is nothing to fill.
     let _ = generate_tangents(&mut corners);
     let tangents = corners.tangents;

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::tangent;
+use super::tangent::{self, NormalUv};
 use crate::{
     scene::diagnostic::{Diagnostic, Severity, Span},
     world::{Mesh, World},
@@ -15,8 +15,10 @@ use crate::{
 /// Streams that a mesh needs for its materials.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Needs {
-    /// Texture coordinate set of the normal map.
-    tangents_from: Option<u32>,
+    /// Coordinates of the normal map.
+    tangents_from: Option<NormalUv>,
+    /// Whether two materials want tangents of different coordinates.
+    tangents_differ: bool,
     uv1: bool,
 }
 
@@ -35,7 +37,8 @@ pub fn needs(world: &World) -> Vec<Needs> {
         let material = &world.materials[instance.material];
         let need = &mut needs[instance.mesh];
         if let Some(normal) = &material.normal_texture {
-            need.tangents_from.get_or_insert(normal.uv_set);
+            let uv = NormalUv::of(normal);
+            need.tangents_differ |= *need.tangents_from.get_or_insert(uv) != uv;
         }
         let textures = [
             &material.base_color_texture,
@@ -79,9 +82,14 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
     }
     match need.tangents_from {
         None => mesh.tangents = Vec::new(),
-        Some(uv_set) if mesh.tangents.is_empty() => {
+        Some(uv) if mesh.tangents.is_empty() => {
+            if need.tangents_differ {
+                let text = "its materials turn their normal maps differently; the tangents fit \
+                            the first one";
+                messages.push(message(Severity::Warning, "tangents-shared", mesh, text));
+            }
             // Panic boundary: a third-party library processes untrusted geometry.
-            let work = AssertUnwindSafe(|| tangent::generate(mesh, uv_set));
+            let work = AssertUnwindSafe(|| tangent::generate(mesh, &uv));
             if catch_unwind(work).is_err() {
                 let text = "generating its tangents panicked; please report this";
                 messages.push(message(Severity::Error, "internal", mesh, text));

@@ -13,6 +13,8 @@ from reflet_usd.convert.scene import Node
 
 # Apertures and focal length are in tenths of a scene unit (UsdGeomCamera).
 _TENTH = 0.1
+# Lenses beyond have no field of view or no width in single precision.
+_MOST_RATIO = 1e6
 
 
 def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) -> None:
@@ -23,7 +25,9 @@ def add_camera(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node)
 
     width, height = read("horizontalAperture", 20.955), read("verticalAperture", 15.2908)
     focal = read("focalLength", 50.0)
-    if not all(math.isfinite(v) and v > 0.0 for v in (width, height, focal)):
+    sizes = (width, height, focal)
+    whole = all(math.isfinite(v) and v > 0.0 for v in sizes)
+    if not whole or max(sizes) > _MOST_RATIO * min(sizes):
         message = f"apertures {width} × {height} and focal length {focal} make no camera"
         context.ledger.warn("camera-invalid", prim, message)
         return

@@ -55,6 +55,8 @@ class Files:
     """Other files that are there."""
     missing: set[str] = field(default_factory=set)
     """What does not resolve, or was left out."""
+    outside: set[str] = field(default_factory=set)
+    """Folders outside the allowed ones that hold layers which the stage names."""
     absent: set[str] = field(default_factory=set)
     """Where what does not resolve would lie, as far as that is one plain and allowed file."""
 
@@ -84,6 +86,7 @@ def cut_foreign_layers(
     seen = {root_layer.identifier}
     for layer in layers:  # grows while it is walked
         files.layers.append(layer.identifier)
+        _turn_separators(layer)
         for identifier in _kept_dependencies(layer, roots, files, cut):
             if identifier in seen or len(layers) > MAX_LAYERS:
                 continue
@@ -95,6 +98,32 @@ def cut_foreign_layers(
             if opened is not None:
                 layers.append(opened)
     return layers, cut
+
+
+def _turn_separators(layer: Sdf.Layer) -> None:
+    """Write, in memory, names with the separators of Windows with slashes, where that is a file."""
+
+    def resolves(path: str) -> bool:
+        if UsdShade.UdimUtils.IsUdimIdentifier(path):
+            return bool(UsdShade.UdimUtils.ResolveUdimTilePaths(path, layer))
+        return bool(Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path)))
+
+    turned: dict[str, str] = {}
+
+    def look(path: str) -> str:
+        slashes = path.replace("\\", "/")
+        if slashes != path and "`" not in path and not resolves(path) and resolves(slashes):
+            turned[path] = slashes
+        return path
+
+    UsdUtils.ModifyAssetPaths(layer, look)
+    packaged = Ar.IsPackageRelativePath(layer.identifier)
+    if not turned or packaged or layer.GetFileFormat().formatId == "usdz":
+        return
+    was_editable = layer.permissionToEdit
+    layer.SetPermissionToEdit(True)
+    UsdUtils.ModifyAssetPaths(layer, lambda path: turned.get(path, path))
+    layer.SetPermissionToEdit(was_editable)
 
 
 def _kept_dependencies(
@@ -130,6 +159,9 @@ def _fault(
 ) -> tuple[str, str] | None:
     """Why the asset must not be opened (a name and a message), else None and where it belongs."""
     if _is_outside(asset_path, roots):
+        path = re.sub(r"^file:(//)?", "", asset_path)
+        if _names_a_layer(path) and os.path.isfile(path):
+            files.outside.add(os.path.dirname(os.path.realpath(path)))
         message = f"@{asset_path}@ is outside the allowed folders; allow it with --root"
         return "asset-outside-roots", message
     identifier = layer.ComputeAbsolutePath(asset_path)
@@ -144,6 +176,8 @@ def _fault(
         return "asset-not-a-file", f"@{asset_path}@ is a pipe, device or folder, it is not opened"
     is_layer, allowed = _names_a_layer(identifier), is_allowed(resolved, roots)
     if is_layer and not allowed:
+        outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+        files.outside.add(os.path.dirname(os.path.realpath(outer)))
         message = f"the layer @{asset_path}@ is outside the allowed folders; allow it with --root"
         return "asset-outside-roots", message
     if allowed:
@@ -208,6 +242,50 @@ def warn_left_out(stage: Usd.Stage, cut: list[LeftOut], ledger: Ledger) -> None:
     for item in cut:
         if id(item) not in told:  # sublayers, and prims that nothing on the stage uses
             ledger.warn(item.name, "/", item.message)
+
+
+def warn_missing_clips(stage: Usd.Stage, roots: tuple[str, ...], ledger: Ledger) -> None:
+    """Name the value clips that cannot be read: USD leaves their animation out without a word."""
+    for prim in stage.TraverseAll():
+        if not prim.HasAuthoredMetadata("clips"):
+            continue
+        for name, clip_set in sorted(prim.GetMetadata("clips").items()):
+            if not isinstance(clip_set, dict):
+                continue
+            try:
+                paths = Usd.ClipsAPI(prim).ComputeClipAssetPaths(name)
+            except Tf.ErrorException:  # templates without a manifest, and sets that say too little
+                paths = []
+            if not paths and not _template_matches(prim, name):
+                message = f"the value clips '{name}' name no layer that is there"
+                ledger.warn("clips-missing", prim, f"{message}, their animation is lost")
+            lost = [path.path for path in paths if not _is_readable(path, roots)]
+            if lost:
+                message = f"{len(lost)} of {len(paths)} layers of the value clips '{name}'"
+                message += f" cannot be read, their animation is lost; the first is @{lost[0]}@"
+                ledger.warn("clips-missing", prim, message)
+
+
+def _template_matches(prim: Usd.Prim, name: str) -> bool:
+    """Whether a clip set's template, such as clip.##.usda, names some file that is there."""
+    for spec in prim.GetPrimStack():
+        clip_set = spec.GetInfo("clips").get(name, {}) if spec.HasInfo("clips") else {}
+        template = clip_set.get("templateAssetPath") if isinstance(clip_set, dict) else None
+        path = template.path if isinstance(template, Sdf.AssetPath) else str(template or "")
+        folder, file = os.path.split(spec.layer.ComputeAbsolutePath(path) if path else "")
+        pattern = re.compile(re.sub(r"#+", r"-?\\d+", re.escape(file).replace(r"\#", "#")))
+        if "#" in file and os.path.isdir(folder):
+            return any(pattern.fullmatch(entry) for entry in os.listdir(folder))
+    return False
+
+
+def _is_readable(asset: Sdf.AssetPath, roots: tuple[str, ...]) -> bool:
+    if not asset.resolvedPath or not is_allowed(asset.resolvedPath, roots):
+        return False
+    try:
+        return open_layer(asset.resolvedPath) is not None
+    except Tf.ErrorException:
+        return False
 
 
 def _is_outside(asset_path: str, roots: tuple[str, ...]) -> bool:

@@ -92,6 +92,17 @@ def authored(prim: Usd.Prim, name: str, time: Usd.TimeCode, fallback: Any) -> An
     return fallback if value is None or isinstance(value, Sdf.ValueBlock) else value
 
 
+def type_name(prim: Usd.Prim) -> str:
+    """The prim's type, or what the stage's `fallbackPrimTypes` name for one that USD lacks."""
+    return str(prim.GetPrimTypeInfo().GetSchemaTypeName() or prim.GetTypeName())
+
+
+def first_value(attribute: Usd.Attribute) -> Any:
+    """The first time sample that is a value; None where there is none."""
+    values = (attribute.Get(code) for code in attribute.GetTimeSamples())
+    return next((value for value in values if value is not None), None)
+
+
 def source_path(prim: Usd.Prim) -> str:
     """The prim's path, in the shared prototype where the prim is part of a native instance."""
     source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim

@@ -15,7 +15,7 @@ from reflet_usd.convert.attributes import (
     read_display,
     read_primvars,
 )
-from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.context import Context, authored, in_float32, type_name
 from reflet_usd.convert.geometry import BuiltMesh, mesh_extras, warn_still_points
 from reflet_usd.convert.gltf_writer import (
     ARRAY_BUFFER,
@@ -42,7 +42,7 @@ _BASES = {
 
 def is_curves(prim: Usd.Prim) -> bool:
     """Whether `build_curves` knows the type."""
-    return prim.GetTypeName() in ("BasisCurves", "HermiteCurves")
+    return type_name(prim) in ("BasisCurves", "HermiteCurves")
 
 
 def build_points(
@@ -81,8 +81,8 @@ def build_curves(
     _warn_lost(context, prim, "a glTF line has no width")
     kind = str(authored(prim, "type", context.time, "cubic"))
     wrap = str(authored(prim, "wrap", context.time, "nonperiodic"))
-    if prim.GetTypeName() == "HermiteCurves" or kind == "linear":
-        if prim.GetTypeName() == "HermiteCurves":
+    if type_name(prim) == "HermiteCurves" or kind == "linear":
+        if type_name(prim) == "HermiteCurves":
             message = "the curves are drawn straight between their points"
             context.ledger.warn("curves-approximated", prim, message)
         lines = _polylines(counts, wrap == "periodic")

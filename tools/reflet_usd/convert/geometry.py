@@ -18,14 +18,14 @@ from reflet_usd.convert.attributes import (
     read_primvars,
 )
 from reflet_usd.convert.channel_packing import texture_transform, wraps_to_black
-from reflet_usd.convert.context import Context, authored, source_path
+from reflet_usd.convert.context import Context, authored, source_path, type_name
 from reflet_usd.convert.extras import is_custom
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.gprim import GPRIM_TYPES, cube_polygons, tessellate
 from reflet_usd.convert.material import MaterialLibrary, MaterialPlan, warn_translucent
 from reflet_usd.convert.mesh import mesh_surface
 from reflet_usd.convert.network import Constant, PrimvarRead, TextureRead
-from reflet_usd.convert.nurbs import patch_polygons
+from reflet_usd.convert.nurbs import patch_polygons, patch_topology
 from reflet_usd.convert.polygons import Polygons, read_polygons, tet_polygons
 from reflet_usd.convert.primitive import PrimitiveParts, build_primitive
 from reflet_usd.convert.primvars import Topology
@@ -138,16 +138,19 @@ class GeometryBuilder:
     def _surface(
         self, prim: Usd.Prim, deformed: bool
     ) -> tuple[Surface, Topology, Polygons | None] | None:
-        if prim.GetTypeName() == "Cube":
+        if type_name(prim) == "Cube":
             made = mesh_surface(self.context, prim, cube_polygons(self.context, prim), 0)
             return (
                 None if made is None else (made[0], replace(made[1], assumed_order=True), made[2])
             )
-        if prim.GetTypeName() == "NurbsPatch":
-            return mesh_surface(self.context, prim, patch_polygons(self.context, prim), 0)
-        if prim.GetTypeName() == "TetMesh":
+        if type_name(prim) == "NurbsPatch":
+            made = mesh_surface(self.context, prim, patch_polygons(self.context, prim), 0)
+            if made is None:
+                return None
+            return made[0], patch_topology(self.context, prim, made[1]), made[2]
+        if type_name(prim) == "TetMesh":
             return mesh_surface(self.context, prim, tet_polygons(self.context, prim), 0)
-        if prim.GetTypeName() in GPRIM_TYPES:
+        if type_name(prim) in GPRIM_TYPES:
             curved = tessellate(self.context, prim)
             return None if curved is None else (*curved, None)
         # Joint influences and shapes belong to the cage's points.
@@ -301,5 +304,5 @@ def warn_still_points(context: Context, prim: Usd.Prim) -> None:
 
 def is_surface(prim: Usd.Prim) -> bool:
     """Whether `GeometryBuilder` can build this prim."""
-    type_name = prim.GetTypeName()
-    return prim.IsA(UsdGeom.Mesh) or type_name in GPRIM_TYPES or type_name in _OTHER_SURFACES
+    kind = type_name(prim)
+    return prim.IsA(UsdGeom.Mesh) or kind in GPRIM_TYPES or kind in _OTHER_SURFACES

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.context import Context, authored, in_float32, type_name
 from reflet_usd.convert.normals import unit_rows
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primvars import Topology
@@ -85,7 +85,7 @@ def tessellate(context: Context, prim: Usd.Prim) -> tuple[Surface, Topology] | N
         return length
 
     shape = _Quads([], [], [])
-    kind = prim.GetTypeName()
+    kind = type_name(prim)
     axis = str(authored(prim, "axis", context.time, "Z"))
     if axis not in ("X", "Y", "Z"):
         context.ledger.warn("gprim-invalid", prim, f"its axis is '{axis}', taken as Z")

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from reflet_usd.convert.animation import set_visibility
-from reflet_usd.convert.context import Context, authored, in_float32, source_path
+from reflet_usd.convert.context import Context, authored, in_float32, source_path, type_name
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.instance_motion import InstanceMotion, warn_normalized
 from reflet_usd.convert.instancing import (
@@ -295,7 +295,7 @@ class Instancers:
         for child in iterator:
             if str(child.GetPath()) in targets:
                 iterator.PruneChildren()
-            elif child != prim and child.GetTypeName() in _GROUPS:
+            elif child != prim and type_name(child) in _GROUPS:
                 self.context.ledger.carry(child)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
-from reflet_usd.convert.context import Context, in_float32
+from reflet_usd.convert.context import Context, in_float32, type_name
 from reflet_usd.convert.gltf_writer import GltfWriter
 from reflet_usd.convert.light_losses import (
     light_value,
@@ -53,7 +53,7 @@ def add_light(context: Context, writer: GltfWriter, prim: Usd.Prim, node: Node) 
     """
     source = _emission(context, prim)
     warn_unsupported(context, prim)
-    kind = prim.GetTypeName()
+    kind = type_name(prim)
     if kind in ("DomeLight", "DomeLight_1"):
         _keep_dome(context, prim, node, source)
         return None
@@ -96,7 +96,7 @@ def _emission(context: Context, prim: Usd.Prim) -> _Source:
 
 def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, Any] | None:
     """The light's entry; the intensity of one that has a size is a placeholder."""
-    kind = prim.GetTypeName()
+    kind = type_name(prim)
     if kind == "DistantLight":
         angle = math.radians(float(light_value(context, prim, "angle", 0.53)))
         spread = math.pi * math.sin(min(angle, math.pi) / 2) ** 2
@@ -115,7 +115,7 @@ def _punctual(context: Context, prim: Usd.Prim, source: _Source) -> dict[str, An
 
 def _emitter(context: Context, prim: Usd.Prim, source: _Source, brightest: float) -> Emitter | None:
     """What decides the power of a light that has a size."""
-    kind = str(prim.GetTypeName())
+    kind = type_name(prim)
     if kind not in _SHAPES:
         return None
     shape, names, steradians = _SHAPES[kind]

@@ -6,7 +6,7 @@ from typing import Any
 
 from pxr import Sdf, Usd, UsdLux
 
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, type_name
 
 _LINKS = ("lightLink", "shadowLink")
 _OUTDATED = (
@@ -129,7 +129,7 @@ def _warn_reflection(context: Context, prim: Usd.Prim) -> None:
 
 
 def _warn_shape(context: Context, prim: Usd.Prim) -> None:
-    warn, kind = context.ledger.warn, prim.GetTypeName()
+    warn, kind = context.ledger.warn, type_name(prim)
     texture = light_value(context, prim, "texture:file", None)
     if kind == "RectLight" and isinstance(texture, Sdf.AssetPath) and texture.path:
         warn("light-texture-dropped", prim, f"@{texture.path}@ does not color the light")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from pxr import Usd
 
-from reflet_usd.convert.context import Context, in_float32
+from reflet_usd.convert.context import Context, in_float32, type_name
 from reflet_usd.convert.gltf_writer import ARRAY_BUFFER, GltfWriter
 from reflet_usd.convert.mesh import computed_normals, drawn_faces
+from reflet_usd.convert.nurbs import read_patch
 from reflet_usd.convert.polygons import Polygons
 from reflet_usd.convert.primitive import PrimitiveParts
 from reflet_usd.convert.scene import Array, Node
@@ -94,15 +95,25 @@ def point_keys(context: Context, writer: GltfWriter, prim: Usd.Prim) -> PointKey
     elif len(codes) > MAX_POINT_KEYS:
         reason = f"there are more than {MAX_POINT_KEYS} keys"
     values = [] if reason else [attribute.Get(code) for code in codes]
+    while values and not values[0]:  # before the first value there is nothing to draw
+        values, codes = values[1:], codes[1:]
     lengths = {0 if value is None else len(value) for value in values}
+    if not reason and len(values) < 2:
+        return None
     if not reason and (len(lengths) != 1 or 0 in lengths):
         reason = "the number of points changes"
     elif not reason and len(codes) * max(lengths) > MAX_KEYED_POINTS:
         reason = f"the keys hold more than {MAX_KEYED_POINTS} points"
-    keys = np.zeros(0)
+    keys: Array = np.zeros((0, 0, 3))
     if not reason:
         keys = np.array(values, dtype=np.float64) * context.meters_per_unit
         reason = "" if in_float32(keys).all() else "some points are not finite"
+    if not reason and type_name(prim) == "NurbsPatch":
+        patch = read_patch(context, prim)
+        if patch is None or patch.size != keys.shape[1]:
+            return None  # the patch itself says so
+        # A point of the surface is a weighted mean of control points, so it is linear in them.
+        keys = np.stack([patch.evaluate(np.asarray(key)) for key in keys])
     if reason:
         message = f"animated points stay at their first value: {reason}"
         context.ledger.warn("points-animation-frozen", prim, message)

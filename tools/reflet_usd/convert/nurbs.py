@@ -3,46 +3,96 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd
 
 from reflet_usd.convert.context import Context, authored
 from reflet_usd.convert.polygons import Polygons, read_points
+from reflet_usd.convert.primvars import Primvar, Topology
 from reflet_usd.convert.scene import Array
 
 SEGMENTS_PER_SPAN = 8
 MAX_SAMPLES = 1024
 
 
+@dataclass
+class Patch:
+    """A patch whose description fits together."""
+
+    u: Array
+    """(columns, control points along u) basis values."""
+    v: Array
+    """(rows, control points along v)."""
+    weights: Array
+    """(control points,), above 0."""
+
+    @property
+    def size(self) -> int:
+        """The number of control points."""
+        return len(self.weights)
+
+    def evaluate(self, values: Array) -> Array:
+        """Values (control points, n) at the vertices of the grid: (rows × columns, n)."""
+        # Points run along u first (UsdGeomNurbsPatch: u is the fastest index).
+        shape = (self.v.shape[1], self.u.shape[1], -1)
+        weighted = np.concatenate([values * self.weights[:, None], self.weights[:, None]], axis=1)
+        surface = np.einsum("av,bu,vuk->abk", self.v, self.u, weighted.reshape(shape))
+        grid: Array = (surface[..., :-1] / surface[..., -1:]).reshape(-1, values.shape[1])
+        return grid
+
+    def primvar(self, primvar: Primvar) -> Primvar:
+        """A primvar of the control points at the vertices of the grid, others as they are."""
+        if primvar.interpolation != "vertex":
+            return primvar
+        return replace(primvar, values=self.evaluate(primvar.flat()[: self.size]), indices=None)
+
+
+def read_patch(context: Context, prim: Usd.Prim) -> Patch | None:
+    """The patch; None where its description does not fit together."""
+    sizes = [int(authored(prim, f"{axis}VertexCount", context.time, 0)) for axis in "uv"]
+    u, v = (_direction(context, prim, axis, size) for axis, size in zip("uv", sizes, strict=True))
+    if u is None or v is None:
+        return None
+    count = sizes[0] * sizes[1]
+    weights = np.array(authored(prim, "pointWeights", context.time, []), dtype=np.float64)
+    if len(weights) != count or not (weights > 0.0).all():
+        weights = np.ones(count)
+    return Patch(u, v, weights)
+
+
 def patch_polygons(context: Context, prim: Usd.Prim) -> Polygons | None:
     """The patch as smooth quads; None, with a warning, where its description does not fit."""
     points = read_points(context, prim)
-    sizes = [int(authored(prim, f"{axis}VertexCount", context.time, 0)) for axis in "uv"]
-    directions = [
-        _direction(context, prim, axis, size) for axis, size in zip("uv", sizes, strict=True)
-    ]
-    if any(part is None for part in directions) or len(points) != sizes[0] * sizes[1]:
+    patch = read_patch(context, prim)
+    if patch is None or len(points) != patch.size:
         context.ledger.warn("curves-invalid", prim, "orders, knots and points do not fit together")
         return None
     if not np.isfinite(points).all():
         context.ledger.warn("points-non-finite", prim, "the patch has points that are not finite")
         return None
-    weights = np.array(authored(prim, "pointWeights", context.time, []), dtype=np.float64)
-    if len(weights) != len(points) or not (weights > 0.0).all():
-        weights = np.ones(len(points))
-    u, v = directions
-    assert u is not None and v is not None
-    # Points run along u first (UsdGeomNurbsPatch: u is the fastest index).
-    control = np.concatenate([points * weights[:, None], weights[:, None]], axis=1)
-    control = control.reshape(sizes[1], sizes[0], 4)
-    surface = np.einsum("av,bu,vuk->abk", v, u, control)
-    grid = surface[..., :3] / surface[..., 3:]
     trims = authored(prim, "trimCurve:counts", context.time, [])
     lost = " and is untrimmed" if len(trims) else ""
     message = f"the patch became {SEGMENTS_PER_SPAN} quads for each span{lost}"
     context.ledger.warn("curves-approximated", prim, message)
-    return _grid_polygons(grid, authored(prim, "orientation", context.time, "") == "leftHanded")
+    left_handed = authored(prim, "orientation", context.time, "") == "leftHanded"
+    grid = patch.evaluate(points).reshape(len(patch.v), len(patch.u), 3)
+    return _grid_polygons(grid, left_handed)
+
+
+def patch_topology(context: Context, prim: Usd.Prim, topology: Topology) -> Topology:
+    """What primvars of the patch count: its control points, of which the grid shows values."""
+    patch = read_patch(context, prim)
+    if patch is None:
+        return topology
+    nothing = np.zeros(0, dtype=np.int64)
+    return replace(
+        topology,
+        refine=patch.primvar,
+        authored=Topology(patch.size, 1, nothing, nothing),
+        dropped=("uniform", "varying", "faceVarying"),
+    )
 
 
 def _direction(context: Context, prim: Usd.Prim, axis: str, count: int) -> Array | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,7 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
     roots = Traversal(context, writer).stage_roots()
     writer.add_nodes(roots, {**_scene_extras(context), **stage_metadata_extras(context)})
     if not writer.lists.get("meshes"):
+        _refuse_empty(context, stage_path)
         ledger.warn("stage-empty", "/", "the stage has nothing to draw")
     counts = ledger.close(_prims(context.stage))
     files = _files_read(context)
@@ -51,6 +53,15 @@ def convert_opened(context: Context, stage_path: Path, out: Path) -> ConvertResu
         raise ConvertError("strict", message, str(stage_path))
     writer.write(out, result.to_json())
     return result
+
+
+def _refuse_empty(context: Context, stage_path: Path) -> None:
+    """An empty file is no success where the layers with the content were left out."""
+    if context.files.outside:
+        root = os.path.commonpath(sorted(context.files.outside))
+        message = "nothing is left to draw, its layers are outside the allowed folders;"
+        message += f" allow them with --root {shlex.quote(root)}"
+        raise ConvertError("asset-outside-roots", message, str(stage_path))
 
 
 def _files_read(context: Context) -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from reflet_usd.convert.context import Context, authored, in_float32
+from reflet_usd.convert.context import Context, authored, first_value, in_float32
 from reflet_usd.convert.primvars import Topology
 from reflet_usd.convert.scene import Array
 
@@ -39,8 +39,13 @@ class Polygons:
 
 
 def read_points(context: Context, prim: Usd.Prim, name: str = "points") -> Array:
-    """The (N, 3) points in meters; those that are not finite stay so."""
+    """The (N, 3) points in meters; those that are not finite stay so.
+
+    Where the stage begins without a value, the first one that comes.
+    """
     value = authored(prim, name, context.time, None)
+    if value is None and prim.HasAttribute(name):
+        value = first_value(prim.GetAttribute(name))
     if value is None or len(value) == 0:
         return np.zeros((0, 3))
     return np.array(value, dtype=np.float64).reshape(-1, 3) * context.meters_per_unit

@@ -17,6 +17,7 @@ from reflet_usd.convert.confinement import (
     cut_foreign_layers,
     open_layer,
     warn_left_out,
+    warn_missing_clips,
 )
 from reflet_usd.convert.context import MAX_CODE, Context
 from reflet_usd.convert.ledger import Ledger
@@ -30,6 +31,8 @@ FALLBACK_METERS_PER_UNIT = 0.01
 FALLBACK_CODES_PER_SECOND = 24.0
 # Units from picometers to billions of kilometers; outside, lengths leave single precision.
 LEAST_UNIT = 1e-12
+# Time codes per second; outside, keys of a clip leave single precision as seconds.
+LEAST_RATE, MOST_RATE = 1e-6, 1e9
 
 
 def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context:
@@ -54,6 +57,7 @@ def open_context(path: Path, options: ConvertOptions, ledger: Ledger) -> Context
     _select_variants(stage, options, str(path))
     check_prim_count(stage)
     warn_left_out(stage, cut, ledger)
+    warn_missing_clips(stage, roots, ledger)
     _warn_composition(stage, delegate, ledger)
     context = Context(stage, options, ledger, roots, files)
     _read_units(context)
@@ -78,7 +82,7 @@ def _repair_time_rates(layers: list[Sdf.Layer], ledger: Ledger) -> None:
         if not layer.pseudoRoot.HasInfo("timeCodesPerSecond"):
             continue
         rate = layer.pseudoRoot.GetInfo("timeCodesPerSecond")
-        if _is_positive(rate):
+        if _is_rate(rate):
             continue
         name = os.path.basename(layer.identifier)
         message = f"timeCodesPerSecond of {name} is {rate!r}, taken as 24"
@@ -204,6 +208,10 @@ def _is_positive(value: Any) -> bool:
         return False
 
 
+def _is_rate(value: Any) -> bool:
+    return _is_positive(value) and LEAST_RATE <= value <= MOST_RATE
+
+
 def _read_time(context: Context) -> None:
     stage = context.stage
     rate = stage_metadata(stage, "timeCodesPerSecond")
@@ -211,7 +219,7 @@ def _read_time(context: Context) -> None:
         rate = stage_metadata(stage, "framesPerSecond")
     if rate is None:
         rate = FALLBACK_CODES_PER_SECOND
-    if not _is_positive(rate):
+    if not _is_rate(rate):
         message = f"timeCodesPerSecond is {rate!r}, taken as 24"
         context.ledger.warn("time-rate-invalid", "/", message)
         rate = FALLBACK_CODES_PER_SECOND

@@ -18,6 +18,8 @@ from reflet_usd.convert.scene import Array
 
 MAX_PIXELS = 2**28
 PNG_COMPRESSION = 3
+# Never others: Pillow hands some, such as EPS, to programs of the system.
+_FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
 _MIME_TYPES = {"PNG": "image/png", "JPEG": "image/jpeg"}
 _COPIED_MODES = ("L", "LA", "RGB", "RGBA", "P", "1", "I;16", "I")
 
@@ -53,7 +55,7 @@ class ImageFile:
 
     def rgba(self) -> Array:
         """(height, width, 4) uint8."""
-        with Image.open(io.BytesIO(self.data)) as image:
+        with Image.open(io.BytesIO(self.data), formats=_FORMATS) as image:
             if self.wide:
                 gray = np.asarray(image, dtype=np.float64)
                 peak = 65535.0 if gray.max() > 255.0 else 255.0
@@ -123,7 +125,7 @@ class TextureLibrary:
 
 
 def _decode(read: TextureRead, data: bytes) -> ImageFile:
-    with Image.open(io.BytesIO(data)) as image:
+    with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
         image.load()
         # The resolved path of a packaged file ends in "package.usdz[name]".
         name = os.path.basename(read.file.rstrip("]").split("[")[-1])

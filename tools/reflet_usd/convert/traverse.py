@@ -16,7 +16,7 @@ from reflet_usd.convert.animation import (
 )
 from reflet_usd.convert.camera import add_camera
 from reflet_usd.convert.collection import keep_collections
-from reflet_usd.convert.context import Context
+from reflet_usd.convert.context import Context, type_name
 from reflet_usd.convert.curves import build_curves, build_points, is_curves
 from reflet_usd.convert.extras import keep_custom_properties
 from reflet_usd.convert.geometry import BuiltMesh, GeometryBuilder, is_surface
@@ -131,7 +131,7 @@ class Traversal:
             self.context.ledger.skip_subtree("prim-damaged", prim, message)
             return False
         if node is None:
-            return prim.GetTypeName() in _PLACELESS
+            return type_name(prim) in _PLACELESS
         try:
             if prim.IsA(UsdGeom.Imageable) and self._has_other_purpose(prim, tree):
                 return not prim.IsA(UsdGeom.PointInstancer)
@@ -153,18 +153,18 @@ class Traversal:
 
     def _place(self, prim: Usd.Prim, tree: Tree) -> Node | None:
         """The prim's node in its place, still empty; None where the prim has none."""
-        type_name = prim.GetTypeName()
-        if type_name in _PLACELESS:
+        kind = type_name(prim)
+        if kind in _PLACELESS:
             self._keep_words(prim, None)
             return None
         # A hidden skeleton still moves what it is bound to.
-        if type_name != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
+        if kind != "Skeleton" and prim.IsA(UsdGeom.Imageable) and self._is_hidden(prim):
             message = "the prim is invisible; it and all below it are left out"
             self.context.ledger.skip_subtree("invisible-skipped", prim, message)
             return None
-        if type_name == "SkelRoot":
+        if kind == "SkelRoot":
             self.skeletons.enter(prim)
-        if type_name in ("SkelRoot", "Skeleton"):
+        if kind in ("SkelRoot", "Skeleton"):
             self.skeletons.warn_ignored_binding(prim)
         node, outer, reset = transform_node(self.context, prim)
         skinned = self.skeletons.is_skinned(prim)
@@ -231,7 +231,7 @@ class Traversal:
     def _fill(self, prim: Usd.Prim, node: Node) -> bool:
         """Attach what the prim is; False where its children are not walked."""
         context, ledger = self.context, self.context.ledger
-        type_name = prim.GetTypeName()
+        kind = type_name(prim)
         before = len(node.children)
         if prim.IsA(UsdGeom.PointInstancer):
             self.instancers.fill(prim, node)
@@ -245,7 +245,7 @@ class Traversal:
             keys = point_keys(context, self.writer, prim)
             if self._draw(node, self.geometry.build(prim, keys)) and keys is not None:
                 keys.animate(node)
-        elif type_name == "Points":
+        elif kind == "Points":
             self._draw(node, build_points(context, self.writer, self.geometry.materials, prim))
         elif is_curves(prim):
             self._draw(node, build_curves(context, self.writer, self.geometry.materials, prim))
@@ -255,15 +255,15 @@ class Traversal:
             emitter = add_light(context, self.writer, prim, node)
             if emitter is not None and node.light is not None:
                 self._emitters[node.light] = emitter
-        elif type_name == "Skeleton":
+        elif kind == "Skeleton":
             self.skeletons.add_joints(prim, node)
-        elif type_name not in _GROUPS:
+        elif kind not in _GROUPS:
             self._warn_dropped(prim)
             return True
         if prim.IsA(UsdGeom.Gprim) and prim.HasAPI(UsdLux.LightAPI):
             keep_mesh_light(context, prim, node)
         placed = node.mesh is not None or node.camera is not None or node.light is not None
-        if placed or type_name in _GROUPS or len(node.children) > before:
+        if placed or kind in _GROUPS or len(node.children) > before:
             ledger.carry(prim)
         return True
 
@@ -276,12 +276,12 @@ class Traversal:
         return True
 
     def _warn_dropped(self, prim: Usd.Prim) -> None:
-        type_name = str(prim.GetTypeName())
+        kind = type_name(prim)
         if prim.IsA(UsdGeom.Gprim) or prim.IsA(UsdGeom.Imageable):
-            name = "curves-dropped" if type_name.endswith("Curves") else f"{type_name}-dropped"
-            message = f"a {type_name} has no glTF counterpart"
+            name = "curves-dropped" if kind.endswith("Curves") else f"{kind}-dropped"
+            message = f"a {kind} has no glTF counterpart"
         else:
-            name, message = "schema-ignored", f"glTF has no place for a {type_name}"
+            name, message = "schema-ignored", f"glTF has no place for a {kind}"
         self.context.ledger.warn(name, prim, message)
 
 

@@ -12,6 +12,9 @@ from PIL import Image
 
 from .scene_data import Array
 
+# Never others: Pillow hands some, such as EPS, to programs of the system.
+FORMATS = ("PNG", "JPEG", "BMP", "GIF", "TGA", "TIFF", "WEBP")
+
 
 @dataclasses.dataclass
 class Texels:
@@ -33,7 +36,7 @@ class Texels:
 def decode(data: bytes) -> Texels | None:
     """The image in `data`; None where Pillow does not know the format."""
     try:
-        with Image.open(io.BytesIO(data)) as image:
+        with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             image.load()
             return dataclasses.replace(_texels(image), digest=hashlib.sha256(data).digest())
     except Exception:  # Pillow raises many kinds for broken files

@@ -33,7 +33,7 @@ def read_camera(
     """The camera at `time`, None where its lens is none; `world` is its local-to-world matrix."""
     lens = UsdGeom.Camera(prim).GetCamera(time)
     sizes = lens.horizontalAperture, lens.verticalAperture, lens.focalLength
-    if not all(0.0 < size < math.inf for size in sizes):
+    if not all(0.0 < size < math.inf for size in sizes) or max(sizes) > 1e6 * min(sizes):
         return None
     # usd-core returns the clipping range in the stage's units, as it does lengths of apertures
     # in tenths of them (GfCamera::APERTURE_UNIT).

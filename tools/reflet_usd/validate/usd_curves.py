@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from scipy.interpolate import BPoly, BSpline, CubicHermiteSpline
 
 from .scene_data import Array, Indices, Lost
-from .usd_primvars import CornerMap, array_of, carried, customs, misfits, uv_sets
+from .usd_primvars import CornerMap, array_of, carried, customs, misfits, points_of, uv_sets
 
 _STEPS = 8
 """Lines for each span of a cubic, as documented, and quads for each span of a patch."""
@@ -84,7 +84,7 @@ def _read_cloud(prim: Usd.Prim, time: Usd.TimeCode) -> Cloud | None:
     curves = prim.IsA(UsdGeom.BasisCurves) or prim.IsA(UsdGeom.HermiteCurves)
     if not (prim.IsA(UsdGeom.Points) or curves):
         return None
-    points = array_of(UsdGeom.PointBased(prim).GetPointsAttr().Get(time), np.float64, 3)
+    points = points_of(UsdGeom.PointBased(prim).GetPointsAttr(), time)
     finite = np.abs(points) <= float(np.finfo(np.float32).max)
     if not curves:
         kept = np.flatnonzero(finite.all(axis=1))
@@ -135,32 +135,67 @@ def _cubic(control: Array, basis: str, wrap: str) -> Array:
 
 def read_patch(prim: Usd.Prim, time: Usd.TimeCode) -> tuple[Array | None, Lost]:
     """(rows, columns, 3) points on a NURBS patch at every eighth of its spans."""
+    points = points_of(UsdGeom.NurbsPatch(prim).GetPointsAttr(), time)
+    if not len(points):
+        return None, []
+    grid = patch_values(prim, time, points)
+    if grid is None:
+        return None, [("curves-invalid", "orders, knots and points that do not fit")]
+    if not np.isfinite(points).all():
+        return None, [("points-non-finite", "a patch with such points")]
+    return grid, []
+
+
+def patch_values(prim: Usd.Prim, time: Usd.TimeCode, values: Array) -> Array | None:
+    """(rows, columns, k) values on a NURBS patch, from (n, k) values of its control points."""
     schema = UsdGeom.NurbsPatch(prim)
-    points = array_of(schema.GetPointsAttr().Get(time), np.float64, 3)
     attributes = [
         (schema.GetVVertexCountAttr(), schema.GetVOrderAttr(), schema.GetVKnotsAttr()),
         (schema.GetUVertexCountAttr(), schema.GetUOrderAttr(), schema.GetUKnotsAttr()),
     ]
     ranges = [schema.GetVRangeAttr().Get(time), schema.GetURangeAttr().Get(time)]
     counts = [int(entry[0].Get(time) or 0) for entry in attributes]
-    if not len(points):
-        return None, []
-    unfit: Lost = [("curves-invalid", "orders, knots and points that do not fit")]
-    if counts[0] * counts[1] != len(points):
-        return None, unfit
+    if counts[0] * counts[1] != len(values):
+        return None
     weights = array_of(schema.GetPointWeightsAttr().Get(time), np.float64)
-    if len(weights) != len(points) or not (weights > 0.0).all():
-        weights = np.ones(len(points))
-    grid = np.column_stack([points * weights[:, None], weights]).reshape(*counts, 4)
+    if len(weights) != len(values) or not (weights > 0.0).all():
+        weights = np.ones(len(values))
+    grid = np.column_stack([values * weights[:, None], weights]).reshape(*counts, -1)
     for axis, (entry, limits) in enumerate(zip(attributes, ranges, strict=True)):
         knots = array_of(entry[2].Get(time), np.float64)
         moved = _along(np.moveaxis(grid, axis, 0), knots, int(entry[1].Get(time) or 0), limits)
         if moved is None:
-            return None, unfit
+            return None
         grid = np.moveaxis(moved, 0, axis)
-    if not np.isfinite(points).all():
-        return None, [("points-non-finite", "a patch with such points")]
-    return grid[..., :3] / grid[..., 3:], []
+    return grid[..., :-1] / grid[..., -1:]
+
+
+@dataclasses.dataclass
+class PatchCorners(CornerMap):
+    """Corners of the quads on a patch, where values of control points are means of them."""
+
+    prim: Usd.Prim = None
+    time: Usd.TimeCode = dataclasses.field(default_factory=Usd.TimeCode.Default)
+
+    def expand(self, values: Array, interpolation: str) -> Array | None:
+        """(n, …) values at the corners; None where there are too few control points."""
+        if interpolation != "vertex":
+            return super().expand(values, interpolation)
+        shaped = values[: self.totals["vertex"]].reshape(-1, *values.shape[1:])
+        grid = patch_values(self.prim, self.time, shaped.reshape(len(shaped), -1))
+        if grid is None:
+            return None
+        return grid.reshape(-1, *values.shape[1:])[self.vertex]
+
+
+def patch_corners(prim: Usd.Prim, time: Usd.TimeCode, faces: Indices) -> PatchCorners:
+    """The corners of (n, 4) faces of grid points."""
+    schema = UsdGeom.NurbsPatch(prim)
+    control = int(schema.GetUVertexCountAttr().Get(time) or 0)
+    control *= int(schema.GetVVertexCountAttr().Get(time) or 0)
+    plain = CornerMap.whole(faces, control)
+    plain.totals = {"vertex": control}
+    return PatchCorners(**vars(plain), prim=prim, time=time)
 
 
 def _along(control: Array, knots: Array, order: int, limits: object) -> Array | None:

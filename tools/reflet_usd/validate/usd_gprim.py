@@ -8,9 +8,20 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .scene_data import Array, Indices, Surface
+from .usd_curves import patch_corners
 from .usd_material import bound_material
 from .usd_mesh import LocalMesh
-from .usd_primvars import NO_COLOR, CornerMap, array_of, corner_colors, flattened
+from .usd_primvars import (
+    NO_COLOR,
+    CornerMap,
+    array_of,
+    carried,
+    corner_colors,
+    customs,
+    flattened,
+    points_of,
+    uv_sets,
+)
 
 _AXES = {"X": 0, "Y": 1, "Z": 2}
 # Points and faces in the order of UsdGeomCube's mesh in Hydra, which per-face and per-point
@@ -37,7 +48,8 @@ def read_surface(prim: Usd.Prim, time: Usd.TimeCode, matrix: Array) -> Surface |
         # A negative size is the same surface: the places on it do not depend on the sign.
         return fallback if value is None else abs(float(value))
 
-    kind = str(prim.GetTypeName())
+    # The type, or what `fallbackPrimTypes` name for one that USD lacks.
+    kind = str(prim.GetPrimTypeInfo().GetSchemaTypeName())
     axis = _AXES.get(str(prim.GetAttribute("axis").Get() or "Z"), 2) if kind != "Sphere" else 2
     height = 0.0
     if kind == "Sphere":
@@ -98,7 +110,7 @@ def read_polyhedron(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
 def _boundary(prim: Usd.Prim, time: Usd.TimeCode) -> LocalMesh | None:
     """The faces of a TetMesh that are its surface; None where one of them is no triangle."""
     schema = UsdGeom.TetMesh(prim)
-    points = array_of(schema.GetPointsAttr().Get(time), np.float64, 3)
+    points = points_of(schema.GetPointsAttr(), time)
     raw = schema.GetSurfaceFaceVertexIndicesAttr().Get(time)
     raw = raw if raw else UsdGeom.TetMesh.ComputeSurfaceFaces(schema, time)
     faces = array_of(raw, np.int64, 3)
@@ -113,8 +125,19 @@ def read_grid(prim: Usd.Prim, time: Usd.TimeCode, grid: Array) -> LocalMesh:
     """The quads between the (rows, columns, 3) points on a patch."""
     index = np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
     sides = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
-    result = _oriented(prim, time, grid.reshape(-1, 3), np.stack(sides, axis=-1).reshape(-1, 4))
-    return dataclasses.replace(result, flat_shaded=False)
+    faces = np.stack(sides, axis=-1).reshape(-1, 4)
+    result = _oriented(prim, time, grid.reshape(-1, 3), faces)
+    turned = UsdGeom.Gprim(prim).GetOrientationAttr().Get(time) == UsdGeom.Tokens.leftHanded
+    corners = patch_corners(prim, time, faces[:, ::-1] if turned else faces)
+    entries = carried(prim)
+    return dataclasses.replace(
+        result,
+        flat_shaded=False,
+        colors=corner_colors(prim, time, corners),
+        undefined_colors=(),
+        uvs=uv_sets(entries, time, corners),
+        customs=customs(entries, time, corners),
+    )
 
 
 def _oriented(prim: Usd.Prim, time: Usd.TimeCode, points: Array, faces: Indices) -> LocalMesh:

@@ -78,7 +78,7 @@ class Source:
 
 def read_source(prim: Usd.Prim, time: Usd.TimeCode, truth: TruthStage) -> Source | None:
     """The light at `time`; None for kinds that no punctual light can stand in for."""
-    kind = str(prim.GetTypeName())
+    kind = str(prim.GetPrimTypeInfo().GetSchemaTypeName())
     if kind in _SURROUNDING:
         return None
     radiance, lost = read_radiance(prim, time), _lost_inputs(prim, time)
@@ -156,7 +156,7 @@ def _lost_inputs(prim: Usd.Prim, time: Usd.TimeCode) -> Lost:
         if read("inputs:shaping:focus", 0.0) != 0.0:
             lost.append(("light-shaping-dropped", "focus"))
         narrow = read("inputs:shaping:cone:angle", 90.0) < 90.0
-        if narrow and prim.GetTypeName() in ("DistantLight", *_AREAS):
+        if narrow and prim.GetPrimTypeInfo().GetSchemaTypeName() in ("DistantLight", *_AREAS):
             lost.append(("light-shaping-dropped", "cone"))
         profile = read("inputs:shaping:ies:file", None)
         if profile and profile.path:

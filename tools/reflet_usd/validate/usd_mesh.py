@@ -9,7 +9,16 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .scene_data import Array, Indices
-from .usd_primvars import CornerMap, array_of, carried, corner_colors, customs, misfits, uv_sets
+from .usd_primvars import (
+    CornerMap,
+    array_of,
+    carried,
+    corner_colors,
+    customs,
+    misfits,
+    points_of,
+    uv_sets,
+)
 
 
 @dataclasses.dataclass
@@ -47,7 +56,7 @@ def read_mesh(
 ) -> LocalMesh | None:
     """The mesh at `time`; None when it has no usable face (missing or broken topology)."""
     mesh = UsdGeom.Mesh(prim)
-    points = array_of(mesh.GetPointsAttr().Get(time), np.float64, 3)
+    points = points_of(mesh.GetPointsAttr(), time)
     counts = array_of(mesh.GetFaceVertexCountsAttr().Get(time), np.int64)
     indices = array_of(mesh.GetFaceVertexIndicesAttr().Get(time), np.int64)
     if not len(counts) or not len(points):

@@ -199,6 +199,15 @@ def flattened(primvar: UsdGeom.Primvar, time: Usd.TimeCode, width: int) -> Array
     return values
 
 
+def points_of(attribute: Usd.Attribute, time: Usd.TimeCode) -> Array:
+    """(n, 3) points at `time`; where the stage begins without, the first that come."""
+    value = attribute.Get(time)
+    samples = (attribute.Get(code) for code in attribute.GetTimeSamples())
+    if value is None:
+        value = next((sample for sample in samples if sample is not None), None)
+    return np.asarray(array_of(value, np.float64, 3))
+
+
 def array_of(value: Any, dtype: type, width: int = 1) -> Any:
     """A value array of usd-core as numpy, (n,) or (n, width); empty where nothing fits."""
     shape = (0,) if width == 1 else (0, width)

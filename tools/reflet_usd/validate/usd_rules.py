@@ -84,6 +84,9 @@ def _freeze(prim: Usd.Prim, message: str, rest: Usd.TimeCode) -> None:
     for name in names:
         attribute = prim.GetAttribute(name)
         value = attribute.Get(rest) if attribute else None
+        if value is None and name == "points":  # the stage begins without
+            samples = (attribute.Get(code) for code in attribute.GetTimeSamples())
+            value = next((sample for sample in samples if sample is not None), None)
         if value is not None:
             attribute.Set(value)
 

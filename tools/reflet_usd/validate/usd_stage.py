@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom
+from pxr import Ar, Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from .scene_data import Array, StageError
 
@@ -84,6 +84,8 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         os.path.realpath(root) for root in (path.resolve().parent, *(settings.get("roots") or ()))
     )
     _confine(stage, roots)
+    _turn_separators(stage)
+    _confine(stage, roots)
     # Else usd-core scales the times that baking writes into it.
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         if stage.GetRootLayer().pseudoRoot.HasInfo(name):
@@ -102,7 +104,7 @@ def open_truth(path: Path, settings: dict[str, Any]) -> TruthStage:
         tuple(settings.get("purpose") or ("default", "render")),
         float(units) if _is_positive(units) else 0.01,
         axis == "Z",
-        float(rate) if _is_positive(rate) else 24.0,
+        float(rate) if _is_rate(rate) else 24.0,
         float(settings.get("timeOrigin") or 0.0),
         int(settings.get("subdivLevel") or 0),
         roots,
@@ -266,11 +268,34 @@ def _placed_attributes(stage: Usd.Stage) -> Iterator[Usd.Attribute]:
                 yield from prim.GetAuthoredAttributes()
 
 
+def _turn_separators(stage: Usd.Stage) -> None:
+    """A backslash that is part of no file's name separates folders, as on Windows."""
+    done: set[str] = set()
+    while layers := [layer for layer in stage.GetUsedLayers() if layer.identifier not in done]:
+        for layer in layers:
+            done.add(layer.identifier)
+            if layer.anonymous or Ar.IsPackageRelativePath(layer.identifier):
+                continue
+
+            turned: dict[str, str] = {}
+
+            def look(path: str, layer: Sdf.Layer = layer, turned: dict[str, str] = turned) -> str:
+                known = Ar.GetResolver().Resolve(layer.ComputeAbsolutePath(path))
+                if "\\" in path and "`" not in path and not known:
+                    turned[path] = path.replace("\\", "/")
+                return path
+
+            UsdUtils.ModifyAssetPaths(layer, look)
+            if turned:
+                layer.SetPermissionToEdit(True)
+                UsdUtils.ModifyAssetPaths(layer, lambda path, to=turned: to.get(path, path))
+
+
 def _repair_time_rate(layer: Sdf.Layer) -> None:
     """Give a layer whose rates are no rates USD's default, in memory: usd-core hangs on 0."""
     for name in ("timeCodesPerSecond", "framesPerSecond"):
         root = layer.pseudoRoot
-        if root.HasInfo(name) and not _is_positive(root.GetInfo(name)):
+        if root.HasInfo(name) and not _is_rate(root.GetInfo(name)):
             layer.pseudoRoot.ClearInfo(name)
 
 
@@ -280,6 +305,11 @@ def _root_metadata(stage: Usd.Stage, name: str) -> Any:
         if layer is not None and layer.pseudoRoot.HasInfo(name):
             return layer.pseudoRoot.GetInfo(name)
     return None
+
+
+def _is_rate(value: Any) -> bool:
+    """A documented rate: 1e-6 to 1e9 codes per second."""
+    return _is_positive(value) and 1e-6 <= value <= 1e9
 
 
 def _is_positive(value: Any) -> bool:

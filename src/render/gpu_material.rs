@@ -1,0 +1,82 @@
+//! Materials as the shaders know them.
+
+use super::{
+    plan::has_specular,
+    textures::Layers,
+    types::{
+        GpuMaterial, GpuTextureUse, NONE, TEXTURE_NEAREST, TEXTURE_SRGB, TEXTURE_UV1,
+        TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, flag,
+    },
+};
+use crate::world::{Material, TextureRef, World, Wrap};
+
+/// A material of the world, whose images lie in `layers`.
+pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial {
+    let slot = |slot: Option<TextureRef>| {
+        slot.map_or(NO_TEXTURE, |s| texture_use(&s, m.uv_scale, world, layers))
+    };
+    let checker = m.checker;
+    let color = |i: usize| checker.map_or([0.0; 3], |c| c.colors[i].to_array());
+    GpuMaterial {
+        base_color: m.base_color.to_array(),
+        emission: m.emission.to_array(),
+        metallic: m.metallic,
+        roughness: m.roughness,
+        reflectivity: m.reflectivity,
+        normal_scale: m.normal_scale,
+        occlusion_strength: m.occlusion_strength,
+        checker_a: color(0),
+        checker_size_m: checker.map_or(0.0, |c| c.size_m),
+        checker_b: color(1),
+        alpha_cutoff: m.alpha_cutoff.unwrap_or(-1.0),
+        // Without specular there is no reflection, whatever the reflection mode.
+        reflection: if has_specular(m) {
+            m.reflection as u32
+        } else {
+            0
+        },
+        unlit: m.unlit.into(),
+        pad0: 0,
+        pad1: 0,
+        textures: m.slots().map(slot),
+    }
+}
+
+const NO_TEXTURE: GpuTextureUse = GpuTextureUse {
+    row_u: [0.0; 3],
+    layer: NONE,
+    row_v: [0.0; 3],
+    bits: 0,
+    texels: [1.0; 2],
+    signs: [1.0; 2],
+};
+
+fn texture_use(
+    slot: &TextureRef,
+    uv_scale: [f32; 2],
+    world: &World,
+    layers: &Layers,
+) -> GpuTextureUse {
+    let texture = &world.textures[slot.texture];
+    let Some(place) = layers.slot(slot, &world.textures) else {
+        return NO_TEXTURE; // the pools are made for all materials of the world
+    };
+    let wrap = |w: Wrap| match w {
+        Wrap::Repeat => WRAP_REPEAT,
+        Wrap::Clamp => WRAP_CLAMP,
+        Wrap::Mirror => WRAP_MIRROR,
+    };
+    GpuTextureUse {
+        row_u: slot.transform[0].to_array(),
+        layer: place.layer,
+        row_v: slot.transform[1].to_array(),
+        bits: place.pool
+            | flag(texture.srgb, TEXTURE_SRGB)
+            | flag(slot.uv_set & 1 == 1, TEXTURE_UV1)
+            | wrap(slot.wrap[0]) << TEXTURE_WRAP_U_SHIFT
+            | wrap(slot.wrap[1]) << TEXTURE_WRAP_V_SHIFT
+            | flag(slot.nearest, TEXTURE_NEAREST),
+        texels: [texture.width as f32, texture.height as f32],
+        signs: uv_scale.map(|scale| if scale < 0.0 { -1.0 } else { 1.0 }),
+    }
+}

@@ -1,0 +1,176 @@
+//! Resampling of images to the size of their pool, and their mips.
+
+use super::Sampling;
+use crate::world::{Texture, Wrap};
+
+/// The image at `px` × `px` and every halving of it.
+pub fn mip_chain(texture: &Texture, px: u32, sampling: Sampling) -> Vec<Vec<u8>> {
+    let base = if (texture.width, texture.height) == (px, px) {
+        texture.rgba.clone()
+    } else {
+        resampled(texture, px, sampling)
+    };
+    let mut chain = vec![base];
+    let mut edge = px;
+    while edge > 1 {
+        let next = box_downsampled(&chain[chain.len() - 1], edge, texture.srgb);
+        chain.push(next);
+        edge /= 2;
+    }
+    chain
+}
+
+/// The image at `px` × `px`: nearest texels, or as the hardware would magnify it, wrapping
+/// included; larger ones are halved first.
+fn resampled(texture: &Texture, px: u32, sampling: Sampling) -> Vec<u8> {
+    let mut size = [texture.width, texture.height];
+    let mut source = std::borrow::Cow::Borrowed(&texture.rgba);
+    if sampling.nearest {
+        return image_from(px, |x, y| {
+            let at = [x * size[0] / px, y * size[1] / px];
+            texel(&source, size, at)
+        });
+    }
+    while size[0] > px || size[1] > px {
+        let factor = size.map(|edge| if edge > px { 2 } else { 1 });
+        let next = size.map(|edge| edge.min(edge.div_ceil(2).max(px)));
+        let next = [0, 1].map(|i| if factor[i] == 2 { next[i] } else { size[i] });
+        source = std::borrow::Cow::Owned(bilinear_resized(
+            &source,
+            size,
+            next,
+            sampling,
+            texture.srgb,
+        ));
+        size = next;
+    }
+    bilinear_resized(&source, size, [px, px], sampling, texture.srgb)
+}
+
+fn texel(rgba: &[u8], size: [u32; 2], at: [u32; 2]) -> [u8; 4] {
+    let i = 4 * (at[1] as usize * size[0] as usize + at[0] as usize);
+    [rgba[i], rgba[i + 1], rgba[i + 2], rgba[i + 3]]
+}
+
+fn image_from(px: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+    (0..px)
+        .flat_map(|y| (0..px).map(move |x| (x, y)))
+        .flat_map(|(x, y)| pixel(x, y))
+        .collect()
+}
+
+/// Bilinear, between texel centers; across the border by the wrap mode; colors in linear light.
+fn bilinear_resized(
+    rgba: &[u8],
+    size: [u32; 2],
+    to: [u32; 2],
+    sampling: Sampling,
+    srgb: bool,
+) -> Vec<u8> {
+    let taps = |axis: usize| -> Vec<([u32; 2], f32)> {
+        let edge = i64::from(size[axis]);
+        let place = |i: i64| match sampling.wrap[axis] {
+            Wrap::Repeat => i.rem_euclid(edge) as u32,
+            // Mirrored at the border, the next texel is the last one again.
+            Wrap::Clamp | Wrap::Mirror => i.clamp(0, edge - 1) as u32,
+        };
+        let tap = |x: u32| {
+            let at = (x as f32 + 0.5) * size[axis] as f32 / to[axis] as f32 - 0.5;
+            let low = at.floor();
+            ([place(low as i64), place(low as i64 + 1)], at - low)
+        };
+        (0..to[axis]).map(tap).collect()
+    };
+    let (across, down) = (taps(0), taps(1));
+    let tables = SrgbTables::get();
+    let mut out = Vec::with_capacity(to[0] as usize * to[1] as usize * 4);
+    for (ys, fy) in &down {
+        for (xs, fx) in &across {
+            let corners = [
+                [xs[0], ys[0]],
+                [xs[1], ys[0]],
+                [xs[0], ys[1]],
+                [xs[1], ys[1]],
+            ];
+            let corners = corners.map(|at| texel(rgba, size, at));
+            let weights = [
+                (1.0 - fx) * (1.0 - fy),
+                fx * (1.0 - fy),
+                (1.0 - fx) * fy,
+                fx * fy,
+            ];
+            for c in 0..4 {
+                let is_light = srgb && c < 3;
+                let value = |code: u8| {
+                    if is_light {
+                        f32::from(tables.light[code as usize]) / 65535.0
+                    } else {
+                        f32::from(code) / 255.0
+                    }
+                };
+                let mean: f32 = corners
+                    .iter()
+                    .zip(weights)
+                    .map(|(t, w)| value(t[c]) * w)
+                    .sum();
+                out.push(if is_light {
+                    tables.code[(mean * 4095.0).round() as usize]
+                } else {
+                    (mean * 255.0).round() as u8
+                });
+            }
+        }
+    }
+    out
+}
+
+/// 2×2 box filter; colors are averaged in linear light.
+fn box_downsampled(rgba: &[u8], edge: u32, srgb: bool) -> Vec<u8> {
+    let edge = edge as usize;
+    let half = edge / 2;
+    let mut out = Vec::with_capacity(half * half * 4);
+    let tables = srgb.then(SrgbTables::get);
+    for y in 0..half {
+        for x in 0..half {
+            let first = (2 * y * edge + 2 * x) * 4;
+            for c in 0..4 {
+                let at =
+                    [first, first + 4, first + edge * 4, first + edge * 4 + 4].map(|i| rgba[i + c]);
+                out.push(match tables {
+                    Some(tables) if c < 3 => tables.mean(at),
+                    _ => ((at.iter().map(|&v| u32::from(v)).sum::<u32>() + 2) / 4) as u8,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// sRGB to 16-bit linear light and back.
+struct SrgbTables {
+    light: [u16; 256],
+    code: Vec<u8>,
+}
+
+impl SrgbTables {
+    fn get() -> &'static Self {
+        static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
+        TABLES.get_or_init(|| {
+            let light = std::array::from_fn(|i| {
+                (crate::math::linear_from_srgb(i as f32 / 255.0) * 65535.0).round() as u16
+            });
+            let code = (0..=4095u32)
+                .map(|i| (crate::math::srgb_from_linear(i as f32 / 4095.0) * 255.0).round() as u8)
+                .collect();
+            Self { light, code }
+        })
+    }
+
+    fn mean(&self, codes: [u8; 4]) -> u8 {
+        let sum: u32 = codes
+            .iter()
+            .map(|&c| u32::from(self.light[c as usize]))
+            .sum();
+        self.code[(sum / 64).min(4095) as usize]
+    }
+}

@@ -1,0 +1,182 @@
+//! Texture references of materials, and the images that they use.
+
+use std::{collections::HashMap, path::Path};
+
+use glam::Vec3;
+
+use super::{
+    Fault, ImageSource, ImageUse, Notes,
+    accessor::Data,
+    finite, label,
+    schema::{self, Root, TextureInfo},
+    uri::{self, Sandbox},
+};
+use crate::world::{TextureRef, Wrap};
+
+/// Collects the used images and their color spaces.
+pub struct Textures<'a> {
+    root: &'a Root,
+    data: &'a Data<'a>,
+    folder: &'a Path,
+    sandbox: &'a Sandbox,
+    uses: HashMap<(usize, bool), usize>,
+    /// Images by color space.
+    pub images: Vec<ImageUse>,
+}
+
+impl<'a> Textures<'a> {
+    /// None used yet.
+    pub fn new(root: &'a Root, data: &'a Data<'a>, folder: &'a Path, sandbox: &'a Sandbox) -> Self {
+        Self {
+            root,
+            data,
+            folder,
+            sandbox,
+            uses: HashMap::new(),
+            images: Vec::new(),
+        }
+    }
+}
+
+impl Textures<'_> {
+    /// `None` if the texture has only images of unsupported formats.
+    pub fn reference(
+        &mut self,
+        info: &TextureInfo,
+        srgb: bool,
+        place: &str,
+        notes: &mut Notes,
+    ) -> Result<Option<TextureRef>, Fault> {
+        let Some(texture) = self.root.textures.get(info.index) else {
+            return Err(missing("texture", info.index));
+        };
+        let sampler = match texture.sampler.map(|i| (i, self.root.samplers.get(i))) {
+            Some((_, Some(sampler))) => sampler,
+            Some((i, None)) => return Err(missing("sampler", i)),
+            None => &schema::Sampler::default(),
+        };
+        let webp = texture.extensions.webp.as_ref().and_then(|e| e.source);
+        let Some(image) = webp.or(texture.source) else {
+            let what = "textures have no PNG, JPEG or WebP image and are left out";
+            notes.add("texture-unsupported", 1, what, place);
+            return Ok(None);
+        };
+        let transform = info.extensions.transform.as_ref();
+        let uv_set = transform.and_then(|t| t.tex_coord);
+        let mut uv_set = uv_set.unwrap_or(info.tex_coord);
+        if uv_set > 1 {
+            let what = "textures use TEXCOORD_2 or higher; TEXCOORD_0 is used";
+            notes.add("uv-set-unsupported", 1, what, place);
+            uv_set = 0;
+        }
+        Ok(Some(TextureRef {
+            texture: self.image_use(image, srgb)?,
+            uv_set,
+            transform: rows(transform)?,
+            wrap: [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?],
+            nearest: sampler.mag_filter == Some(9728),
+        }))
+    }
+
+    /// Index of the image in this color space.
+    fn image_use(&mut self, index: usize, srgb: bool) -> Result<usize, Fault> {
+        let Some(image) = self.root.images.get(index) else {
+            return Err(missing("image", index));
+        };
+        let next = self.images.len();
+        let slot = *self.uses.entry((index, srgb)).or_insert(next);
+        if slot == next {
+            let uri = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+            let name = label("image", index, image.name.as_deref().or(uri));
+            let source = self.source(image).map_err(|f| f.at(&name));
+            self.images.push(ImageUse {
+                name,
+                index,
+                srgb,
+                source,
+            });
+        }
+        Ok(slot)
+    }
+
+    /// Adds an image that is made of others, which `convert` gets; `name` is for messages.
+    pub fn converted<const N: usize>(
+        &mut self,
+        from: [Option<TextureRef>; N],
+        name: String,
+        srgb: bool,
+        convert: impl FnOnce([Option<ImageSource>; N]) -> ImageSource,
+    ) -> usize {
+        let source = |used: &TextureRef| self.images[used.texture].source.clone();
+        let sources = from.each_ref().map(|used| used.as_ref().map(source));
+        let fault = sources.iter().flatten().find_map(|s| s.clone().err());
+        let source = match fault {
+            Some(fault) => Err(fault),
+            None => Ok(convert(sources.map(|source| source.and_then(Result::ok)))),
+        };
+        self.images.push(ImageUse {
+            name,
+            // Behind those of the file, and unique.
+            index: self.root.images.len() + self.images.len(),
+            srgb,
+            source,
+        });
+        self.images.len() - 1
+    }
+
+    fn source(&self, image: &schema::Image) -> Result<ImageSource, Fault> {
+        match (&image.uri, image.buffer_view) {
+            (Some(_), Some(_)) => Err(Fault::new("gltf-image", "has both a uri and a bufferView")),
+            (None, None) => Err(Fault::new(
+                "gltf-image",
+                "has neither a uri nor a bufferView",
+            )),
+            (None, Some(view)) => self.data.view_bytes(view).map(ImageSource::Bytes),
+            (Some(text), None) => match uri::parse(text)? {
+                uri::Target::Data(bytes) => Ok(ImageSource::Bytes(super::Bytes::new(bytes))),
+                uri::Target::Relative(name) => self
+                    .sandbox
+                    .resolve(self.folder, &name)
+                    .map(ImageSource::File),
+            },
+        }
+    }
+}
+
+fn missing(kind: &str, index: usize) -> Fault {
+    Fault::new("gltf-index", format!("{kind} {index} does not exist"))
+}
+
+fn wrap(code: Option<u32>) -> Result<Wrap, Fault> {
+    Ok(match code {
+        None | Some(10497) => Wrap::Repeat,
+        Some(33071) => Wrap::Clamp,
+        Some(33648) => Wrap::Mirror,
+        Some(other) => {
+            return Err(Fault::new(
+                "gltf-sampler",
+                format!("wrap mode {other} is unknown"),
+            ));
+        }
+    })
+}
+
+/// KHR_texture_transform. The extension's printed rotation matrix turns the other way than its
+/// reference pictures and every viewer; see KhronosGroup/glTF#1563.
+fn rows(transform: Option<&schema::TextureTransform>) -> Result<[Vec3; 2], Fault> {
+    let Some(t) = transform else {
+        return Ok([Vec3::X, Vec3::Y]);
+    };
+    let ([ox, oy], [sx, sy]) = (t.offset.unwrap_or_default(), t.scale.unwrap_or([1.0; 2]));
+    let (s, c) = t.rotation.unwrap_or(0.0).sin_cos();
+    if !finite(&[ox, oy, sx, sy, s, c]) {
+        return Err(Fault::new(
+            "gltf-material",
+            "KHR_texture_transform must be finite",
+        ));
+    }
+    Ok([
+        Vec3::new(c * sx, s * sy, ox),
+        Vec3::new(-s * sx, c * sy, oy),
+    ])
+}

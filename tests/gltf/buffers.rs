@@ -1,0 +1,94 @@
+//! Buffers that are not there: an error only where something is read from them.
+
+use std::process::Command;
+
+use crate::kit::{Doc, Folder, load_scene, one_error, scene, warnings};
+use serde_json::json;
+
+/// A triangle in a `.gltf` file whose only data is in the second buffer; the first says nowhere
+/// where it is.
+fn absent_first_buffer() -> Doc {
+    let mut doc = Doc::triangle();
+    let bytes = std::mem::take(&mut doc.bin);
+    let text: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
+    let here = json!({"byteLength": bytes.len(), "uri": format!("data:,{text}")});
+    doc.json["buffers"] = json!([{"byteLength": 1000}, here]);
+    doc.json["bufferViews"][0]["buffer"] = 1.into();
+    let view = doc.add("bufferViews", json!({"buffer": 0, "byteLength": 900}));
+    doc.add(
+        "accessors",
+        json!({"bufferView": view, "componentType": 5126, "type": "VEC3", "count": 3}),
+    );
+    doc.add(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/png"}),
+    );
+    doc
+}
+
+#[test]
+fn an_absent_buffer_is_an_error_only_where_it_is_read() {
+    let folder = Folder::new();
+    let load = |doc: &Doc, name: &str| {
+        let json = serde_json::to_vec(&doc.json).expect("JSON");
+        match name {
+            "m.gltf" => folder.write(name, json),
+            // Without a binary chunk.
+            _ => {
+                let mut glb = b"glTF\x02\0\0\0".to_vec();
+                let padded = json.len().next_multiple_of(4);
+                glb.extend((20 + padded as u32).to_le_bytes());
+                glb.extend((padded as u32).to_le_bytes());
+                glb.extend(b"JSON");
+                glb.extend(&json);
+                glb.resize(20 + padded, b' ');
+                folder.write(name, glb)
+            }
+        };
+        load_scene(&scene(&folder.0, name))
+    };
+    for name in ["m.gltf", "m.glb"] {
+        let mut doc = absent_first_buffer();
+        let world = load(&doc, name).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        assert_eq!(world.meshes[0].triangles.len(), 1);
+        assert!(warnings(&world).is_empty());
+        doc.attribute("NORMAL", 1);
+        let (fault, message) = one_error(load(&doc, name));
+        assert_eq!(fault, "buffer-missing", "{message}");
+    }
+}
+
+/// A file with animations only, and one with points only.
+#[test]
+fn a_model_without_triangles_is_no_picture() {
+    let mut animation_only = Doc::empty();
+    animation_only.root_node(json!({"name": "bone"}));
+    let times = animation_only.floats("SCALAR", &[0.0, 1.0]);
+    let moves = animation_only.floats("VEC3", &[0.0; 6]);
+    animation_only.json["animations"] = json!([{
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+        "samplers": [{"input": times, "output": moves}]
+    }]);
+    let mut points_only = Doc::triangle();
+    points_only.primitive("mode", 0.into());
+    for (doc, said) in [
+        (animation_only, "shows nothing"),
+        (points_only, "primitives of points are not shown"),
+    ] {
+        assert!(warnings(&doc.world()).contains(&"model-empty"));
+        let folder = Folder::new();
+        folder.write("m.glb", doc.glb());
+        let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&folder.0)
+            .args(["render", "m.glb", "-o", "picture.png"])
+            .output()
+            .expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        assert!(
+            text.contains("nothing-to-show") && text.contains(said),
+            "{text}"
+        );
+        assert!(!folder.0.join("picture.png").exists());
+    }
+}

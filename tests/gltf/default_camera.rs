@@ -1,0 +1,77 @@
+//! The camera of scenes without one: what it frames, and from where.
+
+use crate::kit::Doc;
+use glam::Vec3;
+use reflet::{scene::desc::CameraDesc, world::World};
+use serde_json::json;
+
+fn camera(world: &World) -> &CameraDesc {
+    &world.cameras[0].value
+}
+
+/// Smallest and largest place of all vertices in a 16:9 picture, -1 to 1 on each axis.
+fn seen(world: &World) -> [[f32; 2]; 2] {
+    let camera = camera(world);
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
+    let high = (camera.fov_deg.to_radians() * 0.5).tan();
+    let mut seen = [[f32::MAX, f32::MIN]; 2];
+    for instance in &world.instances {
+        for position in &world.meshes[instance.mesh].positions {
+            let from_eye = instance.world_from_object.transform_point3(*position) - camera.eye;
+            let depth = from_eye.dot(forward) * high;
+            let place = [
+                from_eye.dot(right) / depth * 9.0 / 16.0,
+                from_eye.dot(up) / depth,
+            ];
+            for ([least, most], at) in seen.iter_mut().zip(place) {
+                (*least, *most) = (least.min(at), most.max(at));
+            }
+        }
+    }
+    seen
+}
+
+#[test]
+fn the_scene_fills_four_fifths_of_the_picture_and_is_centered() {
+    let mut doc = Doc::triangle();
+    doc.json["nodes"][0]["translation"] = json!([100, 0, 0]);
+    // A second one behind, so that nothing is flat.
+    doc.root_node(json!({"mesh": 0, "translation": [100, 0.5, -2]}));
+    let seen = seen(&doc.world());
+    let filled = seen.map(|[least, most]| (most - least) / 2.0);
+    let most = filled[0].max(filled[1]);
+    assert!((most - 0.8).abs() < 1e-3, "{filled:?}");
+    for [least, most] in seen {
+        assert!((least + most).abs() < 0.05, "centered: {seen:?}");
+    }
+}
+
+/// A triangle in one of the three planes, facing one of their two sides.
+fn flat(axis: usize, positive: bool) -> World {
+    let mut doc = Doc::empty();
+    let mut corners = [Vec3::ZERO; 3];
+    corners[1][(axis + 1) % 3] = 1.0;
+    corners[2][(axis + 2) % 3] = 1.0;
+    if !positive {
+        corners.swap(1, 2);
+    }
+    let positions = doc.floats("VEC3", &corners.map(|c| c.to_array()).concat());
+    let mesh = doc.mesh(json!({"attributes": {"POSITION": positions}}));
+    doc.root_node(json!({"mesh": mesh}));
+    doc.world()
+}
+
+#[test]
+fn flat_things_are_seen_from_the_side_that_they_face() {
+    for axis in 0..3 {
+        for positive in [true, false] {
+            let world = flat(axis, positive);
+            let camera = camera(&world);
+            let to_eye = (camera.eye - camera.target).normalize();
+            let onto = to_eye[axis] * if positive { 1.0 } else { -1.0 };
+            assert!(onto > 0.6, "axis {axis}, {positive}: {to_eye}");
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Textures and unlit materials: samplers of one image, display colors.
+
+use glam::Vec3;
+use reflet::{
+    render::Picture,
+    scene::desc::SceneDesc,
+    world::{Texture, TextureRef, World, Wrap},
+};
+
+use crate::kit::{assert_color, gpu, renderer, scene};
+
+/// A wall 2 m wide that fills the picture.
+const WALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 3]
+target = [0, 0, 0]
+fov_deg = 30
+[image]
+size = [32, 32]
+tone_map = "none"
+[material.wall]
+base_color = [0, 0, 0]
+reflectivity = 0
+[model.wall]
+shape = { kind = "plane", size = [2, 2] }
+material = "wall"
+[[instance]]
+model = "wall"
+rotation_deg = [90, 0, 0]
+"#;
+
+fn picture(desc: &SceneDesc, world: &World) -> Option<Picture> {
+    let gpu = gpu()?;
+    let mut renderer = renderer(gpu, desc, world, false);
+    let picture = renderer.picture(gpu, world, &world.cameras[0].value, &[]);
+    Some(picture.unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// One image, black to the left and white to the right, in two slots with different samplers.
+#[test]
+fn one_image_keeps_the_samplers_of_all_its_uses() {
+    let (desc, mut world) = scene(WALL, &["material.wall.emission=[1, 1, 1]"]);
+    world.textures.push(Texture {
+        name: "made".to_owned(),
+        width: 2,
+        height: 1,
+        rgba: vec![0, 0, 0, 255, 255, 255, 255, 255],
+        srgb: false,
+    });
+    let used = |wrap: Wrap, nearest: bool| TextureRef {
+        texture: 0,
+        uv_set: 0,
+        // The whole wall shows the left border of the image.
+        transform: [Vec3::new(0.0, 0.0, 0.001), Vec3::Y],
+        wrap: [wrap; 2],
+        nearest,
+    };
+    let shown = world.instances[0].material;
+    // Between black and the white beyond the border; only black.
+    for (wrap, expected) in [(Wrap::Repeat, 0.5), (Wrap::Clamp, 0.0)] {
+        for (other, nearest) in [(Wrap::Repeat, false), (Wrap::Clamp, false), (wrap, true)] {
+            let mut world = world.clone();
+            world.materials[shown].emission_texture = Some(used(wrap, false));
+            let mut last = world.materials[shown].clone();
+            last.emission_texture = Some(used(other, nearest));
+            world.materials.push(last);
+            let Some(picture) = picture(&desc, &world) else {
+                return;
+            };
+            assert_color(&picture, 16, 16, [expected; 3], 0.02);
+        }
+    }
+}
+
+/// An unlit material is shown as it is: no light, no exposure, no tone map; vertex colors count.
+#[test]
+fn unlit_materials_are_display_colors() {
+    let lit = "material.wall.base_color=[0.9, 0.5, 0.2]";
+    for (set, samples) in [
+        (&["image.exposure_ev=2", "image.tone_map=\"aces\""][..], 1),
+        (&["image.tone_map=\"neutral\"", "image.samples=4"][..], 4),
+    ] {
+        let (desc, mut world) = scene(WALL, &[&[lit], set].concat());
+        let shown = world.instances[0].material;
+        world.materials[shown].unlit = true;
+        for mesh in world.meshes.iter_mut() {
+            mesh.colors = vec![glam::Vec4::new(1.0, 0.5, 1.0, 1.0); mesh.positions.len()];
+        }
+        let Some(picture) = picture(&desc, &world) else {
+            return;
+        };
+        let at = 4 * (16 * 32 + 16);
+        // sRGB of 0.9, 0.25 and 0.2.
+        for (found, expected) in picture.display[at..at + 3].iter().zip([243u8, 137, 124]) {
+            let off = found.abs_diff(expected);
+            assert!(off <= 1, "{samples}: {:?}", &picture.display[at..at + 3]);
+        }
+        assert_color(&picture, 16, 16, [0.9, 0.25, 0.2], 0.005);
+    }
+}
