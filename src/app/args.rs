@@ -25,7 +25,7 @@ pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
     /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
-    /// number of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
+    /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
@@ -49,7 +49,8 @@ pub struct RenderArgs {
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
-    /// Which camera of the scene; without it `main`, else the first
+    /// Which camera of the scene, or all, or a list such as main,side, with {camera} in the name of
+    /// the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Sub-frames averaged, 1 to 4096

@@ -15,11 +15,13 @@ use crate::{
 pub mod aov;
 pub mod args;
 pub mod bench;
+pub mod cameras;
 pub mod check;
 pub mod cli;
 pub mod encoder;
 pub mod error;
 pub mod fingerprint;
+pub mod frame_name;
 pub mod frame_spans;
 pub mod frames;
 pub mod info;

@@ -53,7 +53,7 @@ pub struct OpenedScene {
 }
 
 /// A loaded scene with its description.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LoadedScene {
     /// Name in messages.
     pub name: String,
