@@ -14,7 +14,7 @@
 //!
 //! | place | owns |
 //! |---|---|
-//! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
+//! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of what is hardly meant; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |
 //! | [`gpu`] | wgpu without opinions: device, shaders, bindings by name, timings, readback; knows no scene |

@@ -13,8 +13,11 @@ pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Folder to search for models and textures after the scene's own; repeatable. The folders of
-    /// REFLET_ASSETS come last
+    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub variant: Vec<String>,
+    /// Folder to search for models, textures, bases and included files after the scene's own;
+    /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
 }
@@ -116,11 +119,15 @@ pub struct PreviewArgs {
 /// `check`
 #[derive(Clone, Debug, Args)]
 pub struct CheckArgs {
-    /// Scene file
-    pub scene: PathBuf,
-    /// What is changed in it
+    /// Scene files; - reads scene text from standard input
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// What is changed in them
     #[command(flatten)]
     pub from: SceneArgs,
+    /// Print all messages as a SARIF 2.1.0 log, for editors and continuous integration
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `info`

@@ -25,8 +25,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Show a scene in a window; every save of its files shows at once
     Preview(PreviewArgs),
-    /// Read a scene and everything it refers to, pose its frames, and report every problem; needs no
-    /// GPU
+    /// Read scenes and everything they refer to, pose their frames, and report every problem, with
+    /// warnings about what is allowed but hardly meant; needs no GPU
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),

@@ -177,7 +177,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
         decided_software: software.decisions,
         decided_gpu: gpu.decisions,
         left_out: plan.dropped,
-        warnings: loaded.num_warnings,
+        warnings: loaded.warnings.len(),
         files: world
             .files
             .iter()

@@ -13,10 +13,15 @@ use super::{
     params::DeclaredParameters,
 };
 use crate::{
-    scene::{dependencies::Dependencies, diagnostic::Diagnostic, parse, stages::Scene},
+    scene::{
+        dependencies::Dependencies,
+        diagnostic::Diagnostic,
+        parse::{self, ReadOptions, VARIANT},
+        stages::Scene,
+    },
     world::{
         World,
-        load::{self, LoadOptions},
+        load::{self, LoadOptions, foreign_formats},
     },
 };
 
@@ -32,8 +37,7 @@ pub struct SceneText {
     text: String,
     /// Name in messages.
     file: PathBuf,
-    /// Overrides of `--set`.
-    set: Vec<String>,
+    read: ReadOptions,
     options: LoadOptions,
 }
 
@@ -42,7 +46,7 @@ pub struct SceneText {
 pub struct OpenedScene {
     /// Scene text, for fingerprints.
     pub text: String,
-    /// Overrides applied to it.
+    /// Variants and overrides applied to it.
     pub overrides: Vec<String>,
     /// Description after overrides and the script's `setup`.
     pub scene: Scene,
@@ -65,8 +69,8 @@ pub struct LoadedScene {
     pub text: String,
     /// Overrides applied to it.
     pub overrides: Vec<String>,
-    /// Number of printed warnings.
-    pub num_warnings: usize,
+    /// Warnings about its text, its script and its files.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl SceneText {
@@ -82,13 +86,19 @@ impl SceneText {
                 let text = model_viewer_scene(path, &options, &from.set);
                 (text.map_err(|error| vec![*error])?, path)
             }
-            Some(path) => (parse::read(path)?, path),
+            Some(path) => match foreign_formats::model(path) {
+                Some((message, help)) => {
+                    let error = Diagnostic::in_file("file-format", path, message);
+                    return Err(vec![error.help(help)]);
+                }
+                None => (parse::read(path)?, path),
+            },
             None => (ATRIUM.to_owned(), Path::new("atrium.toml")),
         };
         Ok(Self {
             text,
             file: file.to_owned(),
-            set: from.set.clone(),
+            read: read_options(from),
             options,
         })
     }
@@ -98,14 +108,14 @@ impl SceneText {
         Self {
             text: text.to_owned(),
             file: file.to_owned(),
-            set: from.set.clone(),
+            read: read_options(from),
             options: load_options(from, &Dependencies::default()),
         }
     }
 
     /// Declared parameters; `None` if the text cannot be parsed.
     pub fn declared(&self) -> Option<DeclaredParameters> {
-        let declared = parse::params(&self.text, &self.file, &self.set);
+        let declared = parse::params(&self.text, &self.file, &self.read);
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
@@ -119,12 +129,17 @@ impl SceneText {
         more: &[String],
         texts: &Dependencies,
     ) -> Result<OpenedScene, Vec<Diagnostic>> {
-        let overrides = [self.set.as_slice(), more].concat();
-        let read = Scene::from_text_traced(&self.text, &self.file, &overrides, texts);
+        let mut options = self.read;
+        options.overrides.extend_from_slice(more);
+        let read = Scene::from_text_traced(&self.text, &self.file, &options, texts);
         let (scene, warnings) = read?;
+        let variants = options
+            .variants
+            .iter()
+            .map(|name| format!("{VARIANT} {name}"));
         Ok(OpenedScene {
             text: self.text,
-            overrides,
+            overrides: variants.chain(options.overrides).collect(),
             scene,
             warnings,
             options: self.options,
@@ -133,28 +148,26 @@ impl SceneText {
 }
 
 impl OpenedScene {
-    /// Loads the assets of the scene, and prints the output of `setup` and all warnings to standard
-    /// error; `name` is used in messages.
+    /// Loads the assets of the scene, and prints the output of `setup` to standard error; `name` is
+    /// used in messages.
     ///
     /// # Errors
-    /// [`AppError::Scene`] with all errors.
-    pub fn load(mut self, name: String) -> Result<LoadedScene, AppError> {
+    /// All errors, after the warnings so far.
+    pub fn load(mut self, name: String) -> Result<LoadedScene, Vec<Diagnostic>> {
         for line in self.scene.script.iter().flat_map(|s| &s.setup_log) {
             eprintln!("{line}");
         }
         let world = load::load(&self.scene, &self.options);
-        let world = world.map_err(|errors| {
-            AppError::Scene(self.warnings.iter().cloned().chain(errors).collect())
-        })?;
+        let world =
+            world.map_err(|errors| [self.warnings.as_slice(), errors.as_slice()].concat())?;
         self.warnings.extend(world.warnings.iter().cloned());
-        print_diagnostics(&self.warnings);
         Ok(LoadedScene {
             name,
             scene: self.scene,
             world,
             text: self.text,
             overrides: self.overrides,
-            num_warnings: self.warnings.len(),
+            warnings: self.warnings,
         })
     }
 }
@@ -187,7 +200,19 @@ pub fn load_scene(
     let opened = text.open(more, &Dependencies::default());
     let name = path.map(|path| path.display().to_string());
     let name = name.unwrap_or_else(|| "the built-in atrium".to_owned());
-    opened.map_err(AppError::Scene)?.load(name)
+    let loaded = opened.and_then(|opened| opened.load(name));
+    let loaded = loaded.map_err(AppError::Scene)?;
+    print_diagnostics(&loaded.warnings);
+    Ok(loaded)
+}
+
+/// What scene text is read with.
+fn read_options(from: &SceneArgs) -> ReadOptions {
+    ReadOptions {
+        overrides: from.set.clone(),
+        variants: from.variant.clone(),
+        assets: asset_folders(&from.assets),
+    }
 }
 
 /// Load options; searched files are recorded in `dependencies`.

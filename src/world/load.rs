@@ -21,6 +21,7 @@ use crate::scene::{
 mod asset_cache;
 mod camera;
 mod check_names;
+pub mod foreign_formats;
 mod lights_and_cameras;
 mod material;
 mod material_binding;
@@ -220,6 +221,10 @@ impl<'a> Loader<'a> {
             }
             ModelSource::File(file) => file,
         };
+        if let Some((message, help)) = foreign_formats::model(Path::new(&file.value)) {
+            self.report_once(error_at("file-format", &file.at, message).help(help));
+            return Source::Broken;
+        }
         let path = match self.find(file) {
             Ok(path) => path,
             Err(error) => {

@@ -117,10 +117,7 @@ fn a_scene_that_is_broken_at_first_is_shown_when_it_is_mended() {
     );
     let source = SceneSource {
         path: Some(path),
-        args: SceneArgs {
-            set: Vec::new(),
-            assets: Vec::new(),
-        },
+        args: SceneArgs::default(),
         shaders: None,
     };
     let mistakes = match Live::open(gpu.clone(), source.clone(), ViewOverrides::default()) {

@@ -113,7 +113,7 @@ pub fn open_with(gpu: &Arc<Gpu>, scene: &Path, shaders: Option<&Path>, set: &[&s
         path: Some(scene.to_owned()),
         args: SceneArgs {
             set: set.iter().map(|text| (*text).to_owned()).collect(),
-            assets: Vec::new(),
+            ..SceneArgs::default()
         },
         shaders: shaders.map(Path::to_owned),
     };

@@ -81,6 +81,15 @@ fn holds(
         "minLength" => value
             .as_str()
             .is_none_or(|s| s.chars().count() >= limit() as usize),
+        "pattern" => {
+            let known = "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$";
+            assert_eq!(argument, known, "the validator knows this pattern only");
+            value.as_str().is_none_or(|text| {
+                let digits = text.strip_prefix('#').unwrap_or("");
+                let is_hex = digits.bytes().all(|b| b.is_ascii_hexdigit());
+                is_hex && [3, 6].contains(&digits.len())
+            })
+        }
         "minItems" => count(|n, limit| n >= limit),
         "maxItems" => count(|n, limit| n <= limit),
         "items" => value

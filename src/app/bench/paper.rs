@@ -12,7 +12,7 @@ use super::{
 use crate::{
     app::{
         args::SceneArgs,
-        error::AppError,
+        error::{AppError, print_diagnostics},
         scene::{ATRIUM, SceneText, asset_folders},
     },
     bench::{
@@ -280,13 +280,14 @@ impl Stage {
         let load = |(what, changes): &(String, Vec<String>)| {
             let from = SceneArgs {
                 set: changes.clone(),
+                variant: Vec::new(),
                 assets: assets.to_vec(),
             };
             let text = SceneText::new(self.text, Path::new(self.file), &from);
             let opened = text.open(&[], &<_>::default());
-            let loaded = opened
-                .map_err(AppError::Scene)?
-                .load(self.file.to_owned())?;
+            let loaded = opened.and_then(|opened| opened.load(self.file.to_owned()));
+            let loaded = loaded.map_err(AppError::Scene)?;
+            print_diagnostics(&loaded.warnings);
             let name = format!("{what} ({})", self.place);
             subject(loaded, name, None)
         };
