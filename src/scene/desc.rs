@@ -170,6 +170,31 @@ pub enum ShapeDesc {
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
+    /// `"disk"`: in XZ, facing +Y.
+    Disk {
+        /// Radius, meters, above 0. Default 0.5.
+        radius: f32,
+        /// Divisions around, 3 to 1024. Default 64.
+        segments: u32,
+    },
+    /// `"torus"`: a ring around axis Y.
+    Torus {
+        /// From the center to the middle of the tube, meters, above 0. Default 0.5.
+        radius: f32,
+        /// Of the tube, meters, above 0 and at most `radius`. Default 0.15.
+        tube_radius: f32,
+        /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
+        segments: u32,
+    },
+    /// `"capsule"`: a cylinder with half spheres at its ends, axis Y, standing on y = 0.
+    Capsule {
+        /// Radius, meters, above 0. Default 0.25.
+        radius: f32,
+        /// From end to end, meters, at least twice the radius. Default 1.
+        height: f32,
+        /// Divisions around, 3 to 1024. Default 64.
+        segments: u32,
+    },
 }
 
 /// `[[instance]]`

@@ -190,6 +190,36 @@ pub const VALUES: &[Mistake] = &[
             "leave `scale` out",
         ],
     ),
+    text(
+        "a word of another program",
+        "[model.ring]\nshape = { kind = \"donut\" }\n",
+        [
+            "unknown-word",
+            "3:18",
+            "not \"donut\"",
+            "did you mean \"torus\"?",
+        ],
+    ),
+    text(
+        "a ring without a hole",
+        "[model.ring]\nshape = { kind = \"torus\", tube_radius = 2 }\n",
+        [
+            "out-of-range",
+            "3:41",
+            "`tube_radius` must be at most `radius`, which is 0.5",
+            "a larger tube would pass",
+        ],
+    ),
+    text(
+        "a capsule that is too short",
+        "[model.pill]\nshape = { kind = \"capsule\", radius = 1 }\n",
+        [
+            "out-of-range",
+            "3:9",
+            "`height` must be at least twice `radius`",
+            "it is from end to end",
+        ],
+    ),
 ];
 
 #[test]

@@ -242,9 +242,47 @@ impl Section for ShapeDesc {
                         segments: t.get("segments", SEGMENTS, 64),
                     })
                 }),
+                ("disk", |t| {
+                    Some(Self::Disk {
+                        radius: t.get("radius", ABOVE_0, 0.5),
+                        segments: t.get("segments", SEGMENTS, 64),
+                    })
+                }),
+                ("torus", torus),
+                ("capsule", capsule),
             ],
         )
     }
+}
+
+fn torus(t: &mut Table) -> Option<ShapeDesc> {
+    let radius = t.get("radius", ABOVE_0, 0.5);
+    let tube_radius = t.get("tube_radius", ABOVE_0, 0.15);
+    if t.clean() && tube_radius > radius {
+        let message = format!("`tube_radius` must be at most `radius`, which is {radius}");
+        let help = "a larger tube would pass through itself in the middle";
+        t.refuse("out-of-range", "tube_radius", &message, help);
+    }
+    Some(ShapeDesc::Torus {
+        radius,
+        tube_radius,
+        segments: t.get("segments", SEGMENTS, 96),
+    })
+}
+
+fn capsule(t: &mut Table) -> Option<ShapeDesc> {
+    let radius = t.get("radius", ABOVE_0, 0.25);
+    let height = t.get("height", ABOVE_0, 1.0);
+    if t.clean() && height < 2.0 * radius {
+        let message = format!("`height` must be at least twice `radius`, which is {radius}");
+        let help = "it is from end to end; a sphere has `height` of twice the radius";
+        t.refuse("out-of-range", "height", &message, help);
+    }
+    Some(ShapeDesc::Capsule {
+        radius,
+        height,
+        segments: t.get("segments", SEGMENTS, 64),
+    })
 }
 
 impl Section for EnvironmentDesc {
