@@ -161,6 +161,8 @@ pub enum ProgressForm {
     Lines,
     /// A JSON object for each frame, on standard output
     Json,
+    /// Lines that a worker of Open Job Description reads, on standard output
+    Openjd,
 }
 
 /// `--method`

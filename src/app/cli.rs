@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 use super::{
     args::{CheckArgs, InfoArgs, PreviewArgs, RenderArgs},
     bench::args::BenchArgs,
+    job::JobCommand,
 };
 use crate::bench::compare::CompareArgs;
 
@@ -30,6 +31,12 @@ pub enum Command {
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
+    /// Write what a render farm needs to render a film in parts; needs no GPU
+    Job {
+        /// For which farm
+        #[command(subcommand)]
+        command: JobCommand,
+    },
     /// Judge a picture against a reference
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report

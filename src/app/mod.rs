@@ -25,6 +25,7 @@ pub mod frame_name;
 pub mod frame_spans;
 pub mod frames;
 pub mod info;
+pub mod job;
 pub mod lint;
 pub mod live;
 pub mod model_viewer_scene;
@@ -56,6 +57,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(args) => preview::preview(&args),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Job { command } => job::job(&command),
         Command::Compare(args) => run_compare(&args),
         Command::Bench(args) => bench::bench(&args),
         Command::Schema => print_json(&schema()),

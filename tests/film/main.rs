@@ -10,6 +10,7 @@ mod ffmpeg;
 mod full_disk;
 #[cfg(unix)]
 mod interruption;
+mod job;
 mod paths;
 mod readme;
 
