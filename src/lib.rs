@@ -17,7 +17,7 @@
 //!
 //! | place | owns |
 //! |---|---|
-//! | [`app`] | the commands and what they print; exit codes; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
+//! | [`app`] | the commands and what they print; exit codes; [`app::lint`] warns of what is hardly meant; [`app::watch`] and [`app::live`] follow files, [`app::preview`] shows them in a window |
 //! | [`mod@bench`] | picture × picture → error ([`bench::metric`], pure); [`bench::run`] renders and measures; reports are drawn from the table of samples |
 //! | [`session`] | the library's front door: a scene is opened, changed, posed and rendered to pixels and AOVs, as the commands do it |
 //! | [`render`] | `render/frame.rs` is the order of the passes: read it first; [`render::plan`] what a scene needs, [`render::targets`] the one table of intermediate textures, [`render::types`] every struct shared with the shaders |

@@ -13,8 +13,11 @@ pub struct SceneArgs {
     /// Change a value of the scene, such as reflection.threshold_u=0.01; repeatable
     #[arg(long, value_name = "PATH=VALUE")]
     pub set: Vec<String>,
-    /// Folder to search for models and textures after the scene's own; repeatable. The folders of
-    /// REFLET_ASSETS come last
+    /// Lay [variant.NAME] of the scene over it; repeatable, the later over the earlier
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub variant: Vec<String>,
+    /// Folder to search for models, textures, bases and included files after the scene's own;
+    /// repeatable. The folders of REFLET_ASSETS come last
     #[arg(long, value_name = "DIR")]
     pub assets: Vec<PathBuf>,
     /// Load glTF files without the materials, textures and lights of extensions that they require
@@ -28,6 +31,7 @@ impl SceneArgs {
     pub fn options(&self) -> SceneOptions {
         SceneOptions {
             set: self.set.clone(),
+            variant: self.variant.clone(),
             assets: self.assets.clone(),
             lenient: self.lenient,
         }
@@ -40,7 +44,7 @@ pub struct RenderArgs {
     /// Scene file or model; without one, the built-in atrium
     pub scene: Option<PathBuf>,
     /// Picture to write: .png (tone-mapped) or .exr (linear radiance), with #### (at most 20) where the
-    /// number of a frame goes; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
+    /// number of a frame goes, or %04d, $F4, <frame> or {frame:04}; or a film: .apng, or .mp4, .mov, .mkv or .webm through ffmpeg
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Frames of the scene's timeline, or of a model's animation: all, or a list such as 0-949, 1-20:2 or 1,3,5-9
@@ -64,7 +68,8 @@ pub struct RenderArgs {
     /// How reflections are found
     #[arg(long)]
     pub method: Option<MethodArg>,
-    /// Which camera of the scene; without it `main`, else the first
+    /// Which camera of the scene, or all, or a list such as main,side, with {camera} in the name of
+    /// the output; without it `main`, else the first
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
     /// Sub-frames averaged, 1 to 4096
@@ -131,11 +136,15 @@ pub struct PreviewArgs {
 /// `check`
 #[derive(Clone, Debug, Args)]
 pub struct CheckArgs {
-    /// Scene file
-    pub scene: PathBuf,
-    /// What is changed in it
+    /// Scene files; - reads scene text from standard input
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// What is changed in them
     #[command(flatten)]
     pub from: SceneArgs,
+    /// Print all messages as a SARIF 2.1.0 log, for editors and continuous integration
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `info`
@@ -169,6 +178,8 @@ pub enum ProgressForm {
     Lines,
     /// A JSON object for each frame, on standard output
     Json,
+    /// Lines that a worker of Open Job Description reads, on standard output
+    Openjd,
 }
 
 /// `--method`

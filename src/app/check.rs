@@ -1,16 +1,26 @@
 //! `check`: reads a scene, loads what it refers to and poses its frames.
 
 use std::{
+    io::{self, Read as _},
     ops::RangeInclusive,
+    path::Path,
     time::{Duration, Instant},
 };
 
-use super::{args::CheckArgs, error::AppError, print_out, scene::load_scene};
+use super::{
+    args::{CheckArgs, SceneArgs},
+    error::{AppError, print_diagnostics},
+    lint::Lint,
+    print_json, print_out, sarif,
+};
 use crate::{
     scene::{
+        dependencies::Dependencies,
         diagnostic::{Diagnostic, printable},
+        parse::MOST_BYTES,
         stages::Animator,
     },
+    session::scene_text::SceneText,
     world::World,
 };
 
@@ -18,20 +28,138 @@ use crate::{
 const POSING: Duration = Duration::from_secs(2);
 /// Maximum number of displayed lines printed by a script in its frames.
 const MOST_LINES: usize = 100;
+/// What messages call the text of standard input.
+const STDIN: &str = "<stdin>";
 
-/// Reports every problem of a scene.
+/// Reports every problem of the scenes.
 ///
 /// # Errors
-/// [`AppError::Scene`] with them.
+/// [`AppError::Scene`] if a scene has errors; the messages are printed.
 pub fn check(args: &CheckArgs) -> Result<(), AppError> {
-    let mut loaded = load_scene(Some(&args.scene), &args.from, &[])?;
+    let mut failed = false;
+    let mut all = Vec::new();
+    for path in &args.scenes {
+        let checked = check_one(path, &args.from);
+        failed |= checked.is_err();
+        let messages = match checked {
+            Ok((messages, summary)) => {
+                if !args.json {
+                    print_diagnostics(&messages);
+                    print_out(&summary)?;
+                }
+                messages
+            }
+            Err(messages) => {
+                if !args.json {
+                    print_diagnostics(&messages);
+                }
+                messages
+            }
+        };
+        all.extend(messages);
+    }
+    if args.json {
+        print_json(&sarif::log(&all))?;
+    }
+    match failed {
+        true => Err(AppError::Scene(Vec::new())), // they are printed
+        false => Ok(()),
+    }
+}
+
+/// The warnings about a scene and a line about it, or all messages. Without a chosen variant each of
+/// them is checked too.
+fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
+    let stdin = match path == Path::new("-") {
+        true => Some(read_stdin().map_err(|error| vec![*error])?),
+        false => None,
+    };
+    let source = (path, stdin.as_deref());
+    let Checked {
+        mut messages,
+        mut summary,
+        variants,
+    } = check_variant(source, from)?;
+    for variant in variants.iter().filter(|_| from.variant.is_empty()) {
+        let from = SceneArgs {
+            variant: vec![variant.clone()],
+            ..from.clone()
+        };
+        let checked = check_variant(source, &from);
+        let failed = checked.is_err();
+        let found = checked.map_or_else(|errors| errors, |checked| checked.messages);
+        let new: Vec<_> = found
+            .into_iter()
+            .filter(|d| !messages.contains(d))
+            .collect();
+        messages.extend(new);
+        if failed {
+            return Err(messages);
+        }
+    }
+    match variants.len() {
+        _ if !from.variant.is_empty() => {}
+        0 => {}
+        1 => summary += ", 1 variant",
+        n => summary += &format!(", {n} variants"),
+    }
+    match messages.len() {
+        0 => {}
+        1 => summary += ", 1 warning",
+        n => summary += &format!(", {n} warnings"),
+    }
+    Ok((messages, summary))
+}
+
+/// What is found in a scene with the chosen variants.
+struct Checked {
+    messages: Vec<Diagnostic>,
+    summary: String,
+    /// Names of all its variants.
+    variants: Vec<String>,
+}
+
+/// Checks a scene; the text is given where it does not come from the file.
+fn check_variant(
+    (path, text): (&Path, Option<&str>),
+    from: &SceneArgs,
+) -> Result<Checked, Vec<Diagnostic>> {
+    let (text, name) = match text {
+        Some(text) => (
+            SceneText::new(text, Path::new(STDIN), &from.options()),
+            STDIN.to_owned(),
+        ),
+        None => (
+            SceneText::read(Some(path), &from.options())?,
+            path.display().to_string(),
+        ),
+    };
+    let opened = text.open(&[], &Dependencies::default())?;
+    for line in opened.scene.script.iter().flat_map(|s| &s.setup_log) {
+        eprintln!("{line}");
+    }
+    let mut loaded = opened.load(name)?;
     let animator = Animator::new(&loaded.scene);
     let first = loaded.scene.first_frame();
     let last = loaded.scene.timeline.as_ref().map_or(first, |t| t.end);
-    let mut log = Log::default();
-    let posed = pose_all(&animator, &mut loaded.world, first..=last, &mut log);
+    let (mut log, mut lint) = (Log::default(), Lint::new(&loaded.scene));
+    let mut look = |world: &World| lint.frame(world);
+    let posed = pose_all(
+        &animator,
+        &mut loaded.world,
+        first..=last,
+        &mut log,
+        &mut look,
+    );
     log.print();
-    let posed = posed?;
+    let mut messages = loaded.warnings;
+    match &posed {
+        Ok(_) => messages.extend(lint.finish()),
+        Err(errors) => messages.extend(errors.iter().cloned()),
+    }
+    let Ok(posed) = posed else {
+        return Err(messages);
+    };
     let all = last - first + 1;
     let frames = match posed {
         _ if all == 1 => String::new(),
@@ -41,12 +169,31 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
             POSING.as_secs()
         ),
     };
-    let warnings = match loaded.warnings.len() {
-        0 => String::new(),
-        1 => ", 1 warning".to_owned(),
-        n => format!(", {n} warnings"),
-    };
-    print_out(&format!("{}: ok{frames}{warnings}\n", loaded.name))
+    let variants = loaded.scene.variants.iter();
+    Ok(Checked {
+        messages,
+        summary: format!("{}: ok{frames}", loaded.name),
+        variants: variants.map(|v| v.value.clone()).collect(),
+    })
+}
+
+/// The scene text of standard input; its file names start from the folder that one is in.
+fn read_stdin() -> Result<String, Box<Diagnostic>> {
+    let refuse =
+        |why: String| Box::new(Diagnostic::in_file("unreadable-file", STDIN.as_ref(), why));
+    let mut bytes = Vec::new();
+    let read = io::stdin()
+        .lock()
+        .take(MOST_BYTES + 1)
+        .read_to_end(&mut bytes);
+    read.map_err(|error| refuse(format!("cannot be read: {error}")))?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(refuse(format!(
+            "a scene may have at most {} MiB",
+            MOST_BYTES >> 20
+        )));
+    }
+    String::from_utf8(bytes).map_err(|_| refuse("a scene must be UTF-8 text".to_owned()))
 }
 
 /// Output of the script in the first frames, truncated.
@@ -76,13 +223,14 @@ impl Log {
 }
 
 /// Poses frames within the time budget, at least the first and the last unless a script exceeds a
-/// limit; returns their number. Script output is added to `log`.
+/// limit; returns their number. Script output is added to `log`, and `look` is shown each world.
 fn pose_all(
     animator: &Animator,
     world: &mut World,
     frames: RangeInclusive<u32>,
     log: &mut Log,
-) -> Result<u32, AppError> {
+    look: &mut dyn FnMut(&World),
+) -> Result<u32, Vec<Diagnostic>> {
     let started = Instant::now();
     let (first, last) = (*frames.start(), *frames.end());
     let mut wrong: Vec<(u32, Diagnostic)> = Vec::new();
@@ -97,6 +245,7 @@ fn pose_all(
         posed += 1;
         let done = animator.pose(frame).and_then(|state| {
             world.apply(&state)?;
+            look(world);
             log.add(frame, state.log);
             Ok(())
         });
@@ -114,7 +263,7 @@ fn pose_all(
     wrong.sort_by_key(|(frame, _)| *frame);
     match wrong.is_empty() {
         true => Ok(posed),
-        false => Err(AppError::Scene(wrong.into_iter().map(|(_, e)| e).collect())),
+        false => Err(wrong.into_iter().map(|(_, e)| e).collect()),
     }
 }
 

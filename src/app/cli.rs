@@ -11,9 +11,12 @@ use LeftOutArgs as CompareArgs;
 
 #[cfg(feature = "preview")]
 use super::args::PreviewArgs;
-use super::args::{CheckArgs, InfoArgs, RenderArgs};
 #[cfg(feature = "bench")]
 use super::bench::args::BenchArgs;
+use super::{
+    args::{CheckArgs, InfoArgs, RenderArgs},
+    job::JobCommand,
+};
 #[cfg(feature = "bench")]
 use crate::bench::compare::CompareArgs;
 
@@ -38,11 +41,17 @@ pub enum Command {
         command(hide = true, disable_help_flag = true)
     )]
     Preview(PreviewArgs),
-    /// Read a scene and everything it refers to, pose its frames, and report every problem; needs no
-    /// GPU
+    /// Read scenes and everything they refer to, pose their frames, and report every problem, with
+    /// warnings about what is allowed but hardly meant; needs no GPU
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
+    /// Write what a render farm needs to render a film in parts; needs no GPU
+    Job {
+        /// For which farm
+        #[command(subcommand)]
+        command: JobCommand,
+    },
     /// Judge a picture against a reference
     #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Compare(CompareArgs),

@@ -1,10 +1,9 @@
-//! Frame lists: `--frames`, `--timeline` and `--shard`, and the file name of each frame.
+//! Frame lists: `--frames`, `--timeline` and `--shard`.
 
 use std::{
     borrow::Cow,
     collections::HashSet,
     num::{IntErrorKind, ParseIntError},
-    path::{Path, PathBuf},
 };
 
 use super::error::AppError;
@@ -13,9 +12,6 @@ use crate::scene::desc::TimelineDesc;
 /// The frames of a command, in the order in which they are rendered.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FrameList(pub Vec<u32>);
-
-/// Maximum number of `#`s in a name; more than a frame number has digits.
-const MOST_DIGITS: usize = 20;
 
 /// Maximum length of a quoted argument, characters.
 const REPEATED: usize = 60;
@@ -145,62 +141,6 @@ pub fn parse_shard(text: &str) -> Result<Shard, String> {
     }
 }
 
-/// A file name with a frame number placeholder, `film.####.png`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Template {
-    folder: PathBuf,
-    before: String,
-    digits: usize,
-    after: String,
-}
-
-impl Template {
-    /// Splits a name at its `#`s; `None` without any.
-    ///
-    /// # Errors
-    /// [`AppError::Usage`] for two placeholders, more than 20 `#`s, or a name that is not UTF-8.
-    pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
-        let shown = path.display().to_string();
-        let shown = clipped(&shown);
-        let Some(name) = path.file_name() else {
-            return Ok(None);
-        };
-        let Some(name) = name.to_str() else {
-            return Err(AppError::Usage(format!(
-                "--output {shown}: the name must be UTF-8"
-            )));
-        };
-        let Some(start) = name.find('#') else {
-            return Ok(None);
-        };
-        let digits = name[start..].chars().take_while(|c| *c == '#').count();
-        if digits > MOST_DIGITS {
-            return Err(AppError::Usage(format!(
-                "--output {shown}: {digits} digits for the frame number; write at most {MOST_DIGITS} #"
-            )));
-        }
-        let after = &name[start + digits..];
-        if after.contains('#') {
-            return Err(AppError::Usage(format!(
-                "--output {shown}: the frame number may appear only once"
-            )));
-        }
-        Ok(Some(Self {
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
-            before: name[..start].to_owned(),
-            digits,
-            after: after.to_owned(),
-        }))
-    }
-
-    /// File of a frame; longer numbers are not truncated.
-    pub fn path(&self, frame: u32) -> PathBuf {
-        let digits = self.digits;
-        let name = format!("{}{frame:0digits$}{}", self.before, self.after);
-        self.folder.join(name)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -297,31 +237,6 @@ mod tests {
         assert_eq!(parse_shard("2/3"), Ok(Shard { index: 2, count: 3 }));
         for bad in ["0/3", "4/3", "1", "a/b", "1/0", "-1/2"] {
             assert!(parse_shard(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn frame_names_replace_the_number_signs() {
-        let template = |name: &str| Template::new(Path::new(name));
-        let walk = template("out/walk.####.png")
-            .expect("right")
-            .expect("has one");
-        assert_eq!(walk.path(7), Path::new("out/walk.0007.png"));
-        assert_eq!(walk.path(123_456), Path::new("out/walk.123456.png"));
-        assert_eq!(template("out.png").expect("right"), None);
-        assert!(template("#.#.png").is_err());
-        let widest = template(&"#".repeat(20)).expect("right").expect("has one");
-        assert_eq!(widest.path(7), Path::new("00000000000000000007"));
-        for many in [21, 70_000] {
-            match template(&format!("{}.png", "#".repeat(many))) {
-                Err(AppError::Usage(text)) => {
-                    assert!(
-                        text.ends_with("write at most 20 #") && text.len() < 200,
-                        "{text}"
-                    );
-                }
-                other => panic!("{other:?}"),
-            }
         }
     }
 }

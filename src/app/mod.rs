@@ -15,14 +15,18 @@ pub mod aov;
 pub mod args;
 #[cfg(feature = "bench")]
 pub mod bench;
+pub mod cameras;
 pub mod check;
 pub mod cli;
 pub mod encoder;
 pub mod error;
 pub mod fingerprint;
+pub mod frame_name;
 pub mod frame_spans;
 pub mod frames;
 pub mod info;
+pub mod job;
+pub mod lint;
 #[cfg(feature = "bench")]
 pub mod live;
 pub mod output;
@@ -32,6 +36,7 @@ pub mod preview;
 pub mod progress;
 pub mod render;
 pub mod render_session;
+pub mod sarif;
 pub mod scene;
 pub mod sequence;
 pub mod shell;
@@ -59,6 +64,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(_) => Err(left_out("preview", "preview")),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Job { command } => job::job(&command),
         #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),
         #[cfg(feature = "bench")]

@@ -132,7 +132,7 @@ mod tests {
                         at = [1.0, 2.0]\n\"a b\" = 1\n";
 
     fn declared(text: &str, set: &[String]) -> DeclaredParameters {
-        let params = parse::params(text, "scene.toml".as_ref(), set).expect("is right");
+        let params = parse::params(text, "scene.toml".as_ref(), &set.into()).expect("is right");
         params.into_iter().map(|p| (p.name, p.value)).collect()
     }
 

@@ -96,6 +96,12 @@ impl Progress {
                 print_line(&line);
                 return;
             }
+            ProgressForm::Openjd => {
+                let percent = 100.0 * done as f64 / self.total.max(1) as f64;
+                print_line(format_args!("openjd_progress: {percent:.1}"));
+                print_line(format_args!("openjd_status: {verb} {file}"));
+                return;
+            }
         }
         let filled = BAR * done / self.total.max(1);
         let bar: String = (0..BAR)
@@ -115,10 +121,15 @@ impl Progress {
         }
     }
 
-    /// Reports a failed frame as JSON; the other forms list failures at the end.
+    /// Reports a failed frame as JSON or to a worker; the other forms list failures at the end.
     pub fn failed(&self, frame: u32, why: &str) {
-        if matches!(self.form, ProgressForm::Json) {
-            print_line(&json!({ "frame": frame, "failed": why }));
+        match self.form {
+            ProgressForm::Json => print_line(json!({ "frame": frame, "failed": why })),
+            ProgressForm::Openjd => {
+                let why = why.replace('\n', " ");
+                print_line(format_args!("openjd_fail: frame {frame}: {why}"));
+            }
+            ProgressForm::Bar | ProgressForm::Lines => {}
         }
     }
 
@@ -138,7 +149,7 @@ impl Progress {
     }
 }
 
-fn print_line(line: &serde_json::Value) {
+fn print_line(line: impl std::fmt::Display) {
     let mut out = stdout().lock();
     // A closed pipe does not stop rendering.
     let _ = writeln!(out, "{line}").and_then(|()| out.flush());

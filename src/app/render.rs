@@ -7,11 +7,12 @@ use std::{
 
 use super::{
     args::{RenderArgs, StatsForm},
+    cameras,
     error::AppError,
     output::picture_file::PictureFile,
     print_json, print_out,
     render_session::RenderSession,
-    scene::{choose_camera, load_scene},
+    scene::load_scene,
     sequence,
     stats::{Report, ReportContext},
 };
@@ -23,38 +24,60 @@ use crate::{
     session::{model_viewer_scene::is_model, scene_text::LoadedScene},
 };
 
-/// Renders one picture, or the frames of a film.
+/// Renders one picture, or the frames of a film, for each camera.
 ///
 /// # Errors
-/// The first fatal error; no partial file is left.
+/// The first fatal error; no partial file is left. Frames that fail keep no other camera back.
 pub fn render(args: &RenderArgs) -> Result<(), AppError> {
     let (started, opened) = (Instant::now(), SystemTime::now());
     // Cheap checks first, before rendering.
     let many = sequence::is_sequence(args)?;
-    let output = if many {
-        None
-    } else {
+    if !many {
         if args.resume || args.shard.is_some() {
             let text = "--resume and --shard need --frames";
             return Err(AppError::Usage(text.to_owned()));
         }
-        Some(PictureFile::new(&args.output)?)
-    };
+        PictureFile::new(&args.output)?;
+    }
     let aovs = choose_aovs(&args.aov)?;
     let library = shader_library(args.shaders.as_deref())?;
     let load_started = Instant::now();
     let loaded = load_scene(args.scene.as_deref(), &args.from, &overrides(args))?;
     let load_ms = load_started.elapsed().as_secs_f64() * 1e3;
     refuse_empty(&loaded, args.scene.as_deref())?;
-    let camera = choose_camera(&loaded, args.camera.as_deref())?;
-    let Some(output) = output else {
-        let frames = sequence::choose(args, loaded.scene.timeline.as_ref())?;
-        sequence::check_output(args, &frames)?;
-        let session = RenderSession::new(args, loaded, camera, aovs, &library, opened)?;
-        return sequence::render(args, session, &frames);
-    };
-    output.check_beside(&aovs)?;
-    let mut session = RenderSession::new(args, loaded, camera, aovs, &library, opened)?;
+    let mut failed = None;
+    for (camera, args) in cameras::runs(args, &loaded)? {
+        let (loaded, aovs) = (loaded.clone(), aovs.clone());
+        let rendered = if many {
+            let frames = sequence::choose(&args, loaded.scene.timeline.as_ref())?;
+            sequence::check_output(&args, &frames)?;
+            let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
+            sequence::render(&args, session, &frames)
+        } else {
+            let output = PictureFile::new(&args.output)?;
+            output.check_beside(&aovs)?;
+            let session = RenderSession::new(&args, loaded, camera, aovs, &library, opened)?;
+            picture(&args, session, &output, (load_ms, started))
+        };
+        match rendered {
+            Err(error @ AppError::Frames(_)) => {
+                if let Some(earlier) = failed.replace(error) {
+                    earlier.print();
+                }
+            }
+            rendered => rendered?,
+        }
+    }
+    failed.map_or(Ok(()), Err)
+}
+
+/// Renders one picture; `load_ms` and the start of the command are for its statistics.
+fn picture(
+    args: &RenderArgs,
+    mut session: RenderSession,
+    output: &PictureFile,
+    (load_ms, started): (f64, Instant),
+) -> Result<(), AppError> {
     sweep(
         &output.files(
             &session

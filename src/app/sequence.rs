@@ -13,7 +13,8 @@ use super::{
     encoder::{Encoders, Failures, Outcome, Rendered, Target},
     error::{AppError, print_diagnostics},
     fingerprint,
-    frames::{FrameList, Template},
+    frame_name::Template,
+    frames::FrameList,
     output::{format::Format, picture_file::PictureFile, video::Film, writable::check_writable},
     progress::Progress,
     render_session::RenderSession,
@@ -29,14 +30,15 @@ use crate::{
 /// Whether a command renders a sequence of frames instead of one picture.
 ///
 /// # Errors
-/// As [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with `#`.
+/// As [`Template::new`]; [`AppError::Usage`] for an unknown extension, and a film with a frame
+/// number.
 pub fn is_sequence(args: &RenderArgs) -> Result<bool, AppError> {
     let template = Template::new(&args.output)?;
     let format = Format::expect(&args.output)?;
     if matches!(format, Format::Film(_)) && template.is_some() {
         return Err(AppError::Usage(format!(
-            "--output {}: a film is one file, so its name has no #; for frames write such as \
-             film.####.png",
+            "--output {}: a film is one file, so its name has no frame number; for frames write such \
+             as film.####.png",
             args.output.display()
         )));
     }
@@ -117,11 +119,16 @@ fn create_last_folder(path: &Path) -> Result<(), AppError> {
     if folder.exists() || !folder_of(folder).is_dir() {
         return Ok(());
     }
-    std::fs::create_dir(folder).map_err(|error| {
-        let (shown, folder) = (path.display(), folder.display());
-        AppError::Usage(format!("--output {shown}: cannot create {folder}: {error}"))
-    })?;
-    eprintln!("created the folder {}", folder.display());
+    match std::fs::create_dir(folder) {
+        Ok(()) => eprintln!("created the folder {}", folder.display()),
+        // Another part of the same film was faster.
+        Err(_) if folder.is_dir() => {}
+        Err(error) => {
+            let (shown, folder) = (path.display(), folder.display());
+            let text = format!("--output {shown}: cannot create {folder}: {error}");
+            return Err(AppError::Usage(text));
+        }
+    }
     Ok(())
 }
 

@@ -40,6 +40,8 @@ pub(crate) mod textures;
 pub mod types;
 pub mod validate;
 pub mod view;
+pub mod view_estimate;
+pub mod view_rays;
 pub mod view_sample;
 pub(crate) mod world_key;
 

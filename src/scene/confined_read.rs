@@ -6,7 +6,11 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use super::{dependencies::Dependencies, diagnostic::Span, suggest};
+use super::{
+    dependencies::Dependencies,
+    diagnostic::{Diagnostic, Span},
+    suggest,
+};
 use crate::files::{open_regular, read_at_most};
 
 /// What messages say about files of a kind.
@@ -42,6 +46,8 @@ pub struct Problem {
     pub help: &'static str,
     /// Where in the file, if it is there.
     pub inside: Option<Span>,
+    /// Whether there is no such file.
+    is_missing: bool,
 }
 
 impl Problem {
@@ -51,15 +57,63 @@ impl Problem {
             message,
             help,
             inside: None,
+            is_missing: false,
         }
     }
 }
 
-/// Reads `file` from `folder` or a folder below it; it is added to `dependencies` once its name is allowed.
+impl Problem {
+    /// At its place in the file, or at the place that names the file.
+    pub fn at_name(self, name: &'static str, at: Span) -> Diagnostic {
+        let error = match self.inside {
+            Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
+                .related(at, "the file is named here"),
+            None => Diagnostic::at(name, at, self.message),
+        };
+        error.help(self.help)
+    }
+
+    fn inside(at: Span) -> Self {
+        Self {
+            inside: Some(at),
+            ..Self::new(String::new(), "")
+        }
+    }
+}
+
+/// Reads `file` from the first of some folders that has it, or a folder below that; it is added to
+/// `dependencies`, in each folder, once its name is allowed.
 ///
 /// # Errors
 /// A name or a link that leads out of the folder, a file that is missing, too large or not UTF-8.
 pub fn read(
+    folders: &[PathBuf],
+    file: &str,
+    kind: &Kind,
+    dependencies: &Dependencies,
+) -> Result<Found, Problem> {
+    let mut first = None;
+    for folder in folders {
+        match read_in(folder, file, kind, dependencies) {
+            Err(problem) if problem.is_missing => first = first.or(Some(problem)),
+            other => return other,
+        }
+    }
+    let missing = || Problem::new(format!("{} is nowhere", suggest::text(file)), "");
+    let mut problem = first.unwrap_or_else(missing);
+    if let [_, assets @ ..] = folders
+        && !assets.is_empty()
+    {
+        let looked: Vec<_> = assets
+            .iter()
+            .map(|f| format!("\"{}\"", f.display()))
+            .collect();
+        problem.message += &format!(", nor in {}", looked.join(", "));
+    }
+    Err(problem)
+}
+
+fn read_in(
     folder: &Path,
     file: &str,
     kind: &Kind,
@@ -78,7 +132,10 @@ pub fn read(
     dependencies.add(path.clone());
     let missing = |what: &str| Problem::new(format!("\"{}\" {what}", path.display()), kind.names);
     let real = fs::canonicalize(&path).map_err(|e| match e.kind() {
-        ErrorKind::NotFound => missing("does not exist"),
+        ErrorKind::NotFound => Problem {
+            is_missing: true,
+            ..missing("does not exist")
+        },
         _ => missing(&format!("cannot be read: {e}")),
     })?;
     let root = fs::canonicalize(Path::new(".").join(folder))
@@ -96,7 +153,7 @@ pub fn read(
     let text = String::from_utf8(bytes).map_err(|wrong| Problem {
         message: format!("{} must be UTF-8 text, and this byte is not", kind.one),
         help: "save the file as UTF-8 in your editor",
-        inside: Some(Span::not_utf8(&path, &wrong)),
+        ..Problem::inside(Span::not_utf8(&path, &wrong))
     })?;
     Ok(Found { path, real, text })
 }

@@ -63,6 +63,11 @@ pub struct At<T> {
 /// Tables may be left out, and may stand in any order.
 ///
 /// - `version`: version of the scene text; this manual describes 1.
+/// - `base`: another scene, `base = "shot010.toml"`, that this one lies over, key by key; looked for
+///   beside the scene, then in each `--assets` folder. Instances with the same `name` are one; other
+///   lists are replaced. File names in it start from this scene's folder.
+/// - `remove`: what of the base is left out, such as `remove = ["light.lamp", "instance.ball"]`; also
+///   in a variant.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct SceneDesc {
     /// Folder that relative file names start from (the scene file's own).
@@ -89,8 +94,11 @@ pub struct SceneDesc {
     pub motion: MotionDesc,
     /// `[params]`: parameters of the script, with names of your choice.
     pub params: Vec<Entry<ParamValue>>,
-    /// `include = ["….toml"]`: files of scene text below the scene's folder, whose tables and instances
-    /// stand behind the scene's own.
+    /// `[variant.NAME]`: any keys of the scene, laid over it like a scene over its base where
+    /// `--variant NAME` chooses it.
+    pub variants: Vec<At<String>>,
+    /// `include = ["….toml"]`: files of scene text below the scene's folder or an `--assets` folder,
+    /// whose tables and instances stand behind the scene's own. With bases, in the order of reading.
     pub includes: Vec<Include>,
     /// `script = "….rhai"`: a script beside the scene that adds to it and moves it; see
     /// `docs/scripting.md`.
@@ -167,6 +175,31 @@ pub enum ShapeDesc {
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,
     },
+    /// `"disk"`: in XZ, facing +Y.
+    Disk {
+        /// Radius, meters, above 0. Default 0.5.
+        radius: f32,
+        /// Divisions around, 3 to 1024. Default 64.
+        segments: u32,
+    },
+    /// `"torus"`: a ring around axis Y.
+    Torus {
+        /// From the center to the middle of the tube, meters, above 0. Default 0.5.
+        radius: f32,
+        /// Of the tube, meters, above 0 and at most `radius`. Default 0.15.
+        tube_radius: f32,
+        /// Divisions around, 3 to 1024; half as many around the tube. Default 96.
+        segments: u32,
+    },
+    /// `"capsule"`: a cylinder with half spheres at its ends, axis Y, standing on y = 0.
+    Capsule {
+        /// Radius, meters, above 0. Default 0.25.
+        radius: f32,
+        /// From end to end, meters, at least twice the radius. Default 1.
+        height: f32,
+        /// Divisions around, 3 to 1024. Default 64.
+        segments: u32,
+    },
 }
 
 /// `[[instance]]`
@@ -227,7 +260,7 @@ pub struct RepeatDesc {
 
 /// `[environment]`: `color` for all directions, or the gradient `zenith`, `horizon`, `ground`.
 ///
-/// - `color`: linear radiance in all directions, three numbers 0 or more.
+/// - `color`: linear radiance in all directions, three numbers 0 or more, or sRGB text `"#rrggbb"`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct EnvironmentDesc {
     /// Linear radiance straight up, 0 or more. Default black.

@@ -2,11 +2,15 @@
 //! mistakes of a file are reported at once.
 
 mod additions;
+mod color;
 mod document;
 mod enum_values;
+mod extends;
 mod include;
 mod key_recorder;
+mod layers;
 mod names;
+mod overlay;
 mod params;
 mod read;
 mod report;
@@ -15,7 +19,7 @@ mod syntax;
 mod table;
 mod value;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use self::document::{Document, Texts};
 pub use self::key_recorder::{Form, KeyRecord, RecordedKeys, Rule, SectionRecord, VariantRecord};
@@ -33,6 +37,30 @@ pub const MOST_BYTES: u64 = 16 << 20;
 
 /// What messages call an override in place of a file.
 pub const OVERRIDE: &str = "--set";
+
+/// What messages call a chosen variant in place of a file.
+pub const VARIANT: &str = "--variant";
+
+/// What a scene's text is read with.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// `path=value` texts that are laid over the scene, as `--set` takes.
+    pub overrides: Vec<String>,
+    /// Names of `[variant.NAME]` that are laid over it before, in this order.
+    pub variants: Vec<String>,
+    /// Folders where bases, included files and scripts are looked for after the scene's own.
+    pub assets: Vec<PathBuf>,
+}
+
+impl From<&[String]> for ReadOptions {
+    /// Overrides alone.
+    fn from(overrides: &[String]) -> Self {
+        Self {
+            overrides: overrides.to_vec(),
+            ..Self::default()
+        }
+    }
+}
 
 /// The description and warnings, or all messages, errors and warnings alike.
 pub type Parsed = Result<(SceneDesc, Vec<Diagnostic>), Vec<Diagnostic>>;
@@ -76,10 +104,10 @@ pub fn read(path: &Path) -> Result<String, Vec<Diagnostic>> {
     })
 }
 
-/// The parameters that a text declares, with overrides as [`Texts::collect`] takes them; `None`
-/// where that cannot be determined.
-pub fn params(text: &str, path: &Path, overrides: &[String]) -> Option<Vec<Entry<ParamValue>>> {
-    let texts = Texts::collect(text, path, overrides, &Dependencies::default());
+/// The parameters that a text declares, with what the options change; `None` where that cannot be
+/// determined.
+pub fn params(text: &str, path: &Path, options: &ReadOptions) -> Option<Vec<Entry<ParamValue>>> {
+    let texts = Texts::collect(text, path, options, &Dependencies::default());
     Document::new(&texts).params()
 }
 

@@ -16,15 +16,17 @@ mod key_locations;
 mod limit_location;
 mod limited_parser;
 mod limits;
+pub mod lint;
 mod nested_values;
 mod push;
 mod setters;
 mod setup_output;
 mod sort;
 mod source_files;
+mod tokens;
 mod value;
 
-use std::{collections::HashSet, fmt, path::Path, sync::Arc};
+use std::{collections::HashSet, fmt, path::PathBuf, sync::Arc};
 
 use rhai::{AST, CallFnOptions, Dynamic, Engine, EvalAltResult, Scope};
 
@@ -69,19 +71,19 @@ impl fmt::Debug for Script {
 
 impl Script {
     /// Reads and compiles a script that a scene names, and everything that it imports; nothing
-    /// outside `folder` is read. What is looked for is added to `dependencies`, also when it fails.
+    /// outside of `folders` is read, the scene's first. What is looked for is added to `dependencies`, also when it fails.
     ///
     /// # Errors
     /// A file that is missing or outside the folder, and mistakes of the script, with their places.
     pub fn load(
-        folder: &Path,
+        folders: &[PathBuf],
         file: &At<String>,
         dependencies: &Dependencies,
     ) -> Result<Self, Box<Diagnostic>> {
-        let sources = Arc::new(Sources::new(folder, dependencies));
+        let sources = Arc::new(Sources::new(folders, dependencies));
         let (name, text) = sources
             .read(&file.value)
-            .map_err(|problem| problem.at(&file.at))?;
+            .map_err(|problem| Box::new(problem.at_name("script-file", file.at.clone())))?;
         Self::compile(sources, name, &text)
     }
 
@@ -201,7 +203,10 @@ impl Script {
         let (result, log) = self.call("setup", contexts, setup_output::text);
         let text = result.map_err(|wrong| self.explain(&wrong, params, Some("in setup")))?;
         let text = text.map_err(|wrong| {
-            let at = self.returned().place(&wrong.path);
+            let at = match wrong.path.as_slice() {
+                [] => self.0.sources.end_of_function(&self.0.name, "setup"),
+                path => self.returned().place(path),
+            };
             let mut error = Diagnostic::at("script-result", at, wrong.message);
             error.help = wrong.help;
             Box::new(error)

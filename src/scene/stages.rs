@@ -8,7 +8,7 @@ use super::{
     desc::SceneDesc,
     diagnostic::Diagnostic,
     motion::{FrameState, Motion},
-    parse::{self, Document, Texts},
+    parse::{self, Document, ReadOptions, Texts},
     script::Script,
 };
 
@@ -62,21 +62,21 @@ impl Scene {
     /// # Errors
     /// All mistakes of the text and its script, in their order, at most 100.
     pub fn from_text(text: &str, path: &Path, overrides: &[String]) -> Read {
-        Self::from_text_traced(text, path, overrides, &Dependencies::default())
+        Self::from_text_traced(text, path, &overrides.into(), &Dependencies::default())
     }
 
-    /// As [`Scene::from_text`]; the included files and scripts that are looked for are added to
-    /// `dependencies`, also when it fails.
+    /// As [`Scene::from_text`] with all options; the bases, included files and scripts that are looked
+    /// for are added to `dependencies`, also when it fails.
     ///
     /// # Errors
     /// As [`Scene::from_text`].
     pub fn from_text_traced(
         text: &str,
         path: &Path,
-        overrides: &[String],
+        options: &ReadOptions,
         dependencies: &Dependencies,
     ) -> Read {
-        let texts = Texts::collect(text, path, overrides, dependencies);
+        let texts = Texts::collect(text, path, options, dependencies);
         let additions = OnceCell::new(); // before the document, which borrows them
         let mut document = Document::new(&texts);
         let ran = match run_setup(&mut document, dependencies) {
@@ -124,7 +124,7 @@ fn run_setup(
     let Some(file) = document.script() else {
         return Ok(None);
     };
-    let script = Script::load(document.folder(), &file, dependencies)?;
+    let script = Script::load(document.folders(), &file, dependencies)?;
     let (params, timeline) = document.setup_input().ok_or(None)?;
     let (text, log) = script.setup(&params, timeline.as_ref())?;
     Ok(Some((script, text, log)))

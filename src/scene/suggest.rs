@@ -3,11 +3,19 @@
 /// What other renderers and formats call our keys.
 const SYNONYMS: &[(&str, &[&str])] = &[
     ("albedo", &["base_color"]),
+    ("ball", &["sphere"]),
+    ("bulb", &["point"]),
+    ("circle", &["disk"]),
     ("color", &["base_color", "colors", "emission"]),
+    ("cube", &["box"]),
+    ("cuboid", &["box"]),
     ("diffuse", &["base_color"]),
+    ("distant", &["directional"]),
+    ("donut", &["torus"]),
     ("emissive", &["emission"]),
     ("exposure", &["exposure_ev"]),
     ("from", &["eye"]),
+    ("ground", &["plane"]),
     ("intensity", &["intensity_cd", "intensity_lux"]),
     ("intensity_cd", &["intensity_lux"]),
     ("intensity_lux", &["intensity_cd"]),
@@ -15,13 +23,19 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("look_at", &["target"]),
     ("lookat", &["target"]),
     ("max_bounces", &["bounces"]),
+    ("metalness", &["metallic"]),
     ("mesh", &["model", "file"]),
     ("origin", &["eye", "position"]),
     ("path", &["file"]),
+    ("pill", &["capsule"]),
     ("position", &["eye", "translation"]),
+    ("quad", &["plane"]),
     ("resolution", &["size"]),
     ("rotate", &["rotation_deg"]),
+    ("rotation", &["rotation_deg"]),
+    ("rough", &["roughness"]),
     ("spp", &["samples"]),
+    ("sun", &["directional"]),
     ("tonemap", &["tone_map"]),
     ("transform", &["matrix"]),
     ("translate", &["translation"]),
@@ -31,6 +45,48 @@ const SYNONYMS: &[(&str, &[&str])] = &[
 
 /// Words that look alike and mean quite different things.
 const STRANGERS: &[[&str; 2]] = &[["material", "matrix"]];
+
+/// What there is none of, by a word that would be one of its kind, and what to do instead.
+const ABSENT: &[(&[&str], &str, &str)] = &[
+    (
+        &["area", "rect", "quad", "sphere", "disk", "tube", "mesh"],
+        "directional",
+        "there are no area lights; a point light lights, and a shape whose material has `emission` \
+         is seen and mirrored",
+    ),
+    (
+        &[
+            "ambient",
+            "dome",
+            "env",
+            "environment",
+            "hdri",
+            "sky",
+            "skylight",
+        ],
+        "directional",
+        "light from all around is `[environment]`, such as `color = [0.5, 0.6, 0.8]`",
+    ),
+    (
+        &["mesh", "obj", "gltf", "file", "model"],
+        "cylinder",
+        "a model from a file is `file = \"….glb\"`, without `shape`",
+    ),
+    (
+        &["path", "pathtraced", "raytraced", "raytracing", "pt"],
+        "hybrid",
+        "write \"rt\", which traces a ray for every reflective pixel",
+    ),
+];
+
+/// What to do in place of a word that none of `words` can stand for.
+pub fn absent(typed: &str, words: &[&str]) -> Option<&'static str> {
+    let lower = typed.to_lowercase();
+    let (.., help) = ABSENT
+        .iter()
+        .find(|(absent, among, _)| absent.contains(&lower.as_str()) && words.contains(among))?;
+    Some(help)
+}
 
 /// The nearest of `words` to `typed`, if any is near.
 pub fn nearest<'a>(typed: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -93,6 +149,9 @@ pub fn hint(typed: &str, words: &[&str], quote: impl Fn(&str) -> String, lead: &
 
 /// A key, formatted for messages.
 pub fn key(text: &str) -> String {
+    if text.contains('`') {
+        return self::text(text);
+    }
     format!("`{}`", clip(text))
 }
 

@@ -95,7 +95,8 @@ fn choice_of(text: &str, path: &Path, overrides: &[String]) -> usd::Choice {
         .iter()
         .filter(|o| o.trim_start().starts_with(USD_PREFIX));
     let asked: Vec<_> = asked.cloned().collect();
-    let texts = Texts::collect(text, path, &asked, &Dependencies::default());
+    let options = asked.as_slice().into();
+    let texts = Texts::collect(text, path, &options, &Dependencies::default());
     let scene = Document::new(&texts).read(None);
     let models = scene.map_or(Vec::new(), |(desc, _)| desc.models);
     let model = models.first();

@@ -9,11 +9,15 @@ use std::{
 use super::model_viewer_scene::{is_model, model_viewer_scene};
 use crate::{
     scene::{
-        dependencies::Dependencies, desc::ParamValue, diagnostic::Diagnostic, parse, stages::Scene,
+        dependencies::Dependencies,
+        desc::ParamValue,
+        diagnostic::Diagnostic,
+        parse::{self, ReadOptions, VARIANT},
+        stages::Scene,
     },
     world::{
         World,
-        load::{self, AssetCache, LoadOptions},
+        load::{self, AssetCache, LoadOptions, foreign_formats},
     },
 };
 
@@ -28,6 +32,8 @@ pub const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
 pub struct SceneOptions {
     /// Values to change, as `--set` takes them, such as `image.size=[320, 180]`.
     pub set: Vec<String>,
+    /// Variants of the scene to apply, in this order, before `set`.
+    pub variant: Vec<String>,
     /// Folders to search for models and textures after the scene's own, before those of
     /// [`ASSETS_ENV`].
     pub assets: Vec<PathBuf>,
@@ -44,8 +50,7 @@ pub struct SceneText {
     file: PathBuf,
     /// Name of the whole scene in messages.
     name: String,
-    /// Overrides of its options.
-    set: Vec<String>,
+    read: ReadOptions,
     options: LoadOptions,
 }
 
@@ -54,7 +59,7 @@ pub struct SceneText {
 pub struct OpenedScene {
     /// Scene text, for fingerprints.
     pub text: String,
-    /// Overrides applied to it.
+    /// Variants and overrides applied to it.
     pub overrides: Vec<String>,
     /// Description after overrides and the script's `setup`.
     pub scene: Scene,
@@ -65,7 +70,7 @@ pub struct OpenedScene {
 }
 
 /// A loaded scene with its description.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LoadedScene {
     /// Name in messages.
     pub name: String,
@@ -94,7 +99,13 @@ impl SceneText {
                 let text = model_viewer_scene(path, &options, &from.set);
                 (text.map_err(|error| vec![*error])?, path)
             }
-            Some(path) => (parse::read(path)?, path),
+            Some(path) => match foreign_formats::model(path) {
+                Some((message, help)) => {
+                    let error = Diagnostic::in_file("file-format", path, message);
+                    return Err(vec![error.help(help)]);
+                }
+                None => (parse::read(path)?, path),
+            },
             None => (ATRIUM.to_owned(), Path::new("atrium.toml")),
         };
         let name = path.map(|path| path.display().to_string());
@@ -102,7 +113,7 @@ impl SceneText {
             text,
             file: file.to_owned(),
             name: name.unwrap_or_else(|| "the built-in atrium".to_owned()),
-            set: from.set.clone(),
+            read: read_options(from),
             options,
         })
     }
@@ -113,7 +124,7 @@ impl SceneText {
             text: text.to_owned(),
             file: file.to_owned(),
             name: file.display().to_string(),
-            set: from.set.clone(),
+            read: read_options(from),
             options: load_options(from, &Dependencies::default()),
         }
     }
@@ -125,7 +136,7 @@ impl SceneText {
 
     /// Declared parameters in the scene's order; `None` if the text cannot be parsed.
     pub fn declared(&self) -> Option<Vec<(String, ParamValue)>> {
-        let declared = parse::params(&self.text, &self.file, &self.set);
+        let declared = parse::params(&self.text, &self.file, &self.read);
         declared.map(|list| list.into_iter().map(|p| (p.name, p.value)).collect())
     }
 
@@ -139,12 +150,14 @@ impl SceneText {
         more: &[String],
         texts: &Dependencies,
     ) -> Result<OpenedScene, Vec<Diagnostic>> {
-        let overrides = [self.set.as_slice(), more].concat();
-        let read = Scene::from_text_traced(&self.text, &self.file, &overrides, texts);
+        let mut options = self.read;
+        options.overrides.extend_from_slice(more);
+        let read = Scene::from_text_traced(&self.text, &self.file, &options, texts);
         let (scene, warnings) = read?;
+        let variants = (options.variants.iter()).map(|name| format!("{VARIANT} {name}"));
         Ok(OpenedScene {
             text: self.text,
-            overrides,
+            overrides: variants.chain(options.overrides).collect(),
             scene,
             warnings,
             options: self.options,
@@ -227,6 +240,15 @@ impl LoadedScene {
     pub fn camera_names(&self) -> Vec<&str> {
         let cameras = &self.world.cameras;
         cameras.iter().map(|camera| camera.name.as_str()).collect()
+    }
+}
+
+/// What scene text is read with.
+fn read_options(from: &SceneOptions) -> ReadOptions {
+    ReadOptions {
+        overrides: from.set.clone(),
+        variants: from.variant.clone(),
+        assets: asset_folders(&from.assets),
     }
 }
 

@@ -16,6 +16,7 @@ use crate::scene::{
 mod asset_cache;
 mod camera;
 mod check_names;
+pub mod foreign_formats;
 mod lights_and_cameras;
 mod material;
 mod material_binding;

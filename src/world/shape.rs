@@ -25,7 +25,9 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             "box"
         }
         ShapeDesc::Sphere { radius, segments } => {
-            builder.sphere(radius, segments.max(3));
+            let rows = (segments / 2).max(2);
+            let row = |row: u32| Row::new(row as f32 / rows as f32, 0.0);
+            builder.round_ends(radius, &(0..=rows).map(row).collect::<Vec<_>>(), segments);
             "sphere"
         }
         ShapeDesc::Cylinder {
@@ -49,6 +51,27 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
             builder.cap(radius, 0.0, segments, Vec3::NEG_Y);
             "cone"
         }
+        ShapeDesc::Disk { radius, segments } => {
+            builder.cap(radius, 0.0, segments.max(3), Vec3::Y);
+            "disk"
+        }
+        ShapeDesc::Torus {
+            radius,
+            tube_radius,
+            segments,
+        } => {
+            builder.torus(radius, tube_radius, segments.max(3));
+            "torus"
+        }
+        ShapeDesc::Capsule {
+            radius,
+            height,
+            segments,
+        } => {
+            let rows = capsule_rows(radius, height, segments);
+            builder.round_ends(radius, &rows, segments);
+            "capsule"
+        }
     };
     let mut mesh = builder.mesh;
     mesh.name = name.to_owned();
@@ -61,6 +84,43 @@ pub fn mesh(shape: &ShapeDesc) -> Mesh {
 fn radial(column: f32, segments: u32) -> Vec3 {
     let (sin, cos) = (TAU * (column / segments as f32).fract()).sin_cos();
     Vec3::new(sin, 0.0, cos)
+}
+
+/// A row of vertices of a body with round ends.
+struct Row {
+    /// From pole to pole, 0 to 1 of half a turn.
+    turn: f32,
+    /// Height of the middle of the sphere that it is on.
+    center: f32,
+    /// Texture coordinate.
+    v: f32,
+}
+
+impl Row {
+    fn new(turn: f32, center: f32) -> Self {
+        let v = turn;
+        Self { turn, center, v }
+    }
+}
+
+/// Rows of two half spheres, with texture coordinates in proportion to the way along the surface.
+fn capsule_rows(radius: f32, height: f32, segments: u32) -> Vec<Row> {
+    let quarter = (segments / 4).max(1);
+    let (arc, side) = (TAU * 0.25 * radius, (height - 2.0 * radius).max(0.0));
+    let whole = 2.0 * arc + side;
+    let row = |half: u32, step: u32| {
+        let share = step as f32 / quarter as f32;
+        let way = half as f32 * (arc + side) + share * arc;
+        Row {
+            turn: 0.5 * (half as f32 + share),
+            center: if half == 0 { height - radius } else { radius },
+            v: (way / whole).min(1.0),
+        }
+    };
+    let steps = |half| (0..=quarter).map(move |step| row(half, step));
+    // A sphere has one row at its widest place.
+    let skipped = usize::from(side == 0.0);
+    steps(0).chain(steps(1).skip(skipped)).collect()
 }
 
 #[derive(Default)]
@@ -100,44 +160,66 @@ impl Builder {
         }
     }
 
-    /// Latitude rows from the top; each pole has one vertex per column, so that the texture
-    /// coordinates of its triangles are not sheared.
-    fn sphere(&mut self, radius: f32, segments: u32) {
-        let rows = (segments / 2).max(2);
-        for column in 0..segments {
-            let u = (column as f32 + 0.5) / segments as f32;
-            self.vertex(Vec3::Y * radius, Vec3::Y, Vec2::new(u, 0.0));
-        }
-        for row in 1..rows {
-            let v = row as f32 / rows as f32;
-            let (sin, cos) = (TAU * 0.5 * v).sin_cos();
-            for column in 0..=segments {
-                let normal = radial(column as f32, segments) * sin + Vec3::Y * cos;
-                let u = column as f32 / segments as f32;
-                self.vertex(normal * radius, normal.normalize(), Vec2::new(u, v));
+    /// Latitude rows from the top, the first and the last at the poles; each pole has one vertex per
+    /// column, so that the texture coordinates of its triangles are not sheared.
+    fn round_ends(&mut self, radius: f32, rows: &[Row], segments: u32) {
+        let segments = segments.max(3);
+        let last = rows.len() as u32 - 1;
+        let mut starts = Vec::new();
+        for (index, row) in rows.iter().enumerate() {
+            starts.push(self.mesh.positions.len() as u32);
+            let center = Vec3::Y * row.center;
+            let is_pole = index == 0 || index as u32 == last;
+            let columns = if is_pole { segments } else { segments + 1 };
+            for column in 0..columns {
+                let column = column as f32;
+                if is_pole {
+                    let normal = if index == 0 { Vec3::Y } else { Vec3::NEG_Y };
+                    let uv = Vec2::new((column + 0.5) / segments as f32, row.v);
+                    self.vertex(center + normal * radius, normal, uv);
+                    continue;
+                }
+                let (sin, cos) = (TAU * 0.5 * row.turn).sin_cos();
+                let normal = radial(column, segments) * sin + Vec3::Y * cos;
+                let uv = Vec2::new(column / segments as f32, row.v);
+                self.vertex(center + normal * radius, normal.normalize(), uv);
             }
         }
-        let south = self.mesh.positions.len() as u32;
-        for column in 0..segments {
-            let u = (column as f32 + 0.5) / segments as f32;
-            self.vertex(Vec3::NEG_Y * radius, Vec3::NEG_Y, Vec2::new(u, 1.0));
-        }
-        let at = |row: u32, column: u32| match row {
-            0 => column,
-            _ if row == rows => south + column,
-            _ => segments + (row - 1) * (segments + 1) + column,
-        };
-        for row in 0..rows {
+        for row in 0..last {
+            let [start, next] = [starts[row as usize], starts[row as usize + 1]];
             for column in 0..segments {
-                let (top, below) = (at(row, column), at(row + 1, column));
-                if row + 1 < rows {
-                    let right = at(row + 1, column + 1);
-                    self.mesh.triangles.push([top, below, right]);
+                let (top, below) = (start + column, next + column);
+                if row + 1 < last {
+                    self.mesh.triangles.push([top, below, below + 1]);
                 }
                 if row > 0 {
-                    let right = if row + 1 < rows { below + 1 } else { below };
+                    let right = if row + 1 < last { below + 1 } else { below };
                     self.mesh.triangles.push([top, right, top + 1]);
                 }
+            }
+        }
+    }
+
+    /// Rows around the tube from its inner side over the top; columns around the axis.
+    fn torus(&mut self, radius: f32, tube_radius: f32, segments: u32) {
+        let rows = (segments / 2).max(3);
+        for row in 0..=rows {
+            let v = row as f32 / rows as f32;
+            // The last row is exactly where the first one is.
+            let (sin, cos) = (TAU * (row % rows) as f32 / rows as f32).sin_cos();
+            for column in 0..=segments {
+                let out = radial(column as f32, segments);
+                let normal = Vec3::Y * sin - out * cos;
+                let uv = Vec2::new(column as f32 / segments as f32, v);
+                self.vertex(out * radius + normal * tube_radius, normal.normalize(), uv);
+            }
+        }
+        let across = segments + 1;
+        for row in 0..rows {
+            for column in 0..segments {
+                let (top, below) = (row * across + column, (row + 1) * across + column);
+                let quad = [[top, below, below + 1], [top, below + 1, top + 1]];
+                self.mesh.triangles.extend(quad);
             }
         }
     }
@@ -200,153 +282,4 @@ impl Builder {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::{collections::HashMap, f64::consts::PI};
-
-    use glam::DVec3;
-
-    use super::*;
-
-    fn corners(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 3]> {
-        let at = |i: u32| mesh.positions[i as usize].as_dvec3();
-        mesh.triangles.iter().map(move |t| t.map(at))
-    }
-
-    fn area_and_volume(mesh: &Mesh) -> (f64, f64) {
-        corners(mesh).fold((0.0, 0.0), |(area, volume), [a, b, c]| {
-            let twice = (b - a).cross(c - a);
-            (area + twice.length() / 2.0, volume + a.dot(twice) / 6.0)
-        })
-    }
-
-    /// How many directed edges have no partner in the other direction.
-    fn open_edges(mesh: &Mesh) -> usize {
-        let mut edges: HashMap<_, i32> = HashMap::new();
-        for [a, b, c] in corners(mesh) {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                // +0.0 and -0.0 are the same place.
-                let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
-                *edges.entry((key(from), key(to))).or_default() += 1;
-                *edges.entry((key(to), key(from))).or_default() -= 1;
-            }
-        }
-        edges.values().filter(|n| **n != 0).count() / 2
-    }
-
-    fn check(shape: ShapeDesc, area: f64, volume: f64, tolerance: f64) {
-        let mesh = mesh(&shape);
-        assert_eq!(mesh.normals.len(), mesh.positions.len());
-        assert_eq!(mesh.uv0.len(), mesh.positions.len());
-        for (t, [a, b, c]) in mesh.triangles.iter().zip(corners(&mesh)) {
-            let face = (b - a).cross(c - a);
-            assert!(face.length() > 0.0, "{shape:?}: degenerate {t:?}");
-            for i in t {
-                let normal = mesh.normals[*i as usize];
-                assert!((normal.length() - 1.0).abs() < 1e-5, "{shape:?}: {normal}");
-                let agrees = normal.as_dvec3().dot(face.normalize());
-                assert!(agrees > 0.3, "{shape:?}: normal and winding: {agrees}");
-                let uv = mesh.uv0[*i as usize];
-                assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all());
-            }
-        }
-        let (got_area, got_volume) = area_and_volume(&mesh);
-        assert!((got_area / area - 1.0).abs() < tolerance, "{got_area}");
-        if volume > 0.0 {
-            assert_eq!(open_edges(&mesh), 0, "{shape:?}");
-            assert!(
-                (got_volume / volume - 1.0).abs() < tolerance,
-                "{got_volume}"
-            );
-        } else {
-            assert_eq!(open_edges(&mesh), 4);
-        }
-    }
-
-    #[test]
-    fn flat_shapes_are_exact() {
-        check(ShapeDesc::Plane { size: [2.0, 3.0] }, 6.0, 0.0, 1e-6);
-        let size = Vec3::new(1.0, 2.0, 3.0);
-        check(ShapeDesc::Box { size }, 22.0, 6.0, 1e-6);
-        let plane = mesh(&ShapeDesc::Plane { size: [1.0, 1.0] });
-        assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
-    }
-
-    #[test]
-    fn curved_shapes_are_closed_and_near_their_closed_form() {
-        let (radius, height, segments) = (0.5, 2.0, 256);
-        let (r, h) = (0.5_f64, 2.0_f64);
-        check(
-            ShapeDesc::Sphere { radius, segments },
-            4.0 * PI * r * r,
-            4.0 / 3.0 * PI * r * r * r,
-            1e-3,
-        );
-        let cylinder = ShapeDesc::Cylinder {
-            radius,
-            height,
-            segments,
-        };
-        check(cylinder, 2.0 * PI * r * (r + h), PI * r * r * h, 1e-3);
-        let cone = ShapeDesc::Cone {
-            radius,
-            height,
-            segments,
-        };
-        let slope = r.hypot(h);
-        check(cone, PI * r * (r + slope), PI * r * r * h / 3.0, 1e-3);
-    }
-
-    #[test]
-    fn coarsest_curved_shapes_are_closed() {
-        let segments = 3;
-        for shape in [
-            ShapeDesc::Sphere {
-                radius: 1.0,
-                segments,
-            },
-            ShapeDesc::Cylinder {
-                radius: 1.0,
-                height: 1.0,
-                segments,
-            },
-            ShapeDesc::Cone {
-                radius: 1.0,
-                height: 1.0,
-                segments,
-            },
-        ] {
-            let mesh = mesh(&shape);
-            assert_eq!(open_edges(&mesh), 0, "{shape:?}");
-            assert!(area_and_volume(&mesh).1 > 0.1, "{shape:?}");
-        }
-    }
-
-    #[test]
-    fn texture_runs_left_to_right_seen_from_outside() {
-        for shape in [
-            ShapeDesc::Sphere {
-                radius: 1.0,
-                segments: 16,
-            },
-            ShapeDesc::Cylinder {
-                radius: 1.0,
-                height: 1.0,
-                segments: 16,
-            },
-            ShapeDesc::Cone {
-                radius: 1.0,
-                height: 1.0,
-                segments: 16,
-            },
-            ShapeDesc::Box { size: Vec3::ONE },
-            ShapeDesc::Plane { size: [1.0, 1.0] },
-        ] {
-            let mesh = mesh(&shape);
-            for t in &mesh.triangles {
-                let [a, b, c] = t.map(|i| mesh.uv0[i as usize]);
-                // v points down, so a counter-clockwise triangle is clockwise in (u, v).
-                assert!((b - a).perp_dot(c - a) < 0.0, "{shape:?}: {a} {b} {c}");
-            }
-        }
-    }
-}
+mod tests;

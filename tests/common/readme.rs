@@ -6,6 +6,8 @@ use std::{fs, path::Path};
 pub struct Story {
     scene: String,
     motion: String,
+    /// Scene that is a variation of the first one, `my.toml`.
+    pub shot: String,
     /// Line of the scene that refers to the script.
     pub script_line: String,
     /// File name of the script.
@@ -28,10 +30,12 @@ impl Story {
         let mut next = || toml.next().expect("a block");
         let (scene, motion, script_line) = (next(), next(), next());
         let script_name = script_line.split('"').nth(1).expect("a name").to_owned();
+        let shot = toml.find(|block| block.contains("base = \"my.toml\""));
         let script = blocks("```rust\n").swap_remove(0);
         Self {
             scene,
             motion,
+            shot: shot.expect("a scene with a base"),
             script_line,
             script_name,
             script,

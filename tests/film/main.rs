@@ -1,6 +1,7 @@
 //! Frame sequences: frames are independent of order, `--resume` keeps only valid files, and failed
 //! frames are reported.
 
+mod cameras;
 mod check_and_info;
 #[path = "../common/mod.rs"]
 mod common;
@@ -9,6 +10,7 @@ mod ffmpeg;
 mod full_disk;
 #[cfg(unix)]
 mod interruption;
+mod job;
 mod paths;
 mod readme;
 
@@ -141,7 +143,13 @@ fn order_and_shards_do_not_change_a_byte() {
     assert_eq!(pictures(&shards), whole, "two shards");
     let alone = folder("alone");
     render(&alone, &["-o", "f.003.png", "--frames", "3"], 0);
-    assert_eq!(pictures(&alone)["f.003.png"], whole["f.003.png"], "alone");
+    // One at a time, as a farm does; the name is in the notation of another program.
+    for frame in ["4", "5"] {
+        render(&alone, &["-o", "f.%03d.png", "--frames", frame], 0);
+    }
+    let alone = pictures(&alone);
+    assert_eq!(alone.len(), 3, "{:?}", alone.keys());
+    assert!(alone.iter().all(|(name, bytes)| *bytes == whole[name]));
     let distinct: std::collections::BTreeSet<_> = whole.values().collect();
     assert_eq!(distinct.len(), 6, "something moves in every frame");
 }
@@ -297,6 +305,12 @@ fn invalid_options_are_refused() {
         (&["-o", &"#".repeat(200)], "write at most 20 #"),
         (&["-o", "f.##.apng"], "a film is one file"),
         (&["-o", "film.####.mp4"], "for frames write such as"),
+        (&["-o", "f.%04d.mp4"], "its name has no frame number"),
+        (&["-o", "f.%4d.png", "--frames", "1"], "is not understood"),
+        (
+            &["-o", "f.%04d/a.png", "--frames", "1"],
+            "not into the name",
+        ),
         (&["-o", ".", "--frames", "0-1"], "must end in .png or .exr"),
         (&["-o", "/dev/null", "--frames", "0-1"], "must end in"),
         (&["-o", "q/", "--frames", "0-1"], "must end in"),

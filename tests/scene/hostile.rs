@@ -130,7 +130,7 @@ fn scripts_that_are_not_utf8_are_placed_in_their_file() {
         "s.rhai:2:4\n",
         "2 | // \u{FFFD}t\u{FFFD} caf\u{FFFD}\n  |    ^\n",
         "scene.toml:2:10",
-        "the script is named here",
+        "the file is named here",
         "save the file as UTF-8",
     ] {
         assert!(text.contains(says), "no {says:?} in\n{text}");

@@ -276,7 +276,8 @@ fn what_was_looked_for_is_known_also_after_a_mistake() {
     let path = folder.0.join("scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
     let dependencies = Dependencies::default();
-    Scene::from_text_traced(&text, &path, &[], &dependencies).expect_err("two are missing");
+    Scene::from_text_traced(&text, &path, &<_>::default(), &dependencies)
+        .expect_err("two are missing");
     let names: Vec<_> = dependencies.paths();
     let expected = ["a.toml", "b.toml", "gone.toml"].map(|n| folder.0.join(n));
     assert_eq!(names, expected);
@@ -296,7 +297,8 @@ fn parameters_of_included_files_are_parameters() {
     );
     let path = folder.0.join("scene.toml");
     let text = fs::read_to_string(&path).expect("it is there");
-    let params = parse::params(&text, &path, &["params.b=3".into()]).expect("they are right");
+    let options = ["params.b=3".to_owned()].as_slice().into();
+    let params = parse::params(&text, &path, &options).expect("they are right");
     let named: Vec<_> = params.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(named, ["a", "b"]);
 }

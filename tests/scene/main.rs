@@ -5,8 +5,10 @@ mod common;
 
 mod bad;
 mod docs;
+mod extends;
 mod hostile;
 mod include;
+mod layers;
 mod moving;
 mod returned;
 mod schema;

@@ -169,6 +169,36 @@ fn models_are_files_with_overrides_or_shapes() {
     );
 }
 
+#[test]
+fn round_shapes_have_defaults() {
+    let scene = read(
+        "model.a.shape = { kind = \"disk\" }\nmodel.b.shape = { kind = \"torus\" }\n\
+         model.c.shape = { kind = \"capsule\", height = 3 }\n",
+    );
+    let shapes: Vec<_> = scene
+        .models
+        .iter()
+        .map(|m| m.value.source.clone())
+        .collect();
+    let want = [
+        ShapeDesc::Disk {
+            radius: 0.5,
+            segments: 64,
+        },
+        ShapeDesc::Torus {
+            radius: 0.5,
+            tube_radius: 0.15,
+            segments: 96,
+        },
+        ShapeDesc::Capsule {
+            radius: 0.25,
+            height: 3.0,
+            segments: 64,
+        },
+    ];
+    assert_eq!(shapes, want.map(ModelSource::Shape));
+}
+
 const BOX: &str =
     "[material.m]\n[model.a]\nshape = { kind = \"box\" }\n[[instance]]\nmodel = \"a\"\n";
 

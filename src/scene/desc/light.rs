@@ -81,6 +81,14 @@ impl LightKind {
         self.position_mut().copied()
     }
 
+    /// Luminous intensity in candela, or illuminance in lux of what is directional.
+    pub fn intensity(&self) -> f32 {
+        match *self {
+            Self::Point { intensity_cd, .. } | Self::Spot { intensity_cd, .. } => intensity_cd,
+            Self::Directional { intensity_lux, .. } => intensity_lux,
+        }
+    }
+
     /// In which direction it shines, if in one.
     pub fn direction(mut self) -> Option<Vec3> {
         self.direction_mut().copied()
@@ -108,7 +116,7 @@ impl LightKind {
 pub struct LightDesc {
     /// `kind = "point" | "spot" | "directional"` and its keys.
     pub kind: LightKind,
-    /// Linear color, three numbers 0 or more. Default white.
+    /// Linear color, three numbers 0 or more, or sRGB text `"#rrggbb"`. Default white.
     pub color: Vec3,
     /// How its shadows are found. Default `"map"`.
     pub shadow: ShadowMode,

@@ -23,9 +23,12 @@ pub enum ReflectionMode {
 /// `[material.NAME]`, `[model.M.material.NAME]` (override of a glTF material; `"*"` means all of
 /// them and is applied first) and `material = {…}` of an instance. Keys left out keep the glTF
 /// value, or the default of a plain white, rough, non-metallic surface.
+///
+/// - `extends`: name of a `[material.NAME]` whose keys count where this table does not say them.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MaterialDesc {
-    /// Linear base color, three numbers 0 to 1. Default white.
+    /// Linear base color, three numbers 0 to 1, or sRGB text such as `"#ff8800"`, as for all colors
+    /// outside of tracks. Default white.
     pub base_color: Option<Vec3>,
     /// Image file multiplied into the base color (sRGB; its alpha is used by `alpha_cutoff`).
     pub base_color_texture: Option<At<String>>,

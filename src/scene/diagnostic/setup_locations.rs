@@ -94,7 +94,36 @@ impl Returned {
         if let Some(value) = found.value.clone().and_then(|value| text.get(value)) {
             message += &format!(" = {}", suggest::clip(value));
         }
-        (self.place(&found.path), message)
+        let place = || self.place(&found.path);
+        let written = self.written(text, entries, found);
+        (written.unwrap_or_else(place), message)
+    }
+
+    /// Where the key stands with this very value: the only such place, or, where as many are
+    /// written as were returned, the one in the same order.
+    fn written(&self, text: &str, entries: &[Entry], found: &Entry) -> Option<Span> {
+        let key = found.path.last().filter(|name| !name.starts_with('['))?;
+        let value = text.get(found.value.clone()?)?;
+        let is_same = |e: &&Entry| {
+            let own = e.value.clone().and_then(|value| text.get(value));
+            e.path.len() == found.path.len() && e.path.last() == Some(key) && own == Some(value)
+        };
+        // A key and its value are two entries.
+        let mut same: Vec<&Entry> = entries.iter().filter(is_same).collect();
+        same.dedup_by(|a, b| a.path == b.path);
+        let rank = same.iter().position(|e| e.path == found.path)?;
+        let mut places = self.keys(key);
+        places.retain(|(script, at)| has_value(&self.scripts[*script].text[at.end..], value));
+        let index = match places.len() {
+            1 => 0,
+            n if n == same.len() => rank,
+            _ => return None,
+        };
+        let (script, range) = places.swap_remove(index);
+        Some(Span {
+            source: Some(Arc::clone(&self.scripts[script])),
+            range,
+        })
     }
 
     /// The place of what names lead to, or of `setup`.
@@ -144,6 +173,20 @@ impl Returned {
         }
         found
     }
+}
+
+/// Whether this value follows a key in a script.
+fn has_value(after: &str, value: &str) -> bool {
+    let after = after.trim_start_matches(['"', '`']).trim_start();
+    let written = after.trim_start_matches([':', '=']).trim_start();
+    let in_backticks = value.strip_prefix('"').and_then(|v| v.strip_suffix('"'));
+    let in_backticks = in_backticks.map(|v| format!("`{v}`"));
+    let rest = [Some(value), in_backticks.as_deref()];
+    let mut rest = rest
+        .into_iter()
+        .flatten()
+        .filter_map(|v| written.strip_prefix(v));
+    rest.any(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || "_.".contains(c)))
 }
 
 /// Everything that a text consists of, in its order.

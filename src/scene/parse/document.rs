@@ -1,13 +1,14 @@
-//! The document of a scene: the tree of its text, of what that includes, of `--set` and of what a
-//! script adds, and the description that is read from it. No program is run here.
+//! The document of a scene: the tree of its text, of its bases and what they include, of variants,
+//! of `--set` and of what a script adds, and the description that is read from it. No program is run here.
 
 use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
 use super::{
-    OVERRIDE, Parsed, additions,
+    OVERRIDE, Parsed, ReadOptions, VARIANT, additions, extends,
     include::{self, Included},
+    layers::{self, Base},
     names, params,
     report::Report,
     set,
@@ -18,43 +19,71 @@ use super::{
 use crate::scene::{
     dependencies::Dependencies,
     desc::{At, Entry, ParamValue, SceneDesc, ScriptDesc, TimelineDesc},
-    diagnostic::{Diagnostic, Returned},
+    diagnostic::{Diagnostic, Returned, Span},
 };
 
 /// The texts that a document is made of; it borrows them.
 pub struct Texts<'t> {
     text: &'t str,
-    folder: PathBuf,
-    overrides: &'t [String],
-    /// Where each override begins in the report.
-    bases: Vec<usize>,
+    /// Where files are looked for, the scene's own first.
+    folders: Vec<PathBuf>,
+    /// Each with where it begins in the report.
+    overrides: Vec<(&'t str, usize)>,
+    variants: Vec<(&'t str, usize)>,
     included: Included,
+    bases: Vec<Base>,
     report: Report,
 }
 
 impl<'t> Texts<'t> {
-    /// A scene's text and the files that it includes. `path` is what messages call it, and its
-    /// folder is where relative file names start; `overrides` are `path=value` texts that are laid
-    /// over it. Included files that are looked for are added to `dependencies`.
+    /// A scene's text, the files that it includes, and its bases. `path` is what messages call it,
+    /// and its folder is where relative file names start. Files that are looked for are added to
+    /// `dependencies`.
     pub fn collect(
         text: &'t str,
         path: &Path,
-        overrides: &'t [String],
+        options: &'t ReadOptions,
         dependencies: &Dependencies,
     ) -> Self {
         let mut report = Report::default();
         report.add_source(path, text);
-        let bases = overrides.iter();
-        let bases = bases.map(|text| report.add_source(Path::new(OVERRIDE), text));
-        let bases = bases.collect();
+        let mut add = |name: &str, text: &'t String| {
+            let start = report.add_source(Path::new(name), text);
+            (text.as_str(), start)
+        };
+        let overrides = options
+            .overrides
+            .iter()
+            .map(|text| add(OVERRIDE, text))
+            .collect();
+        let variants = options
+            .variants
+            .iter()
+            .map(|name| add(VARIANT, name))
+            .collect();
+        let own = path.parent().unwrap_or(Path::new("")).to_owned();
+        let folders: Vec<_> = [own]
+            .into_iter()
+            .chain(options.assets.iter().cloned())
+            .collect();
+        let included = include::collect((text, 0), path, &folders, dependencies, &mut report);
+        let bases = layers::collect(text, path, &folders, dependencies, &mut report);
         Self {
-            included: include::collect(text, path, dependencies, &mut report),
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
             text,
+            folders,
             overrides,
+            variants,
+            included,
             bases,
             report,
         }
+    }
+}
+
+impl Texts<'_> {
+    /// Whether this is written in a file that is included, by the scene or by a base.
+    fn is_included(&self, at: &Span) -> bool {
+        self.included.has(at) || self.bases.iter().any(|base| base.includes(at))
     }
 }
 
@@ -74,8 +103,10 @@ impl<'t> Document<'t> {
         let (root, mut shadows) = syntax::parse(texts.text, 0, &mut report);
         let mut root = Node::new(root.span(), DeValue::Table(root.into_inner()));
         include::merge(&mut root, &texts.included, &mut shadows, &mut report);
-        for (text, base) in texts.overrides.iter().zip(&texts.bases) {
-            set::apply(&mut root, text, *base, &mut report);
+        let root = layers::merge(root, &texts.bases, &mut shadows, &mut report);
+        let mut root = layers::choose(root, &texts.variants, &mut report);
+        for (text, start) in &texts.overrides {
+            set::apply(&mut root, text, *start, &mut report);
         }
         Self {
             texts,
@@ -85,9 +116,9 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Where relative file names start.
-    pub fn folder(&self) -> &'t Path {
-        &self.texts.folder
+    /// Where files are looked for, the scene's own folder first.
+    pub fn folders(&self) -> &'t [PathBuf] {
+        &self.texts.folders
     }
 
     /// The name of the script's file; `None` also where broken lines make it doubtful.
@@ -149,23 +180,25 @@ impl<'t> Document<'t> {
     pub fn read(self, script: Option<ScriptDesc>) -> Parsed {
         let Self {
             texts,
-            root,
+            mut root,
             shadows,
             mut report,
         } = self;
+        extends::resolve(&mut root, &mut report);
         let nothing = DeTable::new();
         let table = root.get_ref().as_table().unwrap_or(&nothing);
         let mut scene =
             Table::read::<SceneDesc>(&mut report, table, Place::default()).unwrap_or_default();
-        scene.folder.clone_from(&texts.folder);
+        scene.folder.clone_from(&texts.folders[0]);
         scene.script = script;
         if shadows.is_empty() {
-            names::check(&scene, table, &texts.included, &mut report);
+            let is_included = |at: &Span| texts.is_included(at);
+            names::check(&scene, table, &is_included, &mut report);
         }
         // Those of included files are definitions only, and are not placed by themselves.
         let instances = &scene.instances;
         let is_used = |name: &str| instances.iter().any(|i| i.model.value == name);
-        (scene.models).retain(|m| is_used(&m.name) || !texts.included.has(&m.at));
+        (scene.models).retain(|m| is_used(&m.name) || !texts.is_included(&m.at));
         report.retain(|d| !shadows.iter().any(|s| s.hides(d)));
         if report.has("unsupported-version") {
             // In another version other keys may be right.
@@ -173,7 +206,8 @@ impl<'t> Document<'t> {
         }
         match report.finish() {
             (messages, false) => {
-                scene.includes = texts.included.files().cloned().collect();
+                let bases = texts.bases.iter().flat_map(Base::files);
+                scene.includes = texts.included.files().chain(bases).cloned().collect();
                 Ok((scene, messages))
             }
             (messages, true) => Err(messages),

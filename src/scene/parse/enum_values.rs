@@ -82,9 +82,13 @@ pub fn word(
             one_of(words),
             suggest::text(written)
         );
-        let help = suggest::nearest(written, words.iter().copied());
-        report.error("unknown-word", &node.span(), message).help =
-            help.map(|w| format!("did you mean {}?", suggest::text(w)));
+        let help = suggest::absent(written, words)
+            .map(str::to_owned)
+            .or_else(|| {
+                let meant = suggest::nearest(written, words.iter().copied())?;
+                Some(format!("did you mean {}?", suggest::text(meant)))
+            });
+        report.error("unknown-word", &node.span(), message).help = help;
     }
     known
 }

@@ -35,8 +35,9 @@ const MOST: usize = 100;
 /// Included scene text, in messages about its files.
 const SCENES: Kind = Kind {
     one: "scene text",
-    names: "names of included files start from the scene's folder",
-    inside: "included files are read only from the scene's folder and the folders below it",
+    names: "names of included files start from the scene's folder or an asset folder (--assets DIR)",
+    inside: "included files are read only from the scene's folder, asset folders, and the folders \
+             below",
     most_mib: MOST_BYTES >> 20,
 };
 
@@ -60,19 +61,20 @@ impl Included {
     }
 }
 
-/// Reads the files that a scene includes and those that they include, each once, in the order in
-/// which they are named. `path` is the scene's own file; what is looked for is added to `dependencies`.
+/// Reads the files that a text includes and those that they include, each once, in the order in
+/// which they are named. The text begins at `start` in the report, and `path` is its file; what is
+/// looked for in the folders is added to `dependencies`.
 pub fn collect(
-    text: &str,
+    (text, start): (&str, usize),
     path: &Path,
+    folders: &[PathBuf],
     dependencies: &Dependencies,
     report: &mut Report,
 ) -> Included {
     let mut included = Included::default();
-    let folder = path.parent().unwrap_or(Path::new(""));
     let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
     // The last is read next.
-    let mut waiting = named(text, 0, true, report);
+    let mut waiting = named(text, start, start == 0, report);
     waiting.reverse();
     while let Some(name) = waiting.pop() {
         if included.files.len() == MOST {
@@ -81,7 +83,7 @@ pub fn collect(
             report.note_lacking_names();
             break;
         }
-        match confined_read::read(folder, &name.value, &SCENES, dependencies) {
+        match confined_read::read(folders, &name.value, &SCENES, dependencies) {
             Ok(found) if known.insert(found.real.clone()) => {
                 let base = report.add_source(&found.path, &found.text);
                 waiting.extend(named(&found.text, base, false, report).into_iter().rev());
@@ -95,12 +97,7 @@ pub fn collect(
             }
             Ok(_) => {}
             Err(problem) => {
-                let error = match problem.inside {
-                    Some(inside) => Diagnostic::at("not-utf8", inside, problem.message)
-                        .related(name.at, "the file is named here"),
-                    None => Diagnostic::at("include-file", name.at, problem.message),
-                };
-                report.push(error.help(problem.help));
+                report.push(problem.at_name("include-file", name.at));
                 report.note_lacking_names();
             }
         }
@@ -174,7 +171,12 @@ fn add<'i>(
             let error = report.error("include-script", &key.span(), message);
             error.help = Some("name it in the scene itself; scripts share code by `import`".into());
         }
-        "motion" => add_parts(root, "", key, node, 2, report),
+        layer @ ("base" | "remove") => {
+            let message = format!("an included file cannot have `{layer}`");
+            let error = report.error("include-layer", &key.span(), message);
+            error.help = Some("write it in the scene itself, or take this file as `base`".into());
+        }
+        "motion" | "variant" => add_parts(root, "", key, node, 2, report),
         _ => add_parts(root, "", key, node, 1, report),
     }
 }

@@ -7,7 +7,7 @@ use std::{
 
 use toml::de::DeTable;
 
-use super::{include::Included, report::Report};
+use super::{extends, report::Report};
 use crate::scene::suggest;
 use crate::scene::{
     desc::{At, Entry, InstanceDesc, InstanceMaterialDesc, ModelDesc, ModelSource, SceneDesc},
@@ -80,8 +80,14 @@ impl<'a> Names<'a> {
     }
 }
 
-/// Checks all references of the scene; `root` is the tree it was read from.
-pub fn check(scene: &SceneDesc, root: &DeTable, included: &Included, report: &mut Report) {
+/// Checks all references of the scene; `root` is the tree it was read from, and what is included
+/// from elsewhere need not be used.
+pub fn check(
+    scene: &SceneDesc,
+    root: &DeTable,
+    is_included: &dyn Fn(&Span) -> bool,
+    report: &mut Report,
+) {
     let mut models = Names::of("model", root);
     let mut materials = Names::of("material", root);
     for model in &scene.models {
@@ -90,7 +96,6 @@ pub fn check(scene: &SceneDesc, root: &DeTable, included: &Included, report: &mu
             materials.refer(name, report);
         }
     }
-    let mut seen: HashMap<&str, &Span> = HashMap::new();
     for instance in &scene.instances {
         models.refer(&instance.model, report);
         if let Some(InstanceMaterialDesc::Named(name)) = &instance.material {
@@ -103,23 +108,40 @@ pub fn check(scene: &SceneDesc, root: &DeTable, included: &Included, report: &mu
                 .related(shape.at.clone(), "the model is here");
             report.push(error);
         }
-        let Some(name) = &instance.name else { continue };
-        if let Some(first) = seen.get(name.as_str()) {
-            let message = format!("two instances are named {}", suggest::text(name));
-            let error = Diagnostic::at("duplicate-name", instance.at.clone(), message);
-            let note = "the first one is here";
-            report.push(
-                error
-                    .help("instance names must be unique")
-                    .related((*first).clone(), note),
-            );
-        } else {
-            seen.insert(name, &instance.at);
-        }
     }
+    check_instance_names(root, report);
     motion::check(scene, root, report);
     if report.errors() == 0 {
-        warn(scene, &materials, included, report);
+        materials
+            .used
+            .extend(extends::tables(root).filter_map(extends::extended));
+        warn(scene, &materials, is_included, report);
+    }
+}
+
+/// Reports each name that an instance before has too; from the tree, so that the name is marked.
+fn check_instance_names(root: &DeTable, report: &mut Report) {
+    let list = root
+        .get("instance")
+        .and_then(|node| node.get_ref().as_array());
+    let mut seen: HashMap<&str, Range<usize>> = HashMap::new();
+    for item in list.into_iter().flatten() {
+        let node = item
+            .get_ref()
+            .as_table()
+            .and_then(|table| table.get("name"));
+        let Some((name, at)) = node.and_then(|n| Some((n.get_ref().as_str()?, n.span()))) else {
+            continue;
+        };
+        let Some(first) = seen.get(name) else {
+            seen.insert(name, at);
+            continue;
+        };
+        let first = report.span(first).shown();
+        let message = format!("two instances are named {}", suggest::text(name));
+        let error = report.error("duplicate-name", &at, message);
+        error.help = Some("instance names must be unique".into());
+        error.related = Some((first, "the first one is here".into()));
     }
 }
 
@@ -133,15 +155,25 @@ fn shape_of<'a>(scene: &'a SceneDesc, instance: &InstanceDesc) -> Option<&'a Ent
 }
 
 /// What is allowed but hardly meant.
-fn warn(scene: &SceneDesc, materials: &Names, included: &Included, report: &mut Report) {
+fn warn(
+    scene: &SceneDesc,
+    materials: &Names,
+    is_included: &dyn Fn(&Span) -> bool,
+    report: &mut Report,
+) {
     for material in &scene.materials {
         let is_used = materials.used.contains(material.name.as_str());
-        if !is_used && !included.has(&material.at) {
+        if !is_used && !is_included(&material.at) {
             let message = format!(
                 "no model or instance uses {}",
                 suggest::text(&material.name)
             );
-            report.push(Diagnostic::at("unused-material", material.at.clone(), message).warning());
+            let warning = Diagnostic::at("unused-material", material.at.clone(), message);
+            let help = format!(
+                "name it by `material = {}`, or remove it",
+                suggest::text(&material.name)
+            );
+            report.push(warning.help(help).warning());
         }
     }
     if scene.models.is_empty() {

@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::{
+    color::Color,
     table::{Either, Section, Table},
     value::{Names, Version},
 };
@@ -42,10 +43,13 @@ impl Section for SceneDesc {
             timeline: t.table("timeline"),
             motion: t.table("motion").unwrap_or_default(),
             params: t.params("params"),
+            variants: t.changes("variant"),
             includes: Vec::new(),
             script: None,
         };
         // Read before, because they add to the tables above; asked for here, so that they are keys.
+        t.find::<At<String>>("base", ANY);
+        t.find::<Names>("remove", ANY);
         t.find::<Names>("include", ANY);
         t.find::<At<String>>("script", ANY);
         if let Some(light) = scene.lights.get(MOST_LIGHTS) {
@@ -111,8 +115,10 @@ impl Section for MaterialDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(false, &[&["checker"], &["base_color_texture"]]);
+        // Resolved before, in the tree; asked for here, so that it is a key.
+        t.find::<At<String>>("extends", ANY);
         Some(Self {
-            base_color: t.find("base_color", UNIT),
+            base_color: t.find("base_color", UNIT).map(|Color(c)| c),
             base_color_texture: t.find("base_color_texture", ANY),
             checker: t.table("checker"),
             metallic: t.find("metallic", UNIT),
@@ -121,7 +127,7 @@ impl Section for MaterialDesc {
             normal_texture: t.find("normal_texture", ANY),
             normal_scale: t.find("normal_scale", range(0.0, 4.0)),
             occlusion_strength: t.find("occlusion_strength", UNIT),
-            emission: t.find("emission", FROM_0),
+            emission: t.find("emission", FROM_0).map(|Color(c)| c),
             emission_strength: t.find("emission_strength", FROM_0),
             emission_texture: t.find("emission_texture", ANY),
             uv_scale: t.find("uv_scale", ANY),
@@ -138,10 +144,10 @@ impl Section for CheckerDesc {
     const HEADING: &'static str = "checker = { … }";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let colors = t.need("colors", UNIT);
+        let colors: Option<[Color; 2]> = t.need("colors", UNIT);
         let size_m = t.need("size_m", ABOVE_0);
         Some(Self {
-            colors: colors?,
+            colors: colors?.map(|Color(c)| c),
             size_m: size_m?,
         })
     }
@@ -240,9 +246,47 @@ impl Section for ShapeDesc {
                         segments: t.get("segments", SEGMENTS, 64),
                     })
                 }),
+                ("disk", |t| {
+                    Some(Self::Disk {
+                        radius: t.get("radius", ABOVE_0, 0.5),
+                        segments: t.get("segments", SEGMENTS, 64),
+                    })
+                }),
+                ("torus", torus),
+                ("capsule", capsule),
             ],
         )
     }
+}
+
+fn torus(t: &mut Table) -> Option<ShapeDesc> {
+    let radius = t.get("radius", ABOVE_0, 0.5);
+    let tube_radius = t.get("tube_radius", ABOVE_0, 0.15);
+    if t.clean() && tube_radius > radius {
+        let message = format!("`tube_radius` must be at most `radius`, which is {radius}");
+        let help = "a larger tube would pass through itself in the middle";
+        t.refuse("out-of-range", "tube_radius", &message, help);
+    }
+    Some(ShapeDesc::Torus {
+        radius,
+        tube_radius,
+        segments: t.get("segments", SEGMENTS, 96),
+    })
+}
+
+fn capsule(t: &mut Table) -> Option<ShapeDesc> {
+    let radius = t.get("radius", ABOVE_0, 0.25);
+    let height = t.get("height", ABOVE_0, 1.0);
+    if t.clean() && height < 2.0 * radius {
+        let message = format!("`height` must be at least twice `radius`, which is {radius}");
+        let help = "it is from end to end; a sphere has `height` of twice the radius";
+        t.refuse("out-of-range", "height", &message, help);
+    }
+    Some(ShapeDesc::Capsule {
+        radius,
+        height,
+        segments: t.get("segments", SEGMENTS, 64),
+    })
 }
 
 impl Section for EnvironmentDesc {
@@ -251,11 +295,11 @@ impl Section for EnvironmentDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         t.one_of(false, &[&["color"], &["zenith", "horizon", "ground"]]);
-        let color = t.find("color", FROM_0).unwrap_or(Vec3::ZERO);
+        let color = t.find("color", FROM_0).unwrap_or(Color(Vec3::ZERO));
         Some(Self {
-            zenith: t.get("zenith", FROM_0, color),
-            horizon: t.get("horizon", FROM_0, color),
-            ground: t.get("ground", FROM_0, color),
+            zenith: t.get("zenith", FROM_0, color).0,
+            horizon: t.get("horizon", FROM_0, color).0,
+            ground: t.get("ground", FROM_0, color).0,
         })
     }
 }

@@ -180,6 +180,7 @@ impl Report {
             (index, d.span.range.start, d.span.range.end)
         };
         self.list.sort_by_cached_key(order);
+        self.list.dedup(); // a value that several tables have by `extends`
         self.merge_repeated();
         let failed = self.errors > 0;
         if self.left_out > 0 {

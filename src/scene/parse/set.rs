@@ -14,6 +14,9 @@ use crate::scene::suggest;
 /// Tables whose next name must exist already: a new one would most likely be a typing error.
 const NAMED: &[&str] = &["camera", "material", "model", "light"];
 
+/// Keys that say what a scene is made of, which is settled before values are set.
+const LAYERS: [&str; 4] = ["base", "include", "remove", "variant"];
+
 /// One name of a path, at its position.
 struct Segment {
     name: String,
@@ -35,9 +38,10 @@ pub fn apply<'i>(root: &mut Node<'i>, text: &'i str, base: usize, report: &mut R
         error.help = Some("such as `camera.main.fov_deg` or `instance.0.scale`".into());
         return;
     };
-    if path[0].name == "include" {
-        let error = report.error("bad-set", &path[0].at, "`include` cannot be set");
-        error.help = Some("write it in the scene; keys of included files can be set".into());
+    if LAYERS.contains(&path[0].name.as_str()) {
+        let message = format!("{} cannot be set", suggest::key(&path[0].name));
+        let error = report.error("bad-set", &path[0].at, message);
+        error.help = Some("write it in the scene; keys of the files it names can be set".into());
     } else if let Some(value) = value {
         put(root, &path, value, report);
     }
@@ -55,6 +59,12 @@ fn equals_sign(text: &str) -> Option<usize> {
         }
         None
     })
+}
+
+/// The names of a path, without their places.
+pub fn names_of(path: &str) -> Option<Vec<String>> {
+    let segments = segments(path, 0)?;
+    Some(segments.into_iter().map(|segment| segment.name).collect())
 }
 
 /// The names of a path; TOML's own reader splits them, so quotes work as they do in a scene.
@@ -88,14 +98,13 @@ fn value<'i>(text: &'i str, base: usize, report: &mut Report) -> Option<Node<'i>
     let bare = |c: char| c.is_alphanumeric() || "_-./\\:* ".contains(c);
     match DeValue::parse(trimmed) {
         Ok(node) => Some(shift(node, start)),
-        Err(_) if !trimmed.is_empty() && trimmed.chars().all(bare) => {
+        Err(_) if !trimmed.is_empty() && trimmed.trim_start_matches('#').chars().all(bare) => {
             let at = start..start + trimmed.len();
             Some(Node::new(at, DeValue::String(trimmed.into())))
         }
         Err(error) => {
             let at = error.span().unwrap_or(0..trimmed.len());
-            let found = trimmed.get(at.clone()).unwrap_or("");
-            let (message, help) = syntax::in_plain_words(found, error.message());
+            let (message, help) = syntax::in_plain_words(trimmed, &at, error.message());
             report
                 .error("bad-set", &(start + at.start..start + at.end), message)
                 .help = help;

@@ -1,11 +1,16 @@
 //! TOML itself: its mistakes as messages, and what they make doubtful in the rest of the file.
 
 mod nesting;
+mod plain_words;
+mod unclosed;
+
+pub use plain_words::in_plain_words;
 
 use std::{ops::Range, sync::Arc};
 
 use toml::{Spanned, de::DeTable};
 
+use self::unclosed::Unclosed;
 use super::report::Report;
 use crate::scene::diagnostic::{Diagnostic, Source, Span};
 use crate::scene::suggest;
@@ -51,8 +56,14 @@ pub fn parse<'i>(
     errors.sort_by_key(|error| place(error).start);
     let mut shadows: Vec<Shadow> = Vec::new();
     let mut line_end = None;
+    let unclosed = unclosed::first(text).filter(|_| !errors.is_empty());
+    let mut doubled = 0..0;
     for error in &errors {
         let at = place(error);
+        if unclosed.as_ref().is_some_and(|open| at.start >= open.at) || doubled.contains(&at.start)
+        {
+            continue; // it follows from that
+        }
         // A broken line gives one message, the first; a duplicate key is not a syntax error.
         let same_line = line_end.is_some_and(|end| at.start <= end);
         if same_line && error.message() != "duplicate key" {
@@ -68,6 +79,9 @@ pub fn parse<'i>(
         }
         explain(text, base, at.clone(), error.message(), report);
         let start = text.floor_char_boundary(at.start);
+        if error.message() == "duplicate key" {
+            doubled = body_of_header(text, start);
+        }
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         line_end = Some(text[start..].find('\n').map_or(text.len(), |i| start + i));
         shadows.push(Shadow {
@@ -76,7 +90,37 @@ pub fn parse<'i>(
             line,
         });
     }
+    if let Some(open) = unclosed.filter(|_| !report.is_full()) {
+        explain_unclosed(text, base, &open, report);
+        let line = text[..open.at].rfind('\n').map_or(0, |i| i + 1);
+        let table = table_around(text, line).start..text.len() + 1;
+        shadows.push(Shadow {
+            source,
+            table,
+            line,
+        });
+    }
     (root, shadows)
+}
+
+fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Report) {
+    let message = format!("`{}` is not closed", &text[open.at..=open.at]);
+    let line = 1 + text[..open.end].matches('\n').count();
+    let at = base + open.at..base + open.at + 1;
+    report.error("toml-syntax", &at, message).help = Some(format!(
+        "add `{}`, such as at the end of line {line}",
+        open.closer
+    ));
+}
+
+/// For a name in a header, what stands below that header.
+fn body_of_header(text: &str, at: usize) -> Range<usize> {
+    let line = text[..at].rfind('\n').map_or(0, |i| i + 1);
+    if !text[line..at].trim_start().starts_with('[') {
+        return 0..0;
+    }
+    let table = table_around(text, line);
+    at + 1..table.end
 }
 
 fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mut Report) {
@@ -86,7 +130,10 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
         let message = format!("{} is defined twice", suggest::key(key));
         let first = first_place(text, &at).map(|range| report.span(&moved(&range)));
         let error = report.error("duplicate-key", &moved(&at), message);
-        error.help = Some("remove one of the two, or give it another name".into());
+        error.help = Some(match key {
+            "instance" => "write `[[instance]]`, with two brackets on each side, for each".into(),
+            _ => "remove one of the two, or give it another name".into(),
+        });
         error.related = first.map(|span: Span| (span, "it is first defined here".into()));
     } else if message.contains("recurs") {
         let message = "arrays and tables are nested too deeply";
@@ -95,36 +142,9 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
         report.error("too-deep", &moved(&at), message).help =
             Some("a scene needs four levels".into());
     } else {
-        let (message, help) = in_plain_words(text.get(at.clone()).unwrap_or(""), message);
+        let (message, help) = in_plain_words(text, &at, message);
         report.error("toml-syntax", &moved(&at), message).help = help;
     }
-}
-
-/// The parser's message, said for people where that helps: what is wrong, and what to do.
-pub fn in_plain_words(found: &str, message: &str) -> (String, Option<String>) {
-    let unquoted = message.starts_with("string values must be quoted");
-    if unquoted && found.is_empty() {
-        return ("a value is missing after `=`".into(), None);
-    }
-    let words: Vec<&str> = found.split_whitespace().collect();
-    if unquoted && words.len() > 1 && words.iter().all(|word| word.parse::<f64>().is_ok()) {
-        let help = format!("write {}", words.join(", "));
-        return ("a comma is missing between numbers".into(), Some(help));
-    }
-    if unquoted {
-        let help = format!("write {}", suggest::text(found));
-        return (
-            format!("{} must be in quotes", suggest::key(found)),
-            Some(help),
-        );
-    }
-    if message.starts_with("invalid basic string, expected `\"`") {
-        return (
-            "the text in quotes does not end on its line".into(),
-            Some("add a `\"`".into()),
-        );
-    }
-    (format!("not TOML: {message}"), None)
 }
 
 /// The earlier line that has the same header, or the same key under the same header.

@@ -31,6 +31,12 @@ pub trait Value: Sized {
     const WORDS: Option<(&'static str, &'static [&'static str])> = None;
     /// What is expected, such as `three numbers`.
     fn expected() -> String;
+    /// What is expected of an array of them, such as `two numbers`.
+    fn several(count: &str) -> String {
+        let one = Self::expected();
+        let kind = one.strip_prefix("a ").unwrap_or(&one);
+        format!("{count} {kind}s")
+    }
     /// The only value there is, if so.
     fn example() -> Option<String> {
         None
@@ -242,14 +248,13 @@ impl<T: Value, const N: usize> Value for [T; N] {
 
     fn expected() -> String {
         const WORDS: [&str; 5] = ["no", "one", "two", "three", "four"];
-        let count = WORDS.get(N).map_or(N.to_string(), |w| (*w).into());
-        let one = T::expected();
-        let kind = one.strip_prefix("a ").unwrap_or(&one);
-        match kind.split_once(' ') {
-            Some((number, rest)) if WORDS.contains(&number) => {
-                format!("{count} arrays of {number} {rest}")
-            }
-            _ => format!("{count} {kind}s"),
+        T::several(&WORDS.get(N).map_or(N.to_string(), |w| (*w).into()))
+    }
+    fn several(count: &str) -> String {
+        let one = Self::expected();
+        match one.split_once(' ') {
+            Some((number, rest)) => format!("{count} arrays of {number} {rest}"),
+            None => format!("{count} arrays"),
         }
     }
     fn schema(range: &Range) -> Json {

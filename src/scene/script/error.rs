@@ -1,6 +1,7 @@
 //! What Rhai reports, as messages for people: file, line, column, the calls that led there, the
 //! frame, and what was probably meant.
 
+mod foreign;
 mod missing;
 
 use rhai::{EvalAltResult as Wrong, LexError, ParseError, ParseErrorType, Position};
@@ -15,7 +16,10 @@ use super::{
     source_files::Sources,
     value::WrongKey,
 };
-use crate::scene::{diagnostic::Diagnostic, suggest};
+use crate::scene::{
+    diagnostic::{Diagnostic, Span},
+    suggest,
+};
 
 /// A script that does not compile.
 pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
@@ -29,11 +33,17 @@ pub fn syntax(wrong: &ParseError, sources: &Sources, name: &str) -> Diagnostic {
             let help = "write a function, or a `for` loop".to_owned();
             (format!("`{word}` is not supported in scripts"), Some(help))
         }
-        _ => explain_syntax(wrong.err_type(), sources, name),
+        _ => foreign_syntax(word, &span)
+            .unwrap_or_else(|| explain_syntax(wrong.err_type(), sources, name)),
     };
     let mut error = Diagnostic::at(kind_of(wrong.err_type()), span, message);
     error.help = help;
     error
+}
+
+/// What other languages write, at the place of a syntax error.
+fn foreign_syntax(word: Option<&str>, at: &Span) -> Option<(String, Option<String>)> {
+    word.and_then(foreign::word).or_else(|| foreign::sign(at))
 }
 
 fn kind_of(wrong: &ParseErrorType) -> &'static str {
@@ -196,10 +206,13 @@ pub fn runtime(
 ) -> Diagnostic {
     let (inner, file, at, calls) = unwrapped(ended, name);
     if let Wrong::ErrorParsing(kind, at) = inner {
-        let (message, help) = explain_syntax(kind, sources, &file);
         let span = sources
             .span(&file, *at)
             .unwrap_or_else(|| sources.start_of(&file));
+        let source = span.source.as_ref();
+        let word = source.and_then(|source| source.text.get(span.range.clone()));
+        let (message, help) =
+            foreign_syntax(word, &span).unwrap_or_else(|| explain_syntax(kind, sources, &file));
         let mut error = Diagnostic::at(kind_of(kind), span, message);
         error.help = help;
         return with_calls(error, &calls, sources);
@@ -260,7 +273,7 @@ fn with_calls(mut error: Diagnostic, calls: &[Site], sources: &Sources) -> Diagn
     }
     if sites.len() > 1 {
         const MOST: usize = 8;
-        let place = |(site, span): &(&Site, crate::scene::diagnostic::Span)| {
+        let place = |(site, span): &(&Site, Span)| {
             let line = span
                 .source
                 .as_ref()

@@ -43,9 +43,15 @@ pub fn text(returned: &Dynamic) -> Result<String, Wrong> {
     }
     let Some(map) = returned.read_lock::<Map>() else {
         let found = named(returned);
-        return Err(Wrong::new(format!(
+        let mut wrong = Wrong::new(format!(
             "setup must return a map such as `#{{ instances: [] }}`, not {found}"
-        )));
+        ));
+        let is_list = returned.is_array();
+        wrong.help = Some(match is_list {
+            true => "return `#{ instances: list }`".to_owned(),
+            false => "return `#{ }` for nothing".to_owned(),
+        });
+        return Err(wrong);
     };
     let mut out = String::new();
     if let Some(key) = map

@@ -1,6 +1,7 @@
-//! The files of a script: read only below the scene's folder, kept for messages.
+//! The files of a script: read only below the scene's folder and asset folders, kept for messages.
 
 use std::{
+    ops::Range,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
@@ -10,22 +11,32 @@ use rhai::{Dynamic, EvalAltResult, ImmutableString, Position, Scope, Shared};
 use super::{
     limits::{FILE_BYTES, NESTED},
     nested_values::is_deeper,
+    tokens::tokens,
 };
 use crate::scene::{
     confined_read::{self, Found, Kind, Problem},
     dependencies::Dependencies,
-    diagnostic::{Diagnostic, Source, Span},
+    diagnostic::{Source, Span},
     suggest,
 };
 
 /// Places that look like the definition of a function of which the right one is looked for.
 const MOST_DEFINITIONS: usize = 1000;
 
+/// The ending of a file in another language that people write scripts in.
+fn foreign_ending(file: &str) -> Option<&str> {
+    const ENDINGS: [&str; 10] = [
+        "js", "lua", "mel", "osl", "py", "rb", "rs", "ts", "vex", "wgsl",
+    ];
+    let ending = Path::new(file).extension()?.to_str()?;
+    ENDINGS.contains(&ending).then_some(ending)
+}
+
 /// The texts of a script and of what it imports.
 #[derive(Debug, Default)]
 pub struct Sources {
-    /// Where imports start; `None` forbids them.
-    folder: Option<PathBuf>,
+    /// Where files are looked for, the scene's folder first; none forbids them.
+    folders: Vec<PathBuf>,
     /// Where it is noted what was looked for.
     dependencies: Dependencies,
     state: Mutex<State>,
@@ -50,22 +61,12 @@ struct State {
 /// Scripts, in messages about their files.
 const SCRIPTS: Kind = Kind {
     one: "a script",
-    names: "file names of scripts start from the scene's folder and end in .rhai",
-    inside: "scripts are read only from the scene's folder and the folders below it",
+    names: "file names of scripts start from the scene's folder or an asset folder and end in .rhai",
+    inside: "scripts are read only from the scene's folder, asset folders, and the folders below",
     most_mib: FILE_BYTES >> 20,
 };
 
 impl Problem {
-    /// At its place in the file, or at the place that names the file.
-    pub fn at(self, at: &Span) -> Box<Diagnostic> {
-        let error = match self.inside {
-            Some(inside) => Diagnostic::at("not-utf8", inside, self.message)
-                .related(at.clone(), "the script is named here"),
-            None => Diagnostic::at("script-file", at.clone(), self.message),
-        };
-        Box::new(error.help(self.help))
-    }
-
     /// For the import at `at`.
     fn in_import(self, sources: &Sources, at: Position) -> Box<EvalAltResult> {
         let Some(Span { source, range }) = self.inside else {
@@ -84,10 +85,11 @@ impl Problem {
 }
 
 impl Sources {
-    /// Of a script beside a scene; what is looked for is added to `dependencies`.
-    pub fn new(folder: &Path, dependencies: &Dependencies) -> Self {
+    /// Of a script beside a scene, or in an asset folder; what is looked for is added to
+    /// `dependencies`.
+    pub fn new(folders: &[PathBuf], dependencies: &Dependencies) -> Self {
         Self {
-            folder: Some(folder.to_owned()),
+            folders: folders.to_owned(),
             dependencies: dependencies.clone(),
             ..Self::default()
         }
@@ -114,6 +116,11 @@ impl Sources {
 
     /// Reads the script itself; gives what messages call it, and its text.
     pub fn read(&self, file: &str) -> Result<(String, String), Problem> {
+        if let Some(ending) = foreign_ending(file) {
+            let message = format!("scripts are written in Rhai, and this is a .{ending} file");
+            let help = "write it as a .rhai file; `reflet scripting` prints the manual";
+            return Err(Problem::new(message, help));
+        }
         let found = self.find(file)?;
         self.state().open.push(found.real.clone());
         Ok(self.keep(found))
@@ -121,11 +128,11 @@ impl Sources {
 
     /// Reads a file below the folder.
     fn find(&self, file: &str) -> Result<Found, Problem> {
-        let Some(folder) = &self.folder else {
+        if self.folders.is_empty() {
             let message = format!("{} cannot be read here", suggest::text(file));
             return Err(Problem::new(message, ""));
-        };
-        confined_read::read(folder, file, &SCRIPTS, &self.dependencies)
+        }
+        confined_read::read(&self.folders, file, &SCRIPTS, &self.dependencies)
     }
 
     /// Keeps a file; gives what messages call it, and its text.
@@ -243,6 +250,37 @@ impl Sources {
         span
     }
 
+    /// The last line of a function, where what it returns is; its start where braces are not
+    /// balanced.
+    pub fn end_of_function(&self, name: &str, function: &str) -> Span {
+        let start = self.start_of_function(name, function);
+        let Some(source) = &start.source else {
+            return start;
+        };
+        let tokens = tokens(&source.text[start.range.end..]);
+        let mut depth = 0_usize;
+        let mut last: Option<Range<usize>> = None;
+        for token in tokens {
+            match token.text {
+                "{" | "#{" => depth += 1,
+                "}" if depth == 1 => break,
+                "}" => depth = depth.saturating_sub(1),
+                _ if depth == 0 => continue,
+                _ => {}
+            }
+            // The first word of the last statement's last line.
+            let at = start.range.end + token.at.start..start.range.end + token.at.end;
+            let is_same_line = |old: &Range<usize>| !source.text[old.end..at.start].contains('\n');
+            match &mut last {
+                _ if token.text == "{" && depth == 1 => {}
+                Some(old) if is_same_line(old) => old.end = at.end,
+                _ => last = Some(at),
+            }
+        }
+        let range = last.unwrap_or(start.range.clone());
+        Span { range, ..start }
+    }
+
     /// The module of an import that was found before.
     fn known_module(&self, file: &str) -> Option<Shared<rhai::Module>> {
         let state = self.state();
@@ -263,7 +301,7 @@ pub fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// Resolves `import "name"` to `name.rhai` below the scene's folder, each file once.
+/// Resolves `import "name"` to `name.rhai` below the scene's folder or an asset folder, each once.
 pub struct Resolver(pub Arc<Sources>);
 
 impl rhai::ModuleResolver for Resolver {

@@ -1,10 +1,13 @@
 //! Materials after all overrides, and the table of images that they use.
 
-use std::{collections::HashMap, path::PathBuf};
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
 
 use glam::Vec3;
 
-use super::{Loader, error_at};
+use super::{Loader, error_at, foreign_formats};
 use crate::{
     scene::{
         desc::{At, MaterialDesc},
@@ -142,6 +145,10 @@ impl Loader<'_> {
 
     /// An image file that the scene text names.
     fn scene_image(&mut self, name: &At<String>, srgb: bool) -> Option<TextureRef> {
+        if let Some((message, help)) = foreign_formats::image(Path::new(&name.value)) {
+            self.report_once(error_at("file-format", &name.at, message).help(help));
+            return None;
+        }
         let path = match self.find(name) {
             Ok(path) => path,
             Err(error) => {

@@ -5,7 +5,7 @@ use std::{
     thread,
 };
 
-use super::{Loader, Source, pose};
+use super::{Loader, Source, error_at, foreign_formats, pose};
 use crate::{
     scene::{
         desc::{ModelDesc, ModelSource, is_stage},
@@ -50,6 +50,10 @@ impl Loader<'_> {
             }
             ModelSource::File(file) => file,
         };
+        if let Some((message, help)) = foreign_formats::model(Path::new(&file.value)) {
+            self.report_once(error_at("file-format", &file.at, message).help(help));
+            return Source::Broken;
+        }
         let path = match self.find(file) {
             Ok(path) => path,
             Err(error) => {

@@ -5,7 +5,10 @@ use glam::Vec3;
 use crate::scene::range::{ANY, FROM_0, range};
 use crate::scene::{
     desc::{LightDesc, LightKind, ShadowMode},
-    parse::table::{Section, Table},
+    parse::{
+        color::Color,
+        table::{Section, Table},
+    },
 };
 
 impl Section for LightDesc {
@@ -14,7 +17,7 @@ impl Section for LightDesc {
     const HEADING: &'static str = "[light.NAME]";
 
     fn read(t: &mut Table) -> Option<Self> {
-        let color = t.get("color", FROM_0, Vec3::ONE);
+        let Color(color) = t.get("color", FROM_0, Color(Vec3::ONE));
         let shadow = t.get("shadow", ANY, ShadowMode::default());
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
         let kind = t.choose(

@@ -1,5 +1,6 @@
 //! Tables inside tables: single, by name, in lists, or in place of a name.
 
+use serde_json::json;
 use toml::de::DeValue;
 
 use super::{Place, Section, Table};
@@ -104,6 +105,35 @@ impl Table<'_, '_> {
             }
         };
         items.iter().filter_map(read).collect()
+    }
+
+    /// Tables of changes with names of the user's choice, which are read where they are chosen.
+    pub fn changes(&mut self, key: &'static str) -> Vec<At<String>> {
+        self.note(key, || {
+            let what = "tables `[variant.NAME]`, each with any keys of the scene";
+            let schema = json!({
+                "type": "object",
+                "additionalProperties": { "type": "object" },
+            });
+            KeyRecord::new(key, Form::Value(what.into(), schema))
+        });
+        let Some(node) = self.values.get(key) else {
+            return Vec::new();
+        };
+        let DeValue::Table(values) = node.get_ref() else {
+            wrong_type(node, key, "tables with names", self.report);
+            return Vec::new();
+        };
+        let mut all = Vec::new();
+        for (name, node) in values {
+            if !node.get_ref().is_table() {
+                wrong_type(node, name.get_ref(), "a table", self.report);
+            }
+            let (value, at) = (name.get_ref().to_string(), self.report.span(&name.span()));
+            all.push((name.span().start, At { value, at }));
+        }
+        all.sort_by_key(|(start, _)| *start);
+        all.into_iter().map(|(_, name)| name).collect()
     }
 
     /// Values with names of the user's choice: numbers, texts, switches, arrays of numbers.

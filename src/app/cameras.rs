@@ -1,0 +1,110 @@
+//! Which cameras of a scene are rendered, and the file of each: `--camera a,b` or `all`, and
+//! `{camera}` in the name of the output.
+
+use std::{
+    collections::HashMap,
+    path::{Path, PathBuf},
+};
+
+use super::{args::RenderArgs, error::AppError, scene::choose_camera};
+use crate::session::scene_text::LoadedScene;
+
+/// Where the name of the camera goes in the name of the output.
+pub const PLACEHOLDER: &str = "{camera}";
+
+/// One run for each chosen camera: its index into the world's cameras, and the arguments with the
+/// name of its file.
+///
+/// # Errors
+/// [`AppError::Usage`] for cameras that the scene does not have or that are named twice, for several
+/// of them without `{camera}` in the name of the output, and for names that give one file.
+pub fn runs(args: &RenderArgs, loaded: &LoadedScene) -> Result<Vec<(usize, RenderArgs)>, AppError> {
+    let cameras = choose(loaded, args.camera.as_deref())?;
+    let name = |index: usize| loaded.world.cameras[index].name.as_str();
+    let shown = args.output.display();
+    let has_place = is_in(&args.output);
+    if let [index] = cameras.as_slice() {
+        let output = file_of(&args.output, name(*index));
+        let args = RenderArgs {
+            output,
+            ..args.clone()
+        };
+        return Ok(vec![(*index, args)]);
+    }
+    if !has_place {
+        let stem = args.output.with_extension("").display().to_string();
+        let ending = args.output.extension().unwrap_or_default().display();
+        return Err(AppError::Usage(format!(
+            "--output {shown}: {} cameras would be written to one file; write \
+             {stem}.{PLACEHOLDER}.{ending}",
+            cameras.len()
+        )));
+    }
+    if args.stats.is_some() {
+        let text = "--stats applies to a single picture, and there are several cameras";
+        return Err(AppError::Usage(text.to_owned()));
+    }
+    let mut files: HashMap<PathBuf, &str> = HashMap::new();
+    let mut runs = Vec::new();
+    for index in cameras {
+        let output = file_of(&args.output, name(index));
+        if let Some(other) = files.insert(output.clone(), name(index)) {
+            return Err(AppError::Usage(format!(
+                "--output {shown}: the cameras \"{other}\" and \"{}\" would be written to one file, \
+                 {}; rename one of them",
+                name(index),
+                output.display()
+            )));
+        }
+        let args = RenderArgs {
+            output,
+            camera: Some(name(index).to_owned()),
+            ..args.clone()
+        };
+        runs.push((index, args));
+    }
+    Ok(runs)
+}
+
+/// Indices of the cameras of `--camera`; a camera whose own name is `all` or has commas comes first.
+fn choose(loaded: &LoadedScene, asked: Option<&str>) -> Result<Vec<usize>, AppError> {
+    let cameras = &loaded.world.cameras;
+    let is_one = |name: &str| cameras.iter().any(|camera| camera.name == name);
+    match asked {
+        Some(name) if is_one(name) => {}
+        Some("all") => return Ok((0..cameras.len()).collect()),
+        Some(list) if list.contains(',') => {
+            let mut chosen = Vec::new();
+            for name in list.split(',') {
+                let index = choose_camera(loaded, Some(name.trim()))?;
+                if chosen.contains(&index) {
+                    let name = name.trim();
+                    let text = format!("--camera {list}: \"{name}\" is listed twice");
+                    return Err(AppError::Usage(text));
+                }
+                chosen.push(index);
+            }
+            return Ok(chosen);
+        }
+        _ => {}
+    }
+    Ok(vec![choose_camera(loaded, asked)?])
+}
+
+fn is_in(output: &Path) -> bool {
+    let name = output.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name.contains(PLACEHOLDER))
+}
+
+/// The output of a camera; what is hardly part of a file name becomes `_`.
+fn file_of(output: &Path, camera: &str) -> PathBuf {
+    let Some(name) = output.file_name().and_then(|name| name.to_str()) else {
+        return output.to_owned();
+    };
+    let safe = |c: char| {
+        let is_safe = c.is_alphanumeric() || "-_. ".contains(c);
+        if is_safe { c } else { '_' }
+    };
+    let camera: String = camera.chars().map(safe).collect();
+    output.with_file_name(name.replace(PLACEHOLDER, &camera))
+}

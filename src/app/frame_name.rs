@@ -1,0 +1,292 @@
+//! File names of frames: where the number of a frame goes, in the notations of other programs too.
+
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use super::{cameras::PLACEHOLDER, error::AppError, frames::clipped};
+
+/// Maximum number of digits in a placeholder; more than a frame number has.
+const MOST_DIGITS: usize = 20;
+
+/// Notations that are understood, for messages.
+const KNOWN: &str = "write #### (or %04d, $F4, <frame>, {frame:04})";
+
+/// A file name with a frame number placeholder, `film.####.png`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Template {
+    folder: PathBuf,
+    before: String,
+    digits: usize,
+    after: String,
+}
+
+impl Template {
+    /// Splits a name at its placeholder; `None` without any. The number is written with at least
+    /// as many digits as there are `#`s, or as `%04d`, `$F4`, `<frame4>` and `{frame:04}` say.
+    ///
+    /// # Errors
+    /// [`AppError::Usage`] for two placeholders, more than 20 digits, a notation that is not
+    /// understood, a placeholder in the name of a folder that does not exist, and a name that is
+    /// not UTF-8.
+    pub fn new(path: &Path) -> Result<Option<Self>, AppError> {
+        let shown = path.display().to_string();
+        let usage = |why: String| {
+            Err(AppError::Usage(format!(
+                "--output {}: {why}",
+                clipped(&shown)
+            )))
+        };
+        let Some(name) = path.file_name() else {
+            return Ok(None);
+        };
+        let Some(name) = name.to_str() else {
+            return usage("the name must be UTF-8".to_owned());
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let places = match places(name) {
+            Ok(places) => places,
+            Err(why) => return usage(why),
+        };
+        if let Some(placeholder) = in_folder(folder) {
+            return usage(format!(
+                "the frame number goes into the file name, not into the name of a folder; \
+                 {placeholder} is in that of {}",
+                clipped(&folder.display().to_string())
+            ));
+        }
+        match places.as_slice() {
+            [] => Ok(None),
+            [(_, digits)] if *digits > MOST_DIGITS => usage(format!(
+                "{digits} digits for the frame number; write at most {MOST_DIGITS} #"
+            )),
+            [(at, digits)] => Ok(Some(Self {
+                folder: folder.to_owned(),
+                before: name[..at.start].to_owned(),
+                digits: *digits,
+                after: name[at.end..].to_owned(),
+            })),
+            _ => usage("the frame number may appear only once".to_owned()),
+        }
+    }
+
+    /// File of a frame; longer numbers are not truncated.
+    pub fn path(&self, frame: u32) -> PathBuf {
+        let digits = self.digits;
+        let name = format!("{}{frame:0digits$}{}", self.before, self.after);
+        self.folder.join(name)
+    }
+}
+
+/// The placeholder in the names of folders that do not exist. A lone `#` may belong to a name.
+fn in_folder(folder: &Path) -> Option<String> {
+    if folder.is_dir() {
+        return None;
+    }
+    let text = folder.to_str()?;
+    let (at, _) = places(text).ok()?.first()?.clone();
+    (&text[at.clone()] != "#").then(|| text[at].to_owned())
+}
+
+/// Length of a placeholder and its digits, or what is wrong with it.
+type Found = Result<(usize, usize), String>;
+
+/// Every placeholder of a name, and how many digits it has.
+fn places(name: &str) -> Result<Vec<(Range<usize>, usize)>, String> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(first) = name[at..].chars().next() {
+        let rest = &name[at..];
+        let here = match first {
+            '#' => run(rest, '#').map(Ok),
+            '@' => run(rest, '@')
+                .filter(|(length, _)| *length > 1)
+                .map(|(length, _)| {
+                    Err(format!(
+                        "{} is not understood; {KNOWN}",
+                        clipped(&rest[..length])
+                    ))
+                }),
+            '%' => printf(rest),
+            '$' => houdini(rest),
+            '<' => bracketed(rest, '>'),
+            '{' => bracketed(rest, '}'),
+            _ => None,
+        };
+        at += match here.transpose()? {
+            Some((length, digits)) => {
+                found.push((at..at + length, digits));
+                length
+            }
+            None => first.len_utf8(),
+        };
+    }
+    Ok(found)
+}
+
+/// A run of one character, such as `####`.
+fn run(text: &str, c: char) -> Option<(usize, usize)> {
+    let length = text.chars().take_while(|next| *next == c).count();
+    Some((length, length))
+}
+
+/// Number of leading digits.
+fn digits_of(text: &str) -> usize {
+    text.bytes().take_while(u8::is_ascii_digit).count()
+}
+
+/// `text` as a count of digits; one too large for a number is too large for a name too.
+fn count(text: &str) -> usize {
+    text.parse()
+        .unwrap_or(if text.is_empty() { 1 } else { usize::MAX })
+        .max(1)
+}
+
+fn not_understood(text: &str) -> Found {
+    Err(format!("{} is not understood; {KNOWN}", clipped(text)))
+}
+
+/// `%04d` or `%d`, as in C, ffmpeg and Python.
+fn printf(text: &str) -> Option<Found> {
+    let flags = text[1..].bytes().take_while(|b| b"-+".contains(b)).count();
+    let width = digits_of(&text[1 + flags..]);
+    let end = 1 + flags + width;
+    let kind = text[end..].chars().next().filter(|c| "diu".contains(*c))?;
+    let (shown, number) = (&text[..=end], &text[1 + flags..end]);
+    let next = text[end + 1..].chars().next();
+    // `100%done.png` has no number, and `%d_` has one.
+    let in_word = number.is_empty() && next.is_some_and(char::is_alphanumeric);
+    let padded = number.is_empty() || number.len() > 1 && number.starts_with('0');
+    Some(match flags == 0 && kind == 'd' && padded && !in_word {
+        true => Ok((end + 1, count(number))),
+        false => not_understood(shown),
+    })
+}
+
+/// `$F4`, `$F` or `${F4}`, as in Houdini.
+fn houdini(text: &str) -> Option<Found> {
+    let (inner, close) = match text.strip_prefix("${F") {
+        Some(inner) => (inner, 1),
+        None => (text.strip_prefix("$F")?, 0),
+    };
+    let width = digits_of(inner);
+    let rest = &inner[width..];
+    let length = text.len() - rest.len() + close;
+    let ends = match close {
+        1 => rest.starts_with('}'),
+        _ => !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'),
+    };
+    Some(match ends {
+        true => Ok((length, count(&inner[..width]))),
+        false => not_understood(text),
+    })
+}
+
+/// `<frame>`, `<frame4>` or `<f4>`, as in Maya and RenderMan, and `{frame}` or `{frame:04}`, as in
+/// Python. Another word in brackets is most likely a placeholder of another program.
+fn bracketed(text: &str, close: char) -> Option<Found> {
+    if text.starts_with(PLACEHOLDER) {
+        return None; // of the camera
+    }
+    let length = text.find(close)? + 1;
+    let inner = text[1..length - 1].to_ascii_lowercase();
+    let is_word = |w: &str| {
+        w.chars()
+            .all(|c| c.is_ascii_lowercase() || "_ ".contains(c))
+    };
+    let (name, width) = match inner.split_once(':') {
+        Some((name, width)) => (name, width.strip_suffix('d').unwrap_or(width)),
+        None => inner.split_at(inner.trim_end_matches(|c: char| c.is_ascii_digit()).len()),
+    };
+    if ["frame", "f"].contains(&name) && digits_of(width) == width.len() {
+        return Some(Ok((length, count(width))));
+    }
+    (!name.is_empty() && is_word(name)).then(|| not_understood(&text[..length]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn template(name: &str) -> Result<Option<Template>, String> {
+        Template::new(Path::new(name)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn placeholders_of_other_programs_give_the_same_names() {
+        for (name, want) in [
+            ("out/w.####.png", "out/w.0007.png"),
+            ("out/w.%04d.png", "out/w.0007.png"),
+            ("w%d.png", "w7.png"),
+            ("w_%d_x.png", "w_7_x.png"),
+            ("w.$F4.exr", "w.0007.exr"),
+            ("w.$F.exr", "w.7.exr"),
+            ("w.${F3}x.exr", "w.007x.exr"),
+            ("w.<frame>.png", "w.7.png"),
+            ("w.<Frame4>.png", "w.0007.png"),
+            ("w.<f4>.png", "w.0007.png"),
+            ("w.{frame}.png", "w.7.png"),
+            ("w.{frame:04}.png", "w.0007.png"),
+            ("w.{frame:04d}.png", "w.0007.png"),
+            ("#.png", "7.png"),
+            ("{camera}.##.png", "{camera}.07.png"),
+        ] {
+            let found = template(name).unwrap_or_else(|why| panic!("{why}"));
+            let found = found.unwrap_or_else(|| panic!("{name}: it has one"));
+            assert_eq!(found.path(7), Path::new(want), "{name}");
+        }
+        let walk = template("walk.%04d.png").expect("right").expect("has one");
+        assert_eq!(walk.path(123_456), Path::new("walk.123456.png"));
+        let widest = template(&"#".repeat(20)).expect("right").expect("has one");
+        assert_eq!(widest.path(7), Path::new("00000000000000000007"));
+    }
+
+    #[test]
+    fn names_without_a_placeholder_stay_as_they_are() {
+        for name in [
+            "out.png",
+            "100%.png",
+            "50% dark.png",
+            "a@b.png",
+            "cost$.png",
+            "{3F25-04E0}.png",
+            "w.{camera}.png",
+            "a<b.png",
+            "",
+            "..",
+        ] {
+            assert_eq!(template(name), Ok(None), "{name}");
+        }
+    }
+
+    #[test]
+    fn what_looks_like_a_placeholder_is_refused() {
+        for (name, says) in [
+            ("w.%4d.png", "%4d is not understood; write ####"),
+            ("w.%-04d.png", "%-04d is not understood"),
+            ("w.%03i.png", "%03i is not understood"),
+            ("100%done.png", "%d is not understood"),
+            ("w.@@@@.png", "@@@@ is not understood"),
+            ("w.$FF.png", "$FF.png is not understood"),
+            ("w.${F4.png", "is not understood"),
+            ("w.<layer>.png", "<layer> is not understood"),
+            ("w.{shot}.png", "{shot} is not understood"),
+            ("#.#.png", "may appear only once"),
+            ("#.%04d.png", "may appear only once"),
+            ("no_%04d/w.png", "not into the name of a folder; %04d"),
+            ("no/w.####/w.%d.png", "not into the name of a folder; ####"),
+            ("w.%099999999999999999999d.png", "write at most 20 #"),
+        ] {
+            let why = template(name).expect_err(name);
+            assert!(why.contains(says) && why.len() < 300, "{name}: {why}");
+        }
+        for many in [21, 70_000] {
+            let why = template(&format!("{}.png", "#".repeat(many))).expect_err("too many");
+            assert!(
+                why.ends_with("write at most 20 #") && why.len() < 200,
+                "{why}"
+            );
+        }
+    }
+}

@@ -1,0 +1,266 @@
+//! `job`: what a render farm needs to render a film in parts.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use clap::{Args, Subcommand};
+use serde_json::{Value, json};
+
+use super::{
+    args::{SceneArgs, parse_size},
+    cameras,
+    error::AppError,
+    frame_name::Template,
+    frames::FrameList,
+    output::format::Format,
+    scene::{choose_camera, load_scene},
+};
+use crate::{
+    files::write_together,
+    session::scene_text::{LoadedScene, asset_folders},
+};
+
+/// `job`
+#[derive(Clone, Debug, Subcommand)]
+pub enum JobCommand {
+    /// Write a job bundle for farms that read Open Job Description, such as AWS Deadline Cloud
+    Openjd(Box<OpenjdArgs>),
+}
+
+/// `job openjd`
+#[derive(Clone, Debug, Args)]
+pub struct OpenjdArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Folder to write template.json, parameter_values.json and asset_references.json to
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Files of the frames, such as out/film.####.exr
+    #[arg(long, value_name = "FILE")]
+    pub pictures: PathBuf,
+    /// Frames, as render takes them
+    #[arg(long, value_name = "LIST", default_value = "all")]
+    pub frames: String,
+    /// Frames of one task, 1 to 10000
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10000))]
+    pub chunk: u32,
+    /// What is changed in the scene
+    #[command(flatten)]
+    pub from: SceneArgs,
+    /// Width and height in pixels, each 1 to 16384
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Which camera of the scene; without it `main`, else the first
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+}
+
+/// Writes what a farm needs.
+///
+/// # Errors
+/// Errors of the scene, [`AppError::Usage`] for names that a farm cannot use, and files that cannot
+/// be written.
+pub fn job(command: &JobCommand) -> Result<(), AppError> {
+    match command {
+        JobCommand::Openjd(args) => openjd(args),
+    }
+}
+
+/// Open Job Description 2023-09 with its extension for chunks of tasks (RFC 0001), in the layout of a
+/// Deadline Cloud job bundle. Paths are parameters, so that the farm's path mapping applies to them.
+fn openjd(args: &OpenjdArgs) -> Result<(), AppError> {
+    let usage = |text: String| Err(AppError::Usage(text));
+    if Template::new(&args.pictures)?.is_none() || Format::is_film(&args.pictures) {
+        return usage(format!(
+            "--pictures {}: tasks need a file for each frame, such as out/film.####.exr",
+            args.pictures.display()
+        ));
+    }
+    Format::expect(&args.pictures)?;
+    let loaded = load_scene(Some(&args.scene), &args.from, &[])?;
+    choose_camera(&loaded, args.camera.as_deref())?;
+    let Some(timeline) = loaded.scene.timeline.as_ref() else {
+        return usage("the scene has no [timeline], so there are no frames to divide".to_owned());
+    };
+    let frames = FrameList::parse("--frames", &args.frames, timeline)?;
+    let folders = asset_folders(&args.from.assets);
+    let bundle = Bundle {
+        scene: absolute(&args.scene)?,
+        pictures: absolute(&args.pictures)?,
+        assets: folders
+            .iter()
+            .map(|f| absolute(f))
+            .collect::<Result<_, _>>()?,
+        args,
+        frames: super::frame_spans::spans(&frames.0),
+    };
+    let files = [
+        ("template.json", bundle.template()?),
+        ("parameter_values.json", bundle.values()),
+        ("asset_references.json", bundle.references(&loaded)),
+    ];
+    let folder = &args.output;
+    fs::create_dir_all(folder).map_err(|error| {
+        AppError::Usage(format!(
+            "--output {}: cannot be created: {error}",
+            folder.display()
+        ))
+    })?;
+    let text =
+        |(name, value): (&str, Value)| (folder.join(name), format!("{value:#}\n").into_bytes());
+    let files: Vec<_> = files.into_iter().map(text).collect();
+    write_together(&files).map_err(|(path, error)| AppError::unwritten(&path, &error))?;
+    for (path, _) in &files {
+        eprintln!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+/// A path that does not depend on the folder that one is in; it need not exist.
+fn absolute(path: &Path) -> Result<PathBuf, AppError> {
+    std::path::absolute(path)
+        .map_err(|error| AppError::Usage(format!("{}: {error}", path.display())))
+}
+
+/// What a bundle is made of.
+struct Bundle<'a> {
+    args: &'a OpenjdArgs,
+    scene: PathBuf,
+    pictures: PathBuf,
+    assets: Vec<PathBuf>,
+    frames: String,
+}
+
+impl Bundle<'_> {
+    fn folder(&self) -> &Path {
+        self.pictures.parent().unwrap_or(Path::new("/"))
+    }
+
+    /// Names and paths of the parameters that are folders or files.
+    fn paths(&self) -> Vec<(String, &Path, &'static str, &'static str)> {
+        let mut paths = vec![
+            ("Scene".to_owned(), self.scene.as_path(), "FILE", "IN"),
+            ("OutputFolder".to_owned(), self.folder(), "DIRECTORY", "OUT"),
+        ];
+        let assets = self.assets.iter().enumerate();
+        paths.extend(
+            assets.map(|(i, f)| (format!("Assets{}", i + 1), f.as_path(), "DIRECTORY", "IN")),
+        );
+        paths
+    }
+
+    /// `template.json`
+    fn template(&self) -> Result<Value, AppError> {
+        let mut parameters: Vec<Value> = (self.paths().into_iter())
+            .map(|(name, _, object, flow)| {
+                json!({ "name": name, "type": "PATH", "objectType": object, "dataFlow": flow })
+            })
+            .collect();
+        parameters.push(json!({
+            "name": "Frames", "type": "STRING", "default": self.frames,
+            "description": "Frames to render, such as 0-47 or 1,3,5-9",
+        }));
+        parameters.push(json!({
+            "name": "FramesPerTask", "type": "INT", "default": self.args.chunk, "minValue": 1,
+        }));
+        let name = self.args.scene.file_stem().unwrap_or_default();
+        Ok(json!({
+            "specificationVersion": "jobtemplate-2023-09",
+            "extensions": ["TASK_CHUNKING"],
+            "name": plain(&name.to_string_lossy())?,
+            "parameterDefinitions": parameters,
+            "steps": [{
+                "name": "Render",
+                "parameterSpace": { "taskParameterDefinitions": [{
+                    "name": "Frame",
+                    "type": "CHUNK[INT]",
+                    "range": "{{Param.Frames}}",
+                    "chunks": {
+                        "defaultTaskCount": "{{Param.FramesPerTask}}",
+                        "rangeConstraint": "NONCONTIGUOUS",
+                    },
+                }] },
+                "script": { "actions": { "onRun": {
+                    "command": "reflet",
+                    "args": self.command()?,
+                    // It finishes the frame that it is at, and --resume continues after it.
+                    "cancelation": { "mode": "NOTIFY_THEN_TERMINATE" },
+                } } },
+            }],
+        }))
+    }
+
+    /// The arguments of a task.
+    fn command(&self) -> Result<Vec<String>, AppError> {
+        let args = self.args;
+        let name = self.pictures.file_name().unwrap_or_default();
+        let name = plain(&name.to_string_lossy())?;
+        let mut command: Vec<String> = ["render", "{{Param.Scene}}", "--output"]
+            .map(str::to_owned)
+            .to_vec();
+        command.push(format!("{{{{Param.OutputFolder}}}}/{name}"));
+        for fixed in [
+            "--frames",
+            "{{Task.Param.Frame}}",
+            "--resume",
+            "--progress",
+            "openjd",
+        ] {
+            command.push(fixed.to_owned());
+        }
+        let mut option = |name: &str, value: &str| {
+            command.push(name.to_owned());
+            command.push(plain(value)?);
+            Ok::<_, AppError>(())
+        };
+        for setting in &args.from.set {
+            option("--set", setting)?;
+        }
+        for variant in &args.from.variant {
+            option("--variant", variant)?;
+        }
+        if let Some([width, height]) = args.size {
+            option("--size", &format!("{width}x{height}"))?;
+        }
+        if let Some(camera) = &args.camera {
+            option("--camera", camera)?;
+        }
+        for i in 1..=self.assets.len() {
+            command.push("--assets".to_owned());
+            command.push(format!("{{{{Param.Assets{i}}}}}"));
+        }
+        Ok(command)
+    }
+
+    /// `parameter_values.json`
+    fn values(&self) -> Value {
+        let value = |(name, path, ..): (String, &Path, _, _)| json!({ "name": name, "value": path.display().to_string() });
+        let values: Vec<_> = self.paths().into_iter().map(value).collect();
+        json!({ "parameterValues": values })
+    }
+
+    /// `asset_references.json`: every file that the scene reads, and where the frames go.
+    fn references(&self, loaded: &LoadedScene) -> Value {
+        let mut files: BTreeSet<String> = (loaded.world.files.iter())
+            .map(|file| file.display().to_string())
+            .collect();
+        files.insert(self.scene.display().to_string());
+        json!({ "assetReferences": {
+            "inputs": { "filenames": files, "directories": [] },
+            "outputs": { "directories": [self.folder().display().to_string()] },
+        } })
+    }
+}
+
+/// A text that stands for itself in a template.
+fn plain(text: &str) -> Result<String, AppError> {
+    if text.contains("{{") || text.contains(cameras::PLACEHOLDER) {
+        return Err(AppError::Usage(format!(
+            "\"{text}\" has braces, which mean something else to a farm; take another name"
+        )));
+    }
+    Ok(text.to_owned())
+}

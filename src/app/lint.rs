@@ -1,0 +1,113 @@
+//! Lint: what is allowed in a scene but hardly meant. `check` reports it as warnings, each with its
+//! place and what to do.
+
+mod inside;
+mod unused;
+mod view;
+
+use crate::{
+    scene::{
+        diagnostic::{Diagnostic, Span},
+        script::lint::lint_scripts,
+        stages::Scene,
+    },
+    world::{Light, World, bvh::Trees},
+};
+
+/// Most triangles of a scene whose rays are followed, so that a check stays a matter of seconds.
+const MOST_TRIANGLES: usize = 4_000_000;
+/// Largest buffer of the trees, bytes; they stay on the CPU.
+const TREE_LIMIT: u64 = 4 << 30;
+
+/// Collects warnings while frames are posed.
+pub struct Lint<'a> {
+    scene: &'a Scene,
+    /// Whether some frame has light.
+    is_lit: bool,
+    is_first: bool,
+    found: Vec<Diagnostic>,
+}
+
+impl<'a> Lint<'a> {
+    /// Looks at what is written.
+    pub fn new(scene: &'a Scene) -> Self {
+        let mut found = unused::params(scene);
+        if let Some(script) = &scene.script {
+            found.extend(lint_scripts(&script.texts, &scene.params));
+        }
+        Self {
+            scene,
+            is_lit: false,
+            is_first: true,
+            found,
+        }
+    }
+
+    /// Looks at a posed frame; geometry is looked at in the first one only.
+    pub fn frame(&mut self, world: &World) {
+        self.is_lit |= is_lit(world);
+        if !std::mem::replace(&mut self.is_first, false) {
+            return;
+        }
+        self.found.extend(inside::lights(self.scene, world));
+        self.found.extend(inside::cameras(self.scene, world));
+        let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
+        let total: usize = world.instances.iter().map(triangles).sum();
+        if total > MOST_TRIANGLES || world.instances.is_empty() {
+            return;
+        }
+        if let Ok(trees) = Trees::build(world, TREE_LIMIT) {
+            self.found.extend(view::lint(self.scene, world, &trees));
+        }
+    }
+
+    /// All warnings, in the order of the text.
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        if !self.is_lit {
+            let is_dark = |d: &Diagnostic| matches!(d.name, "black-picture" | "black-reflector");
+            self.found.retain(|d| !is_dark(d)); // it follows from that
+            let message = "the scene has no light: no lamp, no environment, nothing that emits";
+            let help = "write `[environment]` with `color = [0.5, 0.6, 0.8]`, or `[light.sun]` with \
+                        `kind = \"directional\"`, `direction = [-1, -2, -1]`, `intensity_lux = 3`";
+            let dark = Diagnostic::at("no-light", self.start(), message).help(help);
+            self.found.insert(0, dark);
+        }
+        let names: Vec<_> = self.found.iter().map(|d| d.name).collect();
+        if names
+            .iter()
+            .any(|name| ["light-inside", "camera-inside"].contains(name))
+        {
+            self.found.retain(|d| d.name != "black-picture");
+        }
+        let place = |d: &Diagnostic| d.span.range.start;
+        self.found.sort_by_key(place);
+        self.found.into_iter().map(Diagnostic::warning).collect()
+    }
+
+    /// The first line of the scene's text, as far as that is known from its tables.
+    fn start(&self) -> Span {
+        let desc = &self.scene.desc;
+        let tables = (desc.models.iter().map(|e| &e.at))
+            .chain(desc.cameras.iter().map(|e| &e.at))
+            .chain(desc.lights.iter().map(|e| &e.at));
+        let source = tables.filter_map(|at| at.source.clone()).next();
+        Span {
+            source,
+            range: 0..0,
+        }
+    }
+}
+
+/// Whether anything shines.
+fn is_lit(world: &World) -> bool {
+    let sky = &world.environment;
+    let has_sky = [sky.zenith, sky.horizon, sky.ground]
+        .iter()
+        .any(|color| color.max_element() > 0.0);
+    let shines =
+        |light: &Light| light.desc.color.max_element() > 0.0 && light.desc.kind.intensity() > 0.0;
+    let emits = |i: &crate::world::Instance| {
+        !i.is_hidden() && world.materials[i.material].emission.max_element() > 0.0
+    };
+    has_sky || world.lights.iter().any(shines) || world.instances.iter().any(emits)
+}

@@ -1,0 +1,220 @@
+//! Lights and cameras inside of closed shapes.
+
+use std::{collections::HashMap, f64::consts::TAU};
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    math::{in_f64, invertible},
+    scene::{
+        desc::ShadowMode,
+        diagnostic::{Diagnostic, Span},
+        stages::Scene,
+    },
+    world::{Instance, Mesh, World},
+};
+
+/// Largest mesh that is looked at, triangles.
+const MOST_TRIANGLES: usize = 500_000;
+
+/// Lights of the scene text whose light cannot leave the shape that they are in, while no camera is
+/// in there.
+pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let mut closed = Closed::new(world);
+    let mut found = Vec::new();
+    for (entry, light) in scene.lights.iter().zip(&world.lights) {
+        let has_shadow = light.desc.shadow != ShadowMode::None;
+        let Some(position) = light.desc.kind.position().filter(|_| has_shadow) else {
+            continue;
+        };
+        let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
+        let mut around = closed.around(position);
+        around.retain(|i| !cameras.iter().any(|eye| closed.contains(*i, *eye)));
+        if let Some(shape) = around.first() {
+            let shape = &world.instances[*shape];
+            let message = format!(
+                "light \"{}\" is inside of \"{}\", which is closed, so nothing outside is lit",
+                entry.name, shape.name
+            );
+            let help = "move one of them, or write `shadow = \"none\"`, which shines through";
+            found.push(related(
+                Diagnostic::at("light-inside", entry.at.clone(), message).help(help),
+                scene,
+                &shape.name,
+            ));
+        }
+    }
+    found
+}
+
+/// Cameras of the scene text that are inside of a shape with nothing else in it, so that it is not a
+/// room.
+pub fn cameras(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let mut closed = Closed::new(world);
+    let mut found = Vec::new();
+    for (entry, camera) in scene.cameras.iter().zip(&world.cameras) {
+        for shape in closed.around(camera.value.eye) {
+            let inner = |(i, other): (usize, &Instance)| {
+                let center = world.bounds_of(other).center();
+                i != shape && !other.is_hidden() && closed.contains(shape, center)
+            };
+            let lamps = world.lights.iter().filter_map(|l| l.desc.kind.position());
+            let has_lamp = lamps.into_iter().any(|at| closed.contains(shape, at));
+            let is_seen = world.materials[world.instances[shape].material].double_sided;
+            if has_lamp || !is_seen || world.instances.iter().enumerate().any(inner) {
+                continue;
+            }
+            let name = &world.instances[shape].name;
+            let message = format!(
+                "camera \"{}\" is inside of \"{name}\", which is closed, so it sees nothing else",
+                entry.name
+            );
+            let help = "move `eye` out of it, or move the instance";
+            found.push(related(
+                Diagnostic::at("camera-inside", entry.at.clone(), message).help(help),
+                scene,
+                name,
+            ));
+            break;
+        }
+    }
+    found
+}
+
+/// Adds the place of an instance, where its name leads to one.
+fn related(warning: Diagnostic, scene: &Scene, instance: &str) -> Diagnostic {
+    // Copies and parts of files have the name with more behind it.
+    let is_own = |name: &str| {
+        let rest = instance.strip_prefix(name);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['[', '/', '#']))
+    };
+    let named = scene.instances.iter().find(|i| {
+        let name = i.name.as_deref().unwrap_or(&i.model.value);
+        is_own(name)
+    });
+    let model = || scene.models.iter().find(|m| is_own(&m.name));
+    let at: Option<Span> = (named.map(|i| i.at.clone())).or_else(|| Some(model()?.at.clone()));
+    match at {
+        Some(at) => warning.related(at, format!("\"{instance}\" is here")),
+        None => warning,
+    }
+}
+
+/// Which instances are closed, found once for each mesh.
+struct Closed<'a> {
+    world: &'a World,
+    meshes: HashMap<usize, bool>,
+}
+
+impl<'a> Closed<'a> {
+    fn new(world: &'a World) -> Self {
+        let meshes = HashMap::new();
+        Self { world, meshes }
+    }
+
+    /// The closed, opaque instances that a point is inside of.
+    fn around(&mut self, point: Vec3) -> Vec<usize> {
+        let world = self.world;
+        let mut found = Vec::new();
+        for (index, instance) in world.instances.iter().enumerate() {
+            let bounds = world.bounds_of(instance);
+            let in_box = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
+            let is_opaque = world.materials[instance.material].alpha_cutoff.is_none();
+            if !in_box || !is_opaque {
+                continue;
+            }
+            let mesh = &world.meshes[instance.mesh];
+            let is_closed = self.meshes.entry(instance.mesh);
+            if *is_closed.or_insert_with(|| is_closed_mesh(mesh)) && self.contains(index, point) {
+                found.push(index);
+            }
+        }
+        found
+    }
+
+    /// Whether a closed instance has the point inside.
+    fn contains(&self, index: usize, point: Vec3) -> bool {
+        let instance = &self.world.instances[index];
+        if !invertible(&instance.world_from_object) {
+            return false;
+        }
+        let object_from_world = in_f64(&instance.world_from_object).inverse();
+        let mesh = &self.world.meshes[instance.mesh];
+        let point = object_from_world.transform_point3(point.as_dvec3());
+        winding_number(mesh, point).abs() > 0.5
+    }
+}
+
+/// Whether every directed edge has a partner in the other direction. Vertices are told apart by
+/// where they are, since a seam of the texture doubles them.
+fn is_closed_mesh(mesh: &Mesh) -> bool {
+    if mesh.triangles.len() > MOST_TRIANGLES {
+        return false;
+    }
+    let mut edges: HashMap<([u32; 3], [u32; 3]), i32> = HashMap::new();
+    // +0.0 and -0.0 are the same place.
+    let key = |i: u32| {
+        (mesh.positions[i as usize] + Vec3::ZERO)
+            .to_array()
+            .map(f32::to_bits)
+    };
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(key)) {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((from, to)).or_default() += 1;
+            *edges.entry((to, from)).or_default() -= 1;
+        }
+    }
+    !edges.is_empty() && edges.values().all(|n| *n == 0)
+}
+
+/// How often a mesh surrounds a point: the sum of the solid angles of its triangles over 4π (Jacobson,
+/// Kavan, Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers",
+/// SIGGRAPH 2013; a triangle's after van Oosterom and Strackee 1983).
+fn winding_number(mesh: &Mesh, point: DVec3) -> f64 {
+    let half_angles = mesh.triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3() - point);
+        let (la, lb, lc) = (a.length(), b.length(), c.length());
+        let volume = a.dot(b.cross(c));
+        volume.atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
+    });
+    half_angles.sum::<f64>() / TAU
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene::desc::ShapeDesc, world::shape::mesh};
+
+    #[test]
+    fn shapes_are_closed_and_surround_what_is_inside() {
+        let size = Vec3::new(1.0, 2.0, 3.0);
+        let (radius, height, segments) = (1.0, 2.0, 16);
+        for (shape, closed, inner) in [
+            (ShapeDesc::Box { size }, true, Vec3::new(0.4, -0.9, 1.4)),
+            (
+                ShapeDesc::Sphere { radius, segments },
+                true,
+                Vec3::splat(0.5),
+            ),
+            (
+                ShapeDesc::Cone {
+                    radius,
+                    height,
+                    segments,
+                },
+                true,
+                Vec3::new(0.0, 1.5, 0.1),
+            ),
+            (ShapeDesc::Plane { size: [1.0, 1.0] }, false, Vec3::ZERO),
+        ] {
+            let mesh = mesh(&shape);
+            assert_eq!(is_closed_mesh(&mesh), closed, "{shape:?}");
+            if closed {
+                let inside = winding_number(&mesh, inner.as_dvec3());
+                assert!((inside - 1.0).abs() < 1e-9, "{shape:?}: {inside}");
+            }
+            let outside = winding_number(&mesh, DVec3::new(0.0, -1.6, 0.0));
+            assert!(outside.abs() < 0.5, "{shape:?}: {outside}");
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! What the main camera shows: nothing, a black or a blown picture, reflectors without a reflection.
+
+use crate::{
+    render::{
+        view::View,
+        view_estimate::{Reach, ViewEstimate},
+    },
+    scene::{
+        diagnostic::{Diagnostic, Span},
+        stages::Scene,
+    },
+    world::{World, bvh::Trees},
+};
+
+/// Exposed radiance below this shows as black: a display value of 6 of 255.
+const BLACK: f32 = 2e-3;
+/// Exposed radiance above this shows as white, whatever its color.
+const BLOWN: f32 = 4.0;
+/// Share of the picture that must be blown to be worth a warning.
+const MOSTLY: f32 = 0.9;
+/// Fewest samples that tell something about a reflector.
+const FEWEST: usize = 8;
+
+/// Warnings about the main camera's picture.
+pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
+    let Some(camera) = world.cameras.get(world.main_camera()) else {
+        return Vec::new();
+    };
+    let settings = &scene.reflection;
+    let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
+    let view = View::new(&camera.value, scene.image.size);
+    let (cutoff, length_m) = (settings.roughness_cutoff, settings.ray_length_u * unit_m);
+    let estimate = ViewEstimate::new(world, trees, &view, cutoff, length_m);
+    let at = || camera.at.clone();
+    let mut found = Vec::new();
+    if estimate.surfaces == 0 {
+        let [x, y, z] = world.static_bounds().center().to_array().map(shortened);
+        let message = format!(
+            "camera \"{}\" sees nothing but the environment",
+            camera.name
+        );
+        let help = format!("point it at the scene, whose middle is `target = [{x}, {y}, {z}]`");
+        found.push(Diagnostic::at("empty-view", at(), message).help(help));
+        return found;
+    }
+    let scale = scene.image.exposure_ev.exp2();
+    let exposed = || estimate.radiance.iter().map(|r| r * scale);
+    let brightest = exposed().fold(0.0, f32::max);
+    let blown = exposed().filter(|r| *r > BLOWN).count() as f32;
+    let name = &camera.name;
+    if brightest < BLACK {
+        let message = format!("the picture of camera \"{name}\" is black all over");
+        let help = if brightest > 0.0 {
+            let stops = (0.5 / brightest).log2().round();
+            let ev = shortened(scene.image.exposure_ev + stops);
+            format!("write `exposure_ev = {ev}` in `[image]`, or stronger lights")
+        } else {
+            "no light reaches what it sees: move a light, or write `[environment]`".to_owned()
+        };
+        found.push(Diagnostic::at("black-picture", at(), message).help(help));
+    } else if blown > MOSTLY * estimate.radiance.len() as f32 {
+        let mut sorted: Vec<f32> = exposed().collect();
+        sorted.sort_by(f32::total_cmp);
+        let stops = (sorted[sorted.len() / 2] / 0.5).log2().round();
+        let ev = shortened(scene.image.exposure_ev - stops);
+        let message = format!("the picture of camera \"{name}\" is white nearly all over");
+        let help = format!("write `exposure_ev = {ev}` in `[image]`, or weaker lights");
+        found.push(Diagnostic::at("blown-picture", at(), message).help(help));
+    }
+    for (material, reach) in &estimate.reflectors {
+        found.extend(reflector(scene, world, *material, reach, unit_m));
+    }
+    found
+}
+
+/// A material whose mirror rays meet nothing.
+fn reflector(
+    scene: &Scene,
+    world: &World,
+    material: usize,
+    reach: &Reach,
+    unit_m: f32,
+) -> Option<Diagnostic> {
+    if reach.rays < FEWEST || reach.met > 0 {
+        return None;
+    }
+    let name = &world.materials[material].name;
+    let entry = scene.materials.iter().find(|m| m.name == *name);
+    let at = entry.map_or_else(Span::default, |m| m.at.clone());
+    if let Some(beyond_m) = reach.beyond_m {
+        let length_u = scene.reflection.ray_length_u;
+        let needed = (beyond_m / f64::from(unit_m)).ceil();
+        let message = format!(
+            "material \"{name}\" reflects no surface: rays end after {} m, and the nearest one is \
+             {} m away",
+            shortened(length_u * unit_m),
+            shortened(beyond_m as f32)
+        );
+        let help = format!(
+            "write `ray_length_u = {needed}` or more in `[reflection]`; it is {length_u}, in U of {} m",
+            shortened(unit_m)
+        );
+        return Some(Diagnostic::at("short-reflection", at, message).help(help));
+    }
+    let sky = &world.environment;
+    let brightest = sky.zenith.max(sky.horizon).max(sky.ground).max_element();
+    (brightest <= 0.0).then(|| {
+        let message = format!("material \"{name}\" reflects nothing but the black environment");
+        let help = "write `[environment]`, or place what it shall show where its reflection falls";
+        Diagnostic::at("black-reflector", at, message).help(help)
+    })
+}
+
+/// A number with three digits after the point, without zeros at its end.
+fn shortened(x: f32) -> f64 {
+    (f64::from(x) * 1e3).round() / 1e3
+}

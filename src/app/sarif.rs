@@ -1,0 +1,143 @@
+//! Messages as SARIF 2.1.0 (OASIS, Static Analysis Results Interchange Format), which editors and
+//! continuous integration read.
+
+use serde_json::{Value, json};
+
+use crate::scene::diagnostic::{Diagnostic, Severity, Span};
+
+/// A log of one run with these messages.
+pub fn log(messages: &[Diagnostic]) -> Value {
+    let mut rules: Vec<&str> = messages.iter().map(|d| d.name).collect();
+    rules.sort_unstable();
+    rules.dedup();
+    let results: Vec<Value> = messages.iter().map(|d| result(d, &rules)).collect();
+    let rules: Vec<Value> = rules.iter().map(|id| json!({ "id": id })).collect();
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "reflet",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules,
+            } },
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    })
+}
+
+/// 3.27 of the standard.
+fn result(message: &Diagnostic, rules: &[&str]) -> Value {
+    let level = match message.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    let text = match &message.help {
+        Some(help) => format!("{}; {help}", message.message),
+        None => message.message.clone(),
+    };
+    let mut result = json!({
+        "ruleId": message.name,
+        "ruleIndex": rules.iter().position(|rule| *rule == message.name),
+        "level": level,
+        "message": { "text": text },
+    });
+    if let Some(location) = location(&message.span) {
+        result["locations"] = json!([location]);
+    } else if let Some(file) = &message.file {
+        let uri = uri(&file.display().to_string());
+        result["locations"] =
+            json!([{ "physicalLocation": { "artifactLocation": { "uri": uri } } }]);
+    }
+    if let Some((span, note)) = &message.related
+        && let Some(mut location) = location(span)
+    {
+        location["message"] = json!({ "text": note });
+        result["relatedLocations"] = json!([location]);
+    }
+    result
+}
+
+/// 3.28 of the standard; columns count characters.
+fn location(span: &Span) -> Option<Value> {
+    let source = span.source.as_ref()?;
+    let (start, end) = (source.place(span.range.start), source.place(span.range.end));
+    Some(json!({
+        "physicalLocation": {
+            "artifactLocation": { "uri": uri(&source.path.display().to_string()) },
+            "region": {
+                "startLine": start.line,
+                "startColumn": start.column,
+                "endLine": end.line,
+                "endColumn": end.column,
+            },
+        },
+    }))
+}
+
+/// A path as a URI reference (RFC 3986): what is not unreserved is percent-encoded.
+fn uri(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut uri = String::new();
+    if path.starts_with('/') {
+        uri.push_str("file://");
+    }
+    for byte in path.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                uri.push(char::from(byte));
+            }
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::diagnostic::Source;
+
+    #[test]
+    fn results_have_rules_places_and_what_to_do() {
+        let source = Arc::new(Source {
+            path: "my scenes/é.toml".into(),
+            text: "a = 1\nb = \"ü\" # c\n".to_owned(),
+            returned: None,
+        });
+        let span = |range| Span {
+            source: Some(Arc::clone(&source)),
+            range,
+        };
+        let messages = [
+            Diagnostic::at("wrong-type", span(10..14), "no text")
+                .help("write 2")
+                .related(span(0..1), "as here"),
+            Diagnostic::in_file("broken-file", "/a/b.glb".as_ref(), "cut short").warning(),
+        ];
+        let log = log(&messages);
+        let run = &log["runs"][0];
+        assert_eq!(run["tool"]["driver"]["rules"][1]["id"], "wrong-type");
+        let first = &run["results"][0];
+        assert_eq!(
+            (&first["level"], &first["ruleIndex"]),
+            (&json!("error"), &json!(1))
+        );
+        assert_eq!(first["message"]["text"], "no text; write 2");
+        let place = &first["locations"][0]["physicalLocation"];
+        assert_eq!(place["artifactLocation"]["uri"], "my%20scenes/%C3%A9.toml");
+        let region = json!({ "startLine": 2, "startColumn": 5, "endLine": 2, "endColumn": 8 });
+        assert_eq!(place["region"], region);
+        assert_eq!(first["relatedLocations"][0]["message"]["text"], "as here");
+        let second = &run["results"][1];
+        assert_eq!(second["level"], "warning");
+        let place = &second["locations"][0]["physicalLocation"];
+        assert_eq!(
+            place,
+            &json!({ "artifactLocation": { "uri": "file:///a/b.glb" } })
+        );
+    }
+}

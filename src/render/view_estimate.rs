@@ -1,0 +1,243 @@
+//! What a view shows, estimated on the CPU from a coarse grid of rays: how bright it is, and what its
+//! reflectors meet. For warnings about a scene, not for pictures: highlights of lights are left out,
+//! a texture counts as its mean, and cut-outs count as solid but where lamps shine through them.
+
+use std::{collections::BTreeMap, f64::consts::PI};
+
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::{
+    math::linear_from_srgb,
+    scene::desc::{EnvironmentDesc, ShadowMode},
+    world::{
+        Light, Material, TextureRef, World,
+        bvh::{Ray, RayHit, Trees},
+    },
+};
+
+use super::{
+    plan::can_reflect,
+    view::View,
+    view_rays::{SurfacePoint, ViewRays, is_in_reach, mirror_ray, off_surface, places},
+};
+
+/// Mirrors in a row that are followed.
+const BOUNCES: u32 = 2;
+/// Texels of which a texture's mean is taken, at most.
+const MOST_TEXELS: usize = 1024;
+
+/// What a view shows.
+#[derive(Clone, Debug, Default)]
+pub struct ViewEstimate {
+    /// Largest channel of the linear radiance at each sample, before exposure.
+    pub radiance: Vec<f32>,
+    /// Samples that show a surface.
+    pub surfaces: usize,
+    /// What mirror rays meet, by index into [`World::materials`].
+    pub reflectors: BTreeMap<usize, Reach>,
+}
+
+/// What the mirror rays of one material meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reach {
+    /// Mirror rays.
+    pub rays: usize,
+    /// Those that meet a surface within the ray length.
+    pub met: usize,
+    /// Distance of the nearest surface beyond it, meters.
+    pub beyond_m: Option<f64>,
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sample {
+    radiance: f32,
+    surface: bool,
+    /// The reflecting material, and how far its mirror ray goes.
+    mirror: Option<(usize, Option<f64>)>,
+}
+
+impl ViewEstimate {
+    /// Follows the rays of a view; materials with `auto` reflect below the roughness `cutoff`, and
+    /// reflection rays are `ray_length_m` long.
+    pub fn new(world: &World, trees: &Trees, view: &View, cutoff: f32, ray_length_m: f32) -> Self {
+        let estimator = Estimator {
+            rays: ViewRays { world, trees, view },
+            looks: (world.materials.iter())
+                .map(|material| Look::of(world, material))
+                .collect(),
+            cutoff,
+            ray_length_m: f64::from(ray_length_m),
+        };
+        let samples: Vec<Sample> = places().map(|place| estimator.sample(place)).collect();
+        let mut estimate = Self::default();
+        for sample in samples {
+            estimate.radiance.push(sample.radiance);
+            estimate.surfaces += usize::from(sample.surface);
+            let Some((material, distance_m)) = sample.mirror else {
+                continue;
+            };
+            let reach = estimate.reflectors.entry(material).or_default();
+            reach.rays += 1;
+            match distance_m {
+                Some(distance_m) if distance_m <= f64::from(ray_length_m) => reach.met += 1,
+                Some(distance_m) => {
+                    let nearest = reach.beyond_m.map_or(distance_m, |old| old.min(distance_m));
+                    reach.beyond_m = Some(nearest);
+                }
+                None => {}
+            }
+        }
+        estimate
+    }
+}
+
+/// What light does on a material, textures averaged.
+struct Look {
+    base_color: DVec3,
+    emission: DVec3,
+}
+
+impl Look {
+    fn of(world: &World, material: &Material) -> Self {
+        let checker = material.checker.as_ref();
+        let checker = checker.map_or(Vec3::ONE, |c| (c.colors[0] + c.colors[1]) * 0.5);
+        let base = material.base_color.truncate() * checker;
+        Self {
+            base_color: base.as_dvec3() * mean_of(world, material.base_color_texture),
+            emission: material.emission.as_dvec3() * mean_of(world, material.emission_texture),
+        }
+    }
+}
+
+/// Mean linear color of an sRGB texture; white without one.
+fn mean_of(world: &World, texture: Option<TextureRef>) -> DVec3 {
+    let Some(texture) = texture.and_then(|t| world.textures.get(t.texture)) else {
+        return DVec3::ONE;
+    };
+    let texels = texture.rgba.len() / 4;
+    let step = texels.div_ceil(MOST_TEXELS).max(1);
+    let linear = |byte: u8| f64::from(linear_from_srgb(f32::from(byte) / 255.0));
+    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+    for texel in texture.rgba.chunks_exact(4).step_by(step) {
+        sum += DVec3::new(linear(texel[0]), linear(texel[1]), linear(texel[2]));
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { DVec3::ONE }
+}
+
+struct Estimator<'a> {
+    rays: ViewRays<'a>,
+    /// By material.
+    looks: Vec<Look>,
+    cutoff: f32,
+    ray_length_m: f64,
+}
+
+impl Estimator<'_> {
+    fn sample(&self, place: DVec2) -> Sample {
+        let ray = self.rays.primary(place);
+        let (hit, _) = self.rays.trees.nearest_counted(&ray);
+        let direction = ray.direction.normalize();
+        let radiance = self.radiance(hit, direction, BOUNCES).max_element() as f32;
+        let Some(hit) = hit else {
+            return Sample {
+                radiance,
+                ..Sample::default()
+            };
+        };
+        let point = self.rays.point(&hit, direction);
+        let material = self.rays.world.instances[point.instance].material;
+        let reflects = can_reflect(&self.rays.world.materials[material], self.cutoff);
+        let mirror = reflects.then(|| {
+            let (met, _) = self
+                .rays
+                .trees
+                .nearest_counted(&mirror_ray(&point, direction));
+            (material, met.map(|hit| hit.t))
+        });
+        Sample {
+            radiance,
+            surface: true,
+            mirror,
+        }
+    }
+
+    /// Linear radiance that a ray along the unit vector `direction` brings back.
+    fn radiance(&self, hit: Option<RayHit>, direction: DVec3, bounces: u32) -> DVec3 {
+        let world = self.rays.world;
+        let Some(hit) = hit else {
+            return environment(&world.environment, direction);
+        };
+        let point = self.rays.point(&hit, direction);
+        let index = world.instances[point.instance].material;
+        let (material, look) = (&world.materials[index], &self.looks[index]);
+        let metallic = f64::from(material.metallic);
+        let reflectivity = f64::from(material.reflectivity);
+        let albedo = look.base_color * ((1.0 - metallic) * (1.0 - reflectivity));
+        let around = ambient(&world.environment, point.normal);
+        let mut light: DVec3 = look.emission + albedo * around;
+        for lamp in &world.lights {
+            light += albedo * self.incoming(lamp, &point) / PI;
+        }
+        let f0 = DVec3::splat(reflectivity).lerp(look.base_color, metallic);
+        if bounces == 0 || !can_reflect(material, self.cutoff) {
+            return light + f0 * around;
+        }
+        let ray = Ray {
+            t_max: self.ray_length_m,
+            ..mirror_ray(&point, direction)
+        };
+        let (met, _) = self.rays.trees.nearest_counted(&ray);
+        light + f0 * self.radiance(met, ray.direction, bounces - 1)
+    }
+
+    /// Irradiance of a light on a surface.
+    fn incoming(&self, light: &Light, point: &SurfacePoint) -> DVec3 {
+        let kind = &light.desc.kind;
+        let (to_light, t_max, falloff) = match (kind.position(), kind.direction()) {
+            (Some(position), _) => {
+                let offset = position.as_dvec3() - point.position;
+                // As in the shader: a surface closer than 1 cm is lit as from 1 cm.
+                (offset, 0.9999, 1.0 / offset.length_squared().max(1e-4))
+            }
+            (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY, 1.0),
+            (None, None) => return DVec3::ZERO,
+        };
+        let cosine = to_light.normalize_or_zero().dot(point.normal);
+        if cosine <= 0.0 || !is_in_reach(light, to_light) {
+            return DVec3::ZERO;
+        }
+        let ray = Ray {
+            t_max,
+            ..off_surface(point, to_light)
+        };
+        let has_shadow = light.desc.shadow != ShadowMode::None;
+        if has_shadow && self.rays.trees.any(&ray, |_, _, _| false) {
+            return DVec3::ZERO;
+        }
+        light.desc.color.as_dvec3() * (f64::from(kind.intensity()) * falloff * cosine)
+    }
+}
+
+/// As `environment` in `shaders/lib/frame.wgsl`.
+fn environment(sky: &EnvironmentDesc, direction: DVec3) -> DVec3 {
+    gradient(sky, direction.y.max(0.0), (-direction.y).max(0.0))
+}
+
+/// As `ambient` in `shaders/lib/frame.wgsl`: irradiance / π of the environment.
+fn ambient(sky: &EnvironmentDesc, normal: DVec3) -> DVec3 {
+    let overlap = |c: f64| {
+        let cosine = c.clamp(-1.0, 1.0);
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        (2.0 / (3.0 * PI)) * ((PI - cosine.acos()) * cosine + sine)
+    };
+    gradient(sky, overlap(normal.y), overlap(-normal.y))
+}
+
+fn gradient(sky: &EnvironmentDesc, up: f64, down: f64) -> DVec3 {
+    let [zenith, horizon, ground] =
+        [sky.zenith, sky.horizon, sky.ground].map(|color| color.as_dvec3());
+    horizon + (zenith - horizon) * up + (ground - horizon) * down
+}

@@ -1,0 +1,122 @@
+//! Rays of a view on the CPU: through the picture, off mirrors and towards lights.
+
+use glam::{DVec2, DVec3, UVec2, Vec3};
+use rayon::prelude::*;
+
+use crate::{
+    scene::desc::LightKind,
+    world::{
+        Light, World,
+        bvh::{Ray, RayHit, Trees},
+    },
+};
+
+use super::view::View;
+
+/// Samples across and down the picture.
+const GRID: [u32; 2] = [40, 24];
+
+/// The places of a grid over the picture, 0 to 1 from its upper left corner.
+pub fn places() -> impl ParallelIterator<Item = DVec2> {
+    (0..GRID[0] * GRID[1]).into_par_iter().map(|i| {
+        let place = UVec2::new(i % GRID[0], i / GRID[0]).as_dvec2() + 0.5;
+        place / UVec2::from(GRID).as_dvec2()
+    })
+}
+
+/// What a view's rays are followed in.
+#[derive(Clone, Copy)]
+pub struct ViewRays<'a> {
+    /// Posed.
+    pub world: &'a World,
+    /// Its trees.
+    pub trees: &'a Trees,
+    /// Of the camera.
+    pub view: &'a View,
+}
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// World space, meters.
+    pub position: DVec3,
+    /// Unit shading normal on the side that is looked at.
+    pub normal: DVec3,
+    /// Index into [`World::instances`].
+    pub instance: usize,
+}
+
+impl ViewRays<'_> {
+    /// The ray through a place of the picture, 0 to 1 from its upper left corner; its `t` is the depth.
+    pub fn primary(&self, place: DVec2) -> Ray {
+        let ndc = place * 2.0 - 1.0;
+        let view = self.view;
+        Ray {
+            origin: view.eye.as_dvec3(),
+            direction: view.forward.as_dvec3() + view.right.as_dvec3() * ndc.x
+                - view.up.as_dvec3() * ndc.y,
+            t_min: f64::from(view.near_m),
+            t_max: f64::INFINITY,
+        }
+    }
+
+    /// The surface that a ray along `direction` has met; its normal faces the ray.
+    pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
+        let instance = &self.world.instances[hit.instance as usize];
+        let mesh = &self.world.meshes[instance.mesh];
+        let corners = mesh.triangles[hit.triangle as usize].map(|i| i as usize);
+        let weights = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y].map(|w| w as f32);
+        let mix = |of: &[Vec3]| -> Vec3 { (0..3).map(|k| of[corners[k]] * weights[k]).sum() };
+        let to_world = instance.world_from_object;
+        let normal = to_world.matrix3.inverse().transpose() * mix(&mesh.normals);
+        let normal = normal.as_dvec3().normalize_or(-direction.normalize());
+        let position = to_world.transform_point3(mix(&mesh.positions)).as_dvec3();
+        SurfacePoint {
+            position,
+            normal: if normal.dot(direction) > 0.0 {
+                -normal
+            } else {
+                normal
+            },
+            instance: hit.instance as usize,
+        }
+    }
+}
+
+/// Whether a light's cone and range reach a point; `to_light` leads from there to the light.
+pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
+    let in_cone = match light.desc.kind {
+        LightKind::Spot {
+            direction,
+            outer_deg,
+            ..
+        } => {
+            let cosine = -to_light
+                .normalize()
+                .dot(direction.as_dvec3().normalize_or_zero());
+            cosine > f64::from(outer_deg.to_radians().cos())
+        }
+        LightKind::Point { .. } | LightKind::Directional { .. } => true,
+    };
+    in_cone
+        && light
+            .range_m
+            .is_none_or(|range_m| to_light.length() < f64::from(range_m))
+}
+
+/// The mirrored ray at a point that was met along `direction`.
+pub fn mirror_ray(point: &SurfacePoint, direction: DVec3) -> Ray {
+    let mirrored = direction - point.normal * (2.0 * direction.dot(point.normal));
+    off_surface(point, mirrored.normalize())
+}
+
+/// A ray that starts a little above the surface.
+pub fn off_surface(point: &SurfacePoint, direction: DVec3) -> Ray {
+    let size = point.position.abs().max_element().max(1e-3);
+    Ray {
+        origin: point.position + point.normal * (size * 1e-4),
+        direction,
+        t_min: 0.0,
+        t_max: f64::INFINITY,
+    }
+}

@@ -1,0 +1,129 @@
+//! Colors: three linear numbers, or sRGB as the web writes it.
+
+use glam::Vec3;
+use serde_json::{Value as Json, json};
+use toml::de::DeValue;
+
+use super::{
+    report::Report,
+    value::{Named, Node, Value, wrong_type},
+};
+use crate::{
+    math::linear_from_srgb,
+    scene::{range::Range, suggest},
+};
+
+/// A linear color, written as three linear numbers or as sRGB text `"#rrggbb"` or `"#rgb"`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Color(pub Vec3);
+
+impl Value for Color {
+    const RANGED: bool = true;
+
+    fn expected() -> String {
+        "three numbers or \"#rrggbb\"".into()
+    }
+    fn several(count: &str) -> String {
+        format!("{count} colors, each {}", Self::expected())
+    }
+    fn schema(range: &Range) -> Json {
+        let text = json!({ "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" });
+        json!({ "anyOf": [Vec3::schema(range), text] })
+    }
+    fn to_json(&self) -> Json {
+        self.0.to_json()
+    }
+    fn read(node: &Node, named: &Named, report: &mut Report) -> Option<Self> {
+        match node.get_ref() {
+            DeValue::String(text) => match of_text(text) {
+                Some(bytes) => Some(Self(linear(bytes))),
+                None => {
+                    let key = named.key;
+                    let shown = suggest::text(text);
+                    let message = format!("`{key}` must be {}, not {shown}", Self::expected());
+                    report.error("wrong-color", &node.span(), message).help = Some(advice(text));
+                    None
+                }
+            },
+            DeValue::Array(items) => {
+                if let Some(bytes) = as_bytes(items, named.range) {
+                    let [r, g, b] = bytes;
+                    let message = format!(
+                        "`{}` must be three numbers, {}, not [{r}, {g}, {b}]",
+                        named.key,
+                        named.range.words()
+                    );
+                    let [x, y, z] = linear(bytes).to_array().map(|c| (c * 1e3).round() / 1e3);
+                    report.error("out-of-range", &node.span(), message).help = Some(format!(
+                        "write \"#{r:02x}{g:02x}{b:02x}\", or in linear light [{x}, {y}, {z}]"
+                    ));
+                    return None;
+                }
+                Vec3::read(node, named, report).map(Self)
+            }
+            _ => {
+                wrong_type(node, named.key, &Self::expected(), report);
+                None
+            }
+        }
+    }
+}
+
+/// The bytes of `#rrggbb` or `#rgb`.
+fn of_text(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#')?;
+    let hex = digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| hex)?;
+    let nibble = |at: u32| (number >> at & 15) as u8 * 17;
+    let byte = |at: u32| (number >> at) as u8;
+    match digits.len() {
+        3 => Some([nibble(8), nibble(4), nibble(0)]),
+        6 => Some([byte(16), byte(8), byte(0)]),
+        _ => None,
+    }
+}
+
+/// What to write in place of a text that is no color.
+fn advice(text: &str) -> String {
+    const NAMES: [(&str, &str); 10] = [
+        ("black", "#000000"),
+        ("blue", "#0000ff"),
+        ("cyan", "#00ffff"),
+        ("gray", "#808080"),
+        ("green", "#008000"),
+        ("grey", "#808080"),
+        ("magenta", "#ff00ff"),
+        ("red", "#ff0000"),
+        ("white", "#ffffff"),
+        ("yellow", "#ffff00"),
+    ];
+    let lower = text.to_ascii_lowercase();
+    let named = NAMES.iter().find(|(name, _)| *name == lower);
+    named.map_or_else(
+        || {
+            "such as \"#ff8800\", in sRGB as the web writes it, or [1, 0.25, 0] in linear light"
+                .into()
+        },
+        |(_, code)| format!("colors have no names; write \"{code}\""),
+    )
+}
+
+/// Linear color of sRGB bytes.
+fn linear(bytes: [u8; 3]) -> Vec3 {
+    Vec3::from_array(bytes.map(|b| linear_from_srgb(f32::from(b) / 255.0)))
+}
+
+/// Three whole numbers up to 255 where none may be above 1: bytes of sRGB were meant.
+fn as_bytes(items: &[Node], range: &Range) -> Option<[u8; 3]> {
+    let byte = |item: &Node| match item.get_ref() {
+        DeValue::Integer(i) => i.as_str().parse::<u8>().ok(),
+        _ => None,
+    };
+    let bytes = items.iter().map(byte).collect::<Option<Vec<_>>>()?;
+    let bytes: [u8; 3] = bytes.try_into().ok()?;
+    // [1, 2, 0] is more likely a typing error.
+    let too_large = bytes
+        .iter()
+        .any(|b| *b > 15 && !range.contains(f64::from(*b)));
+    (too_large && range.contains(1.0)).then_some(bytes)
+}

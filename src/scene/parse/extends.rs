@@ -1,0 +1,176 @@
+//! `extends = "paint"`: a material that has the keys of another where it does not say them itself.
+
+use std::collections::{HashMap, HashSet};
+
+use toml::de::{DeTable, DeValue};
+
+use super::{overlay::exclude_each_other, report::Report, value::Node};
+use crate::scene::suggest;
+
+/// Materials that extend each other in a row.
+const MOST: usize = 100;
+
+/// The name that a table of a material extends.
+pub fn extended<'n>(table: &'n DeTable<'_>) -> Option<&'n str> {
+    table.get("extends")?.get_ref().as_str()
+}
+
+/// Gives every material the keys of those that it extends; also materials of instances, and those
+/// that override a file's.
+pub fn resolve(root: &mut Node, report: &mut Report) {
+    let DeValue::Table(root) = root.get_mut() else {
+        return;
+    };
+    if !tables(root).any(|table| extended(table).is_some()) {
+        return;
+    }
+    let own = root
+        .get("material")
+        .and_then(|node| node.get_ref().as_table());
+    let Some(materials) = own.cloned() else {
+        for table in tables(root) {
+            report_missing(table, &DeTable::new(), report);
+        }
+        return;
+    };
+    for table in tables(root) {
+        report_missing(table, &materials, report);
+    }
+    report_circles(&materials, report);
+    let mut flat = HashMap::new();
+    each_table_mut(root, &mut |table| {
+        let mut chain = Vec::new();
+        let mut next = extended(table).map(str::to_owned);
+        while let Some(name) = next.take().filter(|name| !chain.contains(name)) {
+            let parent = materials.get(name.as_str());
+            let Some(parent) = parent.and_then(|node| node.get_ref().as_table()) else {
+                break;
+            };
+            next = extended(parent).map(str::to_owned);
+            chain.push(name);
+            if chain.len() > MOST {
+                break; // reported
+            }
+        }
+        for name in chain {
+            let keys = flat.entry(name).or_insert_with_key(|name: &String| {
+                let parent = materials.get(name.as_str());
+                let parent = parent.and_then(|node| node.get_ref().as_table());
+                parent.cloned().unwrap_or_default()
+            });
+            add_missing(table, keys);
+        }
+    });
+}
+
+/// Adds the keys that the table does not have.
+fn add_missing<'i>(table: &mut DeTable<'i>, parent: &DeTable<'i>) {
+    for (key, node) in parent {
+        let name = key.get_ref().as_ref();
+        let excluded = |own: &str| exclude_each_other(name, own);
+        let has = table.contains_key(name) || table.keys().any(|k| excluded(k.get_ref()));
+        if !has && name != "extends" {
+            table.insert(key.clone(), node.clone());
+        }
+    }
+}
+
+fn report_missing(table: &DeTable, materials: &DeTable, report: &mut Report) {
+    let (Some(name), Some(node)) = (extended(table), table.get("extends")) else {
+        return;
+    };
+    if materials.contains_key(name) || report.lacks_names() {
+        return;
+    }
+    let names: Vec<_> = materials.keys().map(|k| k.get_ref().as_ref()).collect();
+    let message = format!("no material is named {}", suggest::text(name));
+    report.error("dangling-name", &node.span(), message).help = Some(match names.is_empty() {
+        true => "write a table `[material.NAME]` and refer to its name".to_owned(),
+        false => suggest::hint(name, &names, suggest::text, "the materials are"),
+    });
+}
+
+/// Materials that extend themselves, and rows that are too long.
+fn report_circles(materials: &DeTable, report: &mut Report) {
+    let table = |name: &str| {
+        materials
+            .get(name)
+            .and_then(|node| node.get_ref().as_table())
+    };
+    for (key, node) in materials {
+        let name = key.get_ref().as_ref();
+        let Some(own) = node.get_ref().as_table() else {
+            continue;
+        };
+        let mut next = extended(own);
+        let mut passed = HashSet::new();
+        for step in 0.. {
+            let Some(parent) = next else { break };
+            let at = own.get("extends").map_or(key.span(), |node| node.span());
+            if parent == name {
+                let message = format!("{} extends itself", suggest::text(name));
+                let error = report.error("circle", &at, message);
+                error.help = Some("take `extends` out of one material of the circle".into());
+                break;
+            }
+            if step == MOST {
+                let message = format!("more than {MOST} materials extend each other in a row");
+                report.error("too-deep", &at, message).help =
+                    Some("extend one that is nearer to the first".into());
+                break;
+            }
+            if !passed.insert(parent) {
+                break; // a circle of others, which say so
+            }
+            next = table(parent).and_then(extended);
+        }
+    }
+}
+
+/// All tables of materials.
+pub fn tables<'n, 'i>(root: &'n DeTable<'i>) -> impl Iterator<Item = &'n DeTable<'i>> {
+    let table = |node: &'n Node<'i>| node.get_ref().as_table();
+    let named = move |root: &'n DeTable<'i>, key: &str| root.get(key).and_then(table);
+    let own = named(root, "material").into_iter().flat_map(|t| t.values());
+    let models = named(root, "model").into_iter().flat_map(|t| t.values());
+    let models = models.filter_map(table);
+    let overrides = models.filter_map(move |model| named(model, "material"));
+    let overrides = overrides.flat_map(|t| t.values());
+    let list = root
+        .get("instance")
+        .and_then(|node| node.get_ref().as_array());
+    let instances = list.into_iter().flatten().filter_map(table);
+    let instances = instances.filter_map(|instance| instance.get("material"));
+    own.chain(overrides).chain(instances).filter_map(table)
+}
+
+/// As [`tables`], to change them.
+fn each_table_mut<'i>(root: &mut DeTable<'i>, change: &mut impl FnMut(&mut DeTable<'i>)) {
+    fn each<'i>(node: Option<&mut Node<'i>>, change: &mut impl FnMut(&mut DeTable<'i>)) {
+        let Some(DeValue::Table(entries)) = node.map(Node::get_mut) else {
+            return;
+        };
+        for (_, entry) in entries.iter_mut() {
+            if let DeValue::Table(table) = entry.get_mut() {
+                change(table);
+            }
+        }
+    }
+    each(root.get_mut("material"), change);
+    if let Some(DeValue::Table(models)) = root.get_mut("model").map(Node::get_mut) {
+        for (_, model) in models.iter_mut() {
+            if let DeValue::Table(model) = model.get_mut() {
+                each(model.get_mut("material"), change);
+            }
+        }
+    }
+    if let Some(DeValue::Array(list)) = root.get_mut("instance").map(Node::get_mut) {
+        for instance in list.iter_mut() {
+            if let DeValue::Table(instance) = instance.get_mut()
+                && let Some(DeValue::Table(table)) = instance.get_mut("material").map(Node::get_mut)
+            {
+                change(table);
+            }
+        }
+    }
+}

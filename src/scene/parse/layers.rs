@@ -1,0 +1,258 @@
+//! `base = "….toml"`, `remove` and `[variant.NAME]`: a scene that is another one with changes.
+
+use std::{
+    collections::HashSet,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use toml::de::{DeTable, DeValue};
+
+use super::{
+    include::{self, Included},
+    overlay,
+    report::Report,
+    set::shift,
+    syntax::{self, Shadow},
+    value::{Named, Names, Node, Value as _},
+};
+use crate::scene::{
+    confined_read::{self, Kind},
+    dependencies::Dependencies,
+    desc::{At, Include},
+    diagnostic::Diagnostic,
+    range::ANY,
+    suggest,
+};
+
+/// Bases below each other.
+const MOST: usize = 100;
+
+/// Scene text that is a base, in messages about its files.
+const BASES: Kind = Kind {
+    one: "scene text",
+    names: "names of bases start from the scene's folder or an asset folder (--assets DIR)",
+    inside: "bases are read only from the scene's folder, asset folders, and the folders below",
+    most_mib: super::MOST_BYTES >> 20,
+};
+
+/// A base, with what it includes.
+pub struct Base {
+    /// Where its text begins in the report.
+    start: usize,
+    file: Include,
+    included: Included,
+}
+
+impl Base {
+    /// Its file and those that it includes.
+    pub fn files(&self) -> impl Iterator<Item = &Include> {
+        std::iter::once(&self.file).chain(self.included.files())
+    }
+
+    /// Whether this is written in a file that it includes.
+    pub fn includes(&self, at: &crate::scene::diagnostic::Span) -> bool {
+        self.included.has(at)
+    }
+}
+
+/// Reads the base of a scene, that one's base, and so on. `folders` are those where they are looked
+/// for, the scene's first, and `path` is the scene's own file.
+pub fn collect(
+    text: &str,
+    path: &Path,
+    folders: &[PathBuf],
+    dependencies: &Dependencies,
+    report: &mut Report,
+) -> Vec<Base> {
+    let mut bases: Vec<Base> = Vec::new();
+    let mut known: HashSet<PathBuf> = path.canonicalize().into_iter().collect();
+    let mut next = named(text, 0, true, report);
+    while let Some(name) = next.take() {
+        if bases.len() == MOST {
+            let message = format!("at most {MOST} bases can lie below each other");
+            report.push(Diagnostic::at("too-many-files", name.at, message));
+            report.note_lacking_names();
+            break;
+        }
+        let found = match confined_read::read(folders, &name.value, &BASES, dependencies) {
+            Ok(found) => found,
+            Err(problem) => {
+                report.push(problem.at_name("base-file", name.at));
+                report.note_lacking_names();
+                break;
+            }
+        };
+        if !known.insert(found.real.clone()) {
+            let shown = suggest::text(&name.value);
+            let message = format!("{shown} is its own base, directly or through others");
+            let error = Diagnostic::at("circle", name.at, message);
+            report.push(error.help("take `base` out of one file of the circle"));
+            report.note_lacking_names();
+            break;
+        }
+        let start = report.add_source(&found.path, &found.text);
+        next = named(&found.text, start, false, report);
+        let included = include::collect(
+            (&found.text, start),
+            &found.path,
+            folders,
+            dependencies,
+            report,
+        );
+        bases.push(Base {
+            start,
+            file: Include {
+                name: name.value,
+                path: found.real,
+                text: found.text,
+            },
+            included,
+        });
+    }
+    bases
+}
+
+/// The base that a text names. A mistake of the scene's own text is reported when it is read.
+fn named(text: &str, start: usize, is_scene: bool, report: &mut Report) -> Option<At<String>> {
+    // Texts are parsed once more for this, which most are spared.
+    if !text.contains("base") {
+        return None;
+    }
+    let (root, _) = DeTable::parse_recoverable(text);
+    let node = shift(root.into_inner().remove("base")?, start);
+    let named = Named {
+        key: "base",
+        range: &ANY,
+    };
+    if is_scene {
+        At::read(&node, &named, &mut report.unheard())?;
+    }
+    At::read(&node, &named, report)
+}
+
+/// The tree of the bases, the lowest first, each laid over those before it; and the scene's own tree
+/// over all.
+pub fn merge<'i>(
+    own: Node<'i>,
+    bases: &'i [Base],
+    shadows: &mut Vec<Shadow>,
+    report: &mut Report,
+) -> Node<'i> {
+    let mut below: Option<Node<'i>> = None;
+    for base in bases.iter().rev() {
+        let (tree, more) = syntax::parse(&base.file.text, base.start, report);
+        shadows.extend(more);
+        let tree = Node::new(tree.span(), DeValue::Table(tree.into_inner()));
+        let mut tree = shift(tree, base.start);
+        include::merge(&mut tree, &base.included, shadows, report);
+        below = Some(match below {
+            Some(below) => over(below, tree, report),
+            None => {
+                if let DeValue::Table(table) = tree.get_mut() {
+                    table
+                        .remove("remove")
+                        .iter()
+                        .for_each(|n| refuse_remove(n, report));
+                    table.remove("base");
+                    table.remove("include");
+                }
+                tree
+            }
+        });
+    }
+    match below {
+        Some(below) => {
+            let keep = own.clone();
+            let mut root = over(below, own, report);
+            // What the reader asks for is what the scene itself says.
+            if let (DeValue::Table(root), DeValue::Table(own)) = (root.get_mut(), keep.into_inner())
+            {
+                let layers = ["base", "include", "remove"];
+                let own = own
+                    .into_iter()
+                    .filter(|(k, _)| layers.contains(&k.get_ref().as_ref()));
+                root.extend(own);
+            }
+            root
+        }
+        None => {
+            let removed = own.get_ref().as_table().and_then(|t| t.get("remove"));
+            removed.iter().for_each(|node| refuse_remove(node, report));
+            own
+        }
+    }
+}
+
+fn refuse_remove(node: &Node, report: &mut Report) {
+    let message = "there is no base of which something could be removed";
+    let error = report.error("dangling-name", &node.span(), message);
+    error.help = Some("name one by `base = \"….toml\"`, or write `remove` in a variant".into());
+}
+
+/// One tree over another, after what it removes of that.
+fn over<'i>(mut below: Node<'i>, above: Node<'i>, report: &mut Report) -> Node<'i> {
+    let at = above.span();
+    let DeValue::Table(mut above) = above.into_inner() else {
+        return below;
+    };
+    ["base", "include"]
+        .iter()
+        .for_each(|key| drop(above.remove(*key)));
+    if let Some(removed) = above.remove("remove") {
+        remove_all(&mut below, &removed, report);
+    }
+    match below.into_inner() {
+        DeValue::Table(mut below) => {
+            overlay::overlay(&mut below, above);
+            Node::new(at, DeValue::Table(below))
+        }
+        other => Node::new(at, other),
+    }
+}
+
+fn remove_all(below: &mut Node, removed: &Node, report: &mut Report) {
+    let each: Vec<(&str, Range<usize>)> = match removed.get_ref() {
+        DeValue::Array(items) => {
+            let texts = items
+                .iter()
+                .filter_map(|i| Some((i.get_ref().as_str()?, i.span())));
+            texts.collect()
+        }
+        DeValue::String(text) => vec![(text.as_ref(), removed.span())],
+        _ => Vec::new(),
+    };
+    let named = Named {
+        key: "remove",
+        range: &ANY,
+    };
+    if Names::read(removed, &named, report).is_some() {
+        each.iter()
+            .for_each(|(path, at)| overlay::remove(below, path, at, report));
+    }
+}
+
+/// Lays the chosen `[variant.NAME]` over the scene, in the order in which they are chosen; each is
+/// given by its name and where that begins in the report.
+pub fn choose<'i>(mut root: Node<'i>, chosen: &[(&str, usize)], report: &mut Report) -> Node<'i> {
+    for (name, start) in chosen {
+        let variants = root.get_ref().as_table().and_then(|t| t.get("variant"));
+        let variants = variants.and_then(|node| node.get_ref().as_table());
+        match variants.and_then(|all| all.get(*name)).cloned() {
+            Some(variant) => root = over(root, variant, report),
+            None if report.lacks_names() => {}
+            None => {
+                let names = variants.into_iter().flat_map(|all| all.keys());
+                let names: Vec<_> = names.map(|k| k.get_ref().as_ref()).collect();
+                let help = match names.is_empty() {
+                    true => "the scene has no `[variant.NAME]`".to_owned(),
+                    false => suggest::hint(name, &names, suggest::text, "the variants are"),
+                };
+                let message = format!("no variant is named {}", suggest::text(name));
+                let at = *start..*start + name.len();
+                report.error("dangling-name", &at, message).help = Some(help);
+            }
+        }
+    }
+    root
+}

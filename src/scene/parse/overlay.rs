@@ -1,0 +1,222 @@
+//! Tables over tables: a scene over its base, a variant over a scene. What is above wins, key by key,
+//! and every value keeps the place where it is written.
+
+use toml::{
+    Spanned,
+    de::{DeString, DeTable, DeValue},
+};
+
+use super::{report::Report, set, value::Node};
+use crate::scene::suggest;
+
+/// Keys that exclude each other: where one of a group is written above, those of the other groups
+/// below do not count.
+const EXCLUSIVE: [&[&[&str]]; 6] = [
+    &[&["file"], &["shape"]],
+    &[&["checker"], &["base_color_texture"]],
+    &[&["direction"], &["target"]],
+    &[
+        &["matrix"],
+        &["translation", "rotation_deg", "rotation_quat", "scale"],
+    ],
+    &[&["rotation_deg"], &["rotation_quat"]],
+    &[&["color"], &["zenith", "horizon", "ground"]],
+];
+
+/// What the keys of a table are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Level {
+    /// Those of a scene, or of `motion`.
+    Scene,
+    /// Names of variants.
+    Variants,
+    /// Other names that people choose.
+    Names,
+    /// Keys of one thing.
+    Keys,
+}
+
+impl Level {
+    /// Of the table under a key.
+    fn below(self, key: &str) -> Self {
+        match (self, key) {
+            (Self::Scene, "camera" | "instance" | "light" | "material" | "model" | "params") => {
+                Self::Names
+            }
+            (Self::Scene, "motion") | (Self::Variants, _) => Self::Scene,
+            (Self::Scene, "variant") => Self::Variants,
+            _ => Self::Keys,
+        }
+    }
+}
+
+/// Lays a scene over another one: tables key by key, instances by their names, all else replaced.
+pub fn overlay<'i>(below: &mut DeTable<'i>, above: DeTable<'i>) {
+    overlay_at(Level::Scene, below, above);
+}
+
+fn overlay_at<'i>(level: Level, below: &mut DeTable<'i>, above: DeTable<'i>) {
+    for (key, node) in above {
+        // A model may be called "file", and another one "shape".
+        if level == Level::Keys {
+            drop_excluded(below, key.get_ref());
+        }
+        put(level, below, key, node);
+    }
+}
+
+/// Whether both cannot be keys of one table.
+pub fn exclude_each_other(a: &str, b: &str) -> bool {
+    EXCLUSIVE.iter().any(|groups| {
+        let of = |key: &str| groups.iter().position(|group| group.contains(&key));
+        matches!((of(a), of(b)), (Some(a), Some(b)) if a != b)
+    })
+}
+
+fn drop_excluded(below: &mut DeTable, key: &str) {
+    let excluded: Vec<String> = (below.keys().map(|k| k.get_ref()))
+        .filter(|other| exclude_each_other(key, other))
+        .map(ToString::to_string)
+        .collect();
+    for other in excluded {
+        below.remove(other.as_str());
+    }
+}
+
+fn put<'i>(level: Level, below: &mut DeTable<'i>, key: Spanned<DeString<'i>>, node: Node<'i>) {
+    let name = key.get_ref().as_ref();
+    let Some(existing) = below.get_mut(name) else {
+        below.insert(key, node);
+        return;
+    };
+    let at = node.span();
+    match (existing.get_mut(), node.into_inner()) {
+        (DeValue::Table(old), DeValue::Table(new)) if same_kind(old, &new) => {
+            overlay_at(level.below(name), old, new);
+        }
+        (DeValue::Array(old), DeValue::Array(new)) if name == "instance" => {
+            overlay_instances(old, new.into_iter());
+        }
+        (_, new) => {
+            // Removed first, so that the key's place is the one above.
+            below.remove(name);
+            below.insert(key, Node::new(at, new));
+        }
+    }
+}
+
+/// Whether two tables have the same `kind`, where they say one: the keys of another mean nothing.
+fn same_kind(old: &DeTable, new: &DeTable) -> bool {
+    let kind = |table: &DeTable| {
+        let kind = table.get("kind")?.get_ref().as_str()?;
+        Some(kind.to_owned())
+    };
+    match (kind(old), kind(new)) {
+        (Some(old), Some(new)) => old == new,
+        _ => true,
+    }
+}
+
+/// Instances of the same name are laid over each other, the others are added.
+fn overlay_instances<'i>(below: &mut toml::de::DeArray<'i>, above: impl Iterator<Item = Node<'i>>) {
+    for node in above {
+        let name = name_of(&node).map(str::to_owned);
+        let same = |other: &&mut Node<'i>| name.is_some() && name_of(other) == name.as_deref();
+        let existing = below.iter_mut().find(same);
+        match (existing.map(Spanned::get_mut), node.get_ref()) {
+            (Some(DeValue::Table(old)), DeValue::Table(_)) => {
+                if let DeValue::Table(new) = node.into_inner() {
+                    overlay_at(Level::Keys, old, new);
+                }
+            }
+            _ => below.push(node),
+        }
+    }
+}
+
+/// `name` of an instance.
+fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+    node.get_ref().as_table()?.get("name")?.get_ref().as_str()
+}
+
+/// Takes away what a path such as `light.lamp` names; `at` is where the path is written.
+pub fn remove(root: &mut Node, path: &str, at: &std::ops::Range<usize>, report: &mut Report) {
+    let Some(names) = set::names_of(path).filter(|names| !names.is_empty()) else {
+        let message = format!("{} is not a path of names", suggest::text(path));
+        let error = report.error("bad-path", at, message);
+        error.help = Some("write names with dots between, such as \"light.lamp\"".into());
+        return;
+    };
+    let (above, last) = names.split_at(names.len() - 1);
+    let mut node = root;
+    for name in above {
+        match child(node, name) {
+            Ok(next) => node = next,
+            Err(known) => return nothing(path, name, &known, at, report),
+        }
+    }
+    let last = last[0].as_str();
+    let known = match node.get_mut() {
+        DeValue::Table(table) if table.contains_key(last) => {
+            table.remove(last);
+            return;
+        }
+        DeValue::Table(table) => table.keys().map(|k| k.get_ref().to_string()).collect(),
+        DeValue::Array(items) => match index_of(items, last) {
+            Some(index) => {
+                let kept = items.iter().enumerate().filter(|(i, _)| *i != index);
+                *items = kept.map(|(_, item)| item.clone()).collect();
+                return;
+            }
+            None => names_in(items),
+        },
+        _ => Vec::new(),
+    };
+    nothing(path, last, &known, at, report);
+}
+
+fn nothing(
+    path: &str,
+    name: &str,
+    known: &[String],
+    at: &std::ops::Range<usize>,
+    report: &mut Report,
+) {
+    if report.lacks_names() {
+        return;
+    }
+    let message = format!("there is nothing at {} to remove", suggest::text(path));
+    let known: Vec<_> = known.iter().map(String::as_str).collect();
+    report.error("dangling-name", at, message).help = Some(match known.is_empty() {
+        true => "only what the base has can be removed".to_owned(),
+        false => suggest::hint(name, &known, suggest::text, "there are"),
+    });
+}
+
+fn index_of(items: &[Node], name: &str) -> Option<usize> {
+    let named = items.iter().position(|item| name_of(item) == Some(name));
+    let index = || name.parse().ok().filter(|index| *index < items.len());
+    named.or_else(index)
+}
+
+fn names_in(items: &[Node]) -> Vec<String> {
+    let names = items.iter().filter_map(name_of);
+    names.map(str::to_owned).collect()
+}
+
+/// The child of that name, or the names that there are.
+fn child<'n, 'i>(node: &'n mut Node<'i>, name: &str) -> Result<&'n mut Node<'i>, Vec<String>> {
+    match node.get_mut() {
+        DeValue::Table(table) => {
+            if !table.contains_key(name) {
+                return Err(table.keys().map(|k| k.get_ref().to_string()).collect());
+            }
+            table.get_mut(name).ok_or_else(Vec::new)
+        }
+        DeValue::Array(items) => match index_of(items, name) {
+            Some(index) => items.get_mut(index).ok_or_else(Vec::new),
+            None => Err(names_in(items)),
+        },
+        _ => Err(Vec::new()),
+    }
+}

@@ -1,0 +1,351 @@
+//! Mistakes of TOML in plain words: what is wrong, and what to write instead.
+
+use std::ops::Range;
+
+use crate::scene::suggest;
+
+/// A message and what to do.
+type Words = (String, Option<String>);
+
+/// A mistake with what stands around it.
+struct Mistake<'t> {
+    /// What the parser points at.
+    found: &'t str,
+    /// From there to the end of the line.
+    rest: &'t str,
+    /// The line, without spaces around it.
+    line: &'t str,
+    /// Left and right of the first `=`, without comment.
+    key: &'t str,
+    value: &'t str,
+    /// The parser's message.
+    message: &'t str,
+}
+
+/// The parser's message about `at`, said for people where that helps: what is wrong, and what to do.
+pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
+    let start = text.floor_char_boundary(at.start);
+    let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+    let line = &text[line_start..line_end];
+    let (key, value) = line.split_once('=').unwrap_or(("", line));
+    let mistake = Mistake {
+        found: text.get(at.clone()).unwrap_or(""),
+        rest: text[start..line_end].trim_end(),
+        line: line.trim(),
+        key: key.trim(),
+        value: without_comment(value).trim(),
+        message,
+    };
+    let explained = EXPLANATIONS.iter().find_map(|explain| explain(&mistake));
+    explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
+}
+
+/// The first that knows the mistake explains it.
+const EXPLANATIONS: [fn(&Mistake) -> Option<Words>; 12] = [
+    hash_color,
+    typographic_quotes,
+    comment,
+    header,
+    backslash,
+    colon,
+    line_end,
+    parentheses,
+    word,
+    number,
+    quotes,
+    equals,
+];
+
+fn words(message: impl Into<String>, help: impl Into<String>) -> Option<Words> {
+    Some((message.into(), Some(help.into())))
+}
+
+fn without_comment(value: &str) -> &str {
+    let mut quote = None;
+    for (i, c) in value.char_indices() {
+        match (quote, c) {
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if open == c => quote = None,
+            (None, '#') => return &value[..i],
+            _ => {}
+        }
+    }
+    value
+}
+
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.parse::<f64>().is_ok() && !text.contains(char::is_alphabetic)
+}
+
+/// `base_color = #ff8800`
+fn hash_color(m: &Mistake) -> Option<Words> {
+    let (_, raw) = m.line.split_once('=')?;
+    let color = raw.trim().strip_prefix('#')?;
+    let digits = color.chars().take_while(char::is_ascii_hexdigit).count();
+    (m.value.is_empty() && digits >= 3).then_some(())?;
+    let message = "`#` begins a comment, so there is no value";
+    words(
+        message,
+        format!("write \"#{}\", in quotes", &color[..digits]),
+    )
+}
+
+/// `model = “box”`
+fn typographic_quotes(m: &Mistake) -> Option<Words> {
+    let is_quote = |c: char| "“”„‘’«»".contains(c);
+    let inner = m.value.strip_prefix(is_quote)?.trim_end_matches(is_quote);
+    let help = format!("write {}, with straight quotes", suggest::text(inner));
+    words(
+        "these are typographic quotes, which TOML does not know",
+        help,
+    )
+}
+
+/// `roughness = 0.5 // glossy`
+fn comment(m: &Mistake) -> Option<Words> {
+    let here = if m.rest.starts_with('/') {
+        m.rest
+    } else {
+        m.line
+    };
+    let sign = ["//", "/*", "--", "<!--"]
+        .into_iter()
+        .find(|s| here.starts_with(s))?;
+    let text = here[sign.len()..]
+        .trim()
+        .trim_end_matches("*/")
+        .trim_end_matches("-->");
+    words(
+        "comments begin with `#`",
+        format!("write `# {}`", suggest::clip(text.trim())),
+    )
+}
+
+/// `[material red]`, `[[instance]`
+fn header(m: &Mistake) -> Option<Words> {
+    let inner = m.line.strip_prefix('[')?;
+    let has_name =
+        inner.starts_with(['[', ' ', '"', '\'']) || inner.starts_with(char::is_alphabetic);
+    (has_name && m.key.is_empty()).then_some(())?;
+    let inner = without_comment(inner).trim_matches(['[', ']', ' ']);
+    let names: Vec<_> = inner
+        .split([' ', '.', ':', '/'])
+        .filter(|n| !n.is_empty())
+        .collect();
+    let is_name = |n: &&str| n.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+    let help = match names.as_slice() {
+        ["instance" | "instances"] => "write `[[instance]]`".to_owned(),
+        all if !all.is_empty() && all.iter().all(|n| is_name(n)) => {
+            format!("write `[{}]`", suggest::clip(&all.join(".")))
+        }
+        _ => {
+            "write `[camera.main]`, or `[[instance]]`; a name with other characters than letters, \
+              digits, `_` and `-` stands in quotes"
+                .to_owned()
+        }
+    };
+    words("this is not a right header of a table", help)
+}
+
+/// `file = "C:\assets"`
+fn backslash(m: &Mistake) -> Option<Words> {
+    (m.message.contains("escape") || m.message.contains("unicode")).then_some(())?;
+    let text = m.value.trim_matches('"');
+    let slashes = text.replace('\\', "/");
+    let message = "`\\` has a special meaning in double quotes";
+    let help = format!(
+        "write \"{}\", with `/`, as on all systems",
+        suggest::clip(&slashes)
+    );
+    words(message, help)
+}
+
+/// `metallic: 1`
+fn colon(m: &Mistake) -> Option<Words> {
+    let (key, value) = m.line.split_once(':')?;
+    let key = key.trim().trim_matches('"');
+    let is_key = !key.is_empty()
+        && key
+            .chars()
+            .all(|c| c.is_alphanumeric() || "_-.".contains(c));
+    let at_colon = m.found.starts_with(':') || m.rest.starts_with(':');
+    (is_key && at_colon).then_some(())?;
+    let (key, value) = (
+        suggest::clip(key),
+        suggest::clip(value.trim().trim_end_matches(',')),
+    );
+    let help = format!("write `{key} = {value}`");
+    words("between a key and its value stands `=`, not `:`", help)
+}
+
+/// `roughness = 0.5;` and `base_color = 1, 0, 0`
+fn line_end(m: &Mistake) -> Option<Words> {
+    let value = m.value;
+    if let Some(own) = value.strip_suffix([';', ',']).filter(|_| !m.key.is_empty()) {
+        let sign = &value[own.len()..];
+        let help = format!(
+            "write `{} = {}`",
+            suggest::clip(m.key),
+            suggest::clip(own.trim())
+        );
+        return words(
+            format!("`{sign}` does not belong at the end of the line"),
+            help,
+        );
+    }
+    let parts: Vec<_> = value.split(',').map(str::trim).collect();
+    (parts.len() > 1 && parts.iter().all(|part| is_number(part))).then_some(())?;
+    let list = format!("[{}]", parts.join(", "));
+    match parts.as_slice() {
+        [whole, rest] if !whole.contains('.') && !rest.contains('.') => {
+            let help = format!("write {whole}.{rest}, or as a list {list}");
+            words("numbers have a decimal point, not a comma", help)
+        }
+        _ => words("a list stands in square brackets", format!("write {list}")),
+    }
+}
+
+/// `eye = (0, 1.6, 5)` and `eye = vec3(0, 1.6, 5)`
+fn parentheses(m: &Mistake) -> Option<Words> {
+    let (before, inner) = m.value.split_once('(')?;
+    let is_call = before
+        .trim()
+        .chars()
+        .all(|c| c.is_alphanumeric() || "_.".contains(c));
+    let inner = inner.strip_suffix(')').filter(|_| is_call)?;
+    let parts: Vec<_> = inner.split(',').map(str::trim).collect();
+    parts.iter().all(|part| is_number(part)).then_some(())?;
+    let help = format!("write [{}]", parts.join(", "));
+    words("a list stands in square brackets, not in parentheses", help)
+}
+
+/// `dynamic = True`, `material = red`
+fn word(m: &Mistake) -> Option<Words> {
+    let unquoted = m.message.starts_with("string values must be quoted");
+    if unquoted && m.found.is_empty() {
+        let help = "write a value, or remove the key for its default";
+        return words("a value is missing after `=`", help);
+    }
+    // Of words that begin like `true` or `nan` the parser expects these.
+    let is_bare = !m.value.is_empty() && m.value.chars().all(char::is_alphanumeric);
+    let like_word = is_bare && m.value.starts_with(char::is_alphabetic);
+    let found = match () {
+        () if unquoted => m.found,
+        () if like_word && m.message.starts_with("invalid ") => m.value,
+        () => return None,
+    };
+    let instead = match found.to_ascii_lowercase().as_str() {
+        "true" | "yes" | "on" => "true",
+        "false" | "no" | "off" => "false",
+        "none" | "null" | "nil" => {
+            let message = format!("there is no {} in TOML", suggest::key(found));
+            return words(message, "leave the key out for its default");
+        }
+        _ => "",
+    };
+    if !instead.is_empty() {
+        let message = format!("{} is not a value", suggest::key(found));
+        return words(message, format!("write {instead}"));
+    }
+    let parts: Vec<&str> = found.split_whitespace().collect();
+    if parts.len() > 1 && parts.iter().all(|word| is_number(word)) {
+        let help = format!("write {}", parts.join(", "));
+        return words("a comma is missing between numbers", help);
+    }
+    number(m).or_else(|| {
+        let message = format!("{} must be in quotes", suggest::key(found));
+        words(
+            message,
+            format!("write {}", suggest::text(found.trim_matches('`'))),
+        )
+    })
+}
+
+/// `1.6*2`, `60deg`, `.5`
+fn number(m: &Mistake) -> Option<Words> {
+    // The element of a list that the parser points at, else the whole value.
+    let offset = m.line.len() - m.rest.len().min(m.line.len());
+    let ends = |c: char| ",[]{}=#".contains(c);
+    let start = m.line[..offset].rfind(ends).map_or(0, |i| i + 1);
+    let end = m.line[offset..]
+        .find(ends)
+        .map_or(m.line.len(), |i| offset + i);
+    let element = m.line[start..end].trim();
+    element
+        .starts_with(|c: char| c.is_ascii_digit() || "+-.(".contains(c))
+        .then_some(())?;
+    if let Some(result) = computed(element) {
+        return words("TOML does not compute", result);
+    }
+    let digits = element.trim_end_matches(|c: char| c.is_alphabetic() || "%°²".contains(c));
+    if digits.len() < element.len() && is_number(digits.trim()) {
+        let unit = &element[digits.len()..];
+        let message = format!("a number has no unit, here {}", suggest::key(unit));
+        return words(message, format!("write {}", digits.trim()));
+    }
+    let value: f64 = element
+        .parse()
+        .ok()
+        .filter(|x: &f64| x.to_string() != element)?;
+    words(
+        "TOML wants digits on both sides of the point and no zeros before",
+        format!("write {value}"),
+    )
+}
+
+/// Advice for two numbers with an operator between them, or more of that.
+fn computed(element: &str) -> Option<String> {
+    let allowed = |c: char| c.is_ascii_digit() || ".+-*/^() ".contains(c);
+    let operator = element[1..]
+        .find(['*', '/', '+', '-', '^'])
+        .map(|i| i + 1)?;
+    element.chars().all(allowed).then_some(())?;
+    let (a, b) = (element[..operator].trim(), element[operator + 1..].trim());
+    let result = match (
+        a.parse::<f64>(),
+        b.parse::<f64>(),
+        element.as_bytes()[operator],
+    ) {
+        (Ok(a), Ok(b), b'*') => a * b,
+        (Ok(a), Ok(b), b'/') => a / b,
+        (Ok(a), Ok(b), b'+') => a + b,
+        (Ok(a), Ok(b), b'-') => a - b,
+        _ => return Some("write the result; scripts can compute".to_owned()),
+    };
+    // Rounded, so that 1.1 * 3 is 3.3.
+    let result = (result * 1e9).round() / 1e9;
+    result
+        .is_finite()
+        .then(|| format!("write {result}; scripts can compute"))
+}
+
+/// `model = "box`
+fn quotes(m: &Mistake) -> Option<Words> {
+    let open = m.message.starts_with("invalid basic string, expected `\"`");
+    open.then(|| {
+        (
+            "the text in quotes does not end on its line".into(),
+            Some("add a `\"`".into()),
+        )
+    })
+}
+
+/// `roughness 0.5`
+fn equals(m: &Mistake) -> Option<Words> {
+    (m.key.is_empty() && !m.line.contains('=')).then_some(())?;
+    let (key, value) = m.line.split_once(char::is_whitespace)?;
+    let is_key = key
+        .chars()
+        .all(|c| c.is_alphanumeric() || "_-.".contains(c));
+    (is_key && !value.trim().is_empty()).then_some(())?;
+    let (key, value) = (suggest::clip(key), suggest::clip(value.trim()));
+    if let Some(name) = value.strip_suffix('{') {
+        let name = name.trim().trim_matches('"');
+        return words(
+            "tables begin with a header",
+            format!("write `[{key}.{name}]`"),
+        );
+    }
+    words("`=` is missing", format!("write `{key} = {value}`"))
+}

@@ -1,0 +1,332 @@
+//! What is allowed in a script but hardly meant: whole numbers that are divided, names that hide
+//! others. Read from the words of the text, so that branches that are not taken count too.
+
+use std::{
+    collections::{HashMap, HashSet},
+    ops::Range,
+    sync::Arc,
+};
+
+use super::{
+    api,
+    tokens::{Token, tokens},
+};
+use crate::scene::{
+    desc::{Entry, ParamValue},
+    diagnostic::{Diagnostic, Source, Span},
+    suggest,
+};
+
+/// Parameters that scripts read.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Params<'t> {
+    /// Those of these names.
+    Named(HashSet<&'t str>),
+    /// Perhaps all of them: the whole map is used.
+    Unknown,
+}
+
+/// The parameters that texts read as `params.name`, `params["name"]` or `"name" in ctx.params`.
+pub fn used_params<'t>(texts: impl Iterator<Item = &'t str>) -> Params<'t> {
+    let mut used = HashSet::new();
+    for text in texts {
+        let tokens = tokens(text);
+        let word = |i: usize| tokens.get(i).map_or("", |t| t.text);
+        for i in (0..tokens.len()).filter(|i| tokens[*i].text == "params") {
+            let is_asked = i >= 4 && word(i - 3) == "in";
+            match (word(i + 1), word(i + 2)) {
+                (".", name) if !name.is_empty() => used.insert(name),
+                ("[", name) if name.starts_with('"') => used.insert(name.trim_matches('"')),
+                _ if is_asked => used.insert(word(i - 4).trim_matches('"')),
+                _ => return Params::Unknown,
+            };
+        }
+    }
+    Params::Named(used)
+}
+
+/// Warnings about the texts of a script, by the names of its files.
+pub fn lint_scripts(texts: &[(String, String)], params: &[Entry<ParamValue>]) -> Vec<Diagnostic> {
+    let whole = |p: &&Entry<ParamValue>| matches!(p.value, ParamValue::Integer(_));
+    let params: HashSet<_> = params
+        .iter()
+        .filter(whole)
+        .map(|p| p.name.as_str())
+        .collect();
+    let mut found = Vec::new();
+    for (name, text) in texts {
+        let source = Source {
+            path: name.into(),
+            text: text.clone(),
+            returned: None,
+        };
+        let mut lint = ScriptLint {
+            source: Arc::new(source),
+            tokens: tokens(text),
+            params: &params,
+            scopes: vec![Scope::default()],
+            found: Vec::new(),
+        };
+        lint.run();
+        found.append(&mut lint.found);
+    }
+    found
+}
+
+/// The variables between two braces.
+#[derive(Default)]
+struct Scope<'t> {
+    /// Whether it is a function's, which sees nothing outside.
+    is_function: bool,
+    /// Where they are defined, and whether they are whole numbers.
+    variables: HashMap<&'t str, (Range<usize>, bool)>,
+}
+
+struct ScriptLint<'t, 'p> {
+    source: Arc<Source>,
+    tokens: Vec<Token<'t>>,
+    /// Parameters that are whole numbers.
+    params: &'p HashSet<&'p str>,
+    scopes: Vec<Scope<'t>>,
+    found: Vec<Diagnostic>,
+}
+
+impl<'t> ScriptLint<'t, '_> {
+    fn word(&self, i: usize) -> &'t str {
+        self.tokens.get(i).map_or("", |t| t.text)
+    }
+
+    fn warn(
+        &mut self,
+        name: &'static str,
+        range: Range<usize>,
+        message: String,
+        help: String,
+    ) -> &mut Diagnostic {
+        let source = Some(Arc::clone(&self.source));
+        let span = Span { source, range };
+        self.found
+            .push(Diagnostic::at(name, span, message).help(help));
+        let last = self.found.len() - 1;
+        &mut self.found[last]
+    }
+
+    fn run(&mut self) {
+        // Of a function or a loop, for the scope that its brace opens.
+        let mut next = Scope::default();
+        for i in 0..self.tokens.len() {
+            match self.word(i) {
+                "{" | "#{" => self.scopes.push(std::mem::take(&mut next)),
+                "}" if self.scopes.len() > 1 => drop(self.scopes.pop()),
+                "fn" => next = self.function(i),
+                "for" => {
+                    if let Some((name, at, whole)) = self.loop_variable(i) {
+                        self.warn_if_hidden(name, &at);
+                        next.variables.insert(name, (at, whole));
+                    }
+                }
+                "let" | "const" if self.tokens.get(i + 1).is_some_and(Token::is_word) => {
+                    let (name, at) = (self.word(i + 1), self.tokens[i + 1].at.clone());
+                    let whole = self.word(i + 2) == "=" && self.word(i + 4) == ";";
+                    let whole = whole && is_whole(self.word(i + 3));
+                    // Defined anew in the same scope it is one variable to the reader.
+                    let scope = self.scopes.last();
+                    if !scope.is_some_and(|s| s.variables.contains_key(name)) {
+                        self.warn_if_hidden(name, &at);
+                    }
+                    if let Some(scope) = self.scopes.last_mut() {
+                        scope.variables.insert(name, (at, whole));
+                    }
+                }
+                "/" => self.division(i),
+                _ => {}
+            }
+        }
+    }
+
+    /// The scope of a function, with its parameters; warns if it hides one of the API.
+    fn function(&mut self, i: usize) -> Scope<'t> {
+        let mut scope = Scope {
+            is_function: true,
+            ..Scope::default()
+        };
+        let end = (i + 2..self.tokens.len()).find(|k| self.word(*k) == ")");
+        let parameters = self.tokens.get(i + 3..end.unwrap_or(i + 3)).unwrap_or(&[]);
+        for token in parameters.iter().filter(|t| t.is_word()) {
+            scope
+                .variables
+                .insert(token.text, (token.at.clone(), false));
+        }
+        let Some(name) = self.tokens.get(i + 1).cloned() else {
+            return scope;
+        };
+        let count = |form: &str| {
+            let inner = form.split_once('(').map_or("", |(_, rest)| rest);
+            let inner = inner.trim_end_matches(['`', ')']);
+            inner
+                .split([',', ')'])
+                .filter(|p| !p.trim().is_empty())
+                .count()
+        };
+        let forms = api::signatures(name.text);
+        let start = format!("`{}(", name.text);
+        let is_hidden =
+            (forms.iter()).any(|f| f.starts_with(&start) && count(f) == scope.variables.len());
+        if is_hidden {
+            let shown = suggest::key(name.text);
+            let message = format!("this hides the function {shown} that every script has");
+            let help = "give it another name, or leave it out and call the other".to_owned();
+            self.warn("shadowed-function", name.at, message, help);
+        }
+        scope
+    }
+
+    /// Name, place and whether it is a whole number: `for i in 0..3`.
+    fn loop_variable(&self, i: usize) -> Option<(&'t str, Range<usize>, bool)> {
+        let token = self.tokens.get(i + 1).filter(|t| t.is_word())?;
+        let whole = self.word(i + 2) == "in"
+            && is_whole(self.word(i + 3))
+            && self.word(i + 4).starts_with("..");
+        Some((token.text, token.at.clone(), whole))
+    }
+
+    fn variable(&self, name: &str) -> Option<&(Range<usize>, bool)> {
+        for scope in self.scopes.iter().rev() {
+            if let Some(variable) = scope.variables.get(name) {
+                return Some(variable);
+            }
+            if scope.is_function {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Warns of a variable of the same name that is seen here.
+    fn warn_if_hidden(&mut self, name: &'t str, at: &Range<usize>) {
+        if name.starts_with('_') {
+            return;
+        }
+        let Some((first, _)) = self.variable(name).cloned() else {
+            return;
+        };
+        let shown = suggest::key(name);
+        let message = format!("this is another {shown}; the one outside keeps its value");
+        let help = format!("write `{name} = …` to change that one, or take another name");
+        let source = Some(Arc::clone(&self.source));
+        let warning = self.warn("shadowed-variable", at.clone(), message, help);
+        warning.related = Some((
+            Span {
+                source,
+                range: first,
+            },
+            "the one outside is here".into(),
+        ));
+    }
+
+    /// Warns of a quotient of whole numbers, which drops the rest.
+    fn division(&mut self, i: usize) {
+        let (Some(left), Some(right)) = (self.whole_before(i), self.whole_after(i)) else {
+            return;
+        };
+        let text = &self.source.text;
+        let (a, b) = (&text[left.clone()], &text[right.clone()]);
+        let numbers = (
+            a.replace('_', "").parse::<i64>(),
+            b.replace('_', "").parse::<i64>(),
+        );
+        let is_exact = match numbers {
+            (Ok(a), Ok(b)) => b == 0 || a % b == 0,
+            (Err(_), Ok(b)) => b <= 1,
+            _ => false,
+        };
+        // `i / 8` beside `i % 8` counts rows and columns.
+        let is_modulo = |pair: &[Token]| pair[0].text == "%" && pair[1].text == b;
+        if is_exact || self.tokens.windows(2).any(is_modulo) {
+            return;
+        }
+        let quotient = format!("{} / {}", suggest::clip(a), suggest::clip(b));
+        let message =
+            format!("`{quotient}` divides whole numbers, which drops the rest: 1 / 2 is 0");
+        let help = match numbers.1 {
+            Ok(_) => format!("write `{a} / {b}.0`; for rows of a grid, `(i - i % {b}) / {b}`"),
+            Err(_) => format!("write `1.0 * {a} / {b}`"),
+        };
+        self.warn("integer-division", left.start..right.end, message, help);
+    }
+
+    /// The operand before a sign, if it and all that it is multiplied with are whole numbers.
+    fn whole_before(&self, sign: usize) -> Option<Range<usize>> {
+        let mut end = sign;
+        let mut range: Option<Range<usize>> = None;
+        loop {
+            let first = self.operand_before(end)?;
+            let (from, to) = (self.tokens[first].at.start, self.tokens[end - 1].at.end);
+            let to = range.map_or(to, |r: Range<usize>| r.end);
+            range = Some(from..to);
+            match first.checked_sub(1).map(|k| self.word(k)) {
+                Some("*" | "/" | "%") => end = first - 1,
+                _ => return range,
+            }
+        }
+    }
+
+    /// First token of the whole number that ends before `end`.
+    fn operand_before(&self, end: usize) -> Option<usize> {
+        let last = end.checked_sub(1)?;
+        if self.word(last) == ")" {
+            // `list.len()`
+            let is_len = last >= 4 && self.word(last - 1) == "(" && self.word(last - 2) == "len";
+            let owner = last
+                .checked_sub(4)
+                .filter(|_| is_len && self.word(last - 3) == ".")?;
+            return Some(self.chain_start(owner));
+        }
+        let first = self.chain_start(last);
+        self.is_whole_chain(first, last).then_some(first)
+    }
+
+    /// First token of `a.b.c` that ends at `last`.
+    fn chain_start(&self, last: usize) -> usize {
+        let mut first = last;
+        while first >= 2 && self.word(first - 1) == "." && self.tokens[first - 2].is_word() {
+            first -= 2;
+        }
+        first
+    }
+
+    /// The operand after a sign, if it is a whole number.
+    fn whole_after(&self, sign: usize) -> Option<Range<usize>> {
+        let first = sign + 1;
+        let mut last = first;
+        while self.word(last + 1) == "." && self.tokens.get(last + 2).is_some_and(Token::is_word) {
+            last += 2;
+        }
+        let is_call = self.word(last + 1) == "(";
+        let is_len = is_call && self.word(last) == "len" && self.word(last + 2) == ")";
+        let end = if is_len { last + 2 } else { last };
+        let is_whole = is_len || !is_call && self.is_whole_chain(first, last);
+        let range = self.tokens.get(first)?.at.start..self.tokens.get(end)?.at.end;
+        is_whole.then_some(range)
+    }
+
+    /// Whether `ctx.frame`, a parameter, a variable or a literal is a whole number.
+    fn is_whole_chain(&self, first: usize, last: usize) -> bool {
+        let chain: Vec<_> = (first..=last).step_by(2).map(|k| self.word(k)).collect();
+        match chain.as_slice() {
+            ["ctx", "frame"] => true,
+            ["ctx", "params", name] => self.params.contains(name),
+            [one] if is_whole(one) => true,
+            [name] => self.variable(name).is_some_and(|(_, whole)| *whole),
+            _ => false,
+        }
+    }
+}
+
+/// Whether a token is a whole number.
+fn is_whole(token: &str) -> bool {
+    !token.is_empty() && token.bytes().all(|b| b.is_ascii_digit() || b == b'_')
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,38 @@
+//! Formats that are not read, and what to do with such a file.
+
+use std::path::Path;
+
+/// Models of other programs.
+const MODELS: [&str; 16] = [
+    "3ds", "3mf", "abc", "blend", "c4d", "dae", "fbx", "hip", "ma", "max", "mb", "obj", "ply",
+    "skp", "step", "stl",
+];
+
+/// Images of other programs.
+const IMAGES: [&str; 16] = [
+    "avif", "bmp", "dds", "exr", "gif", "hdr", "heic", "jxl", "ktx2", "psd", "svg", "tga", "tif",
+    "tiff", "tx", "webp",
+];
+
+fn ending<'p>(path: &'p Path, of: &[&str]) -> Option<&'p str> {
+    let ending = path.extension()?.to_str()?;
+    let is_one = of.iter().any(|known| ending.eq_ignore_ascii_case(known));
+    is_one.then_some(ending)
+}
+
+/// What is wrong with a model of another format, and what to do; `None` for all others.
+pub fn model(path: &Path) -> Option<(String, &'static str)> {
+    let ending = ending(path, &MODELS)?;
+    let message = format!("models are glTF or USD files, and this is a .{ending} file");
+    Some((
+        message,
+        "export it as .glb, in Blender by File, Export, glTF 2.0",
+    ))
+}
+
+/// What is wrong with an image of another format, and what to do; `None` for all others.
+pub fn image(path: &Path) -> Option<(String, &'static str)> {
+    let ending = ending(path, &IMAGES)?;
+    let message = format!("textures are PNG or JPEG files, and this is a .{ending} file");
+    Some((message, "save it as .png"))
+}

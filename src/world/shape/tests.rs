@@ -1,0 +1,197 @@
+//! Shapes are closed, right way round, and near their closed forms.
+
+use std::{collections::HashMap, f64::consts::PI};
+
+use glam::DVec3;
+
+use super::*;
+
+fn corners(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 3]> {
+    let at = |i: u32| mesh.positions[i as usize].as_dvec3();
+    mesh.triangles.iter().map(move |t| t.map(at))
+}
+
+fn area_and_volume(mesh: &Mesh) -> (f64, f64) {
+    corners(mesh).fold((0.0, 0.0), |(area, volume), [a, b, c]| {
+        let twice = (b - a).cross(c - a);
+        (area + twice.length() / 2.0, volume + a.dot(twice) / 6.0)
+    })
+}
+
+/// How many directed edges have no partner in the other direction.
+fn open_edges(mesh: &Mesh) -> usize {
+    let mut edges: HashMap<_, i32> = HashMap::new();
+    for [a, b, c] in corners(mesh) {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            // +0.0 and -0.0 are the same place.
+            let key = |p: DVec3| (p + DVec3::ZERO).to_array().map(f64::to_bits);
+            *edges.entry((key(from), key(to))).or_default() += 1;
+            *edges.entry((key(to), key(from))).or_default() -= 1;
+        }
+    }
+    edges.values().filter(|n| **n != 0).count() / 2
+}
+
+fn check(shape: ShapeDesc, area: f64, volume: f64, tolerance: f64) {
+    let mesh = mesh(&shape);
+    assert_eq!(mesh.normals.len(), mesh.positions.len());
+    assert_eq!(mesh.uv0.len(), mesh.positions.len());
+    for (t, [a, b, c]) in mesh.triangles.iter().zip(corners(&mesh)) {
+        let face = (b - a).cross(c - a);
+        assert!(face.length() > 0.0, "{shape:?}: degenerate {t:?}");
+        for i in t {
+            let normal = mesh.normals[*i as usize];
+            assert!((normal.length() - 1.0).abs() < 1e-5, "{shape:?}: {normal}");
+            let agrees = normal.as_dvec3().dot(face.normalize());
+            assert!(agrees > 0.3, "{shape:?}: normal and winding: {agrees}");
+            let uv = mesh.uv0[*i as usize];
+            assert!(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all());
+        }
+    }
+    let (got_area, got_volume) = area_and_volume(&mesh);
+    assert!((got_area / area - 1.0).abs() < tolerance, "{got_area}");
+    if volume > 0.0 {
+        assert_eq!(open_edges(&mesh), 0, "{shape:?}");
+        assert!(
+            (got_volume / volume - 1.0).abs() < tolerance,
+            "{got_volume}"
+        );
+    } else {
+        let rim = match shape {
+            ShapeDesc::Disk { segments, .. } => segments as usize,
+            _ => 4,
+        };
+        assert_eq!(open_edges(&mesh), rim);
+    }
+}
+
+#[test]
+fn flat_shapes_are_exact() {
+    check(ShapeDesc::Plane { size: [2.0, 3.0] }, 6.0, 0.0, 1e-6);
+    let size = Vec3::new(1.0, 2.0, 3.0);
+    check(ShapeDesc::Box { size }, 22.0, 6.0, 1e-6);
+    let plane = mesh(&ShapeDesc::Plane { size: [1.0, 1.0] });
+    assert!(plane.normals.iter().all(|n| *n == Vec3::Y));
+}
+
+#[test]
+fn curved_shapes_are_closed_and_near_their_closed_form() {
+    let (radius, height, segments) = (0.5, 2.0, 256);
+    let (r, h) = (0.5_f64, 2.0_f64);
+    check(
+        ShapeDesc::Sphere { radius, segments },
+        4.0 * PI * r * r,
+        4.0 / 3.0 * PI * r * r * r,
+        1e-3,
+    );
+    let cylinder = ShapeDesc::Cylinder {
+        radius,
+        height,
+        segments,
+    };
+    check(cylinder, 2.0 * PI * r * (r + h), PI * r * r * h, 1e-3);
+    let cone = ShapeDesc::Cone {
+        radius,
+        height,
+        segments,
+    };
+    check(ShapeDesc::Disk { radius, segments }, PI * r * r, 0.0, 1e-3);
+    let torus = ShapeDesc::Torus {
+        radius,
+        tube_radius: 0.2,
+        segments,
+    };
+    check(
+        torus,
+        4.0 * PI * PI * r * 0.2,
+        2.0 * PI * PI * r * 0.04,
+        1e-3,
+    );
+    for (height, h) in [(height, h), (1.0, 1.0)] {
+        let capsule = ShapeDesc::Capsule {
+            radius,
+            height,
+            segments,
+        };
+        let volume = PI * r * r * (h - 2.0 * r) + 4.0 / 3.0 * PI * r * r * r;
+        check(capsule, 2.0 * PI * r * h, volume, 1e-3);
+        let bounds = mesh(&capsule).bounds;
+        assert_eq!((bounds.min.y, bounds.max.y), (0.0, height));
+    }
+    let slope = r.hypot(h);
+    check(cone, PI * r * (r + slope), PI * r * r * h / 3.0, 1e-3);
+}
+
+#[test]
+fn coarsest_curved_shapes_are_closed() {
+    let segments = 3;
+    for shape in [
+        ShapeDesc::Sphere {
+            radius: 1.0,
+            segments,
+        },
+        ShapeDesc::Cylinder {
+            radius: 1.0,
+            height: 1.0,
+            segments,
+        },
+        ShapeDesc::Cone {
+            radius: 1.0,
+            height: 1.0,
+            segments,
+        },
+        ShapeDesc::Torus {
+            radius: 1.0,
+            tube_radius: 0.5,
+            segments,
+        },
+        ShapeDesc::Capsule {
+            radius: 1.0,
+            height: 3.0,
+            segments,
+        },
+    ] {
+        let mesh = mesh(&shape);
+        assert_eq!(open_edges(&mesh), 0, "{shape:?}");
+        assert!(area_and_volume(&mesh).1 > 0.1, "{shape:?}");
+    }
+}
+
+#[test]
+fn texture_runs_left_to_right_seen_from_outside() {
+    for shape in [
+        ShapeDesc::Sphere {
+            radius: 1.0,
+            segments: 16,
+        },
+        ShapeDesc::Cylinder {
+            radius: 1.0,
+            height: 1.0,
+            segments: 16,
+        },
+        ShapeDesc::Cone {
+            radius: 1.0,
+            height: 1.0,
+            segments: 16,
+        },
+        ShapeDesc::Box { size: Vec3::ONE },
+        ShapeDesc::Plane { size: [1.0, 1.0] },
+        ShapeDesc::Torus {
+            radius: 1.0,
+            tube_radius: 0.5,
+            segments: 16,
+        },
+        ShapeDesc::Capsule {
+            radius: 1.0,
+            height: 3.0,
+            segments: 16,
+        },
+    ] {
+        let mesh = mesh(&shape);
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|i| mesh.uv0[i as usize]);
+            // v points down, so a counter-clockwise triangle is clockwise in (u, v).
+            assert!((b - a).perp_dot(c - a) < 0.0, "{shape:?}: {a} {b} {c}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Jobs for render farms: a bundle is run task by task, as a farm does, and gives the same frames.
+
+use std::{fs, path::Path, process::Command};
+
+use serde_json::Value;
+
+use crate::{common::gpu_or_skip, folder, pictures, render};
+
+fn job(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(["job", "openjd"])
+        .args(arguments)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), text)
+}
+
+fn read(path: &Path) -> Value {
+    let text = fs::read_to_string(path).expect("it is written");
+    serde_json::from_str(&text).expect("it is JSON")
+}
+
+/// Runs one task of a template with these frames, its parameters replaced by their values.
+fn run_task(bundle: &Path, frames: &str) -> String {
+    let template = read(&bundle.join("template.json"));
+    let values = read(&bundle.join("parameter_values.json"));
+    let action = &template["steps"][0]["script"]["actions"]["onRun"];
+    assert_eq!(action["command"], "reflet");
+    let argument = |argument: &Value| {
+        let mut text = argument.as_str().expect("text").to_owned();
+        text = text.replace("{{Task.Param.Frame}}", frames);
+        for parameter in values["parameterValues"].as_array().expect("a list") {
+            let [name, value] = ["name", "value"].map(|key| parameter[key].as_str().expect("text"));
+            text = text.replace(&format!("{{{{Param.{name}}}}}"), value);
+        }
+        assert!(!text.contains("{{"), "{text}");
+        text
+    };
+    let arguments = action["args"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(argument);
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_bundle_in_chunks_gives_the_frames_of_one_run() {
+    let folder = folder("job");
+    let bundle = folder.join("bundle");
+    let (code, text) = job(
+        &folder,
+        &[
+            "scene.toml",
+            "-o",
+            "bundle",
+            "--pictures",
+            "parts/f.##.png",
+            "--chunk",
+            "4",
+            "--set",
+            "params.lift=0.7",
+        ],
+    );
+    assert_eq!(code, Some(0), "{text}");
+    let template = read(&bundle.join("template.json"));
+    assert_eq!(template["specificationVersion"], "jobtemplate-2023-09");
+    let parameters = template["parameterDefinitions"].as_array().expect("a list");
+    let default = |name: &str| {
+        let found = parameters.iter().find(|p| p["name"] == name);
+        found.expect("it is declared")["default"].clone()
+    };
+    assert_eq!(
+        (default("Frames"), default("FramesPerTask")),
+        ("0-5".into(), 4.into())
+    );
+    let references = read(&bundle.join("asset_references.json"));
+    let files = references["assetReferences"]["inputs"]["filenames"].to_string();
+    for name in ["scene.toml", "s.rhai", "light.toml"] {
+        assert!(files.contains(name), "{files}");
+    }
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let progress = run_task(&bundle, "0-3");
+    assert!(progress.contains("openjd_progress: 25.0\n"), "{progress}");
+    assert!(progress.ends_with("f.03.png\n") && progress.contains("openjd_progress: 100.0"));
+    run_task(&bundle, "4-5");
+    // A task that is run again keeps what is there.
+    assert_eq!(
+        run_task(&bundle, "0-3")
+            .matches("openjd_status: kept")
+            .count(),
+        4
+    );
+    render(&folder, &["-o", "f.##.png", "--set", "params.lift=0.7"], 0);
+    assert_eq!(pictures(&folder.join("parts")), pictures(&folder));
+}
+
+#[test]
+fn what_a_farm_cannot_use_is_refused() {
+    let folder = folder("job-refused");
+    for (arguments, code, says) in [
+        (&["--pictures", "f.png"][..], 2, "a file for each frame"),
+        (&["--pictures", "f.mp4"], 2, "a file for each frame"),
+        (&["--pictures", "f.#.gif"], 2, "must end in .png"),
+        (
+            &["--pictures", "f.#.png", "--frames", "0-9"],
+            2,
+            "not in the timeline",
+        ),
+        (
+            &["--pictures", "f.#.png", "--camera", "no"],
+            2,
+            "no such camera",
+        ),
+        (
+            &["--pictures", "f.#.png", "--set", "params.lift={{x}}"],
+            3,
+            "--set:1",
+        ),
+        (
+            &["--pictures", "f.#.png", "--set", "no.such=1"],
+            3,
+            "unknown-key",
+        ),
+        (&["--pictures", "{camera}.#.png"], 2, "has braces"),
+    ] {
+        let all = [&["scene.toml", "-o", "bundle"], arguments].concat();
+        let (got, text) = job(&folder, &all);
+        assert_eq!(got, Some(code), "{arguments:?}: {text}");
+        assert!(text.contains(says), "{arguments:?}: {text}");
+        assert!(!folder.join("bundle").exists(), "nothing is written");
+    }
+}

@@ -1,0 +1,261 @@
+//! What is allowed but hardly meant, and how `check` reports it.
+
+use std::{
+    fs,
+    io::Write as _,
+    path::Path,
+    process::{Command, Stdio},
+};
+
+use super::{Mistake, check_table, folder, place, results, script, text};
+
+/// A lit floor; what comes before it moves its lines down.
+macro_rules! scene {
+    ($rest:literal) => {
+        concat!(
+            $rest,
+            "[camera.main]\neye = [0, 2, 6]\ntarget = [0, 0.5, 0]\n",
+            "[model.floor]\nshape = { kind = \"plane\", size = [8, 8] }\n",
+        )
+    };
+}
+
+pub const LINTS: &[Mistake] = &[
+    text(
+        "no light",
+        scene!(""),
+        [
+            "no-light",
+            "1:1",
+            "the scene has no light",
+            "write `[environment]`",
+        ],
+    ),
+    text(
+        "a lamp in its bulb",
+        scene!(
+            "[light.lamp]\nkind = \"point\"\nposition = [0, 2, 0]\nintensity_cd = 20\n\
+             [model.bulb]\nshape = { kind = \"sphere\", radius = 0.2 }\n[[instance]]\n\
+             model = \"bulb\"\ntranslation = [0, 2.1, 0]\n[[instance]]\nmodel = \"floor\"\n"
+        ),
+        [
+            "light-inside",
+            "2:8",
+            "\"lamp\" is inside of \"bulb\"",
+            "`shadow = \"none\"`",
+        ],
+    ),
+    text(
+        "a camera in a wall",
+        scene!(
+            "[environment]\ncolor = [1, 1, 1]\n[camera.wall]\neye = [3, 1, 0]\n[model.wall]\n\
+             shape = { kind = \"box\", size = [1, 4, 4] }\n[[instance]]\nmodel = \"wall\"\n\
+             translation = [3, 1, 0]\n[[instance]]\nmodel = \"floor\"\n"
+        ),
+        [
+            "camera-inside",
+            "4:9",
+            "\"wall\" is inside of \"wall\"",
+            "move `eye` out of it",
+        ],
+    ),
+    text(
+        "a camera that looks away",
+        "[environment]\ncolor = [1, 1, 1]\n[camera.main]\neye = [0, 1, 5]\ntarget = [0, 1, 9]\n\
+         [model.ball]\nshape = { kind = \"sphere\" }\n",
+        [
+            "empty-view",
+            "4:9",
+            "sees nothing but the environment",
+            "`target = [0, 0, 0]`",
+        ],
+    ),
+    text(
+        "a picture without exposure",
+        scene!("[environment]\ncolor = [1, 1, 1]\n[image]\nexposure_ev = -15\n"),
+        [
+            "black-picture",
+            "6:9",
+            "black all over",
+            "write `exposure_ev = -1`",
+        ],
+    ),
+    text(
+        "a picture with too much",
+        scene!("[environment]\ncolor = [1, 1, 1]\n[image]\nexposure_ev = 5\n"),
+        [
+            "blown-picture",
+            "6:9",
+            "white nearly all over",
+            "write `exposure_ev = -1`",
+        ],
+    ),
+    text(
+        "short reflection rays",
+        scene!(
+            "[environment]\ncolor = [1, 1, 1]\n[reflection]\nray_length_u = 0.1\nunit_m = 1\n\
+             [material.mirror]\nmetallic = 1\nroughness = 0\n[model.wall]\n\
+             shape = { kind = \"box\", size = [40, 40, 1] }\n[model.glass]\n\
+             shape = { kind = \"box\", size = [2, 2, 0.1] }\nmaterial = \"mirror\"\n[[instance]]\n\
+             model = \"wall\"\ntranslation = [0, 0, 20]\n[[instance]]\nmodel = \"glass\"\n\
+             translation = [0, 1.5, 0]\n[[instance]]\nmodel = \"floor\"\ntranslation = [0, -9, 0]\n"
+        ),
+        [
+            "short-reflection",
+            "7:11",
+            "rays end after 0.1 m",
+            "write `ray_length_u = ",
+        ],
+    ),
+    text(
+        "a mirror in the dark",
+        "[material.mirror]\nmetallic = 1\nroughness = 0\n[material.lamp]\nemission = [1, 1, 1]\n\
+         [camera.main]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n[model.glass]\n\
+         shape = { kind = \"box\", size = [2, 2, 0.1] }\nmaterial = \"mirror\"\n[model.bulb]\n\
+         shape = { kind = \"sphere\" }\nmaterial = \"lamp\"\n[[instance]]\nmodel = \"glass\"\n\
+         [[instance]]\nmodel = \"bulb\"\ntranslation = [3, 0, -1]\n",
+        [
+            "black-reflector",
+            "2:11",
+            "reflects nothing but the black",
+            "write `[environment]`",
+        ],
+    ),
+    text(
+        "an unused material",
+        scene!("[environment]\ncolor = [1, 1, 1]\n[material.old]\nroughness = 0.5\n"),
+        [
+            "unused-material",
+            "4:11",
+            "no model or instance uses \"old\"",
+            "remove it",
+        ],
+    ),
+    text(
+        "parameters without a script",
+        scene!("[environment]\ncolor = [1, 1, 1]\n[params]\nspeed = 2\n"),
+        [
+            "unused-param",
+            "5:1",
+            "the scene has no script",
+            "write `script = ",
+        ],
+    ),
+    script(
+        "an unused parameter",
+        "fn frame(ctx) { }\n",
+        [
+            "unused-param",
+            "3:12",
+            "nothing reads the parameter \"count\"",
+            "write `ctx.params.count`",
+        ],
+    ),
+    script(
+        "a quotient of whole numbers",
+        "fn frame(ctx) {\n    ctx.place(\"b\", [ctx.frame / 24, 0, ctx.params.count]);\n}\n",
+        [
+            "integer-division",
+            "2:21",
+            "divides whole numbers",
+            "write `ctx.frame / 24.0`",
+        ],
+    ),
+    script(
+        "a variable that hides another",
+        "fn frame(ctx) {\n    let best = ctx.params.count;\n    if best > 1 { let best = 1; }\n}\n",
+        [
+            "shadowed-variable",
+            "3:23",
+            "another `best`",
+            "write `best = …`",
+        ],
+    ),
+];
+
+#[test]
+fn what_is_hardly_meant_is_a_warning() {
+    check_table(LINTS, "lint", "warning");
+}
+
+/// What looks like the mistakes of the table and is meant.
+#[test]
+fn rooms_and_lanterns_are_left_alone() {
+    let folder = folder("meant");
+    let room = "version = 1\n[camera.main]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\n[light.lamp]\n\
+                kind = \"point\"\nposition = [0, 1, 0]\nintensity_cd = 20\n[model.room]\n\
+                shape = { kind = \"box\", size = [8, 8, 8] }\n[model.ball]\n\
+                shape = { kind = \"sphere\" }\n[model.glass]\nshape = { kind = \"sphere\", radius = 0.1 }\n\
+                [[instance]]\nmodel = \"room\"\n[[instance]]\nmodel = \"ball\"\n[[instance]]\n\
+                model = \"glass\"\ntranslation = [0, 1, 0]\nmaterial = { alpha_cutoff = 0.5 }\n";
+    fs::write(folder.join("room.toml"), room).expect("writable");
+    let found = results(&folder, &["room.toml".to_owned()], 0);
+    assert_eq!(found, [0; 0].map(serde_json::Value::from));
+}
+
+#[test]
+fn the_scenes_of_the_project_have_no_warnings() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    for folder in ["scenes", "scripts"] {
+        let entries = fs::read_dir(root.join(folder)).expect("the folder is there");
+        let paths = entries.map(|entry| entry.expect("entry").path());
+        let scenes = paths.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+        files.extend(scenes.map(|path| path.display().to_string()));
+    }
+    assert!(files.len() >= 9, "{files:?}");
+    files.sort();
+    let found = results(root, &files, 0);
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn all_scenes_are_checked_and_one_may_come_from_standard_input() {
+    let folder = folder("several");
+    let good = "version = 1\nenvironment.color = [1, 1, 1]\n[model.a]\nshape.kind = \"box\"\n";
+    fs::write(folder.join("good.toml"), good).expect("writable");
+    fs::write(folder.join("bad.toml"), "version = 2\n").expect("writable");
+    let check = |arguments: &[&str], input: &str| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .current_dir(&folder)
+            .arg("check")
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let mut stdin = child.stdin.take().expect("piped");
+        stdin.write_all(input.as_bytes()).expect("it reads");
+        drop(stdin);
+        let output = child.wait_with_output().expect("it ends");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+    let (code, out, errors) = check(&["bad.toml", "good.toml", "none.toml"], "");
+    assert_eq!(
+        (code, out.as_str()),
+        (Some(3), "good.toml: ok\n"),
+        "{errors}"
+    );
+    assert!(
+        errors.contains("version 2") && errors.contains("none.toml"),
+        "{errors}"
+    );
+    let (code, out, errors) = check(&["-"], good);
+    assert_eq!((code, out.as_str()), (Some(0), "<stdin>: ok\n"), "{errors}");
+    let (code, _, errors) = check(&["-"], "version = 1\n[material.a]\nroughness = 5\n");
+    assert_eq!(code, Some(3));
+    assert!(errors.contains("<stdin>:3:13"), "{errors}");
+    let (code, out, _) = check(&["-", "--json"], "version = 1\nx = 1\n");
+    let log: serde_json::Value = serde_json::from_str(&out).expect("it is JSON");
+    let first = &log["runs"][0]["results"][0];
+    assert_eq!(
+        (code, place(first)),
+        (Some(3), ("2:1".to_owned(), "%3Cstdin%3E".to_owned()))
+    );
+}

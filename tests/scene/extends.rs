@@ -1,0 +1,116 @@
+//! Materials that extend others, and colors.
+
+use glam::Vec3;
+use reflet::scene::desc::InstanceMaterialDesc;
+
+use crate::layers::Folder;
+
+#[test]
+fn materials_extend_others() {
+    let text = "version = 1\n[material.paint]\nroughness = 0.3\nmetallic = 1\n\
+                checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n[material.red]\n\
+                extends = \"paint\"\nbase_color = \"#ff0000\"\n[material.dark]\nextends = \"red\"\n\
+                base_color = [0.1, 0, 0]\nbase_color_texture = \"a.png\"\n[model.a]\n\
+                shape = { kind = \"box\" }\nmaterial = \"dark\"\n[[instance]]\nmodel = \"a\"\n\
+                [[instance]]\nmodel = \"a\"\nmaterial = { extends = \"red\", metallic = 0.5 }\n";
+    let folder = Folder::new("extends", &[("shot/scene.toml", text)]);
+    let scene = folder.expect();
+    let material = |name: &str| {
+        let found = scene.materials.iter().find(|m| m.name == name);
+        found.expect("it is there").value.clone()
+    };
+    let (red, dark) = (material("red"), material("dark"));
+    assert_eq!(
+        (red.roughness, red.metallic, red.base_color),
+        (Some(0.3), Some(1.0), Some(Vec3::X))
+    );
+    assert!(red.checker.is_some());
+    assert_eq!(
+        (dark.roughness, dark.base_color),
+        (Some(0.3), Some(Vec3::new(0.1, 0.0, 0.0)))
+    );
+    assert!(dark.checker.is_none(), "a texture takes its place");
+    let Some(InstanceMaterialDesc::Override(over)) = &scene.instances[1].material else {
+        panic!("it is a table");
+    };
+    assert_eq!((over.metallic, over.roughness), (Some(0.5), Some(0.3)));
+    let set = folder
+        .read(&[], &["material.paint.roughness=0.9"])
+        .expect("it is right");
+    assert_eq!(
+        set.materials[2].value.roughness,
+        Some(0.9),
+        "what is set is extended"
+    );
+}
+
+#[test]
+fn materials_that_extend_nothing_or_themselves_are_named() {
+    for (text, says) in [
+        (
+            "[material.a]\nextends = \"b\"\n",
+            &["scene.toml:3:11", "no material is named \"b\""][..],
+        ),
+        (
+            "[material.a]\nextends = \"b\"\n[material.b]\nextends = \"a\"\n",
+            &[
+                "\"a\" extends itself",
+                "\"b\" extends itself",
+                "take `extends` out",
+            ],
+        ),
+        (
+            "[material.a]\nextends = 3\n",
+            &["`extends` must be text in quotes"],
+        ),
+        (
+            "[material.a]\nroughness = 7\n[material.b]\nextends = \"a\"\n",
+            &["scene.toml:3:13", "`roughness` must be 0 to 1"],
+        ),
+    ] {
+        let text = format!("version = 1\n{text}");
+        let folder = Folder::new("extends-wrong", &[("shot/scene.toml", &text)]);
+        folder.assert_says(&[], says);
+        let errors = folder.read(&[], &[]).expect_err("it is wrong");
+        assert!(
+            errors.matches("roughness` must").count() < 2,
+            "said once:\n{errors}"
+        );
+    }
+    let chain: String = (0..10_000)
+        .map(|i| format!("[material.m{i}]\nextends = \"m{}\"\n", i + 1))
+        .collect();
+    let text = format!("version = 1\n{chain}[material.m10000]\nroughness = 0.1\n");
+    let long = Folder::new("extends-long", &[("shot/scene.toml", &text)]);
+    long.assert_says(&[], &["more than 100 materials extend each other"]);
+}
+
+#[test]
+fn colors_are_linear_numbers_or_srgb_text() {
+    let text = "version = 1\n[material.a]\nbase_color = \"#ff8800\"\nemission = \"#fff\"\n\
+                checker = { colors = [\"#000\", [1, 0.5, 0]], size_m = 1 }\n[model.a]\n\
+                shape = { kind = \"box\" }\nmaterial = \"a\"\n[light.a]\nkind = \"point\"\n\
+                position = [0, 1, 0]\nintensity_cd = 1\ncolor = \"#bcbcbc\"\n[environment]\n\
+                zenith = \"#808080\"\n";
+    let folder = Folder::new("colors", &[("shot/scene.toml", text)]);
+    let scene = folder.expect();
+    let a = &scene.materials[0].value;
+    // IEC 61966-2-1: 0x88 = 0.533 is 0.2462 in linear light, 0xbc is 0.5029, 0x80 is 0.2159.
+    let near = |got: Vec3, want: Vec3| assert!(got.abs_diff_eq(want, 5e-4), "{got} {want}");
+    near(
+        a.base_color.expect("it has one"),
+        Vec3::new(1.0, 0.2462, 0.0),
+    );
+    near(a.emission.expect("it has one"), Vec3::ONE);
+    let checker = a.checker.expect("it has one");
+    near(checker.colors[1], Vec3::new(1.0, 0.5, 0.0));
+    near(scene.lights[0].value.color, Vec3::splat(0.5029));
+    near(scene.environment.zenith, Vec3::splat(0.2159));
+    let set = folder
+        .read(&[], &["material.a.base_color=#00ff00"])
+        .expect("it is right");
+    near(
+        set.materials[0].value.base_color.expect("it has one"),
+        Vec3::Y,
+    );
+}

@@ -1,0 +1,383 @@
+//! Scenes over their bases, and variants.
+
+use std::{fs, path::PathBuf};
+
+use glam::Vec3;
+use reflet::scene::{
+    dependencies::Dependencies,
+    desc::{LightKind, ModelSource, PlacementDesc, ShapeDesc},
+    diagnostic::render_all,
+    parse::ReadOptions,
+    stages::Scene,
+};
+
+/// A folder with files, gone after the test.
+pub struct Folder(PathBuf);
+
+impl Folder {
+    pub fn new(name: &str, files: &[(&str, &str)]) -> Self {
+        let path =
+            std::env::temp_dir().join(format!("reflet-layers-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        for (file, text) in files {
+            let file = path.join(file);
+            fs::create_dir_all(file.parent().expect("a folder")).expect("it can be made");
+            fs::write(file, text).expect("it can be written");
+        }
+        Self(path)
+    }
+
+    /// Reads `shot/scene.toml`, with assets in `library`.
+    pub fn read(&self, variants: &[&str], set: &[&str]) -> Result<Scene, String> {
+        let path = self.0.join("shot/scene.toml");
+        let text = fs::read_to_string(&path).expect("it is there");
+        let owned = |list: &[&str]| list.iter().map(|s| (*s).to_owned()).collect();
+        let options = ReadOptions {
+            overrides: owned(set),
+            variants: owned(variants),
+            assets: vec![self.0.join("library")],
+        };
+        let read = Scene::from_text_traced(&text, &path, &options, &Dependencies::default());
+        let folder = format!("{}/", self.0.display());
+        let shown = |all: &[_]| render_all(all, false).replace(&folder, "");
+        match read {
+            Ok((scene, warnings)) => {
+                assert!(warnings.is_empty(), "{}", shown(&warnings));
+                Ok(scene)
+            }
+            Err(errors) => Err(shown(&errors)),
+        }
+    }
+
+    #[track_caller]
+    pub fn expect(&self) -> Scene {
+        self.read(&[], &[])
+            .unwrap_or_else(|errors| panic!("{errors}"))
+    }
+
+    /// The errors have each of these.
+    #[track_caller]
+    pub fn assert_says(&self, variants: &[&str], says: &[&str]) {
+        let errors = self.read(variants, &[]).expect_err("it is wrong");
+        for part in says {
+            assert!(errors.contains(part), "no {part:?} in\n{errors}");
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const BASE: &str = "version = 1
+[camera.main]
+eye = [0, 1, 5]
+fov_deg = 40
+[material.red]
+base_color = [1, 0, 0]
+[model.ball]
+shape = { kind = \"sphere\", radius = 2 }
+material = \"red\"
+[[instance]]
+name = \"a\"
+model = \"ball\"
+translation = [1, 0, 0]
+[[instance]]
+name = \"b\"
+model = \"ball\"
+[light.lamp]
+kind = \"spot\"
+position = [0, 5, 0]
+target = [0, 0, 0]
+intensity_cd = 9
+[light.sun]
+kind = \"directional\"
+direction = [0, -1, 0]
+intensity_lux = 2
+[variant.night.light.sun]
+intensity_lux = 0.1
+[variant.dusk]
+remove = [\"light.lamp\"]
+environment = { color = [1, 0.5, 0] }
+light.sun.intensity_lux = 0.5
+";
+
+fn over_base(name: &str, shot: &str) -> Folder {
+    let shot = format!("version = 1\nbase = \"base.toml\"\n{shot}");
+    Folder::new(
+        name,
+        &[("shot/base.toml", BASE), ("shot/scene.toml", &shot)],
+    )
+}
+
+#[test]
+fn keys_above_win_and_all_others_stay() {
+    let folder = over_base(
+        "keys",
+        "[camera.main]\nfov_deg = 20\n[[instance]]\nname = \"a\"\nmatrix = [1,0,0,0, 0,1,0,0, \
+         0,0,1,0, 5,6,7,1]\n[[instance]]\nname = \"c\"\nmodel = \"ball\"\n[model.ball]\n\
+         shape = { kind = \"box\" }\n[light.lamp]\ndirection = [1, 0, 0]\n",
+    );
+    let scene = folder.expect();
+    let camera = &scene.cameras[0].value;
+    assert_eq!(
+        (camera.fov_deg, camera.eye),
+        (20.0, Vec3::new(0.0, 1.0, 5.0))
+    );
+    let names: Vec<_> = scene
+        .instances
+        .iter()
+        .filter_map(|i| i.name.as_deref())
+        .collect();
+    assert_eq!(names, ["a", "b", "c"]);
+    // What excludes what is written above does not count: `translation`, the radius, `target`.
+    assert!(matches!(
+        scene.instances[0].placement,
+        PlacementDesc::Matrix(_)
+    ));
+    let ball = &scene.models[0].value;
+    assert_eq!(
+        ball.source,
+        ModelSource::Shape(ShapeDesc::Box { size: Vec3::ONE })
+    );
+    assert_eq!(
+        ball.material.as_ref().map(|m| m.value.as_str()),
+        Some("red")
+    );
+    let lamp = scene
+        .lights
+        .iter()
+        .find(|l| l.name == "lamp")
+        .expect("it stays");
+    match lamp.value.kind {
+        LightKind::Spot {
+            direction,
+            target,
+            intensity_cd,
+            ..
+        } => {
+            assert_eq!((direction, target, intensity_cd), (Vec3::X, None, 9.0));
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(
+        scene.text_files()[0].ends_with("base.toml"),
+        "bases are followed"
+    );
+}
+
+/// Names that are keys elsewhere exclude nothing.
+#[test]
+fn names_may_be_like_keys() {
+    let base =
+        "version = 1\n[model.file]\nshape = { kind = \"box\" }\n[camera.target]\nfov_deg = 20\n";
+    let shot = "version = 1\nbase = \"base.toml\"\n[model.shape]\nshape = { kind = \"cone\" }\n\
+                [camera.direction]\nfov_deg = 30\n[variant.v.model.file]\nshape = { kind = \"sphere\" }\n";
+    let folder = Folder::new(
+        "names",
+        &[("shot/base.toml", base), ("shot/scene.toml", shot)],
+    );
+    let scene = folder
+        .read(&["v"], &[])
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!((scene.models.len(), scene.cameras.len()), (2, 2));
+}
+
+#[test]
+fn mistakes_are_placed_in_the_file_that_has_them() {
+    let folder = over_base(
+        "places",
+        "[camera.main]\nfov_deg = 900\n[material.red]\nbase_color = [2, 0, 0]\n[light.sun]\n\
+         kind = \"point\"\n",
+    );
+    folder.assert_says(
+        &[],
+        &[
+            "--> shot/scene.toml:4:11",
+            "--> shot/scene.toml:6:15",
+            // With another kind nothing of the base's light is left.
+            "`position` is missing in `[light.sun]`\n --> shot/scene.toml:7:1",
+        ],
+    );
+    let folder = over_base("doubled", "[[instance]]\nmodel = \"bal\"\n");
+    folder.assert_says(&[], &["--> shot/scene.toml:4:9", "--> shot/base.toml:7:8"]);
+}
+
+#[test]
+fn what_is_removed_is_gone() {
+    let folder = over_base(
+        "removed",
+        "remove = [\"light.lamp\", \"instance.a\", \"material.red.base_color\"]\n",
+    );
+    let scene = folder.expect();
+    assert_eq!(scene.lights.len(), 1);
+    assert_eq!(scene.instances.len(), 1);
+    assert_eq!(scene.materials[0].value.base_color, None);
+    for (shot, says) in [
+        (
+            "remove = [\"light.lmap\"]\n",
+            &[
+                "scene.toml:3:11",
+                "nothing at \"light.lmap\"",
+                "did you mean \"lamp\"?",
+            ][..],
+        ),
+        ("remove = \"instance.9\"\n", &["there are \"a\", \"b\""]),
+        ("remove = \"a..b\"\n", &["is not a path of names"]),
+        ("remove = [3]\n", &["`remove` must be text in quotes"]),
+        // What refers to it says so, in its own file.
+        (
+            "remove = \"material.red\"\n",
+            &["base.toml:9:12", "no material is named \"red\""],
+        ),
+    ] {
+        over_base("not-removed", shot).assert_says(&[], says);
+    }
+    let alone = Folder::new(
+        "alone",
+        &[("shot/scene.toml", "version = 1\nremove = \"a\"\n")],
+    );
+    alone.assert_says(
+        &[],
+        &["there is no base of which something could be removed"],
+    );
+}
+
+#[test]
+fn circles_missing_bases_and_too_many_are_named() {
+    let circle = Folder::new(
+        "circle",
+        &[
+            ("shot/scene.toml", "version = 1\nbase = \"b.toml\"\n"),
+            ("shot/b.toml", "version = 1\nbase = \"scene.toml\"\n"),
+        ],
+    );
+    circle.assert_says(
+        &[],
+        &["\"scene.toml\" is its own base", "--> shot/b.toml:2:8"],
+    );
+    let missing = Folder::new(
+        "missing",
+        &[("shot/scene.toml", "version = 1\nbase = \"no.toml\"\n")],
+    );
+    missing.assert_says(
+        &[],
+        &["does not exist, nor in", "library", "scene.toml:2:8"],
+    );
+    let outside = Folder::new(
+        "outside",
+        &[("shot/scene.toml", "version = 1\nbase = \"../b.toml\"\n")],
+    );
+    outside.assert_says(&[], &["is not below the scene's folder"]);
+    let number = Folder::new("number", &[("shot/scene.toml", "version = 1\nbase = 3\n")]);
+    number.assert_says(&[], &["`base` must be text in quotes, not the number 3"]);
+    let texts: Vec<_> = (0..10_000)
+        .map(|i| {
+            (
+                format!("library/{i}.toml"),
+                format!("version = 1\nbase = \"{}.toml\"\n", i + 1),
+            )
+        })
+        .collect();
+    let mut files: Vec<_> = texts
+        .iter()
+        .map(|(n, t)| (n.as_str(), t.as_str()))
+        .collect();
+    files.push(("shot/scene.toml", "version = 1\nbase = \"0.toml\"\n"));
+    let many = Folder::new("many", &files);
+    many.assert_says(&[], &["at most 100 bases", "library/99.toml:2:8"]);
+}
+
+#[test]
+fn a_library_holds_bases_included_files_and_scripts() {
+    let base = "version = 1\ninclude = \"looks/red.toml\"\nscript = \"move.rhai\"\n\
+                timeline = { end = 1 }\n\
+                [model.ball]\nshape = { kind = \"sphere\" }\nmaterial = \"red\"\n";
+    let folder = Folder::new(
+        "library",
+        &[
+            ("library/base.toml", base),
+            (
+                "library/looks/red.toml",
+                "[material.red]\nroughness = 0.3\n",
+            ),
+            (
+                "library/move.rhai",
+                "import \"more\" as more;\nfn frame(ctx) { }\n",
+            ),
+            ("library/more.rhai", "fn x() { }\n"),
+            (
+                "shot/scene.toml",
+                "version = 1\nbase = \"base.toml\"\n[material.red]\nmetallic = 1\n",
+            ),
+        ],
+    );
+    let scene = folder.expect();
+    let red = &scene.materials[0].value;
+    assert_eq!((red.roughness, red.metallic), (Some(0.3), Some(1.0)));
+    assert_eq!(scene.text_files().len(), 4);
+    let inner = Folder::new(
+        "inner",
+        &[
+            ("shot/scene.toml", "version = 1\ninclude = \"a.toml\"\n"),
+            ("shot/a.toml", "base = \"b.toml\"\n"),
+        ],
+    );
+    inner.assert_says(
+        &[],
+        &["an included file cannot have `base`", "shot/a.toml:1:1"],
+    );
+}
+
+#[test]
+fn variants_are_laid_over_the_scene() {
+    let shot =
+        "[variant.night]\nenvironment.color = \"#000010\"\n[variant.bad]\nlight.sun.kind = 3\n";
+    let folder = over_base("variants", shot);
+    let lux = |scene: &Scene| {
+        let sun = scene
+            .lights
+            .iter()
+            .find(|l| l.name == "sun")
+            .expect("it stays");
+        sun.value.kind.intensity()
+    };
+    let plain = folder.expect();
+    let names: Vec<_> = plain.variants.iter().map(|v| v.value.as_str()).collect();
+    assert_eq!((lux(&plain), names), (2.0, vec!["bad", "night", "dusk"]));
+    let night = folder.read(&["night"], &[]).expect("it is right");
+    assert_eq!(lux(&night), 0.1);
+    assert!(night.environment.zenith.z > 0.0 && night.environment.zenith.x == 0.0);
+    let both = folder.read(&["night", "dusk"], &[]).expect("it is right");
+    assert_eq!((lux(&both), both.lights.len()), (0.5, 1));
+    assert_eq!(both.environment.zenith, Vec3::new(1.0, 0.5, 0.0));
+    let set = folder
+        .read(&["dusk"], &["light.sun.intensity_lux=7"])
+        .expect("it is right");
+    assert_eq!(lux(&set), 7.0, "values are set last");
+    folder.assert_says(
+        &["nihgt"],
+        &["no variant is named \"nihgt\"", "did you mean \"night\"?"],
+    );
+    folder.assert_says(&["bad"], &["`kind` must be", "shot/scene.toml:6:18"]);
+    let wrong = over_base("wrong-variants", "variant = 3\n");
+    wrong.assert_says(&[], &["`variant` must be"]);
+}
+
+#[test]
+fn the_variation_of_the_readme_can_be_read() {
+    let story = crate::common::readme::Story::read();
+    let [scene, ..] = story.scenes();
+    let files = [
+        ("shot/my.toml", scene.as_str()),
+        ("shot/scene.toml", &story.shot),
+    ];
+    let folder = Folder::new("readme", &files);
+    let scene = folder
+        .read(&["night"], &[])
+        .unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!((scene.instances.len(), scene.lights.len()), (2, 0));
+    assert!(scene.environment.zenith.max_element() < 0.1);
+}
