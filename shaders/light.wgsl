@@ -9,13 +9,17 @@
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
+// Whether the camera sees the environment.
+override SHOW_ENVIRONMENT: bool = true;
+
 fn light_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
+    start_samples(id.xy, 0u);
     var lit: Shade;
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         lit = shade(s, normalize(frame.eye - s.position));
-    } else {
+    } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
     }
     textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), 1.0));

@@ -183,7 +183,8 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
             triangles_in_view += count;
         }
     }
-    let (mut map_pixels, mut map_views) = ([0.0; 3], [0.0; 3]);
+    let mut map_pixels = [0.0; LightKind::NAMES.len()];
+    let mut map_views = map_pixels;
     for light in world
         .lights
         .iter()

@@ -135,6 +135,22 @@ pub fn assign_slots(textures: &[Texture]) -> Vec<PoolSlot> {
     textures.iter().map(place).collect()
 }
 
+/// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
+pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
+    use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
+    [[R, R], [R, C], [C, R], [C, C]].map(|[u, v]| {
+        gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("texture sampler"),
+            address_mode_u: u,
+            address_mode_v: v,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        })
+    })
+}
+
 /// Resampling of each texture to its pool's size.
 fn samplings(world: &World) -> Vec<Sampling> {
     let mut samplings = vec![Sampling::default(); world.textures.len()];

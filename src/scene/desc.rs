@@ -6,6 +6,7 @@
 
 mod animation;
 mod camera;
+mod environment;
 mod include;
 mod light;
 mod material;
@@ -21,6 +22,7 @@ use glam::{Mat4, Quat, Vec3};
 pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
+    environment::{EnvironmentDesc, EnvironmentShadow},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
@@ -220,19 +222,6 @@ pub struct RepeatDesc {
     pub step: Vec3,
 }
 
-/// `[environment]`: `color` for all directions, or the gradient `zenith`, `horizon`, `ground`.
-///
-/// - `color`: linear radiance in all directions, three numbers 0 or more.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct EnvironmentDesc {
-    /// Linear radiance straight up, 0 or more. Default black.
-    pub zenith: Vec3,
-    /// Linear radiance at the horizon, 0 or more. Default black.
-    pub horizon: Vec3,
-    /// Linear radiance straight down, 0 or more. Default black.
-    pub ground: Vec3,
-}
-
 /// How reflections are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Method {
@@ -291,7 +280,8 @@ pub struct ReflectionDesc {
     pub bounces: u32,
     /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
     pub steps: u32,
-    /// `"auto"` materials reflect below this roughness, 0 to 1. Default 0.2.
+    /// `"auto"` materials reflect below this roughness, 0 to 1. Rougher ones show only the environment
+    /// and the lights, which costs less; more reflects more of them. Default 0.2.
     pub roughness_cutoff: f32,
     /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
     pub unit_m: Option<f32>,
@@ -336,6 +326,8 @@ pub enum ToneMap {
     Neutral,
     /// `"aces"`: a filmic curve (Narkowicz's fit of ACES).
     Aces,
+    /// `"agx"`: a filmic curve that turns bright colors pale (Sobotka's AgX, Wrensch's fit).
+    Agx,
 }
 
 /// How the surface that each pixel shows is found.
@@ -358,6 +350,10 @@ pub struct ImageDesc {
     pub size: [u32; 2],
     /// Sub-frames averaged per picture, 1 to 4096. More smooths edges. Default 1.
     pub samples: u32,
+    /// Rays that every pixel of a sub-frame sends towards each light with a size, and towards an
+    /// environment with `shadow = "ray"` or a `file`, 1 to 256. More is less grainy, and takes longer; `samples` multiplies it. Default 4 with
+    /// 1 sample, 2 with 2 or 3, else 1.
+    pub light_rays: Option<u32>,
     /// Exposure in stops, -20 to 20; +1 doubles the brightness. Default 0.
     pub exposure_ev: f32,
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
@@ -367,11 +363,20 @@ pub struct ImageDesc {
     pub visibility: Visibility,
 }
 
+impl ImageDesc {
+    /// Rays of a pixel and sub-frame towards each light that is sampled.
+    pub fn light_rays(&self) -> u32 {
+        let default = 4_u32.div_ceil(self.samples.max(1));
+        self.light_rays.unwrap_or(default)
+    }
+}
+
 impl Default for ImageDesc {
     fn default() -> Self {
         Self {
             size: [1280, 720],
             samples: 1,
+            light_rays: None,
             exposure_ev: 0.0,
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,

@@ -21,6 +21,7 @@ use crate::scene::{
 mod asset_cache;
 mod camera;
 mod check_names;
+mod environment;
 mod lights_and_cameras;
 mod material;
 mod material_binding;
@@ -83,6 +84,7 @@ pub fn load_with_cache(
     let mut loader = Loader::new(desc, options);
     let models = loader.read_models();
     loader.check_names(&models);
+    loader.read_environment();
     loader.fail_on_errors()?;
     loader.place_all(&models);
     loader.fail_on_errors()?;
@@ -151,10 +153,7 @@ impl<'a> Loader<'a> {
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             folders,
-            world: World {
-                environment: desc.environment,
-                ..World::default()
-            },
+            world: World::default(),
             errors: Vec::new(),
             textures: material::TextureTable::default(),
             files: HashMap::new(),
@@ -326,6 +325,10 @@ impl<'a> Loader<'a> {
             images,
             mesh_warnings,
             files,
+            panorama: (
+                self.desc.environment.file.as_ref().map(|f| f.value.clone()),
+                self.world.environment.panorama.clone(),
+            ),
         };
         Ok((self.world, asset_cache))
     }

@@ -26,6 +26,7 @@ const BEYOND_SCHEMA: &[&str] = &[
     "singular",
     "too-many-lights",
     "wrong-motion",
+    "wrong-shadow",
     "wrong-source",
     "zero-direction",
 ];
