@@ -137,7 +137,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     let [software, gpu] = [true, false].map(|software| decide(world, &trees, &options, software));
     let plan = Plan::of(world, &trees, &assign_slots(&world.textures), &gpu.options);
     let materials = world.materials.iter();
-    let cutoff = reflection.roughness_cutoff;
+    let cutoff = reflection.reflects_below();
     Ok(Info {
         scene: loaded.name.clone(),
         cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),

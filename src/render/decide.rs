@@ -89,7 +89,7 @@ impl Decider<'_> {
         if self.asked.reflection.method != Method::Auto {
             return;
         }
-        if !reflects(self.world, self.asked.reflection.roughness_cutoff) {
+        if !reflects(self.world, self.asked.reflection.reflects_below()) {
             self.decided.options.reflection.method = Method::Rt;
             return;
         }
@@ -202,7 +202,7 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
     }
     let [width, height] = options.image.size;
     let settings = &options.reflection;
-    let (cutoff, bounces) = (settings.roughness_cutoff, settings.bounces);
+    let (cutoff, bounces) = (settings.reflects_below(), settings.bounces);
     Workload {
         pixels: f64::from(width) * f64::from(height),
         samples: f64::from(options.image.samples),

@@ -80,7 +80,7 @@ impl Frame {
             right: view.right.to_array(),
             ray_length_m: settings.ray_length_u * unit_m,
             up: view.up.to_array(),
-            roughness_cutoff: settings.roughness_cutoff,
+            roughness_cutoff: settings.reflects_below(),
             size: view.size.map(|v| v as f32),
             jitter: jitter.to_array(),
             zenith: radiance(environment.zenith),

@@ -116,7 +116,7 @@ pub fn has_primary_rays(options: &RenderOptions) -> bool {
 /// Whether a frame follows rays, so that it needs trees: for reflections, primary visibility or
 /// shadows.
 pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
-    let cutoff = options.reflection.roughness_cutoff;
+    let cutoff = options.reflection.reflects_below();
     let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
     reflections
         || has_primary_rays(options)
@@ -132,7 +132,7 @@ impl Plan {
         Self {
             sampled_environment: world.environment.is_sampled(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
-            rough_reflections: reflects_roughly(world, settings.roughness_cutoff),
+            rough_reflections: reflects_roughly(world, settings.reflects_below()),
             panorama: world.environment.panorama.is_some(),
             environment_rays: world.environment.casts_rays(),
             shows_environment: world.environment.desc.visible,
@@ -160,7 +160,7 @@ impl Plan {
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
         let (slot_pools, wraps) = samplers(world, &used, slots);
-        let cutoff = settings.roughness_cutoff;
+        let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
         let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
