@@ -23,12 +23,12 @@ struct Params {
 @group(2) @binding(10) var<uniform> params: Params;
 
 // The paper's attenuation: a reflection loses itself in the environment towards the ray's length.
-fn faded(pixel: vec2u, s: Surface, direction: vec3f, found: vec3f) -> vec3f {
+fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
     if (frame.fade == 0u) { return found; }
     let at = textureLoad(hit, pixel, 0);
     if (at.y == NONE) { return found; }
     let rest = saturate(1.0 - bitcast<f32>(at.x) / frame.ray_length_m);
-    return mix(environment(mirror_direction(direction, s)), found, rest);
+    return mix(environment(direction), found, rest);
 }
 
 @compute @workgroup_size(8, 8)
@@ -40,9 +40,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);
-            let direction = normalize(s.position - frame.eye);
-            let found = faded(id.xy, s, direction, textureLoad(reflection, id.xy, 0).xyz);
-            out += fresnel(s, dot(s.normal, -direction)) * found;
+            start_samples(id.xy, 0u);
+            let ray = reflected(normalize(s.position - frame.eye), s);
+            out += ray.weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
         }
     }
     if (params.sample > 0u) {

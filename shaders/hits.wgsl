@@ -11,15 +11,23 @@
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 fn shade_pixel(pixel: vec2u) {
+    start_samples(pixel, 0u);
     let first = load_surface(pixel);
-    let direction = mirror_direction(normalize(first.position - frame.eye), first);
+    let ray = reflected(normalize(first.position - frame.eye), first);
+    let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
     let cone_m = frame.pixel_spread * (distance(first.position, frame.eye) + bitcast<f32>(found.x));
     let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
-    var lent = vec2u(0u);
-    if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
-    let lit = shade(s, -direction, lent);
-    textureStore(reflection, pixel, vec4f(min(lit.diffuse + lit.specular, vec3f(65000.0)), 1.0));
+    start_samples(pixel, 1u);
+    let light = seen_light(first.position, ray, bitcast<f32>(found.x));
+    var color = light.radiance;
+    if (!light.is_seen) {
+        var lent = vec2u(0u);
+        if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
+        let lit = shade(s, -direction, lent);
+        color = lit.diffuse + lit.specular;
+    }
+    textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

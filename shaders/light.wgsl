@@ -13,15 +13,19 @@ override LENDS_LIGHT: bool = true;
 
 const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
+// Whether the camera sees the environment.
+override SHOW_ENVIRONMENT: bool = true;
+
 fn light_pixel(id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
+    start_samples(id.xy, 0u);
     var lit: Shade;
     var unlit = 0.0;
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         lit = shade(s, normalize(frame.eye - s.position), vec2u(0u));
         unlit = select(0.0, 1.0, s.unlit);
-    } else {
+    } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
     }
     textureStore(radiance, id.xy, vec4f(min(lit.diffuse, BRIGHTEST), unlit));

@@ -340,8 +340,10 @@ var<workgroup> first_ray: u32;
 
 // Marches a pixel and writes what is known of its reflection.
 fn reflect_pixel(pixel: vec2u) -> u32 {
+    start_samples(pixel, 0u);
     let s = load_surface(pixel);
-    let direction = mirror_direction(normalize(s.position - frame.eye), s);
+    let ray = reflected(normalize(s.position - frame.eye), s);
+    let direction = ray.direction;
     let m = march(s, direction);
     let is_hit = m.cause == CAUSE_HIT;
     var found = vec4u(0u, NONE, NONE, 0u);
@@ -349,7 +351,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     textureStore(hit, pixel, found);
     textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
     if (m.cause == CAUSE_NONE) {
-        textureStore(reflection, pixel, vec4f(min(environment(direction), vec3f(65000.0)), 1.0));
+        textureStore(reflection, pixel, vec4f(min(beyond(s.position, ray), vec3f(65000.0)), 1.0));
     } else if (!TRACE && !is_hit) {
         textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
     }

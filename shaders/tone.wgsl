@@ -32,6 +32,26 @@ fn aces(c: vec3f) -> vec3f {
     return saturate((c * (2.51 * c + 0.03)) / (c * (2.43 * c + 0.59) + 0.14));
 }
 
+// Troy Sobotka's AgX with its default look, by the fit of Wrensch 2023, "Minimal AgX Implementation".
+fn agx(c: vec3f) -> vec3f {
+    let inset = mat3x3f(
+        vec3f(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
+        vec3f(0.0784335999999992, 0.878468636469772, 0.0784336),
+        vec3f(0.0792237451477643, 0.0791661274605434, 0.879142973793104),
+    );
+    let outset = mat3x3f(
+        vec3f(1.19687900512017, -0.0528968517574562, -0.0529716355144438),
+        vec3f(-0.0980208811401368, 1.15190312990417, -0.0980434501171241),
+        vec3f(-0.0990297440797205, -0.0989611768448433, 1.15107367264116),
+    );
+    let stops = clamp(log2(max(inset * c, vec3f(1e-10))), vec3f(-12.47393), vec3f(4.026069));
+    let x = (stops + 12.47393) / (4.026069 + 12.47393);
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let curve = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    return pow(max(outset * curve, vec3f(0.0)), vec3f(2.2));
+}
+
 // IEC 61966-2-1.
 fn srgb(c: vec3f) -> vec3f {
     return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, c * 12.92, c <= vec3f(0.0031308));
@@ -45,6 +65,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     switch params.curve {
         case TONE_NEUTRAL: { c = neutral(c); }
         case TONE_ACES: { c = aces(c); }
+        case TONE_AGX: { c = agx(c); }
         default: {}
     }
     // Unlit materials are not exposed and not tone-mapped.

@@ -29,20 +29,27 @@ fn pixel_of(ray: u32) -> vec2u {
 
 fn trace_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
-    var direction = normalize(first.position - frame.eye);
     var cone_m = frame.pixel_spread * distance(first.position, frame.eye);
     var origin = ray_origin(first.position, first.geometric_normal);
-    direction = mirror_direction(direction, first);
+    start_samples(pixel, 0u);
+    var ray = reflected(normalize(first.position - frame.eye), first);
 
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
     var start_m = free_m(textureLoad(cause, pixel, 0).x); // the march has looked up to here
     for (var bounce = 0u; bounce < frame.bounces; bounce++) {
+        start_samples(pixel, bounce + 1u);
+        let direction = ray.direction;
         let h = trace_nearest(origin, direction, start_m, frame.ray_length_m);
         start_m = 0.0;
         if (h.instance == NONE) {
-            color += throughput * environment(direction);
+            color += throughput * beyond(origin, ray);
+            break;
+        }
+        let light = seen_light(origin, ray, h.t);
+        if (light.is_seen) {
+            color += throughput * light.radiance;
             break;
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
@@ -57,10 +64,10 @@ fn trace_pixel(pixel: vec2u) {
             color += throughput * (lit.diffuse + lit.specular);
         }
         if (!is_reflector(s)) { break; }
-        throughput *= fresnel(s, dot(s.normal, -direction));
+        ray = reflected(direction, s);
+        throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < DARKEST) { break; }
         origin = ray_origin(s.position, s.geometric_normal);
-        direction = mirror_direction(direction, s);
     }
     if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }
     textureStore(hit, pixel, found);

@@ -61,6 +61,11 @@
 //! [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs
 //! of the adapter's kind. Nothing is timed, so that every machine of a kind decides alike.
 //!
+//! What has an extent (a panorama, a light with a size, a rough reflection) is sampled:
+//! `shaders/lib/sampling.wgsl` gives every pixel and sub-frame its own numbers, and reflection rays and
+//! rays towards what shines are weighted against each other, so that sub-frames converge.
+//! [`render::shader_variant`] keeps all of that out of shaders whose scene has no such thing.
+//!
 //! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
 //! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
 //! settings and its camera, so any of them can be rendered alone.

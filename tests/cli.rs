@@ -203,7 +203,7 @@ fn check_and_info_need_no_gpu() {
     let json = without_gpu(&["info", "scene.toml", "--json"]);
     let info: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(info["instances"], 2);
-    assert_eq!(info["lights"], serde_json::json!([0, 0, 1]));
+    assert_eq!(info["lights"], serde_json::json!([0, 0, 1, 0, 0]));
     // The floor's diagonal with the ball on it: sqrt(4² + 4² + 1.2²) / 16.
     let unit_m = info["unit_m"].as_f64().expect("a number");
     assert!((unit_m - f64::sqrt(33.44) / 16.0).abs() < 1e-6, "{unit_m}");

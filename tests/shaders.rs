@@ -7,21 +7,23 @@ use reflet::gpu::{
     check,
     reflect::capabilities,
 };
-use reflet::render::constants::with_constants;
+use reflet::render::shader_variant::ShaderVariant;
 
-fn library() -> ShaderLibrary {
-    with_constants(&ShaderLibrary::embedded()).unwrap_or_else(|e| panic!("{e}"))
+/// The library of every variant.
+fn libraries() -> [ShaderLibrary; 4] {
+    let embedded = ShaderLibrary::embedded();
+    ShaderVariant::ALL.map(|v| v.library(&embedded).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn shipped() -> Vec<ShaderModuleInfo> {
-    let library = library();
     // The optional features that `Gpu` asks for; a shader that needs one has a twin that does not.
     let capabilities = capabilities(wgpu::Features::PRIMITIVE_INDEX);
-    let checked = library.names().map(|name| {
-        library
-            .source(name)
-            .and_then(|source| check(&source, capabilities))
+    let libraries = libraries();
+    let all = libraries.iter().flat_map(|library| {
+        let names = library.names();
+        names.map(move |name| library.source(name))
     });
+    let checked = all.map(|source| source.and_then(|source| check(&source, capabilities)));
     let (good, bad): (Vec<_>, Vec<_>) = checked.partition(Result::is_ok);
     let errors: Vec<String> = bad
         .into_iter()
@@ -44,12 +46,13 @@ fn every_shader_validates_and_has_an_entry_point() {
 
 #[test]
 fn every_library_is_imported_somewhere() {
-    let library = library();
-    let all: String = library
-        .names()
-        .filter_map(|name| library.source(name).ok())
-        .map(|source| source.text)
-        .collect();
+    let libraries = libraries();
+    let texts = libraries.iter().flat_map(|library| {
+        let sources = library.names().filter_map(|name| library.source(name).ok());
+        sources.map(|source| source.text)
+    });
+    let all: String = texts.collect();
+    let library = &libraries[0];
     for name in library.lib_names() {
         let lib = library.lib_source(name).unwrap_or_else(|e| panic!("{e}"));
         // The last line of a library stands in every shader that imports it.
@@ -105,7 +108,12 @@ fn embedded_shaders_equal_the_folder() {
     assert!(embedded.names().eq(on_disk.names()));
     assert!(embedded.lib_names().eq(on_disk.lib_names()));
     for name in embedded.names() {
-        let text = |library| Ok(with_constants(library)?.source(name)?.text);
+        let text = |library| {
+            Ok(ShaderVariant::default()
+                .library(library)?
+                .source(name)?
+                .text)
+        };
         let texts: [Result<_, ShaderError>; 2] = [&embedded, &on_disk].map(text);
         assert_eq!(texts[0].as_ref().ok(), texts[1].as_ref().ok(), "{name}");
     }
@@ -170,4 +178,25 @@ fn every_pass_reads_only_what_was_written_before() {
         }
         written.extend(pass.writes);
     }
+}
+
+/// What a scene does not use is no part of its shaders: neither code nor bindings.
+#[test]
+fn closed_forms_need_no_samples() {
+    let [closed, _, sampled, panorama] = libraries();
+    let bindings = |library: &ShaderLibrary| {
+        let source = library.source("light").unwrap_or_else(|e| panic!("{e}"));
+        let info = check(&source, capabilities(wgpu::Features::empty()));
+        let info = info.unwrap_or_else(|e| panic!("{e}"));
+        let names = info.bindings.iter().map(|b| b.name.clone());
+        (source.text, names.collect::<Vec<_>>())
+    };
+    let has = |(text, names): &(String, Vec<String>), name: &str| {
+        [text.contains(name), names.iter().any(|n| n == name)]
+    };
+    let [closed, sampled, panorama] = [closed, sampled, panorama].map(|l| bindings(&l));
+    assert_eq!(has(&closed, "sampling"), [false; 2]);
+    assert_eq!(has(&sampled, "sampling"), [true; 2]);
+    assert_eq!(has(&sampled, "panorama_density"), [false; 2]);
+    assert_eq!(has(&panorama, "panorama_density"), [true; 2]);
 }

@@ -19,6 +19,7 @@ mv "$images/atrium-one.source.png" "$images/atrium-source.png"
 mv "$images/atrium-one.cause.png" "$images/atrium-cause.png"
 rm "$images/atrium-one.png"
 "$binary" render "$root/scenes/mirrors.toml" --samples 8 --size 640x360 --output "$images/mirrors.png"
+"$binary" render "$root/scenes/studio.toml" --samples 64 --size 640x360 --output "$images/studio.png"
 "$binary" render "$root/scenes/cornell.toml" --samples 8 --size 640x360 --output "$images/cornell.png"
 
 # The films at their start and at a later frame that differs most.

@@ -1,4 +1,4 @@
-// Group 0: what one frame has in common: the camera, the lights, the environment, the shadow maps.
+// Group 0: what one frame has in common: the camera, the lights, the shadow maps.
 
 #import constants
 
@@ -38,6 +38,10 @@ struct Light {
     layer: u32, // of its shadow map
     texel: f32, // world size of a shadow texel: at distance 1, or anywhere for directional
     clip_from_world: mat4x4f,
+    half_u: vec3f, // from the middle of a flat light to its edges
+    extent: f32, // radius; of directional lights half their angle
+    half_v: vec3f,
+    is_sized: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
@@ -52,26 +56,4 @@ const PI: f32 = 3.14159265358979;
 fn pixel_ray(pixel: vec2f) -> vec3f {
     let ndc = (pixel + frame.jitter) / frame.size * 2.0 - 1.0;
     return frame.forward + frame.right * ndc.x - frame.up * ndc.y;
-}
-
-fn environment(direction: vec3f) -> vec3f {
-    let y = clamp(direction.y, -1.0, 1.0);
-    return frame.horizon
-        + (frame.zenith - frame.horizon) * max(y, 0.0)
-        + (frame.ground - frame.horizon) * max(-y, 0.0);
-}
-
-// Mean of a clamped cosine lobe around +Y under a clamped cosine lobe at `c` = cos of the angle
-// between them: 2/(3π) ((π − θ) cos θ + sin θ).
-fn lobe_overlap(c: f32) -> f32 {
-    let cosine = clamp(c, -1.0, 1.0);
-    let sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    return (2.0 / (3.0 * PI)) * ((PI - acos(cosine)) * cosine + sine);
-}
-
-// Irradiance / π of `environment` on a surface with this normal, in closed form.
-fn ambient(normal: vec3f) -> vec3f {
-    return frame.horizon
-        + (frame.zenith - frame.horizon) * lobe_overlap(normal.y)
-        + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
 }

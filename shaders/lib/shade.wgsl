@@ -1,5 +1,8 @@
 // Light on a surface: one function for raster pixels, screen hits and traced hits.
 
+#import ambient
+#import environment
+#import extent
 #import frame
 #import surface
 #import shadow
@@ -45,16 +48,11 @@ fn diffuse_albedo(s: Surface) -> vec3f {
     return s.base_color * (1.0 - s.metallic) * (1.0 - coat);
 }
 
-// Environment through a rough lobe: Karis 2014, "Physically Based Shading on Mobile".
-fn environment_specular(s: Surface, view: vec3f) -> vec3f {
-    let nv = saturate(dot(s.normal, view));
-    let r = s.roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
-    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
-    let ab = vec2f(-1.04, 1.04) * a + r.zw;
-    let f = f0(s);
-    let direction = reflect(-view, s.normal);
-    let radiance = mix(environment(direction), ambient(s.normal), s.roughness);
-    return max(f * ab.x + vec3f(f90(f)) * ab.y, vec3f(0.0)) * radiance * s.occlusion;
+// Below it highlights would be smaller than rounding can tell, and reflections are sharp.
+const SMOOTH_ALPHA: f32 = 2e-3;
+
+fn ggx_alpha(s: Surface) -> f32 {
+    return max(s.roughness * s.roughness, SMOOTH_ALPHA);
 }
 
 // GGX with the height-correlated Smith term (Heitz 2014), times cos θ.
@@ -63,7 +61,7 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     let nl = saturate(dot(s.normal, to_light));
     let nv = max(dot(s.normal, view), 1e-3);
     let nh = saturate(dot(s.normal, h));
-    let alpha = max(s.roughness * s.roughness, 2e-3);
+    let alpha = ggx_alpha(s);
     let a2 = alpha * alpha;
     let d = nh * nh * (a2 - 1.0) + 1.0;
     let visibility = 0.5 / max(nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2), 1e-6);
@@ -90,17 +88,24 @@ fn incoming(i: u32, position: vec3f) -> Incoming {
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
     r.color = lights[i].color / d2;
+    r.color *= reach(i, r.to_light, r.distance_m);
+    return r;
+}
+
+// Share of a light's intensity that its range and its cone let through.
+fn reach(i: u32, to_light: vec3f, distance_m: f32) -> f32 {
+    var share = 1.0;
     if (lights[i].range_m > 0.0) {
         // KHR_lights_punctual, "Range Property".
-        let x = r.distance_m / lights[i].range_m;
-        r.color *= saturate(1.0 - x * x * x * x);
+        let x = distance_m / lights[i].range_m;
+        share *= saturate(1.0 - x * x * x * x);
     }
     if (lights[i].kind == LIGHT_SPOT) {
         // KHR_lights_punctual, "Inner and Outer Cone Angles".
-        let cone = saturate(-dot(lights[i].direction, r.to_light) * lights[i].spot_scale + lights[i].spot_offset);
-        r.color *= cone * cone;
+        let cone = saturate(-dot(lights[i].direction, to_light) * lights[i].spot_scale + lights[i].spot_offset);
+        share *= cone * cone;
     }
-    return r;
+    return share;
 }
 
 // Two bits a light of 16 that are written in a word; 0 where there are none.
@@ -111,13 +116,17 @@ fn lent_bits(words: vec2u, i: u32) -> u32 {
 
 // `lent`: what is known already of the lights that reach the surface; 0: nothing.
 fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
-    var out: Shade;
     let albedo = diffuse_albedo(s);
-    out.diffuse = s.emission + albedo * ambient(s.normal) * s.occlusion;
-    out.specular = vec3f(0.0);
-    if (!is_reflector(s)) { out.specular = environment_specular(s, view); }
+    var out = environment_light(s, view, albedo);
+    out.diffuse += s.emission;
     let has_specular = s.metallic > 0.0 || s.reflectivity > 0.0;
     for (var i = 0u; i < frame.light_count; i++) {
+        if (is_sized(i)) {
+            let lit = sized_light(i, s, view, albedo);
+            out.diffuse += lit.diffuse;
+            out.specular += lit.specular;
+            continue;
+        }
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
         if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
@@ -140,9 +149,19 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     return out;
 }
 
+// What a reflection ray sees that meets no surface.
+fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
+    let light = seen_light(origin, ray, 2.0 * FAR_M);
+    if (light.is_seen) { return light.radiance; }
+    return environment(ray.direction) * ray.sky_weight;
+}
+
 // Mirror direction that stays above the surface even where the shading normal leans.
 fn mirror_direction(direction: vec3f, s: Surface) -> vec3f {
-    let r = reflect(direction, s.normal);
+    return lifted(reflect(direction, s.normal), s);
+}
+
+fn lifted(r: vec3f, s: Surface) -> vec3f {
     let height = dot(r, s.geometric_normal);
     return normalize(r + s.geometric_normal * max(0.01 - height, 0.0));
 }

@@ -137,7 +137,7 @@ pub fn gather(loaded: &LoadedScene) -> Result<Info, AppError> {
     let layers = Layers::of(world);
     let plan = Plan::of(world, &trees, &layers, &gpu.options);
     let materials = world.materials.iter();
-    let cutoff = reflection.roughness_cutoff;
+    let cutoff = reflection.reflects_below();
     Ok(Info {
         scene: loaded.name.clone(),
         cameras: world.cameras.iter().map(|c| c.name.clone()).collect(),

@@ -100,14 +100,12 @@ impl<'a> Lint<'a> {
 
 /// Whether anything shines.
 fn is_lit(world: &World) -> bool {
-    let sky = &world.environment;
-    let has_sky = [sky.zenith, sky.horizon, sky.ground]
-        .iter()
-        .any(|color| color.max_element() > 0.0);
     let shines =
         |light: &Light| light.desc.color.max_element() > 0.0 && light.desc.kind.intensity() > 0.0;
     let emits = |i: &crate::world::Instance| {
         !i.is_hidden() && world.materials[i.material].emission.max_element() > 0.0
     };
-    has_sky || world.lights.iter().any(shines) || world.instances.iter().any(emits)
+    !world.environment.is_black()
+        || world.lights.iter().any(shines)
+        || world.instances.iter().any(emits)
 }

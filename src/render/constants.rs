@@ -4,7 +4,6 @@
 use std::fmt::Write as _;
 
 use crate::{
-    gpu::{ShaderError, ShaderLibrary},
     scene::desc::{LightKind, Method, ReflectionMode, ToneMap},
     world::{
         MAX_LIGHTS,
@@ -126,6 +125,7 @@ pub fn wgsl() -> String {
     for (name, curve) in [
         ("TONE_NEUTRAL", ToneMap::Neutral),
         ("TONE_ACES", ToneMap::Aces),
+        ("TONE_AGX", ToneMap::Agx),
     ] {
         define(&mut out, name, &(curve as u32));
     }
@@ -138,12 +138,4 @@ pub fn wgsl() -> String {
     define(&mut out, "TRACED_CAUSES", &Cause::mask(traced));
     define(&mut out, "REFLECTING_CAUSES", &Cause::mask(Cause::reflects));
     out
-}
-
-/// The library with `lib/constants.wgsl` in it.
-///
-/// # Errors
-/// The library has a file of that name already.
-pub fn with_constants(library: &ShaderLibrary) -> Result<ShaderLibrary, ShaderError> {
-    library.with_generated("constants", wgsl())
 }

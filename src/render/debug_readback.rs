@@ -134,6 +134,7 @@ mod tests {
             LightKind::Point {
                 position: eye,
                 intensity_cd: 1.0,
+                radius_m: 0.0,
             },
             LightKind::Spot {
                 position: eye,
@@ -142,10 +143,12 @@ mod tests {
                 intensity_cd: 1.0,
                 inner_deg: 20.0,
                 outer_deg: 40.0,
+                radius_m: 0.0,
             },
             LightKind::Directional {
                 direction: down,
                 intensity_lux: 1.0,
+                angle_deg: 0.0,
             },
         ];
         let point = Vec3::new(0.7, 1.25, 0.8);
@@ -170,6 +173,7 @@ mod tests {
         let mut lamp = light(LightKind::Directional {
             direction: Vec3::X,
             intensity_lux: 1.0,
+            angle_deg: 0.0,
         });
         assert_eq!(shadow_faces(&lamp, &RenderOptions::default()), 1);
         lamp.desc.shadow = ShadowMode::Ray;

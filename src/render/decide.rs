@@ -89,7 +89,7 @@ impl Decider<'_> {
         if self.asked.reflection.method != Method::Auto {
             return;
         }
-        if !reflects(self.world, self.asked.reflection.roughness_cutoff) {
+        if !reflects(self.world, self.asked.reflection.reflects_below()) {
             self.decided.options.reflection.method = Method::Rt;
             return;
         }
@@ -183,7 +183,8 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
             triangles_in_view += count;
         }
     }
-    let (mut map_pixels, mut map_views) = ([0.0; 3], [0.0; 3]);
+    let mut map_pixels = [0.0; LightKind::NAMES.len()];
+    let mut map_views = map_pixels;
     for light in world
         .lights
         .iter()
@@ -201,7 +202,7 @@ fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
     }
     let [width, height] = options.image.size;
     let settings = &options.reflection;
-    let (cutoff, bounces) = (settings.roughness_cutoff, settings.bounces);
+    let (cutoff, bounces) = (settings.reflects_below(), settings.bounces);
     Workload {
         pixels: f64::from(width) * f64::from(height),
         samples: f64::from(options.image.samples),

@@ -18,7 +18,7 @@ use super::{
     renderer::Renderer,
     stats::{FrameStats, Shares},
     sub_frame::SubFrame,
-    types::{Frame, LightBlock},
+    types::{Frame, LightBlock, Sampling},
     view::{View, jitter},
 };
 
@@ -114,7 +114,8 @@ impl Renderer {
             settings,
             (self.unit_m, self.plan.bounces),
         );
-        self.uniforms.set(gpu, &frame, &block);
+        let sampling = Sampling::new(world, &self.options.image, sample);
+        self.uniforms.set(gpu, &frame, &block, &sampling);
         let size = self.options.image.size;
         let mut frame = SubFrame {
             recorder: Recorder::new(gpu, &self.timer, timing, &self.bindings.shared, size),

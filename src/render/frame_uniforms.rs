@@ -2,10 +2,14 @@
 
 use glam::Vec2;
 
-use crate::{gpu::Gpu, scene::desc::ReflectionDesc, world::World};
+use crate::{
+    gpu::Gpu,
+    scene::desc::{ImageDesc, ReflectionDesc},
+    world::World,
+};
 
 use super::{
-    types::{Frame, LightBlock},
+    types::{Frame, LightBlock, Sampling},
     view::View,
 };
 
@@ -14,6 +18,7 @@ use super::{
 pub struct FrameUniforms {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
+    sampling: wgpu::Buffer,
 }
 
 impl FrameUniforms {
@@ -30,15 +35,18 @@ impl FrameUniforms {
         Self {
             frame: make("frame", size_of::<Frame>()),
             lights: make("lights", size_of::<LightBlock>()),
+            sampling: make("sampling", size_of::<Sampling>()),
         }
     }
 
-    /// Uploads both blocks.
-    pub fn set(&self, gpu: &Gpu, frame: &Frame, lights: &LightBlock) {
+    /// Uploads all blocks.
+    pub fn set(&self, gpu: &Gpu, frame: &Frame, lights: &LightBlock, sampling: &Sampling) {
         gpu.queue
             .write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         gpu.queue
             .write_buffer(&self.lights, 0, bytemuck::bytes_of(lights));
+        gpu.queue
+            .write_buffer(&self.sampling, 0, bytemuck::bytes_of(sampling));
     }
 
     /// The block with this name in group 0, if there is one.
@@ -46,6 +54,7 @@ impl FrameUniforms {
         match name {
             "frame" => Some(self.frame.as_entire_binding()),
             "lights" => Some(self.lights.as_entire_binding()),
+            "sampling" => Some(self.sampling.as_entire_binding()),
             _ => None,
         }
     }
@@ -60,7 +69,8 @@ impl Frame {
         settings: &ReflectionDesc,
         (unit_m, bounces): (f32, u32),
     ) -> Self {
-        let environment = &world.environment;
+        let environment = &world.environment.desc;
+        let radiance = |color: glam::Vec3| (color * environment.intensity).to_array();
         Self {
             clip_from_world: view.clip_from_world(jitter).to_cols_array_2d(),
             eye: view.eye.to_array(),
@@ -70,19 +80,38 @@ impl Frame {
             right: view.right.to_array(),
             ray_length_m: settings.ray_length_u * unit_m,
             up: view.up.to_array(),
-            roughness_cutoff: settings.roughness_cutoff,
+            roughness_cutoff: settings.reflects_below(),
             size: view.size.map(|v| v as f32),
             jitter: jitter.to_array(),
-            zenith: environment.zenith.to_array(),
+            zenith: radiance(environment.zenith),
             light_count: world.lights.len() as u32,
-            horizon: environment.horizon.to_array(),
+            horizon: radiance(environment.horizon),
             bounces,
-            ground: environment.ground.to_array(),
+            ground: radiance(environment.ground),
             fade: u32::from(settings.fade),
             reuse_light: u32::from(settings.reuse_light),
             pad0: 0,
             pad1: 0,
             pad2: 0,
+        }
+    }
+}
+
+impl Sampling {
+    /// The block of sub-frame `sample`.
+    pub fn new(world: &World, image: &ImageDesc, sample: u32) -> Self {
+        let rays = image.light_rays();
+        let environment = &world.environment;
+        let panorama = environment.panorama.as_ref();
+        let turn = environment.desc.rotation_deg.to_radians();
+        Self {
+            first: sample * rays,
+            rays,
+            panorama_share: panorama.map_or(0.0, |p| p.density.share),
+            density_levels: panorama.map_or(0, |p| p.density.levels.len() as u32),
+            turn: [turn.cos(), turn.sin()],
+            scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
+            sample,
         }
     }
 }

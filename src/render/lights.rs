@@ -126,41 +126,70 @@ pub fn lights(
 }
 
 fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
+    let kind = &light.desc.kind;
     let mut out = GpuLight::zeroed();
-    let intensity = match light.desc.kind {
+    out.position = kind.position().unwrap_or_default().to_array();
+    let direction = kind.direction().unwrap_or_default();
+    let direction = direction.normalize_or(Vec3::NEG_Y);
+    out.direction = direction.to_array();
+    let intensity = match *kind {
         LightKind::Point {
-            position,
             intensity_cd,
+            radius_m,
+            ..
         } => {
-            out.position = position.to_array();
+            out.extent = radius_m;
             intensity_cd
         }
         LightKind::Spot {
-            position,
-            direction,
             intensity_cd,
             inner_deg,
             outer_deg,
+            radius_m,
             ..
         } => {
-            out.position = position.to_array();
-            out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
             // KHR_lights_punctual: linear in the cosine between the two cones, then squared.
             let outer = outer_deg.to_radians().cos();
             let inner = inner_deg.to_radians().cos();
             out.spot_scale = 1.0 / (inner - outer).max(1e-3);
             out.spot_offset = -outer * out.spot_scale;
+            out.extent = radius_m;
             intensity_cd
         }
         LightKind::Directional {
-            direction,
             intensity_lux,
+            angle_deg,
+            ..
         } => {
-            out.direction = direction.normalize_or(Vec3::NEG_Y).to_array();
+            out.extent = (0.5 * angle_deg).to_radians();
             intensity_lux
         }
+        LightKind::Rect {
+            up,
+            size,
+            intensity_cd,
+            ..
+        } => {
+            let up = up - direction * up.dot(direction);
+            let up = up.try_normalize().unwrap_or_else(|| {
+                let up = Vec3::Z - direction * direction.z;
+                up.normalize_or(Vec3::Y)
+            });
+            set_edges(&mut out, direction.cross(up) * size[0], up * size[1]);
+            intensity_cd
+        }
+        LightKind::Disk {
+            radius_m,
+            intensity_cd,
+            ..
+        } => {
+            let up = direction.any_orthonormal_vector() * 2.0 * radius_m;
+            set_edges(&mut out, direction.cross(up), up);
+            intensity_cd
+        }
     };
-    out.kind = light.desc.kind.index() as u32;
+    out.is_sized = u32::from(kind.has_size());
+    out.kind = kind.index() as u32;
     out.color = (light.desc.color * intensity).to_array();
     out.range_m = light.range_m.unwrap_or(0.0);
     out.shadow = match shadow {
@@ -169,6 +198,10 @@ fn gpu_light(light: &Light, shadow: ShadowMode) -> GpuLight {
         ShadowMode::Ray => SHADOW_RAY,
     };
     out
+}
+
+fn set_edges(light: &mut GpuLight, u: Vec3, v: Vec3) {
+    (light.half_u, light.half_v) = ((0.5 * u).to_array(), (0.5 * v).to_array());
 }
 
 /// Clip matrix with these axes: x to the right, y up, depth near / distance along `forward`.
@@ -212,7 +245,9 @@ fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
         LightKind::Directional { direction, .. } => {
             parallel_view(direction.normalize_or(Vec3::NEG_Y), px, bounds)
         }
-        LightKind::Point { .. } => (Mat4::IDENTITY, 0.0),
+        LightKind::Point { .. } | LightKind::Rect { .. } | LightKind::Disk { .. } => {
+            (Mat4::IDENTITY, 0.0)
+        }
     }
 }
 

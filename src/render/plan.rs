@@ -8,7 +8,10 @@ use crate::{
     world::{Material, World, Wrap, bvh::Trees},
 };
 
-use super::{lights::has_shadow_rays, options::RenderOptions, textures::Layers};
+use super::{
+    lights::has_shadow_rays, options::RenderOptions, shader_variant::ShaderVariant,
+    textures::Layers,
+};
 
 /// One thing that was left out, and why that changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -42,6 +45,18 @@ pub struct Plan {
     pub shadow_rays: bool,
     /// Reflections may take from the picture which lights with shadow rays reach what they meet.
     pub lends_light: bool,
+    /// The environment's light comes from samples, not in closed form.
+    pub sampled_environment: bool,
+    /// Some light has a size.
+    pub sized_lights: bool,
+    /// Some reflection is spread by roughness.
+    pub rough_reflections: bool,
+    /// The environment is a panorama.
+    pub panorama: bool,
+    /// Rays find what is in the way of the environment's light.
+    pub environment_rays: bool,
+    /// The camera sees the environment.
+    pub shows_environment: bool,
     /// Most reflections in a row.
     pub bounces: u32,
     /// Texture pools in use, six bits for each slot of a material: a bit for each linear and sRGB
@@ -74,6 +89,22 @@ pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
     can_reflect(&world.materials[material], cutoff) || world.may_change(material)
 }
 
+/// Roughness up to which a reflection is sharp; its square is `SMOOTH_ALPHA` of the shaders.
+const SHARP_ROUGHNESS: f32 = 0.044_72;
+
+/// Whether some material that reflects by its roughness is, in some frame, too rough for one sharp ray.
+pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
+    let is_rough = |index: usize| {
+        let material = &world.materials[index];
+        let spread = material.metallic_roughness_texture.is_some()
+            || (SHARP_ROUGHNESS..cutoff).contains(&material.roughness);
+        material.reflection == ReflectionMode::Auto
+            && may_reflect(world, index, cutoff)
+            && (spread || world.may_change(index))
+    };
+    cutoff > SHARP_ROUGHNESS && world.instances.iter().any(|i| is_rough(i.material))
+}
+
 /// Whether some material reflects in some frame.
 pub fn reflects(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| may_reflect(world, i.material, cutoff))
@@ -87,15 +118,26 @@ pub fn has_primary_rays(options: &RenderOptions) -> bool {
 /// Whether a frame follows rays, so that it needs trees: for reflections, primary visibility or
 /// shadows.
 pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
-    let cutoff = options.reflection.roughness_cutoff;
+    let cutoff = options.reflection.reflects_below();
     let reflections = options.reflection.method != Method::Ssr && reflects(world, cutoff);
-    reflections || has_primary_rays(options) || has_shadow_rays(&world.lights, options)
+    reflections
+        || has_primary_rays(options)
+        || has_shadow_rays(&world.lights, options)
+        || world.environment.casts_rays()
 }
 
 impl Plan {
-    /// Everything a scene may use: the plan that drops nothing, to compare against.
-    pub fn general(settings: &ReflectionDesc) -> Self {
+    /// Everything a scene may use: the plan that drops nothing, to compare against. What lights it
+    /// stays as it is, for samples have another value than closed forms until they converge.
+    pub fn general(world: &World, options: &RenderOptions) -> Self {
+        let settings = &options.reflection;
         Self {
+            sampled_environment: world.environment.is_sampled(),
+            sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            rough_reflections: reflects_roughly(world, settings.reflects_below()),
+            panorama: world.environment.panorama.is_some(),
+            environment_rays: world.environment.casts_rays(),
+            shows_environment: world.environment.desc.visible,
             reflections: true,
             traced: true,
             static_tree: true,
@@ -121,7 +163,7 @@ impl Plan {
         used.dedup();
         let materials = || used.iter().map(|&m| &world.materials[m]);
         let (slot_pools, wraps) = samplers(world, &used, layers);
-        let cutoff = settings.roughness_cutoff;
+        let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
         let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
@@ -136,6 +178,12 @@ impl Plan {
             checkers: materials().any(|m| m.checker.is_some()),
             shadow_rays: has_shadow_rays(&world.lights, options),
             lends_light: reflections && has_shadow_rays(&world.lights, options),
+            sampled_environment: world.environment.is_sampled(),
+            sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
+            rough_reflections: reflects_roughly(world, cutoff),
+            panorama: world.environment.panorama.is_some(),
+            environment_rays: world.environment.casts_rays(),
+            shows_environment: world.environment.desc.visible,
             bounces: if single_bounce { 1 } else { settings.bounces },
             slot_pools,
             wraps,
@@ -187,10 +235,34 @@ impl Plan {
             "no light casts its shadow by rays",
         );
         drop(
+            !self.sampled_environment,
+            "samples of the environment",
+            "it is a gradient that nothing shades",
+        );
+        drop(
+            !self.sized_lights,
+            "samples of lights",
+            "no light has a size",
+        );
+        drop(
+            self.reflections && !self.rough_reflections,
+            "rough reflections",
+            "whatever reflects is smooth",
+        );
+        drop(
             self.reflections && self.bounces < settings.bounces,
             "bounces after the first",
             "no reflector can see another",
         );
+    }
+
+    /// The shader files that it needs.
+    pub fn variant(&self) -> ShaderVariant {
+        ShaderVariant {
+            extent: self.sampled_environment || self.sized_lights || self.rough_reflections,
+            ambient: self.sampled_environment,
+            panorama: self.panorama,
+        }
     }
 
     /// Values for the shaders' overrides, by name.
@@ -206,6 +278,10 @@ impl Plan {
             ("HAS_CHECKERS", flag(self.checkers)),
             ("HAS_SHADOW_RAYS", flag(self.shadow_rays)),
             ("LENDS_LIGHT", flag(self.lends_light)),
+            ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),
+            ("HAS_ROUGH_REFLECTIONS", flag(self.rough_reflections)),
+            ("HAS_ENVIRONMENT_RAYS", flag(self.environment_rays)),
+            ("SHOW_ENVIRONMENT", flag(self.shows_environment)),
             ("SLOT_POOLS", f64::from(self.slot_pools)),
             ("WRAPS", f64::from(self.wraps)),
         ]

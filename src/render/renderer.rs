@@ -144,7 +144,7 @@ impl Renderer {
         let scene = GpuScene::new(gpu, world, &trees)?;
         let plan = plan_of(world, &trees, &scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = shaders.updated(gpu, library, &needed)?;
+        let shaders = shaders.updated(gpu, library, plan.variant(), &needed)?;
         let uniforms = FrameUniforms::new(gpu);
         let key = BindingKey::new(
             &plan,
@@ -217,7 +217,9 @@ impl Renderer {
         let scene = new_scene.as_ref().unwrap_or(&self.scene);
         let plan = plan_of(world, trees, scene, options);
         let needed = needed_passes(&plan, options);
-        let shaders = self.shaders.updated(gpu, library, &needed)?;
+        let shaders = self
+            .shaders
+            .updated(gpu, library, plan.variant(), &needed)?;
         let key = BindingKey::new(
             &plan,
             options,
@@ -385,7 +387,7 @@ impl Renderer {
 /// What the frame contains.
 fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptions) -> Plan {
     if options.general {
-        Plan::general(&options.reflection)
+        Plan::general(world, options)
     } else {
         Plan::of(world, trees, &scene.pools.layers, options)
     }

@@ -17,7 +17,8 @@ use crate::{
 use super::{
     geometry::{MeshRange, buffer, geometry},
     gpu_material::gpu_material,
-    textures::Pools,
+    panorama::GpuPanorama,
+    textures::{Pools, samplers},
     types::{FLAG_COLORS, FLAG_MIRRORED, GpuInstance, GpuMaterial, flag},
 };
 
@@ -68,6 +69,8 @@ pub struct GpuScene {
     pub pools: Pools,
     /// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
     pub samplers: [wgpu::Sampler; 4],
+    /// Of the environment, if it is one.
+    pub panorama: Option<GpuPanorama>,
     /// One per instance that has triangles.
     pub draws: Vec<Draw>,
     mesh_ranges: Vec<MeshRange>,
@@ -86,8 +89,10 @@ impl GpuScene {
         let pools = Pools::new(gpu, world)?;
         let materials = materials(gpu, world, &pools)?;
         let records = instance_records(world, trees, &mesh_ranges);
+        let panorama = world.environment.panorama.as_deref();
         let storage = wgpu::BufferUsages::STORAGE;
         Ok(Self {
+            panorama: panorama.map(|p| GpuPanorama::new(gpu, p)).transpose()?,
             nodes: buffer(gpu, "tree nodes", &trees.nodes, storage)?,
             triangles: buffer(gpu, "tree triangles", &trees.triangles, storage)?,
             instances: buffer(gpu, "instances", &records, storage)?,
@@ -141,6 +146,7 @@ impl GpuScene {
             draws: draws(world, &self.mesh_ranges),
             mesh_ranges: self.mesh_ranges.clone(),
             pools,
+            panorama: self.panorama.clone(),
             records,
             has_moving_cutouts: has_moving_cutouts(world),
         })
@@ -229,6 +235,7 @@ impl GpuScene {
             ("mesh_data", self.mesh_data.size()),
             ("materials", self.materials.size()),
             ("texture_pools", self.pools.bytes),
+            ("panorama", self.panorama.as_ref().map_or(0, |p| p.bytes)),
         ]
     }
 }
@@ -314,21 +321,6 @@ fn materials(gpu: &Gpu, world: &World, pools: &Pools) -> Result<wgpu::Buffer, Gp
         .map(|m| gpu_material(m, world, &pools.layers))
         .collect();
     buffer(gpu, "materials", &materials, wgpu::BufferUsages::STORAGE)
-}
-
-fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
-    use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
-    [[R, R], [R, C], [C, R], [C, C]].map(|[u, v]| {
-        gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("texture sampler"),
-            address_mode_u: u,
-            address_mode_v: v,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        })
-    })
 }
 
 const _: () = assert!(size_of::<TraceTriangle>() == 48 && size_of::<CwBvhNode>() == 80);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::gpu::{Gpu, GpuError, Shader, ShaderLibrary, ShaderModuleInfo, shader::ShaderSource};
 
-use super::{constants::with_constants, pass::Pass};
+use super::{pass::Pass, shader_variant::ShaderVariant};
 
 /// Validated shaders by pass name, each with its source text. Unused shaders stay cached with their
 /// pipelines.
@@ -20,9 +20,10 @@ impl Shaders {
         &self,
         gpu: &Gpu,
         library: &ShaderLibrary,
+        variant: ShaderVariant,
         needed: &[&'static Pass],
     ) -> Result<Self, GpuError> {
-        let library = with_constants(library)?;
+        let library = variant.library(library)?;
         let mut shaders = self.clone();
         for pass in needed {
             let source = library.source(pass.name)?;

@@ -30,7 +30,11 @@ impl SharedGroups {
         let empty = GroupLayout::new(gpu, "empty", &[], 0)?;
         let (uniforms, maps) = (resources.uniforms, resources.maps);
         let frame_group = frame.bind_with(gpu, |name| {
-            uniforms.resource(name).or_else(|| maps.resource(name))
+            let panorama = resources.scene.panorama.as_ref();
+            uniforms
+                .resource(name)
+                .or_else(|| maps.resource(name))
+                .or_else(|| panorama?.resource(name))
         })?;
         let scene_group = scene.bind_with(gpu, |name| resources.scene.resource(name))?;
         let empty_group = empty.bind(gpu, &[])?;

@@ -150,6 +150,22 @@ fn pool_of(texture: &Texture) -> usize {
     fits.unwrap_or(POOL_PX.len() - 1)
 }
 
+/// Repeat/repeat, repeat/clamp, clamp/repeat, clamp/clamp along u and v.
+pub fn samplers(gpu: &Gpu) -> [wgpu::Sampler; 4] {
+    use wgpu::AddressMode::{ClampToEdge as C, Repeat as R};
+    [[R, R], [R, C], [C, R], [C, C]].map(|[u, v]| {
+        gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("texture sampler"),
+            address_mode_u: u,
+            address_mode_v: v,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        })
+    })
+}
+
 /// Layers of all images that materials sample: one for each way in which an image is resampled.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {

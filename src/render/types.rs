@@ -87,6 +87,26 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// Samples of a sub-frame, and the panorama; see `shaders/lib/sampling.wgsl`.
+    pub struct Sampling = "Sampling" {
+        /// Of this sub-frame's samples.
+        first: u32,
+        /// Of a pixel and sub-frame.
+        rays: u32,
+        /// Of the light that the panorama's density holds.
+        panorama_share: f32,
+        /// Levels of that density.
+        density_levels: u32,
+        /// Cosine and sine of the panorama's rotation.
+        turn: [f32; 2],
+        /// Radiance of a texel of 1.
+        scale: f32,
+        /// The sub-frame, from 0.
+        sample: u32,
+    }
+}
+
+gpu_struct! {
     /// A light; see `shaders/lib/frame.wgsl`.
     pub struct GpuLight = "Light" {
         /// Meters.
@@ -111,6 +131,14 @@ gpu_struct! {
         texel: f32,
         /// World to shadow map, for spot and directional lights.
         clip_from_world: [[f32; 4]; 4],
+        /// From the middle of a flat light to its edge, across.
+        half_u: [f32; 3],
+        /// Radius, meters; of directional lights half the angle that they span, radians.
+        extent: f32,
+        /// From the middle of a flat light to its edge, along `up`.
+        half_v: [f32; 3],
+        /// 1: it has a size, and is sampled.
+        is_sized: u32,
     }
 }
 
@@ -247,6 +275,7 @@ pub const NONE: u32 = u32::MAX;
 /// Structs of the shared groups, for the layout test; each pass adds its own `Params`.
 pub const SHARED: &[StructSpec] = &[
     Frame::LAYOUT,
+    Sampling::LAYOUT,
     GpuLight::LAYOUT,
     GpuInstance::LAYOUT,
     GpuVertex::LAYOUT,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::{
     math::linear_from_srgb,
-    scene::desc::{EnvironmentDesc, ShadowMode},
+    scene::desc::{LightKind, ShadowMode},
     world::{
         Light, Material, TextureRef, World,
         bvh::{Ray, RayHit, Trees},
@@ -67,6 +67,7 @@ impl ViewEstimate {
             looks: (world.materials.iter())
                 .map(|material| Look::of(world, material))
                 .collect(),
+            sky: world.environment.coarse_gradient(),
             cutoff,
             ray_length_m: f64::from(ray_length_m),
         };
@@ -131,6 +132,8 @@ struct Estimator<'a> {
     rays: ViewRays<'a>,
     /// By material.
     looks: Vec<Look>,
+    /// See [`Environment::coarse_gradient`](crate::world::Environment::coarse_gradient).
+    sky: [DVec3; 3],
     cutoff: f32,
     ray_length_m: f64,
 }
@@ -168,7 +171,7 @@ impl Estimator<'_> {
     fn radiance(&self, hit: Option<RayHit>, direction: DVec3, bounces: u32) -> DVec3 {
         let world = self.rays.world;
         let Some(hit) = hit else {
-            return environment(&world.environment, direction);
+            return environment(&self.sky, direction);
         };
         let point = self.rays.point(&hit, direction);
         let index = world.instances[point.instance].material;
@@ -176,7 +179,7 @@ impl Estimator<'_> {
         let metallic = f64::from(material.metallic);
         let reflectivity = f64::from(material.reflectivity);
         let albedo = look.base_color * ((1.0 - metallic) * (1.0 - reflectivity));
-        let around = ambient(&world.environment, point.normal);
+        let around = ambient(&self.sky, point.normal);
         let mut light: DVec3 = look.emission + albedo * around;
         for lamp in &world.lights {
             light += albedo * self.incoming(lamp, &point) / PI;
@@ -199,8 +202,15 @@ impl Estimator<'_> {
         let (to_light, t_max, falloff) = match (kind.position(), kind.direction()) {
             (Some(position), _) => {
                 let offset = position.as_dvec3() - point.position;
+                let facing = match kind {
+                    LightKind::Rect { direction, .. } | LightKind::Disk { direction, .. } => {
+                        let direction = direction.as_dvec3().normalize_or_zero();
+                        (-offset.normalize_or_zero().dot(direction)).max(0.0)
+                    }
+                    _ => 1.0,
+                };
                 // As in the shader: a surface closer than 1 cm is lit as from 1 cm.
-                (offset, 0.9999, 1.0 / offset.length_squared().max(1e-4))
+                (offset, 0.9999, facing / offset.length_squared().max(1e-4))
             }
             (None, Some(direction)) => (-direction.as_dvec3(), f64::INFINITY, 1.0),
             (None, None) => return DVec3::ZERO,
@@ -222,12 +232,12 @@ impl Estimator<'_> {
 }
 
 /// As `environment` in `shaders/lib/frame.wgsl`.
-fn environment(sky: &EnvironmentDesc, direction: DVec3) -> DVec3 {
+fn environment(sky: &[DVec3; 3], direction: DVec3) -> DVec3 {
     gradient(sky, direction.y.max(0.0), (-direction.y).max(0.0))
 }
 
 /// As `ambient` in `shaders/lib/frame.wgsl`: irradiance / π of the environment.
-fn ambient(sky: &EnvironmentDesc, normal: DVec3) -> DVec3 {
+fn ambient(sky: &[DVec3; 3], normal: DVec3) -> DVec3 {
     let overlap = |c: f64| {
         let cosine = c.clamp(-1.0, 1.0);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
@@ -236,8 +246,6 @@ fn ambient(sky: &EnvironmentDesc, normal: DVec3) -> DVec3 {
     gradient(sky, overlap(normal.y), overlap(-normal.y))
 }
 
-fn gradient(sky: &EnvironmentDesc, up: f64, down: f64) -> DVec3 {
-    let [zenith, horizon, ground] =
-        [sky.zenith, sky.horizon, sky.ground].map(|color| color.as_dvec3());
+fn gradient(&[zenith, horizon, ground]: &[DVec3; 3], up: f64, down: f64) -> DVec3 {
     horizon + (zenith - horizon) * up + (ground - horizon) * down
 }

@@ -96,6 +96,9 @@ pub fn is_in_reach(light: &Light, to_light: DVec3) -> bool {
                 .dot(direction.as_dvec3().normalize_or_zero());
             cosine > f64::from(outer_deg.to_radians().cos())
         }
+        LightKind::Rect { direction, .. } | LightKind::Disk { direction, .. } => {
+            direction.as_dvec3().dot(to_light) < 0.0
+        }
         LightKind::Point { .. } | LightKind::Directional { .. } => true,
     };
     in_cone

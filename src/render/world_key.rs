@@ -1,14 +1,16 @@
 //! Key of the uploaded world, so that a change uploads and builds only differences.
 
+use std::sync::Arc;
+
 use glam::Affine3A;
 
-use crate::world::{Instance, Material, Mesh, Shared, Texture, World};
+use crate::world::{Instance, Material, Mesh, Shared, Texture, World, environment::Panorama};
 
 /// Key of the uploaded world.
 #[derive(Clone, Debug)]
 pub struct WorldKey {
     /// Held, so that their addresses are not reused.
-    upload: (Shared<Mesh>, Shared<Texture>),
+    upload: (Shared<Mesh>, Shared<Texture>, Option<Arc<Panorama>>),
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
     poses: Vec<Affine3A>,
@@ -38,7 +40,11 @@ impl WorldKey {
         };
         let instances = &world.instances;
         Self {
-            upload: (world.meshes.clone(), world.textures.clone()),
+            upload: (
+                world.meshes.clone(),
+                world.textures.clone(),
+                world.environment.panorama.clone(),
+            ),
             trees: instances.iter().map(tree).collect(),
             materials: (
                 world.materials.clone(),
@@ -48,9 +54,22 @@ impl WorldKey {
         }
     }
 
-    /// Whether both share meshes and textures, by identity.
+    /// Whether both share meshes, textures and panorama, by identity.
     pub fn has_same_uploads(&self, other: &Self) -> bool {
-        self.upload.0.is_same(&other.upload.0) && self.upload.1.is_same(&other.upload.1)
+        let (meshes, textures, panorama) = &other.upload;
+        self.shares(meshes, textures, panorama.as_ref())
+    }
+
+    fn shares(
+        &self,
+        meshes: &Shared<Mesh>,
+        textures: &Shared<Texture>,
+        panorama: Option<&Arc<Panorama>>,
+    ) -> bool {
+        let address = |panorama: Option<&Arc<Panorama>>| panorama.map(Arc::as_ptr);
+        self.upload.0.is_same(meshes)
+            && self.upload.1.is_same(textures)
+            && address(self.upload.2.as_ref()) == address(panorama)
     }
 
     /// Whether the trees of one fit the other after a rebuild of the top level: equal static
@@ -80,8 +99,8 @@ impl WorldKey {
                 && tree.static_pose.map(bits) == (!i.dynamic).then(|| bits(i.world_from_object))
         };
         let known = self.trees.iter().zip(&self.materials.1);
-        self.upload.0.is_same(&world.meshes)
-            && self.upload.1.is_same(&world.textures)
+        let panorama = world.environment.panorama.as_ref();
+        self.shares(&world.meshes, &world.textures, panorama)
             && self.materials.0.len() == world.materials.len()
             && self.trees.len() == world.instances.len()
             && known.zip(&world.instances).all(fits)

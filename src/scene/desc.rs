@@ -6,6 +6,7 @@
 
 mod animation;
 mod camera;
+mod environment;
 mod include;
 mod light;
 mod material;
@@ -22,6 +23,7 @@ use glam::{Mat4, Quat, Vec3};
 pub use self::{
     animation::{AnimationDesc, Playback},
     camera::{CAMERA, CameraDesc, CameraMotionDesc},
+    environment::{EnvironmentDesc, EnvironmentShadow},
     include::Include,
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
@@ -258,19 +260,6 @@ pub struct RepeatDesc {
     pub step: Vec3,
 }
 
-/// `[environment]`: `color` for all directions, or the gradient `zenith`, `horizon`, `ground`.
-///
-/// - `color`: linear radiance in all directions, three numbers 0 or more, or sRGB text `"#rrggbb"`.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct EnvironmentDesc {
-    /// Linear radiance straight up, 0 or more. Default black.
-    pub zenith: Vec3,
-    /// Linear radiance at the horizon, 0 or more. Default black.
-    pub horizon: Vec3,
-    /// Linear radiance straight down, 0 or more. Default black.
-    pub ground: Vec3,
-}
-
 /// How linear radiance becomes display color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ToneMap {
@@ -281,6 +270,8 @@ pub enum ToneMap {
     Neutral,
     /// `"aces"`: a filmic curve (Narkowicz's fit of ACES).
     Aces,
+    /// `"agx"`: a filmic curve that turns bright colors pale (Sobotka's AgX, Wrensch's fit).
+    Agx,
 }
 
 /// How the surface that each pixel shows is found.
@@ -303,6 +294,10 @@ pub struct ImageDesc {
     pub size: [u32; 2],
     /// Sub-frames averaged per picture, 1 to 4096. More smooths edges. Default 1.
     pub samples: u32,
+    /// Rays that every pixel of a sub-frame sends towards each light with a size, and towards an
+    /// environment with `shadow = "ray"` or a `file`, 1 to 256. More is less grainy, and takes longer; `samples` multiplies it. Default 4 with
+    /// 1 sample, 2 with 2 or 3, else 1.
+    pub light_rays: Option<u32>,
     /// Exposure in stops, -20 to 20; +1 doubles the brightness. Default 0.
     pub exposure_ev: f32,
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
@@ -312,11 +307,20 @@ pub struct ImageDesc {
     pub visibility: Visibility,
 }
 
+impl ImageDesc {
+    /// Rays of a pixel and sub-frame towards each light that is sampled.
+    pub fn light_rays(&self) -> u32 {
+        let default = 4_u32.div_ceil(self.samples.max(1));
+        self.light_rays.unwrap_or(default)
+    }
+}
+
 impl Default for ImageDesc {
     fn default() -> Self {
         Self {
             size: [1280, 720],
             samples: 1,
+            light_rays: None,
             exposure_ev: 0.0,
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,

@@ -16,6 +16,7 @@ use crate::scene::{
 mod asset_cache;
 mod camera;
 mod check_names;
+mod environment;
 pub mod foreign_formats;
 mod lights_and_cameras;
 mod material;
@@ -84,6 +85,7 @@ pub fn load_with_cache(
     let mut loader = Loader::new(desc, options);
     let models = loader.read_models();
     loader.check_names(&models);
+    loader.read_environment();
     loader.fail_on_errors()?;
     loader.place_all(&models);
     loader.fail_on_errors()?;
@@ -152,10 +154,7 @@ impl<'a> Loader<'a> {
             sandbox: Sandbox::new(folders.iter().map(PathBuf::as_path), options.max_file_bytes)
                 .with_dependencies(&options.dependencies),
             folders,
-            world: World {
-                environment: desc.environment,
-                ..World::default()
-            },
+            world: World::default(),
             errors: Vec::new(),
             textures: material::TextureTable::default(),
             files: HashMap::new(),
@@ -250,6 +249,10 @@ impl<'a> Loader<'a> {
             images,
             mesh_warnings,
             files,
+            panorama: (
+                self.desc.environment.file.as_ref().map(|f| f.value.clone()),
+                self.world.environment.panorama.clone(),
+            ),
         };
         Ok((self.world, asset_cache))
     }

@@ -7,13 +7,14 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::{
     math::Bounds,
     scene::{
-        desc::{CameraDesc, Entry, EnvironmentDesc, LightDesc},
+        desc::{CameraDesc, Entry, LightDesc},
         diagnostic::Diagnostic,
     },
 };
 
 pub mod animation;
 pub mod bvh;
+pub mod environment;
 pub mod gltf;
 pub mod load;
 mod material;
@@ -24,6 +25,7 @@ mod shared;
 pub mod texture;
 pub mod usd;
 
+pub use environment::Environment;
 pub use material::{ListedVariants, Material};
 pub use shared::Shared;
 
@@ -42,8 +44,8 @@ pub struct World {
     pub lights: Vec<Light>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
-    /// Radiance of rays that leave the scene.
-    pub environment: EnvironmentDesc,
+    /// What rays that leave the scene see, and the light it sheds.
+    pub environment: Environment,
     /// The animations of all files.
     pub animations: Vec<animation::Listed>,
     /// The material variants of the files that have some.

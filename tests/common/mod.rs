@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use reflet::{
     gpu::{Gpu, GpuError, GpuOptions, ShaderLibrary},
-    render::constants::with_constants,
+    render::shader_variant::ShaderVariant,
 };
 
 /// The GPU, or `None` after printing `SKIPPED` without an adapter.
@@ -59,7 +59,7 @@ pub fn shaders() -> ShaderLibrary {
         || Ok(ShaderLibrary::embedded()),
         |folder| ShaderLibrary::from_dir(Path::new(&folder)),
     );
-    let library = library.and_then(|library| with_constants(&library));
+    let library = library.and_then(|library| ShaderVariant::default().library(&library));
     library.unwrap_or_else(|error| panic!("{error}"))
 }
 

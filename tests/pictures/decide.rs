@@ -9,7 +9,7 @@ use reflet::{
         view::View,
         view_sample::ViewSample,
     },
-    scene::desc::{Method, ShadowMode, Visibility},
+    scene::desc::{LightKind, Method, ShadowMode, Visibility},
     world::bvh::{Ray, Trees},
 };
 
@@ -204,7 +204,10 @@ fn without_reflections_or_rays_nothing_needs_trees() {
     let dull = BALLS.replace("metallic = 1\nroughness = 0.05", "roughness = 0.9");
     let found = decided(&dull, &["image.size=[160, 90]"], true);
     assert_eq!(found.options.image.visibility, Visibility::Raster);
-    assert_eq!(found.options.auto_shadow, [ShadowMode::Map; 3]);
+    assert_eq!(
+        found.options.auto_shadow,
+        [ShadowMode::Map; LightKind::NAMES.len()]
+    );
     assert!(found.decisions.iter().all(|d| d.why.contains("no")));
     // A light that asks for rays brings the trees.
     let rays = dull.replacen("shadow = \"auto\"", "shadow = \"ray\"", 1);

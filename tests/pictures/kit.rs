@@ -92,6 +92,27 @@ pub fn assert_color(picture: &Picture, x: u32, y: u32, expected: [f32; 3], toler
     );
 }
 
+/// Mean color of a picture.
+pub fn mean(picture: &Picture) -> [f32; 3] {
+    let [width, height] = picture.size;
+    let mut sum = [0.0_f64; 3];
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        for (sum, value) in sum.iter_mut().zip(color(picture, x, y)) {
+            *sum += f64::from(value);
+        }
+    }
+    sum.map(|sum| (sum / f64::from(width * height)) as f32)
+}
+
+/// Whether a number is `expected` within `tolerance` of that.
+pub fn assert_close(found: f32, expected: f32, tolerance: f32) {
+    let error = (found - expected).abs();
+    assert!(
+        error <= tolerance * expected,
+        "{found}, expected {expected}"
+    );
+}
+
 /// The plane of this AOV as floats.
 pub fn floats(picture: &Picture, aov: Aov) -> &[f32] {
     match &plane(picture, aov).data {

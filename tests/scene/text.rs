@@ -306,6 +306,7 @@ fn lights_have_the_keys_of_their_kind() {
     let lamp = common(LightKind::Point {
         position,
         intensity_cd: 800.0,
+        radius_m: 0.0,
     });
     assert_eq!(
         lights[0],
@@ -321,6 +322,7 @@ fn lights_have_the_keys_of_their_kind() {
         intensity_cd: 5.0,
         inner_deg: 10.0,
         outer_deg: 20.0,
+        radius_m: 0.0,
     });
     assert_eq!(
         lights[1],
@@ -332,6 +334,7 @@ fn lights_have_the_keys_of_their_kind() {
     let sun = common(LightKind::Directional {
         direction: Vec3::NEG_Y,
         intensity_lux: 3.0,
+        angle_deg: 0.0,
     });
     assert_eq!(
         lights[2],
@@ -348,7 +351,7 @@ fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
          accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\n\
-         blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nexposure_ev = -20\n\
+         blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"",
     );
     let color = Vec3::new(1.0, 2.0, 3.0);
@@ -356,6 +359,7 @@ fn environment_reflection_and_image_arrive() {
         zenith: color,
         horizon: color,
         ground: color,
+        ..EnvironmentDesc::default()
     };
     assert_eq!(scene.environment, flat);
     assert_eq!(
@@ -381,11 +385,21 @@ fn environment_reflection_and_image_arrive() {
         ImageDesc {
             size: [1, 16384],
             samples,
+            light_rays: Some(256),
             exposure_ev,
             tone_map,
             visibility: Visibility::Rays,
         }
     );
+    let image = |text: &str| read(text).image.light_rays();
+    let rays = [
+        "",
+        "image.samples = 3",
+        "image.samples = 4",
+        "image.light_rays = 9",
+    ]
+    .map(image);
+    assert_eq!(rays, [4, 2, 1, 9]);
     let gradient = read("environment.zenith = [1, 2, 3]").environment;
     assert_eq!(
         gradient,

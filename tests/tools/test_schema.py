@@ -36,6 +36,7 @@ BEYOND_SCHEMA = {
     "singular",
     "too-many-lights",
     "wrong-motion",
+    "wrong-shadow",
     "wrong-source",
     "zero-direction",
 }

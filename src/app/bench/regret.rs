@@ -263,6 +263,7 @@ mod tests {
                 kind: LightKind::Directional {
                     direction: glam::Vec3::NEG_Y,
                     intensity_lux: 1.0,
+                    angle_deg: 0.0,
                 },
                 color: glam::Vec3::ONE,
                 shadow: ShadowMode::Map,

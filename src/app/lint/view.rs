@@ -102,9 +102,7 @@ fn reflector(
         );
         return Some(Diagnostic::at("short-reflection", at, message).help(help));
     }
-    let sky = &world.environment;
-    let brightest = sky.zenith.max(sky.horizon).max(sky.ground).max_element();
-    (brightest <= 0.0).then(|| {
+    world.environment.is_black().then(|| {
         let message = format!("material \"{name}\" reflects nothing but the black environment");
         let help = "write `[environment]`, or place what it shall show where its reflection falls";
         Diagnostic::at("black-reflector", at, message).help(help)

@@ -243,6 +243,7 @@ impl Block<'_> {
             ToneMap::None => "none",
             ToneMap::Neutral => "neutral",
             ToneMap::Aces => "aces",
+            ToneMap::Agx => "agx",
         };
         let mut sample = Sample {
             fingerprint: self.fingerprint(bench, variant),

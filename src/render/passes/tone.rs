@@ -28,7 +28,7 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Exposure over the number of sub-frames.
         scale: f32,
-        /// 0 none, 1 neutral, 2 ACES.
+        /// `TONE_*`; 0 is none.
         curve: u32,
         /// One over the number of sub-frames.
         sample_share: f32,

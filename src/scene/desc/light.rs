@@ -11,15 +11,17 @@ use crate::scene::{
 /// How a light's shadows are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum ShadowMode {
-    /// `"map"`: depth maps (cube maps for point lights), filtered.
+    /// `"map"`: depth maps (cube maps for point lights), filtered; not of lights with a size.
     #[default]
     Map,
-    /// `"ray"`: one shadow ray through the same trees as reflections; exact, hard edged.
+    /// `"ray"`: shadow rays through the same trees as reflections; exact, hard edged for lights without
+    /// a size, soft for those with one.
     Ray,
     /// `"none"`: shines through everything.
     None,
     /// `"auto"`: `map` or `ray`, alike for all lights of a kind: the one that a cost model expects
-    /// to take less time if every picture drew all maps; `map` where nothing else follows rays.
+    /// to take less time if every picture drew all maps; `map` where nothing else follows rays. Of
+    /// lights with a size, `ray`.
     Auto,
 }
 
@@ -32,6 +34,9 @@ pub enum LightKind {
         position: Vec3,
         /// Luminous intensity, candela, 0 or more.
         intensity_cd: f32,
+        /// Radius of a glowing ball of that intensity, meters, 0 or more; 0 has no size. More has softer
+        /// shadows and larger highlights. Default 0.
+        radius_m: f32,
     },
     /// `"spot"`: a cone from `position`, along `direction` or towards `target`.
     Spot {
@@ -48,6 +53,8 @@ pub enum LightKind {
         inner_deg: f32,
         /// Half angle where it ends, degrees, above 0 and below 90. Default 45.
         outer_deg: f32,
+        /// Radius of a glowing ball that shines inside the cone, meters, 0 or more. Default 0.
+        radius_m: f32,
     },
     /// `"directional"`: parallel light, like the sun.
     Directional {
@@ -55,12 +62,45 @@ pub enum LightKind {
         direction: Vec3,
         /// Illuminance on a surface that faces it, lux, 0 or more.
         intensity_lux: f32,
+        /// Angle that it spans in the sky, degrees, 0 to 90; the sun spans 0.53. More has softer
+        /// shadows. Default 0.
+        angle_deg: f32,
+    },
+    /// `"rect"`: a flat rectangle around `position` that shines to one side, along `direction` or towards
+    /// `target`; it looks alike bright from everywhere on that side.
+    Rect {
+        /// Its middle, meters.
+        position: Vec3,
+        /// Direction in which it shines, of any length but 0.
+        direction: Vec3,
+        /// A point that it faces, meters, wherever the light moves; in place of `direction`.
+        target: Option<Vec3>,
+        /// Direction of its second edge; turned as far as it must to be level with the rectangle. Along
+        /// `direction` it is replaced by +Z. Default +Y.
+        up: Vec3,
+        /// Edge lengths, meters, above 0; the second along `up`.
+        size: [f32; 2],
+        /// Luminous intensity straight ahead, candela, 0 or more.
+        intensity_cd: f32,
+    },
+    /// `"disk"`: a flat disk around `position` that shines as a `"rect"` does.
+    Disk {
+        /// Its middle, meters.
+        position: Vec3,
+        /// Direction in which it shines, of any length but 0.
+        direction: Vec3,
+        /// A point that it faces, meters, wherever the light moves; in place of `direction`.
+        target: Option<Vec3>,
+        /// Radius, meters, above 0.
+        radius_m: f32,
+        /// Luminous intensity straight ahead, candela, 0 or more.
+        intensity_cd: f32,
     },
 }
 
 impl LightKind {
     /// Every kind as scene text and messages write it; in the shaders `LIGHT_` and this.
-    pub const NAMES: [&'static str; 3] = ["point", "spot", "directional"];
+    pub const NAMES: [&'static str; 5] = ["point", "spot", "directional", "rect", "disk"];
 
     /// Its place in [`Self::NAMES`].
     pub fn index(&self) -> usize {
@@ -68,12 +108,23 @@ impl LightKind {
             Self::Point { .. } => 0,
             Self::Spot { .. } => 1,
             Self::Directional { .. } => 2,
+            Self::Rect { .. } => 3,
+            Self::Disk { .. } => 4,
         }
     }
 
     /// As scene text writes it.
     pub fn name(&self) -> &'static str {
         Self::NAMES[self.index()]
+    }
+
+    /// Whether it has a size, so that its light is sampled.
+    pub fn has_size(&self) -> bool {
+        match self {
+            Self::Point { radius_m, .. } | Self::Spot { radius_m, .. } => *radius_m > 0.0,
+            Self::Directional { angle_deg, .. } => *angle_deg > 0.0,
+            Self::Rect { .. } | Self::Disk { .. } => true,
+        }
     }
 
     /// Where it stands, if somewhere.
@@ -84,7 +135,10 @@ impl LightKind {
     /// Luminous intensity in candela, or illuminance in lux of what is directional.
     pub fn intensity(&self) -> f32 {
         match *self {
-            Self::Point { intensity_cd, .. } | Self::Spot { intensity_cd, .. } => intensity_cd,
+            Self::Point { intensity_cd, .. }
+            | Self::Spot { intensity_cd, .. }
+            | Self::Rect { intensity_cd, .. }
+            | Self::Disk { intensity_cd, .. } => intensity_cd,
             Self::Directional { intensity_lux, .. } => intensity_lux,
         }
     }
@@ -97,7 +151,10 @@ impl LightKind {
     /// See [`Self::position`].
     pub fn position_mut(&mut self) -> Option<&mut Vec3> {
         match self {
-            Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::Rect { position, .. }
+            | Self::Disk { position, .. } => Some(position),
             Self::Directional { .. } => None,
         }
     }
@@ -105,8 +162,21 @@ impl LightKind {
     /// See [`Self::direction`].
     pub fn direction_mut(&mut self) -> Option<&mut Vec3> {
         match self {
-            Self::Spot { direction, .. } | Self::Directional { direction, .. } => Some(direction),
+            Self::Spot { direction, .. }
+            | Self::Directional { direction, .. }
+            | Self::Rect { direction, .. }
+            | Self::Disk { direction, .. } => Some(direction),
             Self::Point { .. } => None,
+        }
+    }
+
+    /// The point that it faces, if it can face one.
+    pub fn target_mut(&mut self) -> Option<&mut Option<Vec3>> {
+        match self {
+            Self::Spot { target, .. } | Self::Rect { target, .. } | Self::Disk { target, .. } => {
+                Some(target)
+            }
+            Self::Point { .. } | Self::Directional { .. } => None,
         }
     }
 }
@@ -114,11 +184,12 @@ impl LightKind {
 /// `[light.NAME]`. A white surface lit with π lux shows as 1 (white) at exposure 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDesc {
-    /// `kind = "point" | "spot" | "directional"` and its keys.
+    /// `kind = "point" | "spot" | "directional" | "rect" | "disk"` and its keys. Lights with a size are
+    /// seen in reflections, not by the camera itself.
     pub kind: LightKind,
     /// Linear color, three numbers 0 or more, or sRGB text `"#rrggbb"`. Default white.
     pub color: Vec3,
-    /// How its shadows are found. Default `"map"`.
+    /// How its shadows are found. Default `"map"`; `"ray"` of lights with a size.
     pub shadow: ShadowMode,
     /// Edge of the shadow map in pixels, 16 to 4096; of one face for point lights. More is sharper; a directional light's map spans the whole scene, so large scenes need more, or `shadow = "ray"`. The most that a point light asks for holds for all of them, and so for the others. Default 1024.
     pub shadow_px: u32,
@@ -128,16 +199,17 @@ impl LightDesc {
     /// Makes a light whose numbers were set consistent: its direction, 0 where there is none, points
     /// at its target, and the lit part of its cone is no wider than the cone.
     pub fn settle(&mut self) {
+        let target = self.kind.target_mut().and_then(|target| *target);
+        let position = self.kind.position().unwrap_or_default();
+        if let (Some(target), Some(direction)) = (target, self.kind.direction_mut()) {
+            *direction = target - position;
+        }
         if let LightKind::Spot {
-            position,
-            direction,
-            target,
             inner_deg,
             outer_deg,
             ..
         } = &mut self.kind
         {
-            *direction = target.map_or(*direction, |target| target - *position);
             *inner_deg = inner_deg.min(*outer_deg);
         }
         if let Some(direction) = self.kind.direction_mut() {
@@ -152,7 +224,8 @@ impl LightDesc {
 pub struct LightMotionDesc {
     /// - `position`: track of where it stands, meters.
     /// - `direction`: track of the direction in which it shines, of any length but 0.
-    /// - `target`: track of the point that a spot's middle meets, meters; in place of `direction`.
+    /// - `target`: track of the point that a spot, rectangle or disk faces, meters; in place of
+    ///   `direction`.
     /// - `intensity_cd`: track of the luminous intensity, candela, 0 or more.
     /// - `intensity_lux`: track of the illuminance of a directional light, lux, 0 or more.
     /// - `color`: track of the linear color, 0 or more.
@@ -183,14 +256,14 @@ macro_rules! of_lights {
 
 /// What changes of a light. After any of it, [`LightDesc::settle`].
 pub static LIGHT: [Field<LightDesc>; 8] = [
-    of_lights!(position, Vector, ANY, Point | Spot),
+    of_lights!(position, Vector, ANY, Point | Spot | Rect | Disk),
     Field {
         key: "direction",
         form: Form::Vector,
         range: ANY,
         get: |light| light.kind.direction(),
         put: |light, value| {
-            if let LightKind::Spot { target, .. } = &mut light.kind {
+            if let Some(target) = light.kind.target_mut() {
                 *target = None;
             }
             if let Some(direction) = light.kind.direction_mut() {
@@ -202,22 +275,18 @@ pub static LIGHT: [Field<LightDesc>; 8] = [
         key: "target",
         form: Form::Vector,
         range: ANY,
-        get: |light| match light.kind {
-            LightKind::Spot {
-                position,
-                direction,
-                target,
-                ..
-            } => Some(target.unwrap_or(position + direction)),
-            _ => None,
+        get: |light| {
+            let mut kind = light.kind;
+            let target = *kind.target_mut()?;
+            target.or_else(|| Some(kind.position()? + kind.direction()?))
         },
         put: |light, value| {
-            if let LightKind::Spot { target, .. } = &mut light.kind {
+            if let Some(target) = light.kind.target_mut() {
                 *target = Some(value);
             }
         },
     },
-    of_lights!(intensity_cd, Number, FROM_0, Point | Spot),
+    of_lights!(intensity_cd, Number, FROM_0, Point | Spot | Rect | Disk),
     of_lights!(intensity_lux, Number, FROM_0, Directional),
     plain!(color, Color, FROM_0),
     of_lights!(inner_deg, Number, range(0.0, 90.0).below(), Spot),

@@ -63,7 +63,8 @@ pub struct ReflectionDesc {
     pub bounces: u32,
     /// Most steps of the screen-space march, 8 to 4096. More misses less and takes longer. Default 128.
     pub steps: u32,
-    /// `"auto"` materials reflect below this roughness, 0 to 1. Default 0.2.
+    /// `"auto"` materials reflect below this roughness, 0 to 1; with 1 all of them do. Others show only the
+    /// environment and the lights, which costs less. Default 0.2.
     pub roughness_cutoff: f32,
     /// U in meters, above 0. Default: the diagonal of the static bounding box / 16.
     pub unit_m: Option<f32>,
@@ -97,6 +98,14 @@ impl Default for ReflectionDesc {
 }
 
 impl ReflectionDesc {
+    /// Roughness that every `"auto"` material that reflects stays below: past 1 where all do.
+    pub fn reflects_below(&self) -> f32 {
+        match self.roughness_cutoff {
+            cutoff if cutoff < 1.0 => cutoff,
+            _ => 2.0,
+        }
+    }
+
     /// Whether the march accepts only what it can verify.
     pub fn verifies(&self) -> bool {
         self.accept == Accept::Verified && matches!(self.method, Method::Hybrid | Method::Auto)

@@ -7,7 +7,8 @@ use super::{
     value::{Named, Node, Value, wrong_type},
 };
 use crate::scene::desc::{
-    Accept, CurveKind, Ease, Method, Playback, ReflectionMode, ShadowMode, ToneMap, Visibility,
+    Accept, CurveKind, Ease, EnvironmentShadow, Method, Playback, ReflectionMode, ShadowMode,
+    ToneMap, Visibility,
 };
 use crate::scene::{range::Range, suggest};
 
@@ -41,6 +42,7 @@ macro_rules! words {
 
 words!(ReflectionMode { "none" => Self::None, "auto" => Self::Auto, "mirror" => Self::Mirror });
 words!(ShadowMode { "map" => Self::Map, "ray" => Self::Ray, "none" => Self::None, "auto" => Self::Auto });
+words!(EnvironmentShadow { "ray" => Self::Ray, "none" => Self::None });
 words!(Accept { "verified" => Self::Verified, "threshold" => Self::Threshold });
 words!(Method { "ssr" => Self::Ssr, "rt" => Self::Rt, "hybrid" => Self::Hybrid, "auto" => Self::Auto });
 words!(CurveKind {
@@ -53,7 +55,7 @@ words!(CurveKind {
 words!(Ease { "none" => Self::None, "in" => Self::In, "out" => Self::Out, "in_out" => Self::InOut });
 words!(Playback { "once" => Self::Once, "loop" => Self::Loop, "ping_pong" => Self::PingPong });
 words!(Visibility { "raster" => Self::Raster, "rays" => Self::Rays, "auto" => Self::Auto });
-words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces });
+words!(ToneMap { "none" => Self::None, "neutral" => Self::Neutral, "aces" => Self::Aces, "agx" => Self::Agx });
 
 /// `"a", "b" or "c"`.
 pub fn one_of(words: &[&str]) -> String {

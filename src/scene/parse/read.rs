@@ -2,6 +2,7 @@
 //! and nowhere else; the manual and the JSON Schema come from running the same readers.
 
 mod animation;
+mod environment;
 mod instance;
 mod light;
 mod motion;
@@ -289,21 +290,6 @@ fn capsule(t: &mut Table) -> Option<ShapeDesc> {
     })
 }
 
-impl Section for EnvironmentDesc {
-    const TYPE: &'static str = "EnvironmentDesc";
-    const HEADING: &'static str = "[environment]";
-
-    fn read(t: &mut Table) -> Option<Self> {
-        t.one_of(false, &[&["color"], &["zenith", "horizon", "ground"]]);
-        let color = t.find("color", FROM_0).unwrap_or(Color(Vec3::ZERO));
-        Some(Self {
-            zenith: t.get("zenith", FROM_0, color).0,
-            horizon: t.get("horizon", FROM_0, color).0,
-            ground: t.get("ground", FROM_0, color).0,
-        })
-    }
-}
-
 impl Section for ReflectionDesc {
     const TYPE: &'static str = "ReflectionDesc";
     const HEADING: &'static str = "[reflection]";
@@ -339,6 +325,7 @@ impl Section for ImageDesc {
         Some(Self {
             size: t.get("size", range(1.0, 16384.0), default.size),
             samples: t.get("samples", range(1.0, 4096.0), default.samples),
+            light_rays: t.find("light_rays", range(1.0, 256.0)),
             exposure_ev: t.get("exposure_ev", range(-20.0, 20.0), default.exposure_ev),
             tone_map: t.get("tone_map", ANY, default.tone_map),
             visibility: t.get("visibility", ANY, default.visibility),

@@ -30,10 +30,12 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
         "point" => LightKind::Point {
             position,
             intensity_cd: intensity,
+            radius_m: 0.0,
         },
         "directional" => LightKind::Directional {
             direction,
             intensity_lux: intensity,
+            angle_deg: 0.0,
         },
         "spot" => {
             let [inner_deg, outer_deg] = cone_deg(light)?;
@@ -44,6 +46,7 @@ pub fn read(light: &schema::Light, name: &str) -> Result<Light, Fault> {
                 intensity_cd: intensity,
                 inner_deg,
                 outer_deg,
+                radius_m: 0.0,
             }
         }
         other => return Err(fault(&format!("type \"{}\" is unknown", shorten(other)))),

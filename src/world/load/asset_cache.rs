@@ -1,7 +1,7 @@
 //! Asset cache for reloads with unchanged files: instances and materials are built again, but no
 //! file is read, no vertex stream generated and no image decoded.
 
-use std::{collections::HashMap, mem, path::PathBuf};
+use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
     LoadOptions, Loader, Source, camera,
@@ -15,7 +15,7 @@ use crate::{
         desc::{ModelSource, SceneDesc, ShapeDesc},
         diagnostic::Diagnostic,
     },
-    world::{Mesh, Shared, World, gltf::Model, usd},
+    world::{Mesh, Shared, World, environment::Panorama, gltf::Model, usd},
 };
 
 /// A model's name and source.
@@ -38,6 +38,8 @@ pub struct AssetCache {
     pub(super) mesh_warnings: Vec<Diagnostic>,
     /// Files without those of the script.
     pub(super) files: Vec<PathBuf>,
+    /// The panorama's name in the text, and what was read.
+    pub(super) panorama: (Option<String>, Option<Arc<Panorama>>),
 }
 
 /// Key that is equal for texts with the same geometry.
@@ -65,8 +67,10 @@ impl AssetCache {
         desc: &SceneDesc,
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
+        let panorama = desc.environment.file.as_ref().map(|file| &file.value);
         if self.sources != sources(desc)
             || self.poses != pose::keys(desc, &self.models, &self.loaded)
+            || self.panorama.0.as_ref() != panorama
         {
             return Ok(None);
         }
@@ -82,6 +86,7 @@ impl AssetCache {
         loader.world.meshes = world.meshes.iter().map(stub).collect();
         let of_files = loader.loaded.iter().flat_map(|model| &model.warnings);
         loader.world.warnings = of_files.chain(&self.mesh_warnings).cloned().collect();
+        loader.set_environment(self.panorama.1.clone());
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::scene::range::{ANY, FROM_0, range};
+use crate::scene::range::{ABOVE_0, ANY, FROM_0, range};
 use crate::scene::{
     desc::{LightDesc, LightKind, ShadowMode},
     parse::{
@@ -18,7 +18,7 @@ impl Section for LightDesc {
 
     fn read(t: &mut Table) -> Option<Self> {
         let Color(color) = t.get("color", FROM_0, Color(Vec3::ONE));
-        let shadow = t.get("shadow", ANY, ShadowMode::default());
+        let shadow = t.find("shadow", ANY);
         let shadow_px = t.get("shadow_px", range(16.0, 4096.0), 1024);
         let kind = t.choose(
             "kind",
@@ -26,8 +26,20 @@ impl Section for LightDesc {
                 ("point", point_light),
                 ("spot", spot_light),
                 ("directional", directional_light),
+                ("rect", rect_light),
+                ("disk", disk_light),
             ],
         );
+        let has_size = kind.is_some_and(|kind| kind.has_size());
+        if has_size && shadow == Some(ShadowMode::Map) {
+            let message = "`shadow = \"map\"` cannot show the soft shadow of a light with a size";
+            let help = "write `shadow = \"ray\"`, or leave it out";
+            t.refuse("wrong-shadow", "shadow", message, help);
+        }
+        let shadow = match shadow {
+            None | Some(ShadowMode::Auto) if has_size => ShadowMode::Ray,
+            shadow => shadow.unwrap_or_default(),
+        };
         Some(Self {
             kind: kind?,
             color,
@@ -40,13 +52,81 @@ impl Section for LightDesc {
 fn point_light(t: &mut Table) -> Option<LightKind> {
     let position = t.need("position", ANY);
     let intensity_cd = t.need("intensity_cd", FROM_0);
+    let radius_m = t.get("radius_m", FROM_0, 0.0);
     Some(LightKind::Point {
         position: position?,
         intensity_cd: intensity_cd?,
+        radius_m,
     })
 }
 
 fn spot_light(t: &mut Table) -> Option<LightKind> {
+    let (position, direction, target) = aim(t);
+    let intensity_cd = t.need("intensity_cd", FROM_0);
+    let inner_deg = t.get("inner_deg", range(0.0, 90.0).below(), 0.0);
+    let outer_deg = t.get("outer_deg", range(0.0, 90.0).below().above(), 45.0);
+    if t.clean() && inner_deg > outer_deg {
+        let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
+        t.refuse("out-of-range", "inner_deg", &message, "");
+    }
+    let radius_m = t.get("radius_m", FROM_0, 0.0);
+    Some(LightKind::Spot {
+        position: position?,
+        direction: direction?,
+        target,
+        intensity_cd: intensity_cd?,
+        inner_deg,
+        outer_deg,
+        radius_m,
+    })
+}
+
+fn directional_light(t: &mut Table) -> Option<LightKind> {
+    let written = t.need("direction", ANY);
+    let direction = direction(t, "direction", written);
+    let intensity_lux = t.need("intensity_lux", FROM_0);
+    let angle_deg = t.get("angle_deg", range(0.0, 90.0), 0.0);
+    Some(LightKind::Directional {
+        direction: direction?,
+        intensity_lux: intensity_lux?,
+        angle_deg,
+    })
+}
+
+fn rect_light(t: &mut Table) -> Option<LightKind> {
+    let (position, direction, target) = aim(t);
+    let up = t.get("up", ANY, Vec3::Y);
+    if t.clean() && up == Vec3::ZERO {
+        let help = "write `up = [0, 1, 0]`";
+        t.refuse("zero-direction", "up", "`up` must not be zero", help);
+    }
+    let size = t.need("size", ABOVE_0);
+    let intensity_cd = t.need("intensity_cd", FROM_0);
+    Some(LightKind::Rect {
+        position: position?,
+        direction: direction?,
+        target,
+        up,
+        size: size?,
+        intensity_cd: intensity_cd?,
+    })
+}
+
+fn disk_light(t: &mut Table) -> Option<LightKind> {
+    let (position, direction, target) = aim(t);
+    let radius_m = t.need("radius_m", ABOVE_0);
+    let intensity_cd = t.need("intensity_cd", FROM_0);
+    Some(LightKind::Disk {
+        position: position?,
+        direction: direction?,
+        target,
+        radius_m: radius_m?,
+        intensity_cd: intensity_cd?,
+    })
+}
+
+/// Position, unit direction and target of a light that shines from somewhere in one direction.
+fn aim(t: &mut Table) -> (Option<Vec3>, Option<Vec3>, Option<Vec3>) {
     let position: Option<Vec3> = t.need("position", ANY);
     t.one_of(true, &[&["direction"], &["target"]]);
     let written: Option<Vec3> = t.find("direction", ANY);
@@ -57,32 +137,7 @@ fn spot_light(t: &mut Table) -> Option<LightKind> {
         "target"
     };
     let towards = written.or_else(|| Some(target? - position?));
-    let direction = direction(t, key, towards);
-    let intensity_cd = t.need("intensity_cd", FROM_0);
-    let inner_deg = t.get("inner_deg", range(0.0, 90.0).below(), 0.0);
-    let outer_deg = t.get("outer_deg", range(0.0, 90.0).below().above(), 45.0);
-    if t.clean() && inner_deg > outer_deg {
-        let message = format!("`inner_deg` must be 0 to `outer_deg`, which is {outer_deg}");
-        t.refuse("out-of-range", "inner_deg", &message, "");
-    }
-    Some(LightKind::Spot {
-        position: position?,
-        direction: direction?,
-        target,
-        intensity_cd: intensity_cd?,
-        inner_deg,
-        outer_deg,
-    })
-}
-
-fn directional_light(t: &mut Table) -> Option<LightKind> {
-    let written = t.need("direction", ANY);
-    let direction = direction(t, "direction", written);
-    let intensity_lux = t.need("intensity_lux", FROM_0);
-    Some(LightKind::Directional {
-        direction: direction?,
-        intensity_lux: intensity_lux?,
-    })
+    (position, direction(t, key, towards), target)
 }
 
 /// The unit vector along `towards`, or a message at `key`.

@@ -1,0 +1,23 @@
+// The environment as a gradient from straight up over the horizon to straight down.
+
+#import frame
+
+fn environment(direction: vec3f) -> vec3f {
+    let y = clamp(direction.y, -1.0, 1.0);
+    return frame.horizon
+        + (frame.zenith - frame.horizon) * max(y, 0.0)
+        + (frame.ground - frame.horizon) * max(-y, 0.0);
+}
+
+// No direction is worth more rays than the surface's own lobes send there.
+fn environment_share() -> f32 {
+    return 0.0;
+}
+
+fn environment_pdf(direction: vec3f) -> f32 {
+    return 0.0;
+}
+
+fn environment_direction(u: vec2f) -> vec3f {
+    return vec3f(0.0, 1.0, 0.0);
+}

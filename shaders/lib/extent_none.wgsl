@@ -1,0 +1,36 @@
+// Scenes in which nothing has an extent: reflections are sharp, lights are points or parallel.
+
+#import frame
+
+fn start_samples(pixel: vec2u, vertex: u32) {}
+
+// Where a reflection ray goes, and what of its light is reflected. Here the whole environment is seen by
+// it, and no light.
+struct Reflected {
+    direction: vec3f,
+    weight: vec3f,
+    pdf: f32,
+    sky_weight: f32,
+}
+
+fn reflected(direction: vec3f, s: Surface) -> Reflected {
+    return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
+}
+
+fn is_sized(i: u32) -> bool {
+    return false;
+}
+
+fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
+    return Shade();
+}
+
+// The light with a size that a ray meets first.
+struct SeenLight {
+    is_seen: bool,
+    radiance: vec3f,
+}
+
+fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
+    return SeenLight();
+}

@@ -1,0 +1,207 @@
+// What has an extent, by samples: lights with a size, and reflections of rough surfaces.
+
+#import frame
+#import lobe
+#import sampling
+
+override HAS_ROUGH_REFLECTIONS: bool = true;
+override HAS_SIZED_LIGHTS: bool = true;
+
+const BEYOND: f32 = FAR_M; // where parallel light comes from
+
+// Where a reflection ray goes, and what of its light is reflected.
+struct Reflected {
+    direction: vec3f,
+    weight: vec3f,
+    pdf: f32, // per solid angle; 0: the only direction there is
+    sky_weight: f32, // of the environment's light; the rest comes by rays towards the environment
+}
+
+// Whether a surface's reflection is spread. Then its light comes by reflection rays and by rays towards
+// what shines, weighted by the balance heuristic (Veach 1997, 9.2.2.1).
+fn is_rough_reflector(s: Surface) -> bool {
+    return HAS_ROUGH_REFLECTIONS && is_reflector(s) && s.reflection != REFLECTION_MIRROR
+        && s.roughness * s.roughness > SMOOTH_ALPHA;
+}
+
+// Share of `pdf`, where another way finds the same with density `other`.
+fn balance(pdf: f32, other: f32) -> f32 {
+    return pdf / max(pdf + other, 1e-30);
+}
+
+// One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
+// the arriving ray.
+fn reflected(direction: vec3f, s: Surface) -> Reflected {
+    let alpha = s.roughness * s.roughness;
+    let mirror = mirror_direction(direction, s);
+    if (!is_rough_reflector(s)) {
+        return Reflected(mirror, fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
+    }
+    let axes = basis(s.normal);
+    var view = -direction * axes;
+    view.z = max(view.z, 1e-3);
+    let facet = axes * visible_normal(normalize(view), alpha, sample_square(sampling.sample, 0u));
+    let out = reflect(direction, facet);
+    let nl = dot(s.normal, out);
+    if (nl <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0); }
+    // Height-correlated masking of both directions over that of the view (Heitz 2014; 2018, eq. 19).
+    let a2 = alpha * alpha;
+    let nv = view.z;
+    let masked_v = sqrt(nv * nv * (1.0 - a2) + a2);
+    let masked_l = sqrt(nl * nl * (1.0 - a2) + a2);
+    let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
+    let pdf = facet_pdf(s, -direction, out);
+    let sky_weight = balance(pdf, environment_rays_pdf(s, out));
+    return Reflected(lifted(out, s), fresnel(s, dot(facet, -direction)) * seen, pdf, sky_weight);
+}
+
+fn is_sized(i: u32) -> bool {
+    return HAS_SIZED_LIGHTS && lights[i].is_sized != 0u;
+}
+
+// A point of a light: what arrives from there, over the density of choosing it.
+struct LightSample {
+    to_light: vec3f,
+    distance_m: f32,
+    color: vec3f,
+    pdf: f32, // per solid angle
+}
+
+fn flat_area(i: u32) -> f32 {
+    let edges = sqrt(dot(lights[i].half_u, lights[i].half_u) * dot(lights[i].half_v, lights[i].half_v));
+    return edges * select(4.0, PI, lights[i].kind == LIGHT_DISK);
+}
+
+fn light_sample(i: u32, position: vec3f, u: vec2f) -> LightSample {
+    var r: LightSample;
+    let extent = lights[i].extent;
+    switch lights[i].kind {
+        case LIGHT_DIRECTIONAL: {
+            // E = π L sin² of half the angle.
+            let least = cos(extent);
+            let z = 1.0 - u.x * (1.0 - least);
+            r.to_light = basis(-lights[i].direction) * vec3f(on_circle(sqrt(max(1.0 - z * z, 0.0)), u.y), z);
+            r.distance_m = BEYOND;
+            r.color = lights[i].color * (2.0 / (1.0 + least));
+            r.pdf = 1.0 / (2.0 * PI * (1.0 - least));
+        }
+        case LIGHT_RECT, LIGHT_DISK: {
+            var at = u * 2.0 - 1.0;
+            if (lights[i].kind == LIGHT_DISK) { at = on_circle(sqrt(u.x), u.y); }
+            let offset = lights[i].position + lights[i].half_u * at.x + lights[i].half_v * at.y - position;
+            let d2 = max(dot(offset, offset), 1e-8);
+            r.distance_m = sqrt(d2);
+            r.to_light = offset / r.distance_m;
+            let facing = max(-dot(lights[i].direction, r.to_light), 0.0);
+            r.color = lights[i].color * (facing / d2);
+            r.pdf = d2 / max(facing * flat_area(i), 1e-12);
+        }
+        default: {
+            // The cap of the ball that is seen: Shirley & Wang 1994, uniform in solid angle.
+            let offset = lights[i].position - position;
+            let d2 = dot(offset, offset);
+            let sine2 = extent * extent / d2;
+            if (sine2 >= 1.0) { return r; }
+            let d = sqrt(d2);
+            let cap = sine2 / (1.0 + sqrt(1.0 - sine2)); // 1 - cos, without cancellation
+            let below = u.x * cap;
+            let flat2 = below * (2.0 - below);
+            r.to_light = basis(offset / d) * vec3f(on_circle(sqrt(flat2), u.y), 1.0 - below);
+            r.distance_m = d * (1.0 - below) - sqrt(max(extent * extent - d2 * flat2, 0.0));
+            // I = π r² L.
+            r.color = lights[i].color * (2.0 * cap / (extent * extent)) * reach(i, offset / d, d);
+            r.pdf = 1.0 / (2.0 * PI * cap);
+        }
+    }
+    return r;
+}
+
+// What a light with a size adds; sharp reflectors see it by their reflection rays alone.
+fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
+    var out: Shade;
+    let is_rough = is_rough_reflector(s);
+    let has_specular = (is_rough || !is_reflector(s)) && (s.metallic > 0.0 || s.reflectivity > 0.0);
+    if (!has_specular && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
+    let pair = next_pair();
+    for (var k = 0u; k < sampling.rays; k++) {
+        let l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
+        let nl = dot(s.normal, l.to_light);
+        if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
+            continue;
+        }
+        if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
+            if (!is_open(s, l.to_light, l.distance_m * 0.9999)) { continue; }
+        }
+        out.diffuse += albedo * l.color * (nl / PI);
+        if (!has_specular) { continue; }
+        var share = 1.0;
+        if (is_rough) { share = balance(l.pdf * f32(sampling.rays), facet_pdf(s, view, l.to_light)); }
+        out.specular += ggx(s, view, l.to_light) * l.color * share;
+    }
+    let rays = f32(sampling.rays);
+    return Shade(out.diffuse / rays, out.specular / rays);
+}
+
+// The light with a size that a reflection ray meets first.
+struct SeenLight {
+    is_seen: bool,
+    radiance: vec3f,
+}
+
+fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
+    var seen: SeenLight;
+    if (!HAS_SIZED_LIGHTS) { return seen; }
+    let direction = ray.direction;
+    var behind = vec3f(0.0);
+    var pdf = 0.0;
+    var nearest = t_max;
+    for (var i = 0u; i < frame.light_count; i++) {
+        if (!is_sized(i)) { continue; }
+        let extent = lights[i].extent;
+        let offset = lights[i].position - origin;
+        var t = -1.0;
+        var radiance = lights[i].color / PI;
+        var light_pdf = 0.0;
+        var sky = vec3f(0.0);
+        switch lights[i].kind {
+            case LIGHT_DIRECTIONAL: {
+                if (-dot(direction, lights[i].direction) >= cos(extent)) { t = BEYOND; }
+                radiance /= pow(sin(extent), 2.0);
+                light_pdf = 1.0 / (2.0 * PI * (1.0 - cos(extent)));
+                sky = environment(direction) * ray.sky_weight;
+            }
+            case LIGHT_RECT, LIGHT_DISK: {
+                let facing = -dot(direction, lights[i].direction);
+                let u2 = dot(lights[i].half_u, lights[i].half_u);
+                let v2 = dot(lights[i].half_v, lights[i].half_v);
+                let at_t = -dot(offset, lights[i].direction) / max(facing, 1e-12);
+                let on = direction * at_t - offset;
+                let at = vec2f(dot(on, lights[i].half_u) / u2, dot(on, lights[i].half_v) / v2);
+                let is_disk = lights[i].kind == LIGHT_DISK;
+                let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
+                if (facing > 0.0 && inside) { t = at_t; }
+                radiance = lights[i].color / flat_area(i);
+                light_pdf = at_t * at_t / max(facing * flat_area(i), 1e-12);
+            }
+            default: {
+                let along = dot(offset, direction);
+                let off = offset - direction * along;
+                let rest = extent * extent - dot(off, off);
+                if (rest > 0.0 && dot(offset, offset) > extent * extent) { t = along - sqrt(rest); }
+                let d = length(offset);
+                radiance *= reach(i, offset / max(d, 1e-12), d) / (extent * extent);
+                let sine2 = min(extent * extent / max(d * d, 1e-12), 1.0);
+                light_pdf = (1.0 + sqrt(1.0 - sine2)) / (2.0 * PI * sine2);
+            }
+        }
+        if (t > 0.0 && t < nearest) {
+            nearest = t;
+            pdf = light_pdf;
+            behind = sky;
+            seen = SeenLight(true, radiance);
+        }
+    }
+    if (ray.pdf > 0.0) { seen.radiance *= balance(ray.pdf, pdf * f32(sampling.rays)); }
+    seen.radiance += behind;
+    return seen;
+}

@@ -1,0 +1,55 @@
+// Directions that follow the lobes of a surface, and their densities.
+
+#import bvh
+#import frame
+
+// Columns: tangent, bitangent, normal (Duff et al. 2017).
+fn basis(n: vec3f) -> mat3x3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    return mat3x3f(
+        vec3f(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        vec3f(b, sign + n.y * n.y * a, -n.y),
+        n,
+    );
+}
+
+fn on_circle(radius: f32, turn: f32) -> vec2f {
+    return radius * vec2f(cos(2.0 * PI * turn), sin(2.0 * PI * turn));
+}
+
+fn cosine_direction(normal: vec3f, u: vec2f) -> vec3f {
+    let flat = on_circle(sqrt(u.x), u.y);
+    return basis(normal) * vec3f(flat, sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A facet's normal among those that the view sees, z up: Dupuy & Benyoub 2023, "Sampling Visible GGX
+// Normals with Spherical Caps".
+fn visible_normal(view: vec3f, alpha: f32, u: vec2f) -> vec3f {
+    let stretched = normalize(vec3f(view.xy * alpha, view.z));
+    let z = (1.0 - u.x) * (1.0 + stretched.z) - stretched.z;
+    let flat = on_circle(sqrt(saturate(1.0 - z * z)), u.y);
+    let h = vec3f(flat, z) + stretched;
+    return normalize(vec3f(h.xy * alpha, max(h.z, 1e-6)));
+}
+
+// Smith's masking and the density of GGX.
+fn ggx_g1(cosine: f32, a2: f32) -> f32 {
+    return 2.0 * cosine / (cosine + sqrt(cosine * cosine * (1.0 - a2) + a2));
+}
+
+// Density per solid angle of mirroring `view` at a visible normal.
+fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
+    let alpha = ggx_alpha(s);
+    let a2 = alpha * alpha;
+    let nv = max(dot(s.normal, view), 1e-3);
+    let nh = saturate(dot(s.normal, normalize(view + direction)));
+    let d = nh * nh * (a2 - 1.0) + 1.0;
+    return ggx_g1(nv, a2) * a2 / (PI * d * d) / (4.0 * nv);
+}
+
+// Where a ray from the surface leads past whatever is in its way.
+fn is_open(s: Surface, direction: vec3f, distance_m: f32) -> bool {
+    return !trace_any(ray_origin(s.position, s.geometric_normal), direction, 0.0, distance_m);
+}

@@ -1,0 +1,56 @@
+//! Which shader files stand for what a scene may or may not need: `#import ambient`,
+//! `environment` and `extent` mean others where a plan drops samples, so that unused code and bindings are
+//! no part of any shader.
+
+use crate::gpu::{ShaderError, ShaderLibrary};
+
+use super::constants::wgsl;
+
+/// The files that a plan needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShaderVariant {
+    /// Some light has a size, or some reflection is rough; so it is where the environment is sampled.
+    pub extent: bool,
+    /// The environment's light is sampled, not in closed form.
+    pub ambient: bool,
+    /// The environment is a panorama; then its light is sampled.
+    pub panorama: bool,
+}
+
+impl ShaderVariant {
+    /// All that there are.
+    pub const ALL: [Self; 4] = [
+        Self::new(false, false, false),
+        Self::new(true, false, false),
+        Self::new(true, true, false),
+        Self::new(true, true, true),
+    ];
+
+    const fn new(extent: bool, ambient: bool, panorama: bool) -> Self {
+        Self {
+            extent,
+            ambient,
+            panorama,
+        }
+    }
+
+    /// The library with the shared constants and the files of this variant.
+    ///
+    /// # Errors
+    /// The library has a file of a generated name already.
+    pub fn library(self, library: &ShaderLibrary) -> Result<ShaderLibrary, ShaderError> {
+        let choose = |name: &str, on: bool, words: [&str; 2]| {
+            let word = words[usize::from(on)];
+            (name.to_owned(), format!("#import {name}_{word}\n"))
+        };
+        let imports = [
+            choose("ambient", self.ambient, ["closed", "sampled"]),
+            choose("environment", self.panorama, ["gradient", "panorama"]),
+            choose("extent", self.extent, ["none", "sampled"]),
+        ];
+        let library = library.with_generated("constants", wgsl())?;
+        (imports.into_iter()).try_fold(library, |library, (name, text)| {
+            library.with_generated(&name, text)
+        })
+    }
+}

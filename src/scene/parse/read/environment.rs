@@ -1,0 +1,48 @@
+//! The reader of the environment.
+
+use glam::Vec3;
+
+use crate::scene::range::{ANY, FROM_0};
+use crate::scene::{
+    desc::{EnvironmentDesc, EnvironmentShadow},
+    parse::{
+        color::Color,
+        table::{Section, Table},
+    },
+};
+
+impl Section for EnvironmentDesc {
+    const TYPE: &'static str = "EnvironmentDesc";
+    const HEADING: &'static str = "[environment]";
+
+    fn read(t: &mut Table) -> Option<Self> {
+        let gradient: &[&str] = &["zenith", "horizon", "ground"];
+        t.one_of(false, &[&["file"], &["color"], gradient]);
+        let color = t.find("color", FROM_0).unwrap_or(Color(Vec3::ZERO));
+        let default = Self::default();
+        let environment = Self {
+            zenith: t.get("zenith", FROM_0, color).0,
+            horizon: t.get("horizon", FROM_0, color).0,
+            ground: t.get("ground", FROM_0, color).0,
+            file: t.find("file", ANY),
+            rotation_deg: t.get("rotation_deg", ANY, default.rotation_deg),
+            intensity: t.get("intensity", FROM_0, default.intensity),
+            visible: t.get("visible", ANY, default.visible),
+            shadow: t.find("shadow", ANY).unwrap_or(if t.has("file") {
+                EnvironmentShadow::Ray
+            } else {
+                EnvironmentShadow::None
+            }),
+        };
+        if t.has("rotation_deg") && !t.has("file") && t.clean() {
+            let message = "`rotation_deg` turns a `file`; there is none";
+            t.refuse(
+                "wrong-source",
+                "rotation_deg",
+                message,
+                "remove `rotation_deg`",
+            );
+        }
+        Some(environment)
+    }
+}

@@ -1,0 +1,89 @@
+//! What rays that leave the scene see: a panorama with the density that samples of it follow, or a
+//! gradient.
+
+mod density;
+mod read;
+
+use std::{f64::consts::PI, sync::Arc};
+
+use glam::DVec3;
+use half::f16;
+
+pub use self::{
+    density::Density,
+    read::{LARGEST_KEPT, PanoramaLimits, read},
+};
+use crate::scene::desc::{EnvironmentDesc, EnvironmentShadow};
+
+/// The environment of a loaded scene.
+#[derive(Clone, Debug, Default)]
+pub struct Environment {
+    /// As it is written.
+    pub desc: EnvironmentDesc,
+    /// Its file, decoded; in place of the gradient.
+    pub panorama: Option<Arc<Panorama>>,
+}
+
+impl Environment {
+    /// Whether it lights surfaces by samples, not in closed form.
+    pub fn is_sampled(&self) -> bool {
+        self.panorama.is_some() || self.casts_rays()
+    }
+
+    /// Whether rays find what is in the way of its light.
+    pub fn casts_rays(&self) -> bool {
+        self.desc.shadow == EnvironmentShadow::Ray && !self.is_black()
+    }
+
+    /// Radiance straight up, at the horizon and straight down; of a panorama its mean, three times.
+    pub fn coarse_gradient(&self) -> [DVec3; 3] {
+        let desc = &self.desc;
+        let scale = f64::from(desc.intensity);
+        match self.panorama.as_deref() {
+            Some(panorama) => [panorama.mean() * scale; 3],
+            None => [desc.zenith, desc.horizon, desc.ground].map(|c| c.as_dvec3() * scale),
+        }
+    }
+
+    /// Whether no light comes from it.
+    pub fn is_black(&self) -> bool {
+        let desc = &self.desc;
+        let colors = [desc.zenith, desc.horizon, desc.ground];
+        let has_light = self.panorama.is_some() || colors.iter().any(|c| c.max_element() > 0.0);
+        !has_light || desc.intensity == 0.0
+    }
+}
+
+impl Panorama {
+    /// Mean radiance of all directions: rows weigh as much as they span of the sphere.
+    pub fn mean(&self) -> DVec3 {
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+        let rows = self.texels.chunks_exact(self.width as usize);
+        for (y, row) in rows.enumerate() {
+            let weight = (PI * (y as f64 + 0.5) / f64::from(self.height)).sin();
+            let of = |t: &[u16; 4]| [t[0], t[1], t[2]].map(|bits| f16::from_bits(bits).to_f64());
+            sum += row.iter().map(|t| DVec3::from(of(t))).sum::<DVec3>() * weight;
+            weights += weight * row.len() as f64;
+        }
+        sum * (f64::from(self.scale) / weights.max(f64::MIN_POSITIVE))
+    }
+}
+
+/// A decoded panorama.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panorama {
+    /// Its file, for messages.
+    pub name: String,
+    /// Pixels across, 1 to 4096.
+    pub width: u32,
+    /// Pixels down, 1 to 2048.
+    pub height: u32,
+    /// Whether the file has more pixels.
+    pub is_reduced: bool,
+    /// Linear radiance over `scale`, 16-bit floats, top row first; the fourth is 1.
+    pub texels: Vec<[u16; 4]>,
+    /// A power of two, with which the brightest texel fits.
+    pub scale: f32,
+    /// What samples of it follow.
+    pub density: Density,
+}

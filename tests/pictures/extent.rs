@@ -1,0 +1,219 @@
+//! Lights with a size against form factors, and reflections of rough surfaces against integrals.
+
+use std::f32::consts::PI;
+
+use crate::{
+    environment::directional_albedo,
+    kit::{assert_close, assert_color, gpu, mean, render, share_differing},
+};
+
+/// A white, matte floor at y = 0 of which the picture shows a few centimeters around the origin.
+const FLOOR: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0.5, 1]
+target = [0, 0, 0]
+fov_deg = 1
+[image]
+size = [8, 8]
+samples = 64
+light_rays = 4
+tone_map = "none"
+[material.white]
+base_color = [1, 1, 1]
+reflectivity = 0
+reflection = "none"
+[model.floor]
+shape = { kind = "plane", size = [40, 40] }
+material = "white"
+[[instance]]
+model = "floor"
+"#;
+
+/// Irradiance over π of a light in the scene text, on the floor.
+fn irradiance_over_pi(light: &str) -> Option<f32> {
+    let text = format!("{FLOOR}[light.lamp]\n{light}");
+    Some(mean(&render(gpu()?, &text, &[], &[]))[0])
+}
+
+#[test]
+fn a_ball_lights_a_floor_by_its_form_factor() {
+    // Howell, configuration B-39: (r / d)² cos θ for a ball that is wholly above the floor.
+    for (position, radius_m) in [([0.0_f32, 2.0, 0.0], 0.5_f32), ([1.5, 1.5, 0.0], 1.0)] {
+        let text = format!(
+            "kind = \"point\"\nposition = {position:?}\nintensity_cd = 10\nradius_m = {radius_m}\n"
+        );
+        let Some(found) = irradiance_over_pi(&text) else {
+            return;
+        };
+        let d2: f32 = position.iter().map(|x| x * x).sum();
+        let radiance = 10.0 / (PI * radius_m * radius_m);
+        let form_factor = radius_m * radius_m / d2 * position[1] / d2.sqrt();
+        assert_close(found, radiance * form_factor, 5e-3);
+    }
+}
+
+#[test]
+fn a_rectangle_and_a_disk_light_a_floor_by_their_form_factors() {
+    let aim = "position = [0, 2, 0]\ndirection = [0, -1, 0]\nintensity_cd = 10\n";
+    let rect = format!("kind = \"rect\"\n{aim}size = [3, 1]\nup = [0, 0, 1]\n");
+    let Some(found) = irradiance_over_pi(&rect) else {
+        return;
+    };
+    // Howell, configuration B-4, four times: the point is below the middle.
+    let (a, b) = (1.5_f32 / 2.0, 0.5_f32 / 2.0);
+    let term = |a: f32, b: f32| a / (1.0 + a * a).sqrt() * (b / (1.0 + a * a).sqrt()).atan();
+    let form_factor = 4.0 / (2.0 * PI) * (term(a, b) + term(b, a));
+    assert_close(found, 10.0 / 3.0 * form_factor, 5e-3);
+
+    let disk = format!("kind = \"disk\"\n{aim}radius_m = 1.5\n");
+    let Some(found) = irradiance_over_pi(&disk) else {
+        return;
+    };
+    let (r2, h2) = (1.5_f32 * 1.5, 4.0);
+    assert_close(found, 10.0 / (PI * r2) * r2 / (r2 + h2), 5e-3);
+
+    let behind = rect.replace("[0, -1, 0]", "[0, 1, 0]");
+    assert_eq!(irradiance_over_pi(&behind), Some(0.0));
+}
+
+#[test]
+fn a_sun_with_a_size_lights_as_much_as_without() {
+    let sun = "kind = \"directional\"\ndirection = [1, -1, 0]\nintensity_lux = 3\n";
+    for angle in [0, 1, 30] {
+        let text = format!("{sun}angle_deg = {angle}\n");
+        let Some(found) = irradiance_over_pi(&text) else {
+            return;
+        };
+        assert_close(found, 3.0 * 0.5_f32.sqrt() / PI, 5e-3);
+    }
+}
+
+#[test]
+fn half_a_light_behind_an_edge_gives_half_of_its_light() {
+    let light = "kind = \"rect\"\nposition = [0, 2, 0]\ntarget = [0, 0, 0]\nsize = [1, 1]\n\
+                 intensity_cd = 10\n";
+    let shade = "[model.shade]\nshape = { kind = \"plane\", size = [4, 4] }\nmaterial = \"white\"\n\
+                 [[instance]]\nmodel = \"shade\"\ntranslation = [2, 1, 0]\n";
+    let Some(open) = irradiance_over_pi(light) else {
+        return;
+    };
+    let Some(half) = irradiance_over_pi(&format!("{light}{shade}")) else {
+        return;
+    };
+    assert_close(half, open / 2.0, 0.02);
+    let through = format!("{light}shadow = \"none\"\n{shade}");
+    let Some(through) = irradiance_over_pi(&through) else {
+        return;
+    };
+    assert_close(through, open, 1e-4);
+}
+
+#[test]
+fn mirrors_show_lights_with_a_size() {
+    let Some(gpu) = gpu() else { return };
+    let mirror = FLOOR.replace(
+        "base_color = [1, 1, 1]\nreflectivity = 0\nreflection = \"none\"",
+        "base_color = [0, 0, 0]\nreflectivity = 1\nreflection = \"mirror\"",
+    );
+    // What the camera at (0, 1, 6) sees in the floor at the origin is at (0, 1, -6).
+    let flat = "position = [0, 1, -6]\ntarget = [0, 0, 0]\nintensity_cd = 10\n";
+    for (light, radiance) in [
+        (format!("kind = \"rect\"\n{flat}size = [2, 1]\n"), 5.0),
+        (format!("kind = \"disk\"\n{flat}radius_m = 1\n"), 10.0 / PI),
+        (
+            "kind = \"point\"\nposition = [0, 1, -6]\nradius_m = 0.5\nintensity_cd = 10\n"
+                .to_owned(),
+            40.0 / PI,
+        ),
+        (
+            "kind = \"directional\"\ndirection = [0, -1, 6]\nangle_deg = 10\nintensity_lux = 3\n"
+                .to_owned(),
+            3.0 / (PI * 5.0_f32.to_radians().sin().powi(2)),
+        ),
+    ] {
+        let text = format!("{mirror}[light.lamp]\n{light}");
+        for method in ["rt", "hybrid"] {
+            let method = format!("reflection.method={method}");
+            let set = ["image.samples=1", "camera.main.eye=[0, 1, 6]", &method];
+            let picture = render(gpu, &text, &set, &[]);
+            assert_color(&picture, 4, 4, [radiance; 3], 2e-3 * radiance);
+        }
+    }
+}
+
+/// A metal with reflectance 1 that reflects by its roughness, under an even sky.
+const METAL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 3, 0.1]
+[image]
+size = [8, 8]
+samples = 64
+tone_map = "none"
+[reflection]
+roughness_cutoff = 1
+[environment]
+color = [1, 1, 1]
+[material.metal]
+base_color = [1, 1, 1]
+metallic = 1
+[model.metal]
+shape = { kind = "plane", size = [20, 20] }
+material = "metal"
+"#;
+
+#[test]
+fn a_rough_metal_reflects_its_directional_albedo() {
+    let Some(gpu) = gpu() else { return };
+    for (roughness, method) in [
+        ("0.1", "rt"),
+        ("0.4", "hybrid"),
+        ("0.7", "rt"),
+        ("1", "hybrid"),
+    ] {
+        for angle_deg in [5.0_f64, 60.0] {
+            let (sine, cosine) = angle_deg.to_radians().sin_cos();
+            let set = [
+                format!("material.metal.roughness={roughness}"),
+                format!("camera.main.eye=[{}, {}, 0]", 3.0 * sine, 3.0 * cosine),
+                "camera.main.target=[0, 0, 0]".to_owned(),
+                "camera.main.fov_deg=1".to_owned(),
+                format!("reflection.method={method}"),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let found = mean(&render(gpu, METAL, &set, &[]))[0];
+            let number = roughness.parse().unwrap_or(0.0);
+            assert_close(found, directional_albedo(cosine, number) as f32, 0.01);
+        }
+    }
+}
+
+#[test]
+fn a_mirror_stays_sharp_whatever_its_roughness() {
+    let Some(gpu) = gpu() else { return };
+    let ball = "[material.red]\nemission = [1, 0, 0]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
+                material = \"red\"\n[[instance]]\nmodel = \"metal\"\n[[instance]]\nmodel = \"ball\"\n\
+                translation = [0, 1, 0]\n";
+    let text = format!("{METAL}{ball}").replace("size = [8, 8]\nsamples = 64", "size = [64, 36]");
+    let of = |set: &[&str]| render(gpu, &text, set, &[]);
+    let camera = [
+        "camera.main.eye=[0, 2, 4]",
+        "camera.main.target=[0, 0.5, 0]",
+    ];
+    let with = |set: [&'static str; 2]| of(&[camera[0], camera[1], set[0], set[1]]);
+    let smooth = with([
+        "material.metal.roughness=0",
+        "material.metal.reflection=auto",
+    ]);
+    let mirror = with([
+        "material.metal.roughness=0.3",
+        "material.metal.reflection=mirror",
+    ]);
+    let rough = with([
+        "material.metal.roughness=0.3",
+        "material.metal.reflection=auto",
+    ]);
+    assert!(share_differing(&smooth, &mirror, 1) == 0.0);
+    assert!(share_differing(&smooth, &rough, 8) > 0.01);
+}

@@ -1,0 +1,93 @@
+//! Files of panoramas, good and broken.
+
+use std::fs;
+
+use reflet::{scene::stages::Scene, world::load};
+
+use crate::{
+    environment::{FLOOR, SKY, folder},
+    kit::{assert_color, gpu, renderer, scene_of},
+};
+
+/// Name and text of the error that a file gives as the panorama `sky.exr`.
+fn error_of(name: &str, bytes: &[u8]) -> (&'static str, String) {
+    let folder = folder(name);
+    fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
+    let file = folder.join("scene.toml");
+    let scene = Scene::from_text(&format!("version = 1\n{SKY}"), &file, &[]);
+    let (scene, _) = scene.unwrap_or_else(|e| panic!("{e:?}"));
+    let errors = load::load(&scene, &load::LoadOptions::default()).err();
+    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
+    let first = errors.and_then(|errors| errors.into_iter().next());
+    let error = first.unwrap_or_else(|| panic!("{name} is no error"));
+    assert!(
+        error.related.is_some(),
+        "{error:?} does not say who names it"
+    );
+    (error.name, error.message)
+}
+
+/// The bytes of an OpenEXR file.
+fn exr_bytes(name: &str, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Vec<u8> {
+    let folder = folder(name);
+    let file = folder.join("made.exr");
+    exr::prelude::write_rgb_file(&file, 8, 4, |x, y| texel(x, y).into())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let bytes = fs::read(&file).unwrap_or_else(|e| panic!("{e}"));
+    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
+    bytes
+}
+
+#[test]
+fn panoramas_that_hold_no_light_are_named_errors() {
+    let good = exr_bytes("good", |_, _| [1.0; 3]);
+    for (name, bytes, expected) in [
+        ("empty", &[][..], "image-broken"),
+        ("words", b"not a picture", "image-unsupported"),
+        ("png", b"\x89PNG\r\n\x1a\n", "image-unsupported"),
+        ("cut", &good[..good.len() / 2], "image-broken"),
+        ("head", &good[..20], "image-broken"),
+        ("hdr-head", b"#?RADIANCE\n", "image-broken"),
+        (
+            "hdr-size",
+            b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 99999 +X 99999\n",
+            "image-too-large",
+        ),
+    ] {
+        assert_eq!(error_of(name, bytes).0, expected, "{name}");
+    }
+    for (name, value) in [("nan", f32::NAN), ("inf", f32::INFINITY), ("below", -1.0)] {
+        let bad = exr_bytes(name, |x, y| {
+            if (x, y) == (5, 2) {
+                [1.0, value, 1.0]
+            } else {
+                [1.0; 3]
+            }
+        });
+        let (found, message) = error_of(name, &bad);
+        assert_eq!(found, "image-values", "{name}");
+        assert!(
+            message.contains("1 of its pixels") && message.contains("(5, 2)"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn a_radiance_file_is_read_too() {
+    let Some(gpu) = gpu() else { return };
+    let folder = folder("radiance");
+    let mut bytes = Vec::new();
+    let texels = [image::Rgb([1.0, 0.5, 0.25]); 8];
+    let encoder = image::codecs::hdr::HdrEncoder::new(&mut bytes);
+    encoder
+        .encode(&texels, 4, 2)
+        .unwrap_or_else(|e| panic!("{e}"));
+    fs::write(folder.join("sky.exr"), bytes).unwrap_or_else(|e| panic!("{e}"));
+    let (desc, world) = scene_of(&folder.join("scene.toml"), &format!("{FLOOR}{SKY}"), &[]);
+    let camera = &world.cameras[0].value;
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    fs::remove_dir_all(folder).unwrap_or_else(|e| panic!("{e}"));
+    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    assert_color(&picture, 8, 4, [0.5, 0.25, 0.125], 1e-3);
+}
