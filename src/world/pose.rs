@@ -249,26 +249,25 @@ impl World {
         animated
     }
 
-    /// Boxes of the instances that animations of files move, at times spread over the whole of
-    /// them; the scene's own motion is at rest.
+    /// A box for each instance that animations of files move, around all of its places at times
+    /// spread over the whole of them; the scene's own motion is at rest.
     pub fn animated_bounds(&self) -> Vec<Bounds> {
         /// Number of sampled times.
         const TIMES: u32 = 32;
         let moving = &self.moving;
-        let mut bounds = Vec::new();
+        let animated = moving.instances.iter();
+        let animated: Vec<_> = animated.filter_map(|m| Some((m, m.anchor.node?))).collect();
+        let mut bounds = vec![Bounds::EMPTY; animated.len()];
         for time in 0..=TIMES {
             let share = f64::from(time) / f64::from(TIMES);
             let players = moving.players.iter();
             let poses: Vec<_> = players.map(|p| p.pose_at(share * p.duration_s())).collect();
-            for m in &moving.instances {
-                let Some((player, slot)) = m.anchor.node else {
-                    continue;
-                };
-                let node = &poses[player][slot];
+            for (around, (m, (player, slot))) in bounds.iter_mut().zip(&animated) {
+                let node = &poses[*player][*slot];
                 let world = m.world_from_model * node.model_from_node * m.anchor.local;
                 if node.visible && invertible(&world) {
                     let mesh = self.instances[m.instance].mesh;
-                    bounds.push(self.meshes[mesh].bounds.transformed(&world));
+                    *around = around.union(self.meshes[mesh].bounds.transformed(&world));
                 }
             }
         }

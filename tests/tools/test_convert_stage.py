@@ -411,6 +411,8 @@ def Cube "X" (
 }
 """
     assert "clips-missing" in convert_text(tmp_path, text).warnings("/X")
+    gone = text.replace("./clip.#", "./no/folder/clip.#")
+    assert "clips-missing" in convert_text(tmp_path, gone).warnings("/X")
     (tmp_path / "clip.1.usda").write_text('#usda 1.0\nover "X" {\n}\n', encoding="utf-8")
     assert "clips-missing" not in convert_text(tmp_path, text).warnings()
 

@@ -53,7 +53,7 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
 /// What the camera frames.
 struct Framed<'a> {
     meshes: Vec<(&'a Mesh, Affine3A, bool)>,
-    /// Of animated instances at several times, and of all where there are too many vertices.
+    /// Of animated instances over time, and of all where there are too many vertices.
     boxes: Vec<Bounds>,
 }
 

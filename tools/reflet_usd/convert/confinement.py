@@ -274,8 +274,12 @@ def _template_matches(prim: Usd.Prim, name: str) -> bool:
         path = template.path if isinstance(template, Sdf.AssetPath) else str(template or "")
         folder, file = os.path.split(spec.layer.ComputeAbsolutePath(path) if path else "")
         pattern = re.compile(re.sub(r"#+", r"-?\\d+", re.escape(file).replace(r"\#", "#")))
-        if "#" in file and os.path.isdir(folder):
-            return any(pattern.fullmatch(entry) for entry in os.listdir(folder))
+        try:
+            entries = os.listdir(folder) if "#" in file else []
+        except OSError:  # not there, or outside
+            entries = []
+        if any(pattern.fullmatch(entry) for entry in entries):
+            return True
     return False
 
 
