@@ -124,7 +124,7 @@ impl Progress {
     /// Reports a failed frame as JSON or to a worker; the other forms list failures at the end.
     pub fn failed(&self, frame: u32, why: &str) {
         match self.form {
-            ProgressForm::Json => print_line(&json!({ "frame": frame, "failed": why })),
+            ProgressForm::Json => print_line(json!({ "frame": frame, "failed": why })),
             ProgressForm::Openjd => {
                 let why = why.replace('\n', " ");
                 print_line(format_args!("openjd_fail: frame {frame}: {why}"));
