@@ -136,7 +136,7 @@ fn header(m: &Mistake) -> Option<Words> {
     let is_name = |n: &&str| n.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
     let help = match names.as_slice() {
         ["instance" | "instances"] => "write `[[instance]]`".to_owned(),
-        all if !all.is_empty() && all.iter().all(|n| is_name(n)) => {
+        all if !all.is_empty() && all.iter().all(is_name) => {
             format!("write `[{}]`", suggest::clip(&all.join(".")))
         }
         _ => {
