@@ -71,7 +71,7 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
 /// them is checked too.
 fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
     let stdin = match path == Path::new("-") {
-        true => Some(read_stdin().map_err(|error| vec![*error])?),
+        true => Some(read_stdin()?),
         false => None,
     };
     let source = (path, stdin.as_deref());
@@ -178,9 +178,8 @@ fn check_variant(
 }
 
 /// The scene text of standard input; its file names start from the folder that one is in.
-fn read_stdin() -> Result<String, Box<Diagnostic>> {
-    let refuse =
-        |why: String| Box::new(Diagnostic::in_file("unreadable-file", STDIN.as_ref(), why));
+fn read_stdin() -> Result<String, Vec<Diagnostic>> {
+    let refuse = |why: String| vec![Diagnostic::in_file("unreadable-file", STDIN.as_ref(), why)];
     let mut bytes = Vec::new();
     let read = io::stdin()
         .lock()
