@@ -63,7 +63,10 @@ fn stability(into: &Path, arguments: &[&str]) -> (i32, String) {
     let [out, error] =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     assert!(!error.contains("panicked"), "{error}");
-    (output.status.code().expect("an exit code"), out + &error)
+    (
+        output.status.code().expect("an exit code"),
+        out + error.as_str(),
+    )
 }
 
 /// Cells of a row of `stability.csv` by mode and method.
