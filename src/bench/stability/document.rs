@@ -179,7 +179,7 @@ fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
             s.flip,
             s.rel_mse
         );
-        if s.frames > 1 {
+        if s.frames > 1 && s.flip_p99 > 0.0 {
             let _ = write!(sentence, ", worst at {}", s.worst);
         }
         sentence.push(')');
