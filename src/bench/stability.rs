@@ -4,6 +4,8 @@
 pub mod document;
 pub mod ratchet;
 
+use std::fmt;
+
 use super::{
     csv,
     metric::{mask::MIN_AREA_PX, temporal},
@@ -90,8 +92,8 @@ pub struct CellScores {
     pub flip: f64,
     /// The largest 99th percentile of FLIP of a picture, 0 to 1.
     pub flip_p99: f64,
-    /// Frame and size of that picture.
-    pub worst: String,
+    /// That picture.
+    pub worst: Place,
     /// Mean SSIM; none where a picture is too small for it.
     pub ssim: Option<f64>,
     /// Mean relMSE.
@@ -104,6 +106,37 @@ pub struct CellScores {
     pub flicker: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
+}
+
+/// One picture of a mode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Frame of the timeline.
+    pub frame: u32,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { frame, size } = self;
+        write!(f, "frame {frame}, {} x {}", size[0], size[1])
+    }
+}
+
+impl Mode {
+    /// Title and words, from a comment `title: words`, else from its name.
+    pub fn heading(&self) -> (String, String) {
+        match self.about.split_once(": ") {
+            Some((title, about)) if title.len() < 60 => {
+                let mut letters = about.chars();
+                let first = letters.next().map(|c| c.to_uppercase().to_string());
+                let about = first.unwrap_or_default() + letters.as_str();
+                (title.to_owned(), about)
+            }
+            _ => (self.name.clone(), self.about.clone()),
+        }
+    }
 }
 
 impl Part {
@@ -158,9 +191,9 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
     let mut found = Vec::new();
     for part in parts {
         for frame in &part.frames {
-            let [width, height] = part.size;
-            let place = format!("frame {frame}, {width} x {height}");
-            let sample = part.sample(samples, method, *frame);
+            let (frame, size) = (*frame, part.size);
+            let place = Place { frame, size };
+            let sample = part.sample(samples, method, frame);
             let sample = sample.ok_or_else(|| format!("{place}: not measured"))?;
             if !sample.is_ok() {
                 return Err(format!("{place}: {}", sample.status));
@@ -190,7 +223,7 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         mask_px: all().map(|s| s.mask_px).min().unwrap_or_default(),
         flip: mean(&mut found.iter().map(|f| f.2[0])),
         flip_p99: *flip_p99,
-        worst: place.clone(),
+        worst: *place,
         ssim: ssim.map(|values| mean(&mut values.into_iter())),
         rel_mse: mean(&mut found.iter().map(|f| f.2[2])),
         false_accepts_px: accepts,
@@ -229,7 +262,7 @@ pub fn table(cells: &[Cell]) -> String {
                 let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
                 row.extend([s.frames.to_string(), s.mask_px.to_string()]);
                 row.extend([s.flip.to_string(), s.flip_p99.to_string()]);
-                row.extend([s.worst.clone(), number(s.ssim), s.rel_mse.to_string()]);
+                row.extend([s.worst.to_string(), number(s.ssim), s.rel_mse.to_string()]);
                 row.push(
                     s.false_accepts_px
                         .map_or(String::new(), |px| px.to_string()),
@@ -298,7 +331,10 @@ mod tests {
         ];
         let s = of(3, &samples).expect("scores");
         assert!((s.flip - 0.2).abs() < 1e-12);
-        assert_eq!((s.flip_p99, s.worst.as_str()), (0.6, "frame 1, 32 x 18"));
+        assert_eq!(
+            (s.flip_p99, s.worst.to_string().as_str()),
+            (0.6, "frame 1, 32 x 18")
+        );
         assert_eq!(
             (s.false_accepts_px, s.false_accepts_permille),
             (Some(15), Some(10.0))

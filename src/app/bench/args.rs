@@ -207,6 +207,10 @@ pub struct StabilityArgs {
     /// Write scores that are better than the ratchet's, and those that it lacks, into it; never worse ones
     #[arg(long, requires = "ratchet")]
     pub tighten: bool,
+    /// Write stability.html too: of each mode its worst picture by each method, where hybrid's reflections
+    /// come from, and how it errs
+    #[arg(long)]
+    pub pictures: bool,
     /// Where the tables go as Markdown; without it, stability.md in the folder
     #[arg(long, value_name = "FILE")]
     pub document: Option<PathBuf>,

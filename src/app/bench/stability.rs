@@ -13,6 +13,7 @@ use crate::{
     bench::{
         hash::Hash,
         parameter::{THRESHOLD_SERIES, method_name},
+        report::page::page,
         run::{FrameSeries, Protocol, Subject, Turn},
         sample::Sample,
         stability::{
@@ -24,6 +25,7 @@ use crate::{
     session::scene_text::LoadedScene,
 };
 
+mod pictures;
 mod suite;
 
 use suite::Choice;
@@ -92,6 +94,13 @@ pub fn stability(args: &StabilityArgs) -> Result<(), AppError> {
     let columns = columns(&protocol.methods);
     let cells = cells(&modes, &columns, &samples);
     report(args, &modes, &columns, &cells, &samples)?;
+    if args.pictures {
+        let galleries = pictures::galleries(&gpu, &modes, &cells, &mut all_series)?;
+        let page = page("Where methods fail", &[], &galleries);
+        let path = args.output.join("stability.html");
+        write(&path, page.as_bytes())?;
+        eprintln!("wrote {}", path.display());
+    }
     match (&args.ratchet, ratchet) {
         (Some(path), Some(ratchet)) => hold(path, ratchet, args.tighten, &modes, &columns, &cells),
         _ => Ok(()),

@@ -57,7 +57,7 @@ pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str)
         }
         let _ = writeln!(out, "\n|---|{}", "---|".repeat(methods.len()));
         for mode in rows {
-            let _ = write!(out, "| {} |", heading(mode).0);
+            let _ = write!(out, "| {} |", mode.heading().0);
             for method in methods {
                 let text = text(cells, mode, method, &score);
                 let _ = write!(out, " {} |", text.unwrap_or_default());
@@ -67,7 +67,7 @@ pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str)
     }
     out.push_str("\n## What fails, and how it is seen\n");
     for mode in modes {
-        let (title, about) = heading(mode);
+        let (title, about) = mode.heading();
         let _ = writeln!(out, "\n### {title}\n");
         if !about.is_empty() {
             let _ = writeln!(out, "{about}\n");
@@ -153,21 +153,6 @@ fn find<'a>(cells: &'a [Cell], mode: &Mode, method: &str, against: Against) -> O
     cells.iter().find(is_wanted)
 }
 
-/// Title and words of a mode, from its comment `title: words`, or from its name.
-fn heading(mode: &Mode) -> (String, String) {
-    match mode.about.split_once(": ") {
-        Some((title, about)) if title.len() < 60 => {
-            let mut letters = about.chars();
-            let first = letters.next().map(|c| c.to_uppercase().to_string());
-            (
-                title.to_owned(),
-                first.unwrap_or_default() + letters.as_str(),
-            )
-        }
-        _ => (mode.name.clone(), mode.about.clone()),
-    }
-}
-
 fn band(p99: f64) -> (f64, &'static str, &'static str) {
     let found = BANDS.into_iter().find(|(up_to, ..)| p99 <= *up_to);
     found.unwrap_or(BANDS[BANDS.len() - 1])
@@ -194,7 +179,7 @@ fn verdicts(mode: &Mode, methods: &[&str], cells: &[Cell]) -> Vec<String> {
             s.flip,
             s.rel_mse
         );
-        if s.frames > 1 {
+        if s.frames > 1 && s.flip_p99 > 0.0 {
             let _ = write!(sentence, ", worst at {}", s.worst);
         }
         sentence.push(')');
