@@ -63,5 +63,5 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         out.specular += ggx(s, view, direction) * light * share;
     }
     let rays = f32(sampling.rays);
-    return Shade(out.diffuse / rays, out.specular / rays);
+    return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
 }

@@ -139,7 +139,7 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         out.specular += ggx(s, view, l.to_light) * l.color * share;
     }
     let rays = f32(sampling.rays);
-    return Shade(out.diffuse / rays, out.specular / rays);
+    return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
 }
 
 // The light with a size that a reflection ray meets first.

@@ -225,22 +225,6 @@ sample! {
     commit: String,
 }
 
-/// Columns that older tables lack; they are then empty.
-const NEWER: [&str; 12] = [
-    "passes_cpu_ms",
-    "reflection_cpu_ms",
-    "accept",
-    "edge_px",
-    "reuse_light",
-    "content",
-    "turn",
-    "since_frame",
-    "temporal_difference",
-    "temporal_change",
-    "mask_temporal_difference",
-    "mask_temporal_change",
-];
-
 fn read_cell<T: Cell>(column: &str, text: &str) -> Result<T, String> {
     let cannot = || format!("column {column} cannot be \"{text}\"");
     let value = T::of(text).ok_or_else(cannot)?;
@@ -349,7 +333,7 @@ pub fn read_samples(text: &str) -> Result<(Vec<Sample>, usize), CsvError> {
 
 fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
     let index = table.columns.iter().position(|column| column == name);
-    let absent = || NEWER.contains(&name).then(String::new);
+    let absent = || check::NEWER.contains(&name).then(String::new);
     index
         .map(|i| row[i].clone())
         .or_else(absent)

@@ -197,7 +197,7 @@ pub enum ShapeDesc {
     Capsule {
         /// Radius, meters, above 0. Default 0.25.
         radius: f32,
-        /// From end to end, meters, at least twice the radius. Default 1.
+        /// From end to end, meters, above 0 and at least twice the radius. Default 1.
         height: f32,
         /// Divisions around, 3 to 1024. Default 64.
         segments: u32,

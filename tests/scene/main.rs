@@ -13,5 +13,6 @@ mod moving;
 mod returned;
 mod schema;
 mod set;
+mod settings;
 mod shipped;
 mod text;

@@ -70,6 +70,22 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
     })
 }
 
+/// Columns that older tables lack; they are then empty.
+pub const NEWER: [&str; 12] = [
+    "passes_cpu_ms",
+    "reflection_cpu_ms",
+    "accept",
+    "edge_px",
+    "reuse_light",
+    "content",
+    "turn",
+    "since_frame",
+    "temporal_difference",
+    "temporal_change",
+    "mask_temporal_difference",
+    "mask_temporal_change",
+];
+
 /// Checks what cells say together.
 ///
 /// # Errors

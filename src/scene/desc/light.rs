@@ -76,7 +76,7 @@ pub enum LightKind {
         /// A point that it faces, meters, wherever the light moves; in place of `direction`.
         target: Option<Vec3>,
         /// Direction of its second edge; turned as far as it must to be level with the rectangle. Along
-        /// `direction` it is replaced by +Z. Default +Y.
+        /// `direction` it is replaced by +Z. Default [0, 1, 0].
         up: Vec3,
         /// Edge lengths, meters, above 0; the second along `up`.
         size: [f32; 2],

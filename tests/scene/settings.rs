@@ -1,0 +1,70 @@
+//! Settings of the whole scene: environment, reflection, image.
+
+use glam::Vec3;
+use reflet::scene::desc::*;
+
+use crate::text::read;
+
+#[test]
+fn environment_reflection_and_image_arrive() {
+    let scene = read(
+        "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
+         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\n\
+         blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
+         tone_map = \"aces\"\nvisibility = \"rays\"",
+    );
+    let color = Vec3::new(1.0, 2.0, 3.0);
+    let flat = EnvironmentDesc {
+        zenith: color,
+        horizon: color,
+        ground: color,
+        ..EnvironmentDesc::default()
+    };
+    assert_eq!(scene.environment, flat);
+    assert_eq!(
+        scene.reflection,
+        ReflectionDesc {
+            method: Method::Ssr,
+            ray_length_u: 2.0,
+            accept: Accept::Threshold,
+            edge_px: 0.5,
+            threshold_u: 0.0,
+            bounces: 16,
+            steps: 8,
+            roughness_cutoff: 1.0,
+            unit_m: Some(0.5),
+            reuse_light: false,
+            fade: true,
+            blur_px: 1.5,
+        }
+    );
+    let (samples, exposure_ev, tone_map) = (4096, -20.0, ToneMap::Aces);
+    assert_eq!(
+        scene.image,
+        ImageDesc {
+            size: [1, 16384],
+            samples,
+            light_rays: Some(256),
+            exposure_ev,
+            tone_map,
+            visibility: Visibility::Rays,
+        }
+    );
+    let image = |text: &str| read(text).image.light_rays();
+    let rays = [
+        "",
+        "image.samples = 3",
+        "image.samples = 4",
+        "image.light_rays = 9",
+    ]
+    .map(image);
+    assert_eq!(rays, [4, 2, 1, 9]);
+    let gradient = read("environment.zenith = [1, 2, 3]").environment;
+    assert_eq!(
+        gradient,
+        EnvironmentDesc {
+            zenith: color,
+            ..EnvironmentDesc::default()
+        }
+    );
+}
