@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+"""Compares the two rules by which the march accepts a hit, and writes docs/acceptance.md.
+
+    tools/acceptance.py measure --assets DIR OUT [--reflet PROGRAM]    # what OUT lacks
+    tools/acceptance.py page OUT                                       # the page and docs/data
+
+Every shipped scene in five views (frames of its timeline, or a camera that sways), in two sizes.
+The verified rule has nothing to set. The threshold rule gets, for each scene, the one T that is
+best on all other scenes among those that cost no more there.
+"""
+
+import argparse
+import csv
+import dataclasses
+import json
+import math
+import pathlib
+import random
+import re
+import statistics
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Sequence
+
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "acceptance.md"
+DATA = ROOT / "docs" / "data" / "acceptance.csv"
+FOLDERS = ["scenes", "scenes/fail", "scenes/paper", "scripts"]
+SIZES = "240x135,480x270"
+VIEWS = 5
+THRESHOLDS = [0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.2, 0.4]
+EDGES = [0.0, 0.25]
+# Of a still scene, the camera sways by this share of its distance to what it looks at.
+SWAY = [0.1, 0.04, 0.1]
+RESAMPLES = 10_000
+COLUMNS = [
+    *["scene", "frame", "width", "height", "accept", "edge_px", "threshold_u", "reflective_px"],
+    *["screen_percent", "false_accepts", "mask_px", "mask_flip", "mask_flip_p99", "mask_ssim"],
+    *["march_steps", "visited_nodes"],
+]
+
+Row = dict[str, str]
+
+
+@dataclasses.dataclass(frozen=True)
+class Score:
+    """One rule on one scene: means over its pictures, and sums of work."""
+
+    wrong_permille: float  # accepted hits that a ray contradicts
+    flip: float  # in the reflections, against rt
+    flip_p99: float
+    ssim: float
+    nodes: float  # visited by rays
+    steps: float  # looks at the depth buffer
+
+
+Rule = tuple[str, float]  # "verified" and edge_px, or "threshold" and T
+Scores = dict[str, dict[Rule, Score]]
+VERIFIED: Rule = ("verified", 0.25)
+STRICTEST: Rule = ("verified", 0.0)
+
+
+def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> None:
+    for folder in FOLDERS:
+        for scene in sorted((ROOT / folder).glob("*.toml")):
+            print(f"== {folder}/{scene.name}", flush=True)
+            measure_scene(out / scene.stem, scene.relative_to(ROOT), assets, program)
+
+
+def measure_scene(
+    out: pathlib.Path, scene: pathlib.Path, assets: pathlib.Path, program: pathlib.Path
+) -> None:
+    info = subprocess.run(
+        [program, "info", scene, "--json", "--assets", assets],
+        cwd=ROOT, check=True, stdout=subprocess.PIPE,
+    )  # fmt: skip
+    timeline = json.loads(info.stdout)["timeline"]
+    sets, frames = sway(tomllib.loads((ROOT / scene).read_text())), f"0-{VIEWS - 1}"
+    if timeline:
+        step = (timeline["end"] - timeline["start"]) / (VIEWS - 1)
+        frames = ",".join(str(timeline["start"] + round(step * i)) for i in range(VIEWS))
+        sets = []
+    command = [program, "bench", scene, "--assets", assets, *sets, "--timeline", frames]
+    command += ["--methods", "hybrid", "--sizes", SIZES, "--frames", "1", "--warm-up", "1"]
+    command += ["--counters", "--resume", "-o", out]
+    for parameter, turned in (("threshold_u", THRESHOLDS), ("edge_px", EDGES)):
+        values = ",".join(map(str, turned))
+        subprocess.run(
+            [*command, "--parameter", parameter, "--values", values], cwd=ROOT, check=True
+        )
+
+
+def sway(scene: dict[str, dict[str, dict[str, list[float]]]]) -> list[str]:
+    """What makes a still scene's camera move, as options."""
+    name = "main" if "main" in scene["camera"] else next(iter(scene["camera"]))
+    camera = scene["camera"][name]
+    reach = math.dist(camera["eye"], camera["target"])
+    amplitude = [round(share * reach, 4) for share in SWAY]
+    motion = f"{{ oscillate = {{ amplitude = {amplitude}, period_s = 7 }} }}"
+    settings = [f"timeline.end={VIEWS - 1}", "timeline.fps=1", f"motion.camera.{name}.eye={motion}"]
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def read(out: pathlib.Path) -> list[Row]:
+    rows: list[Row] = []
+    for path in sorted(out.glob("*/samples.csv")):
+        with path.open(newline="") as file:
+            for row in csv.DictReader(file):
+                row["scene"] = row["scene"].split(" with ")[0]
+                rows.append({column: row[column] for column in COLUMNS})
+    return rows
+
+
+def rule_of(row: Row) -> Rule:
+    value = row["edge_px"] if row["accept"] == "verified" else row["threshold_u"]
+    return row["accept"], float(value)
+
+
+def scores(rows: Iterable[Row]) -> Scores:
+    """Of each scene and rule, of pictures whose reflections are large enough to be scored."""
+    groups: dict[str, dict[Rule, list[Row]]] = {}
+    for row in rows:
+        if row["mask_flip"]:
+            groups.setdefault(row["scene"], {}).setdefault(rule_of(row), []).append(row)
+    return {s: {rule: score(rs) for rule, rs in rules.items()} for s, rules in groups.items()}
+
+
+def score(rows: Sequence[Row]) -> Score:
+    def mean(column: str) -> float:
+        return statistics.fmean(float(row[column]) for row in rows)
+
+    accepted = sum(float(r["reflective_px"]) * float(r["screen_percent"]) / 100 for r in rows)
+    wrong = sum(float(r["false_accepts"]) for r in rows)
+    return Score(
+        wrong_permille=1000 * wrong / accepted if accepted else 0.0,
+        flip=mean("mask_flip"),
+        flip_p99=mean("mask_flip_p99"),
+        ssim=mean("mask_ssim"),
+        nodes=sum(float(r["visited_nodes"]) for r in rows),
+        steps=sum(float(r["march_steps"]) for r in rows),
+    )
+
+
+def work_ratio(of: Scores, scene: str, rule: Rule) -> float:
+    """Nodes that the rule lets rays visit, over those of the verified rule."""
+    return of[scene][rule].nodes / max(of[scene][VERIFIED].nodes, 1.0)
+
+
+def best_threshold(of: Scores, scenes: Sequence[str], error: Callable[[Score], float]) -> Rule:
+    """The T of least error among those that cost no more than the verified rule; if all cost more,
+    the cheapest."""
+    rules = sorted({r for s in scenes for r in of[s] if r[0] == "threshold"})
+
+    def cost(rule: Rule) -> float:
+        return statistics.fmean(math.log(work_ratio(of, s, rule) or 1e-9) for s in scenes)
+
+    affordable = [rule for rule in rules if cost(rule) <= 0.0]
+    if not affordable:
+        return min(rules, key=cost)
+    return min(affordable, key=lambda rule: statistics.fmean(error(of[s][rule]) for s in scenes))
+
+
+def left_out(of: Scores, error: Callable[[Score], float]) -> dict[str, Rule]:
+    """For each scene the T that is best on all others."""
+    return {s: best_threshold(of, [o for o in of if o != s], error) for s in of}
+
+
+def interval(differences: Sequence[float], seed: int = 1) -> tuple[float, float]:
+    """95 % of the means of scenes drawn with replacement (percentile bootstrap)."""
+    draw = random.Random(seed)
+    means = sorted(
+        statistics.fmean(draw.choices(differences, k=len(differences))) for _ in range(RESAMPLES)
+    )
+    return means[round(0.025 * (RESAMPLES - 1))], means[round(0.975 * (RESAMPLES - 1))]
+
+
+ERRORS: list[tuple[str, str, Callable[[Score], float]]] = [
+    ("hits on a wrong surface, ‰", ".2f", lambda s: s.wrong_permille),
+    ("FLIP in the reflections", ".4f", lambda s: s.flip),
+    ("99th percentile of FLIP", ".4f", lambda s: s.flip_p99),
+    ("1 − SSIM", ".4f", lambda s: 1.0 - s.ssim),
+]
+
+
+def table(head: list[str], rows: Iterable[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in [head, ["---"] * len(head), *rows])
+
+
+def summary(of: Scores) -> str:
+    rows = []
+    for name, form, error in ERRORS:
+        chosen = left_out(of, error)
+        pairs = [(error(of[s][VERIFIED]), error(of[s][chosen[s]])) for s in of]
+        ours, theirs = (statistics.fmean(side) for side in zip(*pairs, strict=True))
+        low, high = interval([a - b for a, b in pairs])
+        better = sum(a < b for a, b in pairs)
+        thresholds = sorted({rule[1] for rule in chosen.values()})
+        work = statistics.geometric_mean(work_ratio(of, s, chosen[s]) or 1e-9 for s in of)
+        rows.append([
+            name, ", ".join(f"{t:g}" for t in thresholds), format(ours, form),
+            format(theirs, form), f"{ours - theirs:+{form}} ({low:+{form}} to {high:+{form}})",
+            f"{better} of {len(of)}", f"{work:.3f}",
+        ])  # fmt: skip
+    head = ["error", "T, U", "verified", "threshold", "difference (95 % interval)"]
+    return table([*head, "scenes better", "nodes, threshold ÷ verified"], rows)
+
+
+def by_scene(of: Scores) -> str:
+    chosen = left_out(of, lambda s: s.flip)
+
+    def line(scene: str) -> list[str]:
+        ours, theirs = of[scene][VERIFIED], of[scene][chosen[scene]]
+        steps = ours.steps / max(theirs.steps, 1.0)
+        return [
+            f"`{scene}`", f"{chosen[scene][1]:g}",
+            f"{ours.wrong_permille:.1f}", f"{theirs.wrong_permille:.1f}",
+            f"{ours.flip:.4f}", f"{theirs.flip:.4f}", f"{ours.flip_p99:.3f}",
+            f"{theirs.flip_p99:.3f}", f"{1 / max(work_ratio(of, scene, chosen[scene]), 1e-9):.2f}",
+            f"{steps:.2f}",
+        ]  # fmt: skip
+
+    head = ["scene", "T", "wrong ‰, verified", "threshold", "FLIP, verified", "threshold"]
+    head += ["p99, verified", "threshold", "nodes, verified ÷ threshold", "steps"]
+    return table(head, map(line, sorted(of)))
+
+
+def sweep(of: Scores) -> str:
+    rules = [STRICTEST, VERIFIED, *(("threshold", t) for t in THRESHOLDS)]
+
+    def line(rule: Rule) -> list[str]:
+        errors = [
+            format(statistics.fmean(error(of[s][rule]) for s in of), form)
+            for _, form, error in ERRORS
+        ]
+        work = statistics.geometric_mean(work_ratio(of, s, rule) or 1e-9 for s in of)
+        name = f"verified, {rule[1]:g} px" if rule[0] == "verified" else f"T = {rule[1]:g} U"
+        return [name, *errors, f"{work:.3f}"]
+
+    return table(["rule", *(name for name, _, _ in ERRORS), "nodes"], map(line, rules))
+
+
+TABLES = {"summary": summary, "scenes": by_scene, "sweep": sweep}
+
+
+def page(out: pathlib.Path) -> None:
+    rows = read(out)
+    of = scores(rows)
+    if not of:
+        sys.exit(f"{out} holds no samples; run `measure` first")
+    text = PAGE.read_text()
+    for name, make in TABLES.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
+        content = make(of)
+        text, found = re.subn(
+            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
+        )
+        if found != 1:
+            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
+    PAGE.write_text(text)
+    with DATA.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    pictures = {(r["scene"], r["frame"], r["width"]) for r in rows}
+    print(f"{len(of)} scenes, {len(pictures)} pictures, {len(rows)} measurements")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    commands = parser.add_subparsers(required=True, dest="command")
+    measuring = commands.add_parser("measure", help="measure what OUT lacks")
+    measuring.add_argument("--assets", type=pathlib.Path, required=True)
+    program = ROOT / "target" / "release" / "reflet"
+    measuring.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+    writing = commands.add_parser("page", help="write the tables of docs/acceptance.md")
+    for command in (measuring, writing):
+        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    arguments = parser.parse_args()
+    if arguments.command == "measure":
+        measure(arguments.out.resolve(), arguments.assets.resolve(), arguments.reflet.resolve())
+    else:
+        page(arguments.out)
+
+
+if __name__ == "__main__":
+    main()
