@@ -12,7 +12,7 @@ use sha2::{Digest as _, Sha256};
 
 use self::{
     conversion_record::{Inputs, Record, Sidecar, SidecarWarning},
-    tool::Tool,
+    tool::{ALLOW_FOLDER, OUTSIDE, Tool},
 };
 use super::gltf::Fault;
 use crate::scene::{
@@ -219,9 +219,8 @@ fn told_of_a_name(stage: &Path, group: &[&SidecarWarning]) -> Vec<Diagnostic> {
     let shown = if is_long { &group[..1] } else { group };
     let one = |w: &&SidecarWarning| {
         let mut message = format!("{}: {} [{}]", w.prim, w.message, w.name);
-        let outside = w.name == "asset-outside-roots";
-        let mut help =
-            outside.then(|| "allow the folder that it is in with --assets FOLDER".into());
+        let outside = w.name == OUTSIDE;
+        let mut help = outside.then(|| ALLOW_FOLDER.into());
         if is_long {
             message += &format!(", and {} more of that name", group.len() - 1);
             let list = format!("`reflet-usd inspect --json {}` lists all", stage.display());

@@ -12,6 +12,11 @@ use std::{
 use super::TOOL_ENV;
 use crate::world::gltf::Fault;
 
+/// The converter's name for files outside of the folders that it may read.
+pub const OUTSIDE: &str = "asset-outside-roots";
+/// What allows them here.
+pub const ALLOW_FOLDER: &str = "allow the folder that it is in with --assets FOLDER";
+
 /// Prefix of the converter's progress lines.
 const PROGRESS: &str = "converting: ";
 
@@ -73,6 +78,10 @@ impl Tool {
         }
         let errors = errors.unwrap_or_default();
         let mut fault = Fault::new("usd-not-converted", errors.join("; "));
+        if errors.iter().any(|e| e.contains(OUTSIDE)) {
+            fault.help = Some(ALLOW_FOLDER.into());
+            return Err(fault);
+        }
         fault.help = Some(format!(
             "try: {} convert {}{} -o out.glb",
             self.path.display(),
