@@ -1,6 +1,9 @@
 //! What stands on a chart beside its curves: dots with hover text, labels, the legend.
 
-use crate::bench::{parameter::SERIES, summary::series};
+use crate::bench::{
+    parameter::{Parameter, SERIES},
+    summary::series,
+};
 use std::fmt::Write as _;
 
 use plotters::style::RGBColor;
@@ -133,6 +136,9 @@ impl Labels {
     }
 }
 
+/// Width of a letter at most, on average, in the legend's type.
+const LETTER_PX: i32 = 7;
+
 /// Methods with their parameter, and what the marks mean, in the upper right corner.
 pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
@@ -145,7 +151,9 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
         let turned = of.clone().any(|d| d.point.sample.value.is_some());
         let RGBColor(r, g, b) = color(method);
         if of.count() > 0 {
-            let parameter = parameters.first().filter(|_| turned);
+            // The name of a series that is one setting says which.
+            let is_named = |p: &&&str| turned && **p != Parameter::ReuseLight.name();
+            let parameter = parameters.first().filter(is_named);
             let text = parameter.map_or(method.to_owned(), |parameter| {
                 format!("{method}, by {parameter}")
             });
@@ -153,11 +161,13 @@ pub fn legend(out: &mut String, dots: &[Dot], has_failures: bool) {
         }
     }
     lines.push(("Pareto front".to_owned(), "#969696".to_owned(), "6"));
-    let left = SIZE.0 as i32 - 214;
+    let longest = lines.iter().map(|(text, ..)| text.chars().count()).max();
+    let width = 50 + LETTER_PX * longest.unwrap_or(0).max(20) as i32;
+    let left = SIZE.0 as i32 - 24 - width;
     let height = 20 * (lines.len() as i32 + 1) + 8;
     let _ = writeln!(
         out,
-        "<rect x=\"{left}\" y=\"22\" width=\"190\" height=\"{height}\" fill=\"#fff\" \
+        "<rect x=\"{left}\" y=\"22\" width=\"{width}\" height=\"{height}\" fill=\"#fff\" \
          fill-opacity=\".88\" stroke=\"#ccc\"/>"
     );
     for (row, (text, stroke, width)) in lines.iter().enumerate() {
