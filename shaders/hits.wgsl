@@ -1,6 +1,7 @@
 // Hits: shades what the march has met on the screen, at the very point that the ray meets and with the
 // ray's own footprint, as the tracer would.
 
+#import cone
 #import gbuffer
 #import light_reuse
 #import lists
@@ -16,7 +17,8 @@ fn shade_pixel(pixel: vec2u) {
     let ray = reflected(normalize(first.position - frame.eye), first);
     let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
-    let cone_m = frame.pixel_spread * (distance(first.position, frame.eye) + bitcast<f32>(found.x));
+    let cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
+    let cone_m = continued(cone, bitcast<f32>(found.x)).width_m;
     let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone_m);
     start_samples(pixel, 1u);
     let light = seen_light(first.position, ray, bitcast<f32>(found.x));

@@ -13,6 +13,10 @@ fn find(pixel: vec2u) {
     if (any(pixel >= vec2u(frame.size))) { return; }
     // Along this direction, t is linear view depth.
     let h = trace_nearest(frame.eye, pixel_ray(vec2f(pixel) + 0.5), frame.near_m, FAR_M);
+    if (HAS_CULLED) {
+        let is_culled = culled_t < h.t;
+        lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, frame.near_m / culled_t, is_culled));
+    }
     textureStore(ids, pixel, vec4u(h.instance, select(h.triangle, NONE, h.instance == NONE), 0u, 0u));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -10,8 +10,10 @@ var<workgroup> tile: array<f32, 1024>; // 32 × 32 cells of level 1
 fn depth_at(pixel: vec2u) -> f32 {
     // What lies past the border is no obstacle.
     let inside = all(pixel < vec2u(frame.size));
-    let depth_m = textureLoad(view_depth, min(pixel, vec2u(frame.size) - 1u), 0).x;
-    return select(0.0, frame.near_m / depth_m, inside);
+    let at = min(pixel, vec2u(frame.size) - 1u);
+    var nearest = frame.near_m / textureLoad(view_depth, at, 0).x;
+    if (HAS_CULLED) { nearest = max(nearest, bitcast<f32>(lists[culled_slot(at)])); }
+    return select(0.0, nearest, inside);
 }
 
 @compute @workgroup_size(16, 16)

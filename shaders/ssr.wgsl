@@ -2,9 +2,10 @@
 // by cell, so that no pixel under a ray is passed over, and decides what they meet. Hits are listed to
 // be shaded; what the screen cannot answer is listed to be traced.
 
-#import gbuffer
 #import cause
+#import gbuffer
 #import lists
+#import screen_ray
 
 override VERIFY: bool = true; // false: the paper's threshold T decides
 override TRACE: bool = true; // false: method ssr, what the screen cannot answer stays black
@@ -36,60 +37,15 @@ const SAME_PLANE_PX: f32 = 3.0;
 var<private> march_steps: u32 = 0u;
 var<private> march_triangles: u32 = 0u;
 
-// A ray on the screen: pixel position and near / depth are linear in s from 0 to 1.
-struct ScreenRay {
-    start: vec3f,
-    delta: vec3f,
-    length_m: f32,
-    end: f32, // s where it leaves the picture, at most 1
-    leaves: bool, // whether something is cut off after `end`
-}
-
-fn to_screen(p: vec3f) -> vec3f {
-    let clip = frame.clip_from_world * vec4f(p, 1.0);
-    let ndc = clip.xyz / clip.w;
-    return vec3f((vec2f(ndc.x, -ndc.y) * 0.5 + 0.5) * frame.size, ndc.z);
-}
-
-// s at which x + s * dx leaves [0, size].
-fn exit_at(x: f32, dx: f32, size: f32) -> f32 {
-    if (dx > 1e-9) { return (size - x) / dx; }
-    if (dx < -1e-9) { return -x / dx; }
-    return 2.0;
-}
-
-fn screen_ray(origin: vec3f, direction: vec3f) -> ScreenRay {
-    var r: ScreenRay;
-    let approach = dot(direction, frame.forward);
-    let depth = dot(origin - frame.eye, frame.forward);
-    r.length_m = frame.ray_length_m;
-    // Behind the near plane there is no screen.
-    let to_near = (depth - frame.near_m * 1.01) / max(-approach, 1e-9);
-    if (approach < 0.0 && to_near < r.length_m) {
-        r.length_m = max(to_near, 0.0);
-        r.leaves = true;
-    }
-    r.start = to_screen(origin);
-    r.delta = to_screen(origin + direction * r.length_m) - r.start;
-    let exit = min(exit_at(r.start.x, r.delta.x, frame.size.x), exit_at(r.start.y, r.delta.y, frame.size.y));
-    r.end = clamp(exit, 0.0, 1.0);
-    r.leaves = r.leaves || exit < 1.0;
-    return r;
-}
-
-// Distance along the ray of a place on the screen, and back: perspective-correct interpolation.
-fn distance_at(r: ScreenRay, s: f32) -> f32 {
-    return r.length_m * s * (r.start.z + r.delta.z) / max(r.start.z + r.delta.z * s, 1e-30);
-}
-
-fn place_of(r: ScreenRay, distance_m: f32) -> f32 {
-    let u = distance_m / max(r.length_m, 1e-30);
-    return u * r.start.z / max((1.0 - u) * (r.start.z + r.delta.z) + u * r.start.z, 1e-30);
+// near / depth of what the camera culls in front of what a pixel shows; 0: none.
+fn culled_at(pixel: vec2u) -> f32 {
+    if (!HAS_CULLED) { return 0.0; }
+    return bitcast<f32>(lists[culled_slot(pixel)]);
 }
 
 // Nearest near / depth that a cell holds.
 fn nearest_in(cell: vec2u, level: u32) -> f32 {
-    if (level == 0u) { return frame.near_m / textureLoad(view_depth, cell, 0).x; }
+    if (level == 0u) { return max(frame.near_m / textureLoad(view_depth, cell, 0).x, culled_at(cell)); }
     return bitcast<f32>(lists[pyramid_slot(cell, level)]);
 }
 
@@ -305,7 +261,9 @@ fn march(s0: Surface, direction: vec3f) -> March {
         }
         if (c.low < 0.0) { break; }
         last = c;
-        if (VERIFY) {
+        if (culled_at(c.pixel) > 0.0) {
+            m.cause = CAUSE_HIDDEN; // behind something that the camera does not show, and rays meet
+        } else if (VERIFY) {
             m = accept_verified(r, c, origin, direction);
         } else {
             m = accept_by_threshold(r, c, origin, direction);

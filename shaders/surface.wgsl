@@ -11,11 +11,16 @@
 override HAS_REFLECTIONS: bool = true;
 override MARCH: bool = true; // false: method rt, reflective pixels are listed as rays
 
+override RASTERIZED: bool = true; // false: primary rays have found what is culled
+
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(1) var view_depth: texture_storage_2d<r32float, write>;
 @group(2) @binding(2) var surface: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(3) var colors: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(4) var cause: texture_storage_2d<r32uint, write>;
+@group(2) @binding(5) var raster_depth: texture_depth_2d; // near / depth, also of what was culled
+
+const CULLED_SLACK: f32 = 1e-4;
 
 var<workgroup> tile_counts: array<atomic<u32>, 3>; // not reflective, rough, reflective
 var<workgroup> tile_start: u32;
@@ -38,10 +43,19 @@ fn plane_hit(direction: vec3f, instance: u32, triangle: u32) -> PlaneHit {
     return PlaneHit(dot(e2, q) * inverse, vec2f(dot(-p0, p), dot(direction, q)) * inverse);
 }
 
+// Keeps the depth of what the camera culls in front of what it shows at `depth_m`.
+fn keep_culled(pixel: vec2u, depth_m: f32) {
+    let nearest = textureLoad(raster_depth, pixel, 0);
+    // What is shown is found by its plane, and differs a little from what was rasterized.
+    let is_culled = nearest > frame.near_m / depth_m * (1.0 + CULLED_SLACK);
+    lists[culled_slot(pixel)] = bitcast<u32>(select(0.0, nearest, is_culled));
+}
+
 // Resolves a pixel and says what it reflects.
 fn resolve(pixel: vec2u) -> u32 {
     let hit = textureLoad(ids, pixel, 0).xy;
     if (hit.x == NONE) {
+        if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, FAR_M); }
         textureStore(view_depth, pixel, vec4f(FAR_M, 0.0, 0.0, 0.0));
         textureStore(surface, pixel, vec4u(0u));
         textureStore(colors, pixel, vec4u(0u));
@@ -57,6 +71,7 @@ fn resolve(pixel: vec2u) -> u32 {
     // a triangle seen edge-on is too far off for that.
     let on_plane = distance(bary, plane.bary) < 0.1;
     let depth_m = select(dot(s.position - frame.eye, frame.forward), plane.t, on_plane);
+    if (HAS_CULLED && RASTERIZED) { keep_culled(pixel, depth_m); }
     textureStore(view_depth, pixel, vec4f(depth_m, 0.0, 0.0, 0.0));
     textureStore(surface, pixel, pack_surface(s));
     textureStore(colors, pixel, pack_colors(s));

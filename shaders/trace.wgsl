@@ -1,6 +1,7 @@
 // Trace: follows the mirror rays of the listed pixels through the trees, bounce by bounce.
 
 #import cause
+#import cone
 #import gbuffer
 #import light_reuse
 #import lists
@@ -29,7 +30,7 @@ fn pixel_of(ray: u32) -> vec2u {
 
 fn trace_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
-    var cone_m = frame.pixel_spread * distance(first.position, frame.eye);
+    var cone = mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature);
     var origin = ray_origin(first.position, first.geometric_normal);
     start_samples(pixel, 0u);
     var ray = reflected(normalize(first.position - frame.eye), first);
@@ -55,8 +56,8 @@ fn trace_pixel(pixel: vec2u) {
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         // Without shading a surface only matters where the path may go on from it.
         if (!SHADE && bounce + 1u == frame.bounces) { break; }
-        cone_m += frame.pixel_spread * h.t;
-        let s = surface_at(h.instance, h.triangle, h.bary, direction, cone_m);
+        cone = continued(cone, h.t);
+        let s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         if (SHADE) {
             var lent = vec2u(0u);
             if (LENDS_LIGHT) { lent = lent_light(visible_lights, s); }
@@ -67,6 +68,7 @@ fn trace_pixel(pixel: vec2u) {
         ray = reflected(direction, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < DARKEST) { break; }
+        cone = mirrored_cone(cone, s.curvature);
         origin = ray_origin(s.position, s.geometric_normal);
     }
     if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }

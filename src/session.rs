@@ -18,7 +18,7 @@ pub mod scene_renderer;
 pub mod scene_text;
 
 pub use error::SessionError;
-use scene_renderer::SceneRenderer;
+use scene_renderer::{RendererSettings, SceneRenderer};
 use scene_text::{LoadedScene, OpenedScene, SceneOptions, SceneText};
 
 /// How a session is opened.
@@ -80,7 +80,7 @@ impl Session {
         let mut session = Self {
             path,
             options: options.clone(),
-            scene: SceneRenderer::new(gpu, loaded, camera, &library)?,
+            scene: SceneRenderer::new(gpu, loaded, camera, RendererSettings::default(), &library)?,
             library,
             assets,
             frame,

@@ -53,9 +53,10 @@ Row = dict[str, str]
 Rows = list[Row]
 
 
-def measure(out: pathlib.Path, assets: pathlib.Path) -> None:
-    binary = ROOT / "target" / "release" / "reflet"
-    subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
+def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path | None) -> None:
+    binary = program or ROOT / "target" / "release" / "reflet"
+    if program is None:
+        subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
     for name, arguments in RUNS.items():
         command: list[str | pathlib.Path] = [binary, "bench", *arguments, "--resume"]
         if name != "atrium":
@@ -92,6 +93,12 @@ def pictures(assets: pathlib.Path) -> None:
         subprocess.run(
             [*sheet, out, "--columns", "4", "--width", "480", *floor, *cells], check=True
         )
+
+
+def in_processor_time(row: Row) -> Row:
+    """Passes in processor time, where it is known: other programs do not lengthen it."""
+    times = {f"{of}_ms": row.get(f"{of}_cpu_ms") for of in ("passes", "reflection")}
+    return row | {column: ms for column, ms in times.items() if ms}
 
 
 def number(row: Row, column: str) -> float | None:
@@ -410,7 +417,7 @@ def page(out: pathlib.Path) -> None:
     runs: dict[str, Rows] = {}
     for name in RUNS:
         with (out / name / "samples.csv").open(newline="") as file:
-            runs[name] = list(csv.DictReader(file))
+            runs[name] = [in_processor_time(row) for row in csv.DictReader(file)]
     tables = {name: make(runs[run]) for name, (run, make) in TABLES.items()}
     tables["measured"] = measured(runs)
     text = PAGE.read_text()
@@ -434,6 +441,7 @@ def main() -> None:
     commands = parser.add_subparsers(required=True, dest="command")
     measuring = commands.add_parser("measure", help="run what OUT lacks")
     measuring.add_argument("--assets", type=pathlib.Path, required=True)
+    measuring.add_argument("--reflet", type=pathlib.Path, help="instead of building it")
     drawing = commands.add_parser("pictures", help="render the floor with three thresholds")
     drawing.add_argument("--assets", type=pathlib.Path, required=True)
     writing = commands.add_parser("page", help="write the tables and charts of docs/paper.md")
@@ -441,7 +449,7 @@ def main() -> None:
         command.add_argument("out", type=pathlib.Path, metavar="OUT")
     arguments = parser.parse_args()
     if arguments.command == "measure":
-        measure(arguments.out, arguments.assets)
+        measure(arguments.out, arguments.assets, arguments.reflet)
     elif arguments.command == "pictures":
         pictures(arguments.assets)
     else:

@@ -16,6 +16,8 @@
 override HAS_STATIC: bool = true;
 override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
+// Whether the nearest triangle is kept that nearest hits passed from behind.
+override TRACK_CULLED: bool = false;
 // Whether work is counted; without it the counting is no part of the pipeline.
 override COUNT: bool = false;
 
@@ -45,6 +47,8 @@ struct Hit {
 var<private> traversals: u32 = 0u;
 var<private> visited_nodes: u32 = 0u;
 var<private> tested_triangles: u32 = 0u;
+// The nearest triangle that was passed from behind since the invocation started, with TRACK_CULLED.
+var<private> culled_t: f32 = 1e30;
 // Nodes that the ray may still visit, and rays that ended because there were none left.
 var<private> visits_left: u32 = 0u;
 var<private> exhausted_rays: u32 = 0u;
@@ -214,6 +218,7 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
     if !shadow && !front && (flags & DOUBLE_SIDED) == 0u {
+        if TRACK_CULLED { culled_t = min(culled_t, t); }
         return;
     }
     let positive = max(bary, vec2f(0.0));

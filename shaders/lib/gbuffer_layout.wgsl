@@ -8,7 +8,7 @@ fn pack_surface(s: Surface) -> vec4u {
         pack_unit(s.normal),
         pack_unit(s.geometric_normal),
         pack2x16float(vec2f(s.roughness, s.metallic)),
-        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u),
+        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u) | (u32(s.unlit) << 31u),
     );
 }
 
@@ -22,7 +22,7 @@ fn pack_colors(s: Surface) -> vec4u {
         pack2x16float(s.base_color.xy),
         pack2x16float(vec2f(s.base_color.z, s.occlusion)),
         pack2x16float(emission.xy),
-        pack2x16float(vec2f(emission.z, select(0.0, 1.0, s.unlit))),
+        pack2x16float(vec2f(emission.z, clamp(s.curvature, -65000.0, 65000.0))),
     );
 }
 
@@ -38,9 +38,10 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.roughness = roughness_metallic.x;
     s.metallic = roughness_metallic.y;
     s.reflectivity = unpack2x16float(bits.w).x;
-    s.reflection = bits.w >> 16u;
-    let emission_z_unlit = unpack2x16float(packed.w);
-    s.emission = vec3f(unpack2x16float(packed.z), emission_z_unlit.x);
-    s.unlit = emission_z_unlit.y > 0.0;
+    s.reflection = (bits.w >> 16u) & 0xffu;
+    s.unlit = (bits.w >> 31u) != 0u;
+    let emission_z_curvature = unpack2x16float(packed.w);
+    s.emission = vec3f(unpack2x16float(packed.z), emission_z_curvature.x);
+    s.curvature = emission_z_curvature.y;
     return s;
 }

@@ -1,5 +1,6 @@
 // The lists of a frame, in one buffer because a stage may bind few: reflective pixels, then rays that
-// are traced, with screen hits from the other end, then the depth pyramid. Pixels are x | y << 16.
+// are traced, with screen hits from the other end, then the depth pyramid, then the depth of what the camera culls.
+// Pixels are x | y << 16.
 
 #import frame
 
@@ -29,6 +30,15 @@ fn pyramid_slot(cell: vec2u, level: u32) -> u32 {
     let area = (cells.x * cells.y) << (2u * PYRAMID_LEVELS);
     let before = (area - (area >> (2u * level - 2u))) / 3u;
     return 2u * picture_px() + before + cell.y * (cells.x << (PYRAMID_LEVELS - level)) + cell.x;
+}
+
+// Whether the march is to be stopped by surfaces that the camera culls and rays meet.
+override HAS_CULLED: bool = true;
+
+// Where a pixel's near / depth is of the nearest surface that the camera culls in front of what it shows;
+// 0: none.
+fn culled_slot(pixel: vec2u) -> u32 {
+    return pyramid_slot(vec2u(0u), PYRAMID_LEVELS + 1u) + pixel.y * u32(frame.size.x) + pixel.x;
 }
 
 fn pack_pixel(pixel: vec2u) -> u32 {

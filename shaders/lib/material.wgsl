@@ -39,6 +39,7 @@ struct Surface {
     reflectivity: f32,
     occlusion: f32,
     reflection: u32, // 0 none, 1 auto, 2 mirror
+    curvature: f32, // mean, 1/m; positive: convex to the viewer. Only where something is filtered by it
     unlit: bool, // its emission is a display color: no exposure, no tone map
 }
 

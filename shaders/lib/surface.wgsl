@@ -111,6 +111,16 @@ fn checker(p: vec3f, normal: vec3f, width: f32) -> f32 {
     return 0.5 - 0.5 * clamp(product, -1.0, 1.0);
 }
 
+// From the vertices of a triangle of twice this area in the world: how much the normal turns along its
+// edges, a mean of the three.
+fn mean_curvature(p: array<vec3f, 3>, normals: array<vec3f, 3>, area2_world: f32) -> f32 {
+    let e = array<vec3f, 3>(p[1] - p[0], p[2] - p[1], p[0] - p[2]);
+    let turns = array<vec3f, 3>(normals[1] - normals[0], normals[2] - normals[1], normals[0] - normals[2]);
+    var sum = 0.0;
+    for (var k = 0; k < 3; k++) { sum += dot(turns[k], e[k]) / max(dot(e[k], e[k]), 1e-30); }
+    return sum / 3.0 * sqrt(length(cross(e[0], e[1])) / area2_world);
+}
+
 // `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here.
 fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_m: f32) -> Surface {
     let m = instances[instance].material;
@@ -130,9 +140,13 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
 
     let base = instances[instance].vertex_base;
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
-    var n_object = vec3f(0.0);
+    var normals: array<vec3f, 3>;
     for (var k = 0u; k < 3u; k++) {
-        n_object += unpack_unit(vertices[base + c.index[k]].normal) * weights[k];
+        normals[k] = unpack_unit(vertices[base + c.index[k]].normal);
+    }
+    let n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
+    if ((HAS_TEXTURES || HAS_CHECKERS) && s.reflection != REFLECTION_NONE) {
+        s.curvature = mean_curvature(c.p, normals, area2) * select(1.0, -1.0, behind);
     }
     var n = normal_to_world(instance, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);

@@ -86,6 +86,10 @@ pub struct RenderArgs {
     /// Take the adapter whose name contains this; also REFLET_ADAPTER
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
+    /// Decide what is left to auto by this adapter's unit costs, from a file of `calibrate`, not by those of
+    /// its kind, which all machines have in common
+    #[arg(long, value_name = "FILE")]
+    pub plan: Option<PathBuf>,
     /// Print pass times, shares by source and cause, rays and memory
     #[arg(long, value_name = "FORM")]
     pub stats: Option<StatsForm>,
@@ -125,6 +129,9 @@ pub struct PreviewArgs {
     /// Read the shaders from a folder and follow them too
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
+    /// Decide what is left to auto by this adapter's unit costs, from a file of `calibrate`
+    #[arg(long, value_name = "FILE")]
+    pub plan: Option<PathBuf>,
     /// Folder for the pictures of F12; without it, the folder you are in
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
@@ -158,6 +165,20 @@ pub struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// `calibrate`
+#[derive(Clone, Debug, Args)]
+pub struct CalibrateArgs {
+    /// File to write, for --plan
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// How often each frame is timed, 1 to 1000, after one untimed; the shortest time counts
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub frames: u32,
+    /// Take the adapter whose name contains this; also REFLET_ADAPTER
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 /// How statistics are printed.

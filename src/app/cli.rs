@@ -14,7 +14,7 @@ use super::args::PreviewArgs;
 #[cfg(feature = "bench")]
 use super::bench::args::BenchArgs;
 use super::{
-    args::{CheckArgs, InfoArgs, RenderArgs},
+    args::{CalibrateArgs, CheckArgs, InfoArgs, RenderArgs},
     job::JobCommand,
 };
 #[cfg(feature = "bench")]
@@ -46,6 +46,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Print what a scene holds: counts, sizes in meters, memory; needs no GPU
     Info(InfoArgs),
+    /// Measure what pieces of work take on this adapter, for --plan
+    Calibrate(CalibrateArgs),
     /// Write what a render farm needs to render a film in parts; needs no GPU
     Job {
         /// For which farm

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     gpu::{Gpu, ShaderError, ShaderLibrary},
-    render::{RebuildSummary, RenderError, Renderer, stats::FrameStats},
+    render::{RebuildSummary, RenderError, Renderer, stats::FrameStats, unit_costs::UnitCosts},
     scene::{
         dependencies::Dependencies,
         desc::{CameraDesc, Method, SceneDesc, TimelineDesc},
@@ -69,6 +69,8 @@ pub struct ViewOverrides {
     pub method: Option<Method>,
     /// Sub-frames per picture.
     pub samples: Option<u32>,
+    /// See [`crate::render::RenderOptions::costs`].
+    pub costs: Option<UnitCosts>,
 }
 
 /// Errors that keep changes from being shown; the last good scene stays meanwhile.
@@ -297,6 +299,11 @@ impl Live {
             shader_folders: self.source.shaders.iter().cloned().collect(),
         };
         (list, self.read_since)
+    }
+
+    /// What is overridden.
+    pub fn overrides(&self) -> ViewOverrides {
+        self.overrides
     }
 
     /// Changes the overrides.

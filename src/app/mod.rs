@@ -15,6 +15,7 @@ pub mod aov;
 pub mod args;
 #[cfg(feature = "bench")]
 pub mod bench;
+pub mod calibrate;
 pub mod cameras;
 pub mod check;
 pub mod cli;
@@ -31,6 +32,7 @@ pub mod lint;
 pub mod live;
 pub mod output;
 pub mod params;
+pub mod plan_file;
 #[cfg(feature = "preview")]
 pub mod preview;
 pub mod progress;
@@ -64,6 +66,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(_) => Err(left_out("preview", "preview")),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Calibrate(args) => calibrate::calibrate(&args),
         Command::Job { command } => job::job(&command),
         #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),

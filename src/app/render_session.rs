@@ -2,11 +2,14 @@
 
 use std::time::SystemTime;
 
-use super::{args::RenderArgs, error::AppError};
+use super::{args::RenderArgs, error::AppError, plan_file::costs};
 use crate::{
     gpu::{Gpu, GpuOptions, ShaderLibrary},
     render::{PendingPicture, Picture, PictureRequest, RenderError, aov::Aov},
-    session::{scene_renderer::SceneRenderer, scene_text::LoadedScene},
+    session::{
+        scene_renderer::{RendererSettings, SceneRenderer},
+        scene_text::LoadedScene,
+    },
 };
 
 /// Everything that renders pictures of one command.
@@ -38,7 +41,15 @@ impl RenderSession {
             adapter_filter: args.adapter.clone(),
         })?;
         let own_shaders = args.shaders.is_some();
-        let scene = SceneRenderer::new(gpu, loaded, camera, library)
+        let settings = RendererSettings {
+            audit: args.stats.is_some(),
+            costs: args
+                .plan
+                .as_deref()
+                .map(|path| costs(path, &gpu))
+                .transpose()?,
+        };
+        let scene = SceneRenderer::new(gpu, loaded, camera, settings, library)
             .map_err(|error| AppError::from_render(error, own_shaders))?;
         Ok(Self {
             scene,

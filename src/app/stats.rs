@@ -112,6 +112,9 @@ impl Report {
         line("source", list(&shares.sources));
         line("cause", list(&shares.causes));
         line("rays", self.rays());
+        if let Some(audit) = &frame.audit {
+            line("audit", audit.to_string());
+        }
         if frame.exhausted_rays > 0 {
             let n = frame.exhausted_rays;
             line(
@@ -229,6 +232,7 @@ mod tests {
                 shares: Shares::new(&counters, [100, 10], Method::Hybrid),
                 rays: 50,
                 exhausted_rays: 0,
+                audit: None,
                 bytes: vec![("textures".to_owned(), 3 << 19)],
             },
             passes_total_ms: 4.0,

@@ -13,15 +13,15 @@ use super::{
     picture::{Encoding, Pair, Picture, PictureError},
     sample::REFUSALS,
 };
-use crate::render::{self, Plane, PlaneData, aov::Aov, cause::Cause};
+use crate::render::{
+    self, Plane, PlaneData,
+    aov::Aov,
+    cause::Cause,
+    stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+};
 
 /// The planes that scoring reads.
 pub const PLANES: [Aov; 4] = [Aov::Cause, Aov::HitDistance, Aov::HitIds, Aov::Reflectance];
-
-/// How far the march may lie from the ray, in U: a fifth of the paper's T.
-pub const TOLERANCE_U: f32 = 0.005;
-/// The same as a share of the distance.
-pub const TOLERANCE_RELATIVE: f32 = 0.01;
 
 /// A rendered picture as the metrics see it.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ use super::{
     passes::{Passes, needed_passes, written_targets},
     plan::Plan,
     probe::Probes,
-    ray_list::RayList,
+    ray_list::{ListedParts, RayList},
     resources::Resources,
     scene::GpuScene,
     shaders::Shaders,
@@ -30,8 +30,9 @@ pub struct BindingKey {
     targets: Vec<Target>,
     shadows: ShadowSizes,
     shadow_rays: bool,
-    has_lists: bool,
+    lists: ListedParts,
     color: Target,
+    audit: bool,
     overrides: Vec<Override>,
 }
 
@@ -49,8 +50,12 @@ impl BindingKey {
             targets: written_targets(passes, plan, options),
             shadows,
             shadow_rays: plan.shadow_rays,
-            has_lists: plan.reflections,
+            lists: ListedParts {
+                reflections: plan.reflections,
+                culled_surfaces: plan.culled_surfaces,
+            },
             color: Target::last_color(options.image.samples),
+            audit: options.audit,
             overrides: plan.overrides().into_iter().chain(own).collect(),
         }
     }
@@ -118,9 +123,9 @@ impl Bindings {
             Some(old) => old.targets.clone(),
             None => Targets::new(gpu, key.size, &key.targets)?,
         };
-        let ray_list = match fits(|a, b| a.size == b.size && a.has_lists == b.has_lists) {
+        let ray_list = match fits(|a, b| a.size == b.size && a.lists == b.lists) {
             Some(old) => old.ray_list.clone(),
-            None => RayList::new(gpu, key.size, key.has_lists)?,
+            None => RayList::new(gpu, key.size, key.lists)?,
         };
         let BindingInputs {
             plan,

@@ -8,11 +8,12 @@ use crate::{
 };
 
 use super::{
-    cost::{UnitCosts, Workload},
+    cost::Workload,
     cull::is_outside,
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
     plan::{reflects, traces_rays},
+    unit_costs::UnitCosts,
     view::View,
     view_sample::ViewSample,
 };
@@ -45,11 +46,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
         world,
         trees,
         asked: *options,
-        unit: if software {
-            UnitCosts::PROCESSOR
-        } else {
-            UnitCosts::GPU
-        },
+        unit: options.costs.unwrap_or(UnitCosts::of_kind(software)),
         decided: Decided {
             options: *options,
             decisions: Vec::new(),
@@ -169,7 +166,7 @@ fn map_px(world: &World, light: &Light) -> f64 {
 }
 
 /// What the options' camera shows of a world.
-fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
+pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
     let camera = options.camera.unwrap_or_else(|| world.main_camera());
     let camera = world.cameras.get(camera);
     let camera = camera.map(|c| c.value.clone()).unwrap_or_default();

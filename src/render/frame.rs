@@ -147,6 +147,7 @@ impl Renderer {
         passes.arguments.record(frame); // of hits and rays
         passes.hits.record(frame);
         passes.trace.record(frame);
+        passes.audit.record(frame);
         passes.blur.record(frame);
         passes.compose.record(frame);
         passes.tone.record(frame);
@@ -190,6 +191,7 @@ impl Renderer {
             shares: Shares::new(&[], size, method),
             rays: 0,
             exhausted_rays: 0,
+            audit: None,
             decisions: self.decisions.clone(),
             passes_ms: times.passes_ms,
             processor_ms: times.processor_ms,

@@ -40,6 +40,7 @@ pub(crate) mod sub_frame;
 pub mod targets;
 pub(crate) mod textures;
 pub mod types;
+pub mod unit_costs;
 pub mod validate;
 pub mod view;
 pub mod view_estimate;

@@ -3,6 +3,7 @@
 #[cfg(doc)]
 use crate::world::World;
 
+use super::unit_costs::UnitCosts;
 use crate::scene::desc::{ImageDesc, LightDesc, LightKind, ReflectionDesc, SceneDesc, ShadowMode};
 
 /// Render options.
@@ -16,6 +17,10 @@ pub struct RenderOptions {
     pub auto_shadow: [ShadowMode; LightKind::NAMES.len()],
     /// Index of the camera whose view decides what is `auto`; none is [`World::main_camera`].
     pub camera: Option<usize>,
+    /// Unit costs for what is left to `auto`; none takes those of the adapter's kind.
+    pub costs: Option<UnitCosts>,
+    /// Trace some of the screen hits too, for the `audit` of its statistics.
+    pub audit: bool,
     /// Drop no features, to compare with the specialized frame.
     pub general: bool,
 }
@@ -27,6 +32,8 @@ impl Default for RenderOptions {
             image: ImageDesc::default(),
             auto_shadow: [ShadowMode::Map; LightKind::NAMES.len()],
             camera: None,
+            costs: None,
+            audit: false,
             general: false,
         }
     }

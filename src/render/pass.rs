@@ -69,8 +69,8 @@ pub enum Dispatch<'a> {
     Listed(&'a RayList, List),
     /// A workgroup for each square tile with an edge of so many pixels.
     Tiles(u32),
-    /// One workgroup.
-    Once,
+    /// So many workgroups.
+    Groups(u32),
 }
 
 /// A pass on the device.
@@ -192,7 +192,7 @@ impl ComputePass {
                     let offset = 16 * *list as u64;
                     pass.dispatch_workgroups_indirect(&lists.arguments, offset);
                 }
-                Dispatch::Once => pass.dispatch_workgroups(1, 1, 1),
+                Dispatch::Groups(groups) => pass.dispatch_workgroups(*groups, 1, 1),
             }
         });
     }

@@ -33,6 +33,8 @@ pub struct Plan {
     pub static_tree: bool,
     /// Some instance is traced through the top level.
     pub top_level: bool,
+    /// The march is to be stopped by surfaces that the camera culls and rays meet.
+    pub culled_surfaces: bool,
     /// Some material is cut out.
     pub cutouts: bool,
     /// Some material has a normal map.
@@ -126,6 +128,11 @@ pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
         || world.environment.casts_rays()
 }
 
+/// Whether the march takes only what a ray is shown to meet.
+fn verifies(options: &RenderOptions) -> bool {
+    options.reflection.method != Method::Rt && options.reflection.verifies()
+}
+
 impl Plan {
     /// Everything a scene may use: the plan that drops nothing, to compare against. What lights it
     /// stays as it is, for samples have another value than closed forms until they converge.
@@ -142,6 +149,7 @@ impl Plan {
             traced: true,
             static_tree: true,
             top_level: true,
+            culled_surfaces: verifies(options),
             cutouts: true,
             normal_maps: true,
             textures: true,
@@ -172,6 +180,9 @@ impl Plan {
             traced,
             static_tree: trees.static_triangles > 0,
             top_level: trees.is_built() && !trees.top_instances.is_empty(),
+            culled_surfaces: reflections
+                && verifies(options)
+                && world.instances.iter().any(|i| world.hides_backs(i)),
             cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
@@ -219,6 +230,11 @@ impl Plan {
             self.traced && !self.top_level,
             "top level",
             "nothing is dynamic, and copies of static meshes are few enough to bake",
+        );
+        drop(
+            self.reflections && !self.culled_surfaces,
+            "depth of culled surfaces",
+            "nothing that is marched has a back that the camera culls",
         );
         drop(!self.cutouts, "alpha tests", "no material is cut out");
         drop(!self.textures, "textures", "no material has one");
@@ -272,6 +288,7 @@ impl Plan {
             ("HAS_REFLECTIONS", flag(self.reflections)),
             ("HAS_STATIC", flag(self.static_tree)),
             ("HAS_TOP_LEVEL", flag(self.top_level)),
+            ("HAS_CULLED", flag(self.culled_surfaces)),
             ("HAS_CUTOUT", flag(self.cutouts)),
             ("HAS_NORMAL_MAPS", flag(self.normal_maps)),
             ("HAS_TEXTURES", flag(self.textures)),

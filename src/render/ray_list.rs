@@ -6,7 +6,7 @@ use crate::gpu::{Gpu, GpuError, Named};
 use super::cause::Cause;
 
 /// Counters of a frame: one for each cause, then those below.
-pub const COUNTERS: usize = 16;
+pub const COUNTERS: usize = 20;
 /// Index of the number of listed rays among the counters; those before all of these count causes.
 pub const RAY_COUNTER: usize = COUNTERS - 1;
 /// Index of the number of rays that visited as many nodes as a ray may.
@@ -15,12 +15,16 @@ pub const EXHAUSTED_COUNTER: usize = COUNTERS - 2;
 pub const REFLECTOR_COUNTER: usize = COUNTERS - 3;
 /// Index of the number of screen hits.
 pub const HIT_COUNTER: usize = COUNTERS - 4;
+/// Index of the number of screen hits that were traced too.
+pub const AUDITED_COUNTER: usize = COUNTERS - 5;
+/// Index of the number of those that lie on a wrong surface.
+pub const WRONG_COUNTER: usize = COUNTERS - 6;
 /// Entries of a list that one workgroup of the passes over lists does.
 pub const RAYS_PER_GROUP: u32 = 64;
 /// Levels of the depth pyramid over the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 
-const _: () = assert!(Cause::ALL.len() <= HIT_COUNTER);
+const _: () = assert!(Cause::ALL.len() <= WRONG_COUNTER);
 
 /// Which list a pass runs over; its place among the arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,11 +37,35 @@ pub enum List {
     Hits = 2,
 }
 
+/// What of the lists a frame uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ListedParts {
+    /// Reflective pixels, rays, hits and the pyramid.
+    pub reflections: bool,
+    /// A depth for each pixel of what the camera culls.
+    pub culled_surfaces: bool,
+}
+
+impl ListedParts {
+    /// Two words a pixel, the pyramid of the picture padded to its largest cells, and one word a pixel
+    /// for what is culled.
+    fn bytes(self, size: [u32; 2]) -> u64 {
+        if !self.reflections {
+            return 16;
+        }
+        let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let area = padded[0] * padded[1];
+        let pyramid = (area - (area >> (2 * PYRAMID_LEVELS))) / 3;
+        4 * ((2 + u64::from(self.culled_surfaces)) * pixels + pyramid)
+    }
+}
+
 /// The lists and what counts them.
 #[derive(Clone, Debug)]
 pub struct RayList {
     /// Pixels (x | y << 16): reflective ones, then rays with hits from the other end, then the
-    /// depth pyramid. Layout: `shaders/lib/lists.wgsl`.
+    /// depth pyramid, then the depth of what the camera culls. Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
     /// See [`RAY_COUNTER`].
     pub counters: wgpu::Buffer,
@@ -50,8 +78,8 @@ impl RayList {
     ///
     /// # Errors
     /// A picture whose lists are past the adapter's buffer limit.
-    pub fn new(gpu: &Gpu, size: [u32; 2], is_needed: bool) -> Result<Self, GpuError> {
-        let bytes = if is_needed { list_bytes(size) } else { 16 };
+    pub fn new(gpu: &Gpu, size: [u32; 2], parts: ListedParts) -> Result<Self, GpuError> {
+        let bytes = parts.bytes(size);
         gpu.check_buffer_size("the lists of this picture size", bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let make = |label, size, usage| {
@@ -81,13 +109,4 @@ impl RayList {
             ("arguments", self.arguments.as_entire_binding()),
         ]
     }
-}
-
-/// Two words a pixel, and the pyramid of the picture padded to its largest cells.
-fn list_bytes(size: [u32; 2]) -> u64 {
-    let padded = size.map(|side| u64::from(side.next_multiple_of(1 << PYRAMID_LEVELS)));
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let area = padded[0] * padded[1];
-    let pyramid = (area - (area >> (2 * PYRAMID_LEVELS))) / 3;
-    4 * (2 * pixels + pyramid)
 }

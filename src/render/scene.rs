@@ -9,7 +9,7 @@ use crate::{
     gpu::{Gpu, GpuError},
     math::Bounds,
     world::{
-        Material, World,
+        Instance, Material, World,
         bvh::{CwBvhNode, TraceTriangle, Trees},
     },
 };
@@ -48,6 +48,8 @@ pub struct Draw {
     pub class: DrawClass,
     /// Whether its pose, and with it its handedness, may change.
     pub dynamic: bool,
+    /// Whether the camera, which culls its triangles from behind, may look through them.
+    pub hides_backs: bool,
 }
 
 /// A scene on the GPU.
@@ -252,26 +254,25 @@ fn has_moving_cutouts(world: &World) -> bool {
 }
 
 fn instance_records(world: &World, trees: &Trees, mesh_ranges: &[MeshRange]) -> Vec<GpuInstance> {
-    let record =
-        |(instance, traced): (&crate::world::Instance, &crate::world::bvh::TraceInstance)| {
-            let range = mesh_ranges[instance.mesh];
-            let class = class_of(
-                &world.materials[instance.material],
-                &instance.world_from_object,
-            );
-            GpuInstance {
-                world_from_object: rows(&instance.world_from_object),
-                object_from_world: traced.object_from_world,
-                tree_root: traced.tree_root,
-                trace_flags: traced.trace_flags,
-                vertex_base: range.vertex_base,
-                index_base: range.index_base,
-                uv1_base: range.uv1_base,
-                material: instance.material as u32,
-                flags: flag(class.mirrored, FLAG_MIRRORED) | flag(range.has_colors, FLAG_COLORS),
-                pad: 0,
-            }
-        };
+    let record = |(instance, traced): (&Instance, &crate::world::bvh::TraceInstance)| {
+        let range = mesh_ranges[instance.mesh];
+        let class = class_of(
+            &world.materials[instance.material],
+            &instance.world_from_object,
+        );
+        GpuInstance {
+            world_from_object: rows(&instance.world_from_object),
+            object_from_world: traced.object_from_world,
+            tree_root: traced.tree_root,
+            trace_flags: traced.trace_flags,
+            vertex_base: range.vertex_base,
+            index_base: range.index_base,
+            uv1_base: range.uv1_base,
+            material: instance.material as u32,
+            flags: flag(class.mirrored, FLAG_MIRRORED) | flag(range.has_colors, FLAG_COLORS),
+            pad: 0,
+        }
+    };
     world
         .instances
         .iter()
@@ -293,7 +294,7 @@ fn class_of(material: &Material, transform: &Affine3A) -> DrawClass {
 }
 
 fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
-    let draw = |(i, instance): (usize, &crate::world::Instance)| {
+    let draw = |(i, instance): (usize, &Instance)| {
         let range = mesh_ranges[instance.mesh];
         (range.index_count > 0).then(|| Draw {
             instance: i as u32,
@@ -305,6 +306,7 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
                 &instance.world_from_object,
             ),
             dynamic: instance.dynamic,
+            hides_backs: world.hides_backs(instance),
         })
     };
     world

@@ -7,7 +7,7 @@ use crate::scene::desc::Method;
 use super::{
     cause::{Cause, Source},
     decide::Decision,
-    ray_list::{EXHAUSTED_COUNTER, RAY_COUNTER},
+    ray_list::{AUDITED_COUNTER, EXHAUSTED_COUNTER, RAY_COUNTER, WRONG_COUNTER},
 };
 
 /// Pixels by cause, and what follows from them.
@@ -78,6 +78,59 @@ impl Shares {
     }
 }
 
+/// How far the march may lie from the ray to be right, in U: a fifth of the paper's T.
+pub const TOLERANCE_U: f32 = 0.005;
+/// The same as a share of the distance; the larger of both counts.
+pub const TOLERANCE_RELATIVE: f32 = 0.01;
+
+/// Screen hits that were traced too, drawn at random.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Audit {
+    /// How many.
+    pub hits: u32,
+    /// Those where the ray meets nothing, another instance, or the same one elsewhere; see
+    /// [`TOLERANCE_U`].
+    pub wrong: u32,
+}
+
+impl Audit {
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            hits: self.hits + other.hits,
+            wrong: self.wrong + other.wrong,
+        }
+    }
+
+    /// Share of wrong hits among all, 0 to 1: what was found, and the interval that holds the truth with
+    /// 95 % probability (Wilson 1927).
+    pub fn wrong_share(&self) -> (f64, [f64; 2]) {
+        const Z: f64 = 1.959_964;
+        let n = f64::from(self.hits.max(1));
+        let share = f64::from(self.wrong) / n;
+        let middle = share + Z * Z / (2.0 * n);
+        let reach = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+        let scale = 1.0 + Z * Z / n;
+        let ends = [middle - reach, middle + reach].map(|end| (end / scale).clamp(0.0, 1.0));
+        (share, ends)
+    }
+}
+
+impl std::fmt::Display for Audit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (share, [low, high]) = self.wrong_share();
+        write!(
+            f,
+            "{:.1} ‰ of the screen hits are wrong (95 %: {:.1} to {:.1} ‰; {} of {} traced)",
+            1e3 * share,
+            1e3 * low,
+            1e3 * high,
+            self.wrong,
+            self.hits
+        )
+    }
+}
+
 /// One rendered picture in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameStats {
@@ -110,6 +163,10 @@ pub struct FrameStats {
     /// Rays of the last sub-frame, shadow rays among them, that visited as many nodes as a ray may and
     /// count as misses: 0 but in scenes of thousands of overlapping instances.
     pub exhausted_rays: u32,
+    /// What rays said of the screen hits of the last sub-frame, where the options asked and there were
+    /// some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub audit: Option<Audit>,
     /// Bytes of every buffer and texture class.
     #[serde(serialize_with = "as_map")]
     pub bytes: Vec<(String, u64)>,
@@ -120,6 +177,9 @@ impl FrameStats {
     pub fn set_counters(&mut self, counters: &[u32]) {
         self.shares = Shares::new(counters, self.size, self.method);
         self.exhausted_rays = counters.get(EXHAUSTED_COUNTER).copied().unwrap_or(0);
+        let counter = |index: usize| counters.get(index).copied().unwrap_or(0);
+        let (hits, wrong) = (counter(AUDITED_COUNTER), counter(WRONG_COUNTER));
+        self.audit = (hits > 0).then_some(Audit { hits, wrong });
         if self.method != Method::Ssr {
             self.rays = counters.get(RAY_COUNTER).copied().unwrap_or(0);
         }
@@ -164,4 +224,29 @@ fn as_map<S: serde::Serializer, T: Serialize>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Audit;
+
+    /// Values of Newcombe 1998, table I, method 3.
+    #[test]
+    fn the_interval_is_wilsons() {
+        for (wrong, hits, want) in [
+            (81, 263, [0.2553, 0.3662]),
+            (15, 148, [0.0624, 0.1605]),
+            (0, 20, [0.0, 0.1611]),
+            (1, 29, [0.0061, 0.1718]),
+        ] {
+            let (share, interval) = Audit { hits, wrong }.wrong_share();
+            assert!((share - f64::from(wrong) / f64::from(hits)).abs() < 1e-12);
+            for (found, want) in interval.iter().zip(want) {
+                assert!(
+                    (found - want).abs() < 5e-5,
+                    "{wrong} of {hits}: {interval:?}"
+                );
+            }
+        }
+    }
 }

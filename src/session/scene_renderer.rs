@@ -7,7 +7,7 @@ use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{
         PendingPicture, Picture, PictureRequest, RenderError, RenderOptions, Renderer, aov::Aov,
-        probe::PassCounts,
+        probe::PassCounts, unit_costs::UnitCosts,
     },
 };
 
@@ -19,12 +19,24 @@ pub struct SceneRenderer {
     pub loaded: LoadedScene,
     renderer: Renderer,
     camera: usize,
+    settings: RendererSettings,
+}
+
+/// What a renderer is to do beside the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RendererSettings {
+    /// See [`RenderOptions::audit`].
+    pub audit: bool,
+    /// See [`RenderOptions::costs`].
+    pub costs: Option<UnitCosts>,
 }
 
 /// Options of a scene, seen by one of its cameras.
-fn options_of(loaded: &LoadedScene, camera: usize) -> RenderOptions {
+fn options_of(loaded: &LoadedScene, camera: usize, settings: RendererSettings) -> RenderOptions {
     RenderOptions {
         camera: Some(camera),
+        audit: settings.audit,
+        costs: settings.costs,
         ..RenderOptions::of(&loaded.scene)
     }
 }
@@ -38,15 +50,17 @@ impl SceneRenderer {
         gpu: Gpu,
         loaded: LoadedScene,
         camera: usize,
+        settings: RendererSettings,
         library: &ShaderLibrary,
     ) -> Result<Self, RenderError> {
-        let options = options_of(&loaded, camera);
+        let options = options_of(&loaded, camera, settings);
         let renderer = Renderer::new(&gpu, library, &loaded.first_frame(), &options)?;
         Ok(Self {
             gpu: Arc::new(gpu),
             loaded,
             renderer,
             camera,
+            settings,
         })
     }
 
@@ -60,7 +74,7 @@ impl SceneRenderer {
         camera: usize,
         library: &ShaderLibrary,
     ) -> Result<(), RenderError> {
-        let options = options_of(&loaded, camera);
+        let options = options_of(&loaded, camera, self.settings);
         let world = loaded.first_frame();
         (self.renderer).change(&self.gpu, library, &world, &options)?;
         drop(world);

@@ -14,6 +14,7 @@ use crate::{
 
 pub mod animation;
 pub mod bvh;
+mod closed;
 pub mod environment;
 pub mod gltf;
 pub mod load;

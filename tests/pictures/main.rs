@@ -5,9 +5,11 @@ mod common;
 
 mod agreement;
 mod animation;
+mod audit;
 mod change;
 mod closed_form;
 mod counts;
+mod culled;
 mod decide;
 mod edge_cases;
 mod environment;

@@ -6,12 +6,13 @@ use super::{args::RegretArgs, progress::Progress};
 use crate::{
     app::{
         error::AppError,
+        plan_file::costs,
         print_json, print_out,
         scene::{choose_camera, load_scene},
     },
     bench::{run::Watch as _, summary::digits},
     gpu::{Gpu, GpuOptions, ShaderLibrary},
-    render::{RenderOptions, Renderer},
+    render::{RenderOptions, Renderer, unit_costs::UnitCosts},
     scene::desc::{LightKind, Method, ShadowMode, Visibility},
     session::scene_text::LoadedScene,
     world::World,
@@ -123,6 +124,8 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
     let gpu = Gpu::new(&GpuOptions {
         adapter_filter: args.adapter.clone(),
     })?;
+    let plan = args.plan.as_deref();
+    let costs = plan.map(|path| costs(path, &gpu)).transpose()?;
     let scenes: Vec<Option<&Path>> = if args.scenes.is_empty() {
         vec![None]
     } else {
@@ -145,7 +148,7 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
                 let text = "stopped; a table needs all of its rows".to_owned();
                 return Err(AppError::Interrupted(text));
             }
-            let row = measure(&gpu, &loaded, *size, args.frames, &mut progress)?;
+            let row = measure(&gpu, &loaded, (*size, costs), args.frames, &mut progress)?;
             rows.extend(row);
         }
     }
@@ -158,7 +161,7 @@ pub fn regret(args: &RegretArgs) -> Result<(), AppError> {
 fn measure(
     gpu: &Gpu,
     loaded: &LoadedScene,
-    size: [u32; 2],
+    (size, costs): ([u32; 2], Option<UnitCosts>),
     frames: u32,
     progress: &mut Progress,
 ) -> Result<Option<Row>, AppError> {
@@ -166,6 +169,7 @@ fn measure(
     let camera = choose_camera(loaded, None)?;
     let mut options = RenderOptions {
         camera: Some(camera),
+        costs,
         ..RenderOptions::of(&loaded.scene)
     };
     options.image.size = size;

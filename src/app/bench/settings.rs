@@ -11,10 +11,12 @@ use crate::{
         parameter::{Parameter, method_name},
         run::{Outcome, Protocol, REFERENCE_BOUNCES},
         sample::Sample,
-        score::{TOLERANCE_RELATIVE, TOLERANCE_U},
         summary::label,
     },
-    render::probe::Counts,
+    render::{
+        probe::Counts,
+        stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+    },
     scene::desc::ReflectionDesc,
 };
 

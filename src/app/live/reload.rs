@@ -320,7 +320,11 @@ pub(super) fn read_library(source: &SceneSource) -> Result<ShaderLibrary, Shader
 }
 
 pub(super) fn options_of(desc: &SceneDesc, overrides: ViewOverrides) -> RenderOptions {
-    let mut options = RenderOptions::of(desc);
+    let mut options = RenderOptions {
+        audit: true,
+        costs: overrides.costs,
+        ..RenderOptions::of(desc)
+    };
     options.reflection.method = overrides.method.unwrap_or(options.reflection.method);
     options.image.size = overrides.size.unwrap_or(options.image.size);
     options.image.samples = overrides.samples.unwrap_or(options.image.samples);

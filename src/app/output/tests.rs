@@ -63,6 +63,7 @@ fn picture() -> Picture {
             shares: Shares::new(&[], [2, 1], Method::Hybrid),
             rays: 0,
             exhausted_rays: 0,
+            audit: None,
             bytes: Vec::new(),
         },
     }

@@ -17,6 +17,7 @@ use super::{
     args::PreviewArgs,
     error::{AppError, print_diagnostics},
     live::{Live, SceneSource, ViewOverrides},
+    plan_file::costs,
 };
 use crate::{
     gpu::{Gpu, GpuOptions},
@@ -81,6 +82,11 @@ pub fn preview(args: &PreviewArgs) -> Result<(), AppError> {
         size: Some([64, 64]),
         method,
         samples: Some(1),
+        costs: args
+            .plan
+            .as_deref()
+            .map(|path| costs(path, &gpu))
+            .transpose()?,
     };
     let (live, is_waiting) = open(&gpu, source, overrides, args.camera.is_none())?;
     print_diagnostics(&live.warnings);

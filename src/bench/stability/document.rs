@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::{Against, Cell, CellScores, Mode};
-use crate::bench::{
-    metric::mask::{ERODE_PX, MIN_AREA_PX},
-    score::{TOLERANCE_RELATIVE, TOLERANCE_U},
+use crate::{
+    bench::metric::mask::{ERODE_PX, MIN_AREA_PX},
+    render::stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
 /// Bands of the 99th percentile of FLIP: up to which, mark, and what it means.

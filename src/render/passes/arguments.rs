@@ -28,6 +28,6 @@ impl FramePass for Arguments {
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
-        frame.dispatch(&self.0, &Dispatch::Once);
+        frame.dispatch(&self.0, &Dispatch::Groups(1));
     }
 }

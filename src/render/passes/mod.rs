@@ -1,6 +1,7 @@
 //! The passes, one file each, named like their shaders.
 
 pub mod arguments;
+pub mod audit;
 pub mod blur;
 pub mod compose;
 pub mod hits;
@@ -58,6 +59,7 @@ passes! {
     ssr: Ssr,
     hits: Hits,
     trace: Trace,
+    audit: Audit,
     blur: Blur,
     compose: Compose,
     tone: Tone,

@@ -7,6 +7,7 @@ use crate::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
+        plan::has_primary_rays,
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -18,7 +19,7 @@ use super::ssr;
 pub const PASS: Pass = Pass {
     name: "surface",
     color: [150, 205, 225],
-    reads: &[Target::Ids],
+    reads: &[Target::Ids, Target::RasterDepth],
     writes: &[
         Target::ViewDepth,
         Target::Surface,
@@ -26,7 +27,13 @@ pub const PASS: Pass = Pass {
         Target::Cause,
     ],
     is_written: |plan, _, target| plan.reflections || target != Target::Cause,
-    overrides: |options| vec![("MARCH", f64::from(u8::from(ssr::is_enabled(options))))],
+    overrides: |options| {
+        let flag = |on| f64::from(u8::from(on));
+        vec![
+            ("MARCH", flag(ssr::is_enabled(options))),
+            ("RASTERIZED", flag(!has_primary_rays(options))),
+        ]
+    },
     ..Pass::DEFAULT
 };
 

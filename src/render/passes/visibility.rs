@@ -8,7 +8,7 @@ use crate::{
         pass::{Pass, declared_overrides},
         pass_builder::PassBuilder,
         plan::has_primary_rays,
-        scene::DrawClass,
+        scene::{Draw, DrawClass},
         sub_frame::SubFrame,
         targets::Target,
     },
@@ -27,28 +27,20 @@ pub const PASS: Pass = Pass {
 #[derive(Debug)]
 pub struct Visibility {
     pipelines: Vec<(DrawClass, wgpu::RenderPipeline)>,
+    /// Of what the camera culls, where the march is to know its depth.
+    culled: Vec<(DrawClass, wgpu::RenderPipeline)>,
 }
 
 impl FramePass for Visibility {
     /// The pipelines that the draws need.
     fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
-        let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
-        for draw in &builder.resources.scene.draws {
-            let mut needed = vec![draw.class];
-            if draw.dynamic {
-                let mirrored = !draw.class.mirrored;
-                needed.push(DrawClass {
-                    mirrored,
-                    ..draw.class
-                });
-            }
-            for class in needed {
-                if pipelines.iter().all(|(known, _)| *known != class) {
-                    pipelines.push((class, pipeline(builder, class)?));
-                }
-            }
-        }
-        Ok(Self { pipelines })
+        let draws = &builder.resources.scene.draws;
+        let has_culled = builder.plan.culled_surfaces;
+        let culled = draws.iter().filter(|d| has_culled && d.hides_backs);
+        Ok(Self {
+            pipelines: pipelines(builder, draws, Faces::Shown)?,
+            culled: pipelines(builder, culled, Faces::Culled)?,
+        })
     }
 
     fn record(&self, frame: &mut SubFrame<'_>) {
@@ -68,19 +60,59 @@ impl FramePass for Visibility {
             });
             pass.set_bind_group(0, &recording.shared.groups[0], &[]);
             pass.set_bind_group(1, &recording.shared.groups[1], &[]);
-            for (class, pipeline) in &self.pipelines {
-                pass.set_pipeline(pipeline);
-                for draw in scene.draws.iter().filter(|d| d.class == *class) {
-                    if !is_outside(clip_from_world, &draw.bounds) {
-                        pass.draw(
-                            0..draw.indices.len() as u32,
-                            draw.instance..draw.instance + 1,
-                        );
+            let mut draw_all = |pipelines: &[(DrawClass, wgpu::RenderPipeline)],
+                                is_drawn: fn(&Draw) -> bool| {
+                for (class, pipeline) in pipelines {
+                    pass.set_pipeline(pipeline);
+                    let draws = scene
+                        .draws
+                        .iter()
+                        .filter(|d| d.class == *class && is_drawn(d));
+                    for draw in draws.filter(|d| !is_outside(clip_from_world, &d.bounds)) {
+                        let instance = draw.instance..draw.instance + 1;
+                        pass.draw(0..draw.indices.len() as u32, instance);
                     }
                 }
-            }
+            };
+            draw_all(&self.pipelines, |_| true);
+            // Last: most of it lies behind what is shown, and only its depth is kept.
+            draw_all(&self.culled, |draw| draw.hides_backs);
         });
     }
+}
+
+/// Which faces of single-sided triangles a pipeline draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Faces {
+    /// Those that the camera sees.
+    Shown,
+    /// Those that it does not, into the depth alone.
+    Culled,
+}
+
+/// A pipeline for each class of these draws.
+fn pipelines<'a>(
+    builder: &PassBuilder<'_>,
+    draws: impl IntoIterator<Item = &'a Draw>,
+    faces: Faces,
+) -> Result<Vec<(DrawClass, wgpu::RenderPipeline)>, GpuError> {
+    let mut pipelines: Vec<(DrawClass, wgpu::RenderPipeline)> = Vec::new();
+    for draw in draws {
+        let mut needed = vec![draw.class];
+        if draw.dynamic {
+            let mirrored = !draw.class.mirrored;
+            needed.push(DrawClass {
+                mirrored,
+                ..draw.class
+            });
+        }
+        for class in needed {
+            if pipelines.iter().all(|(known, _)| *known != class) {
+                pipelines.push((class, pipeline(builder, class, faces)?));
+            }
+        }
+    }
+    Ok(pipelines)
 }
 
 /// The ids, cleared to "sky".
@@ -127,7 +159,11 @@ const NO_IDS: wgpu::Color = wgpu::Color {
     a: 0.0,
 };
 
-fn pipeline(builder: &PassBuilder<'_>, class: DrawClass) -> Result<wgpu::RenderPipeline, GpuError> {
+fn pipeline(
+    builder: &PassBuilder<'_>,
+    class: DrawClass,
+    faces: Faces,
+) -> Result<wgpu::RenderPipeline, GpuError> {
     let (gpu, shared, shader) = (builder.gpu, builder.shared, builder.shader(&PASS)?);
     let groups = [&shared.layouts[0], &shared.layouts[1]];
     let mut constants = declared_overrides(shader, &builder.overrides(&PASS));
@@ -136,7 +172,19 @@ fn pipeline(builder: &PassBuilder<'_>, class: DrawClass) -> Result<wgpu::RenderP
         constants: &constants,
         ..Default::default()
     };
-    let state = format!("{class:?}");
+    let cull_mode = match faces {
+        _ if class.double_sided => None,
+        Faces::Shown => Some(wgpu::Face::Back),
+        Faces::Culled => Some(wgpu::Face::Front),
+    };
+    let ids = wgpu::ColorTargetState {
+        write_mask: match faces {
+            Faces::Shown => wgpu::ColorWrites::ALL,
+            Faces::Culled => wgpu::ColorWrites::empty(),
+        },
+        ..Target::Ids.format().into()
+    };
+    let state = format!("{class:?} {faces:?}");
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout| {
         gpu.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -154,7 +202,7 @@ fn pipeline(builder: &PassBuilder<'_>, class: DrawClass) -> Result<wgpu::RenderP
                     } else {
                         wgpu::FrontFace::Ccw
                     },
-                    cull_mode: (!class.double_sided).then_some(wgpu::Face::Back),
+                    cull_mode,
                     ..Default::default()
                 },
                 depth_stencil: Some(reversed_depth(Target::RasterDepth.format())),
@@ -163,7 +211,7 @@ fn pipeline(builder: &PassBuilder<'_>, class: DrawClass) -> Result<wgpu::RenderP
                     module: &shader.module,
                     entry_point: Some("fragment"),
                     compilation_options,
-                    targets: &[Some(Target::Ids.format().into())],
+                    targets: &[Some(ids)],
                 }),
                 multiview_mask: None,
                 cache: None,

@@ -154,6 +154,7 @@ impl Worker {
             size: Some(size),
             method: Some(method),
             samples: Some(samples),
+            ..self.live.overrides()
         })?;
         let stats = self.live.render(&self.camera(&view.camera))?;
         self.frame_cost

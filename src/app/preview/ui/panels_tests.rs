@@ -194,6 +194,7 @@ fn panels_list_times_shares_and_keys() {
         shares: Shares::new(&counters, [10, 10], crate::scene::desc::Method::Hybrid),
         rays: 0,
         exhausted_rays: 0,
+        audit: None,
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);

@@ -1,5 +1,7 @@
 //! Command line: exit codes, messages, and atomic output files.
 
+mod calibrate;
+#[path = "../common/mod.rs"]
 mod common;
 
 use std::{

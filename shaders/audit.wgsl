@@ -1,0 +1,40 @@
+// Audit: traces some of the screen hits too, to say how many of them lie on a wrong surface.
+
+#import gbuffer
+#import lists
+
+struct Params {
+    tolerance_m: f32, // how far the march may lie from the ray, or
+    tolerance: f32, // as a share of the distance
+    rays: u32,
+    seed: u32,
+}
+
+@group(2) @binding(3) var hit: texture_2d<u32>;
+@group(2) @binding(4) var<uniform> params: Params;
+
+// Which hit a ray is asked for: each, where they are few; else drawn at random.
+fn drawn(ray: u32, hits: u32) -> u32 {
+    if (hits <= params.rays) { return ray; }
+    // PCG hash (Jarzynski and Olano 2020).
+    let state = (ray + params.seed * params.rays) * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return ((word >> 22u) ^ word) % hits;
+}
+
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let hits = atomicLoad(&counters[HIT_COUNTER]);
+    if (id.x >= min(params.rays, hits)) { return; }
+    let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, hits))]);
+    start_samples(pixel, 0u);
+    let first = load_surface(pixel);
+    let ray = reflected(normalize(first.position - frame.eye), first);
+    let origin = ray_origin(first.position, first.geometric_normal);
+    let truth = trace_nearest(origin, ray.direction, 0.0, frame.ray_length_m);
+    let found = textureLoad(hit, pixel, 0);
+    let apart_m = abs(bitcast<f32>(found.x) - truth.t);
+    let is_same = found.y == truth.instance && apart_m <= max(params.tolerance_m, params.tolerance * truth.t);
+    atomicAdd(&counters[AUDITED_COUNTER], 1u);
+    if (!is_same) { atomicAdd(&counters[WRONG_COUNTER], 1u); }
+}

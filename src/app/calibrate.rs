@@ -1,0 +1,407 @@
+//! `calibrate`: fits the unit costs of the cost model to passes measured on this adapter.
+
+use std::{fmt::Write as _, path::Path};
+
+use super::{args::CalibrateArgs, error::AppError, plan_file::PlanFile, print_out};
+use crate::{
+    files::write_whole,
+    gpu::{Gpu, GpuOptions, ShaderLibrary},
+    render::{
+        RenderOptions, Renderer, cost::Workload, decide::workload, stats::FrameStats,
+        unit_costs::UnitCosts,
+    },
+    scene::dependencies::Dependencies,
+    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    session::scene_text::{LoadedScene, SceneOptions, SceneText},
+    world::{World, bvh::Trees},
+};
+
+/// A mirror floor under dull balls, lit by the sun; `COUNT` and `SEGMENTS` say how many balls there are and
+/// how fine they are.
+const SCENE: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 5, 13]
+target = [0, 0.5, 0]
+[material.mirror]
+metallic = 1
+roughness = 0
+[material.dull]
+roughness = 0.9
+[model.floor]
+shape = { kind = "plane", size = [24, 24] }
+material = "mirror"
+[model.ball]
+shape = { kind = "sphere", radius = 0.45, segments = SEGMENTS }
+material = "dull"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "ball"
+translation = [-6, 0.6, 0]
+repeat = { count = COUNT, step = [1.3, 1.2, -1.3] }
+[light.sun]
+kind = "directional"
+direction = [0.3, -1, -0.2]
+intensity_lux = 3
+shadow = "auto"
+shadow_px = 1024
+"#;
+
+/// Balls along each axis, and the segments of each: rays that meet little, and rays that meet much.
+const BALLS: [([u32; 3], u32); 3] = [([2, 1, 1], 8), ([10, 1, 4], 24), ([10, 3, 10], 64)];
+
+/// A pass with the counts that its time is fitted to: time = first × cost + second × cost.
+struct Measured {
+    counts: [f64; 2],
+    ns: f64,
+}
+
+/// What is fitted, each from the frames of all scenes and sizes.
+#[derive(Default)]
+struct Series {
+    raster: Vec<Measured>,
+    map: Vec<Measured>,
+    filter: Vec<Measured>,
+    primary: Vec<Measured>,
+    shadow: Vec<Measured>,
+    mirror: Vec<Measured>,
+    march: Vec<Measured>,
+    pyramid: Vec<Measured>,
+    hit: Vec<Measured>,
+    pass_ns: f64,
+}
+
+/// How a frame is rendered.
+#[derive(Clone, Copy)]
+struct Way {
+    method: Method,
+    visibility: Visibility,
+    shadow: ShadowMode,
+}
+
+/// Between them every kind of work is done.
+const WAYS: [Way; 3] = [
+    Way {
+        method: Method::Hybrid,
+        visibility: Visibility::Raster,
+        shadow: ShadowMode::Map,
+    },
+    Way {
+        method: Method::Rt,
+        visibility: Visibility::Rays,
+        shadow: ShadowMode::None,
+    },
+    Way {
+        method: Method::Ssr,
+        visibility: Visibility::Raster,
+        shadow: ShadowMode::Ray,
+    },
+];
+
+/// Runs the command.
+///
+/// # Errors
+/// No usable adapter, or one that cannot time passes; a file that cannot be written.
+pub fn calibrate(args: &CalibrateArgs) -> Result<(), AppError> {
+    let gpu = Gpu::new(&GpuOptions {
+        adapter_filter: args.adapter.clone(),
+    })?;
+    // So large that a frame takes some milliseconds, and different in triangles and in pixels.
+    let (scale, sizes) = if gpu.is_software() {
+        (1, [[320, 180], [640, 360]])
+    } else {
+        (4, [[1280, 720], [2560, 1440]])
+    };
+    let mut series = Series {
+        pass_ns: f64::INFINITY,
+        ..Series::default()
+    };
+    for (count, segments) in BALLS {
+        let segments = segments * scale;
+        let text = SCENE.replace("COUNT", &format!("{count:?}"));
+        let text = text.replace("SEGMENTS", &segments.to_string());
+        let text = SceneText::new(&text, Path::new("calibrate"), &SceneOptions::default());
+        let opened = text.open(&[], &Dependencies::default());
+        let opened = opened.map_err(AppError::Scene)?;
+        let loaded = opened
+            .load("calibrate".to_owned())
+            .map_err(AppError::Scene)?;
+        for size in sizes {
+            eprintln!(
+                "balls {count:?} of {segments} segments, {} x {}",
+                size[0], size[1]
+            );
+            measure(&gpu, &loaded, size, args.frames, &mut series)?;
+        }
+    }
+    let kind = UnitCosts::of_kind(gpu.is_software());
+    let plan = PlanFile {
+        adapter: gpu.adapter_info.name.clone(),
+        unit_ns: series.fitted(),
+    };
+    write_whole(&args.output, plan.text()?.as_bytes())
+        .map_err(|e| AppError::Disk(format!("{}: {e}", args.output.display())))?;
+    eprintln!("wrote {}", args.output.display());
+    print_out(&table(&plan.unit_ns, &kind)?)
+}
+
+/// Times the passes of a scene at a size.
+fn measure(
+    gpu: &Gpu,
+    loaded: &LoadedScene,
+    size: [u32; 2],
+    frames: u32,
+    series: &mut Series,
+) -> Result<(), AppError> {
+    let world = loaded.first_frame();
+    let mut options = RenderOptions::of(&loaded.scene);
+    options.image.size = size;
+    options.reflection.bounces = 1;
+    let trees = Trees::build(&world, u64::MAX).map_err(|d| AppError::Scene(vec![*d]))?;
+    let work = workload(&world, &trees, &options);
+    let [maps, rays, ray_shadows] =
+        [0, 1, 2].map(|way| timed(gpu, &world, &options, WAYS[way], frames));
+    series.add(&work, &maps?, &rays?, &ray_shadows?)
+}
+
+/// The shortest times of the passes.
+fn timed(
+    gpu: &Gpu,
+    world: &World,
+    options: &RenderOptions,
+    way: Way,
+    frames: u32,
+) -> Result<FrameStats, AppError> {
+    let (mut world, mut options) = (world.clone(), *options);
+    for light in &mut world.lights {
+        light.desc.shadow = way.shadow;
+    }
+    options.reflection.method = way.method;
+    options.image.visibility = way.visibility;
+    let refused = |error| AppError::from_render(error, false);
+    let library = ShaderLibrary::embedded();
+    let mut renderer = Renderer::new(gpu, &library, &world, &options).map_err(refused)?;
+    let camera = world.cameras[world.main_camera()].value.clone();
+    renderer.render(gpu, &world, &camera).map_err(refused)?;
+    let mut best: Option<FrameStats> = None;
+    for _ in 0..frames {
+        renderer.redraw_shadows();
+        let stats = renderer.render(gpu, &world, &camera).map_err(refused)?;
+        match &mut best {
+            None => best = Some(stats),
+            Some(best) => {
+                for ((_, least), (_, ms)) in best.passes_ms.iter_mut().zip(stats.passes_ms) {
+                    *least = least.min(ms);
+                }
+            }
+        }
+    }
+    best.filter(|stats| !stats.passes_ms.is_empty())
+        .ok_or_else(|| {
+            AppError::Usage(
+                "this adapter has no timestamps, so its passes cannot be measured".to_owned(),
+            )
+        })
+}
+
+/// Time of a pass, nanoseconds.
+fn ns(stats: &FrameStats, pass: &str) -> f64 {
+    let named = stats.passes_ms.iter().find(|(name, _)| name == pass);
+    named.map_or(0.0, |(_, ms)| ms * 1e6)
+}
+
+impl Series {
+    /// Of one scene and size: with shadow maps, without shadows but by rays, and with shadow rays.
+    fn add(
+        &mut self,
+        work: &Workload,
+        maps: &FrameStats,
+        rays: &FrameStats,
+        ray_shadows: &FrameStats,
+    ) -> Result<(), AppError> {
+        let sun = LightKind::NAMES
+            .iter()
+            .position(|name| *name == "directional");
+        let sun = sun.ok_or_else(|| AppError::Internal("no directional lights".to_owned()))?;
+        let view = &work.view;
+        let scaled = |count: u32| work.weight() * f64::from(count);
+        let (lit, visits) = view.shadows[sun];
+        let hits = maps.shares.sources.iter().find(|s| s.name == "screen");
+        let hits = hits.map_or(0, |s| s.pixels);
+        let unlit_ns = ns(rays, "light");
+        // The arguments pass does next to nothing, twice.
+        let starts = [maps, rays].map(|s| ns(s, "arguments") / 2.0);
+        self.pass_ns = starts
+            .into_iter()
+            .filter(|ns| *ns > 0.0)
+            .fold(self.pass_ns, f64::min);
+        let mut push = |series: fn(&mut Self) -> &mut Vec<Measured>, counts, ns: f64| {
+            if ns > 0.0 {
+                series(self).push(Measured { counts, ns });
+            }
+        };
+        push(
+            |s| &mut s.raster,
+            [work.triangles_in_view, work.pixels],
+            ns(maps, "visibility"),
+        );
+        let drawn = work.triangles * work.map_views[sun];
+        push(
+            |s| &mut s.map,
+            [drawn, work.map_pixels[sun]],
+            ns(maps, "shadow"),
+        );
+        push(
+            |s| &mut s.filter,
+            [scaled(lit), 0.0],
+            ns(maps, "light") - unlit_ns,
+        );
+        push(
+            |s| &mut s.primary,
+            [scaled(view.rays), scaled(view.visits)],
+            ns(rays, "primary"),
+        );
+        push(
+            |s| &mut s.shadow,
+            [scaled(lit), scaled(visits)],
+            ns(ray_shadows, "light") - unlit_ns,
+        );
+        let mirrors = [scaled(view.reflective), scaled(view.mirror_visits)];
+        push(|s| &mut s.mirror, mirrors, ns(rays, "trace"));
+        push(|s| &mut s.march, mirrors, ns(maps, "ssr"));
+        push(|s| &mut s.pyramid, [work.pixels, 0.0], ns(maps, "pyramid"));
+        push(|s| &mut s.hit, [hits as f64, 0.0], ns(maps, "hits"));
+        Ok(())
+    }
+
+    fn fitted(&self) -> UnitCosts {
+        let [raster_triangle, raster_pixel] = fit(&self.raster);
+        let [map_triangle, map_pixel] = fit(&self.map);
+        let [primary_ray, primary_node] = fit(&self.primary);
+        let [shadow_ray, shadow_node] = fit(&self.shadow);
+        let [mirror_ray, mirror_node] = fit(&self.mirror);
+        let [march_ray, march_node] = fit(&self.march);
+        UnitCosts {
+            raster_triangle,
+            raster_pixel,
+            map_triangle,
+            map_pixel,
+            filter: fit(&self.filter)[0],
+            primary_ray,
+            primary_node,
+            shadow_ray,
+            shadow_node,
+            mirror_ray,
+            mirror_node,
+            march_ray,
+            march_node,
+            pyramid_pixel: fit(&self.pyramid)[0],
+            hit: fit(&self.hit)[0],
+            pass: if self.pass_ns.is_finite() {
+                self.pass_ns
+            } else {
+                LEAST_NS
+            },
+        }
+    }
+}
+
+/// Instead of a cost that the times do not show: plans hold no zeros.
+const LEAST_NS: f64 = 1e-4;
+
+/// Costs, not below 0, that explain the times with the least sum of squared relative errors.
+fn fit(measured: &[Measured]) -> [f64; 2] {
+    let (mut xx, mut xy, mut yy, mut x, mut y) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for m in measured {
+        let [a, b] = m.counts.map(|count| count / m.ns);
+        xx += a * a;
+        xy += a * b;
+        yy += b * b;
+        x += a;
+        y += b;
+    }
+    let alone = |sum: f64, square: f64| if square > 0.0 { sum / square } else { 0.0 };
+    let determinant = xx * yy - xy * xy;
+    let both = [x * yy - y * xy, y * xx - x * xy].map(|v| v / determinant);
+    let costs = if determinant > 1e-9 * xx * yy && both.iter().all(|cost| *cost >= 0.0) {
+        both
+    } else {
+        // One of them explains nothing that the other does not: the better one alone.
+        let [first, second] = [alone(x, xx), alone(y, yy)];
+        if first * x >= second * y {
+            [first, 0.0]
+        } else {
+            [0.0, second]
+        }
+    };
+    costs.map(|cost| {
+        if cost.is_finite() {
+            cost.max(LEAST_NS)
+        } else {
+            LEAST_NS
+        }
+    })
+}
+
+/// The costs beside those of the adapter's kind.
+fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
+    let values = |costs: &UnitCosts| {
+        toml::Table::try_from(costs).map_err(|e| AppError::Internal(e.to_string()))
+    };
+    let (found, kind) = (values(found)?, values(kind)?);
+    let mut out = format!("{:<18}{:>12}{:>12}\n", "ns", "here", "its kind");
+    for (name, value) in &found {
+        let number =
+            |value: Option<&toml::Value>| value.and_then(toml::Value::as_float).unwrap_or_default();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            out,
+            "{name:<18}{:>12.4}{:>12.4}",
+            number(Some(value)),
+            number(kind.get(name))
+        );
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(costs: [f64; 2], counts: &[[f64; 2]]) -> Vec<Measured> {
+        let of = |&[a, b]: &[f64; 2]| Measured {
+            counts: [a, b],
+            ns: a * costs[0] + b * costs[1],
+        };
+        counts.iter().map(of).collect()
+    }
+
+    #[test]
+    fn fits_find_what_made_the_times() {
+        let counts = [[1e3, 1e5], [1e5, 1e5], [1e3, 4e5], [1e5, 4e5]];
+        let [a, b] = fit(&measured([90.0, 24.0], &counts));
+        assert!(
+            (a - 90.0).abs() < 1e-6 && (b - 24.0).abs() < 1e-6,
+            "{a} {b}"
+        );
+        // One count alone, both proportional, nothing measured.
+        let [a, b] = fit(&measured([5.0, 0.0], &[[10.0, 0.0]]));
+        assert!((a - 5.0).abs() < 1e-9 && b == LEAST_NS, "{a} {b}");
+        let [a, b] = fit(&measured([1.0, 1.0], &[[1.0, 2.0], [2.0, 4.0]]));
+        assert!((a - 3.0).abs() < 1e-9 || (b - 1.5).abs() < 1e-9, "{a} {b}");
+        assert_eq!(fit(&[]), [LEAST_NS; 2]);
+    }
+
+    #[test]
+    fn no_cost_is_negative() {
+        // More of the second count takes less time.
+        let times = [
+            ([10.0, 1.0], 100.0),
+            ([10.0, 5.0], 80.0),
+            ([20.0, 5.0], 190.0),
+        ];
+        let measured = times.map(|(counts, ns)| Measured { counts, ns });
+        assert!(fit(&measured).iter().all(|cost| *cost > 0.0));
+    }
+}

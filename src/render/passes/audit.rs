@@ -1,0 +1,82 @@
+//! Audit: traces some of the screen hits too, where the options ask how many are wrong.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::{
+    gpu::{Checks, GpuError},
+    render::{
+        frame_pass::FramePass,
+        pass::{ComputePass, Dispatch, Pass},
+        pass_builder::PassBuilder,
+        ray_list::RAYS_PER_GROUP,
+        stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
+        sub_frame::SubFrame,
+        targets::Target,
+        types::gpu_struct,
+    },
+    scene::desc::Method,
+};
+
+/// Screen hits of a sub-frame that are traced too, at most.
+pub const RAYS: u32 = 1024;
+
+/// See `shaders/audit.wgsl`.
+pub const PASS: Pass = Pass {
+    name: "audit",
+    color: [190, 190, 190],
+    reads: &[
+        Target::ViewDepth,
+        Target::Surface,
+        Target::Colors,
+        Target::Hit,
+    ],
+    params: Some(Params::LAYOUT),
+    needed: |plan, options| {
+        plan.reflections && options.audit && options.reflection.method == Method::Hybrid
+    },
+    // `check_world` and `Trees::build` validated every index that tracing follows.
+    checks: Checks::TrustedBuiltin,
+    ..Pass::DEFAULT
+};
+
+gpu_struct! {
+    /// Of the audit.
+    pub struct Params = "Params" {
+        /// How far the march may lie from the ray, meters, or
+        tolerance_m: f32,
+        /// as a share of the distance.
+        tolerance: f32,
+        /// Most rays.
+        rays: u32,
+        /// Another one draws other hits.
+        seed: u32,
+    }
+}
+
+/// The pass.
+#[derive(Debug)]
+pub struct Audit {
+    pass: ComputePass,
+    /// Sub-frames so far: pictures of a view at rest ask other hits.
+    recorded: AtomicU32,
+}
+
+impl FramePass for Audit {
+    fn new(builder: &PassBuilder<'_>) -> Result<Self, GpuError> {
+        Ok(Self {
+            pass: builder.compute(&PASS, &[])?,
+            recorded: AtomicU32::new(0),
+        })
+    }
+
+    fn record(&self, frame: &mut SubFrame<'_>) {
+        let params = Params {
+            tolerance_m: TOLERANCE_U * frame.unit_m,
+            tolerance: TOLERANCE_RELATIVE,
+            rays: RAYS,
+            seed: self.recorded.fetch_add(1, Ordering::Relaxed),
+        };
+        let groups = Dispatch::Groups(RAYS.div_ceil(RAYS_PER_GROUP));
+        frame.dispatch_with(&self.pass, &params, &groups);
+    }
+}

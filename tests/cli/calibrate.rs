@@ -1,0 +1,58 @@
+//! `calibrate` and `--plan`.
+
+use std::fs;
+
+use crate::{common::gpu_or_skip, exits, folder, names};
+
+#[test]
+fn what_calibrate_measures_decides_and_only_on_its_adapter() {
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let folder = folder("calibrate");
+    let calibrate = ["calibrate", "-o", "plan.toml", "--frames", "1"];
+    let [table, _] = exits(&folder, &calibrate, 0);
+    assert!(
+        table.contains("mirror_node") && table.contains("its kind"),
+        "{table}"
+    );
+    let render = |plan: &str, code| {
+        let mut arguments = vec!["render", "scene.toml", "-o", "a.png", "--plan", plan];
+        arguments.extend(["--size", "64x36", "--stats", "text"]);
+        exits(&folder, &arguments, code)
+    };
+    render("plan.toml", 0);
+    let plan = fs::read_to_string(folder.join("plan.toml")).expect("a plan");
+    // Costs decide: nearly nothing for one of two ways, much for the other.
+    for (cheap, dear, chosen) in [
+        ("raster", "primary", "raster"),
+        ("primary", "raster", "rays"),
+    ] {
+        let costs = |line: &str| {
+            let name = line.split_once(" = ").map_or("", |(name, _)| name);
+            match name {
+                _ if name.starts_with(cheap) => format!("{name} = 0.001"),
+                _ if name.starts_with(dear) => format!("{name} = 1000000.0"),
+                _ => line.to_owned(),
+            }
+        };
+        let text: Vec<String> = plan.lines().map(costs).collect();
+        fs::write(folder.join("own.toml"), text.join("\n")).expect("a plan");
+        let [stats, _] = render("own.toml", 0);
+        let decision = format!("image.visibility = {chosen}");
+        assert!(stats.contains(&decision), "{stats}");
+    }
+    let foreign = plan.replace("adapter = \"", "adapter = \"another ");
+    fs::write(folder.join("foreign.toml"), foreign).expect("a plan");
+    let [_, error] = render("foreign.toml", 2);
+    assert!(error.contains("was measured on \"another "), "{error}");
+    let names = names(&folder);
+    let want = [
+        "a.png",
+        "foreign.toml",
+        "own.toml",
+        "plan.toml",
+        "scene.toml",
+    ];
+    assert_eq!(names, want);
+}

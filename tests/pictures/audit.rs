@@ -1,0 +1,93 @@
+//! The audit of screen hits: what it counts is what two whole pictures say.
+
+use reflet::{
+    render::{
+        Picture, RenderOptions, Renderer,
+        aov::Aov,
+        cause::Cause,
+        stats::{Audit, TOLERANCE_RELATIVE, TOLERANCE_U},
+    },
+    scene::desc::Method,
+};
+
+use crate::{
+    common::shaders,
+    kit::{floats, gpu, integers, scene},
+};
+
+const ATRIUM: &str = include_str!("../../scenes/atrium.toml");
+
+/// A picture with an audit, and what comparing all of its screen hits with `rt` gives.
+fn audited(size: &str, method: Method) -> Option<(Picture, Audit)> {
+    let gpu = gpu()?;
+    // The paper's rule errs often.
+    let set = [
+        size,
+        "reflection.accept=threshold",
+        "reflection.threshold_u=0.1",
+    ];
+    let (desc, world) = scene(ATRIUM, &set);
+    let of = |method, audit| {
+        let mut options = RenderOptions {
+            audit,
+            ..RenderOptions::of(&desc)
+        };
+        options.reflection.method = method;
+        let mut renderer =
+            Renderer::new(gpu, &shaders(), &world, &options).unwrap_or_else(|e| panic!("{e}"));
+        let aovs = [Aov::Cause, Aov::HitDistance, Aov::HitIds];
+        renderer
+            .picture(gpu, &world, &world.cameras[0].value, &aovs)
+            .unwrap_or_else(|e| panic!("{e}"))
+    };
+    let (picture, truth) = (of(method, true), of(Method::Rt, false));
+    let mut all = Audit::default();
+    for (i, cause) in integers(&picture, Aov::Cause).iter().enumerate() {
+        if *cause != Cause::Hit as u32 {
+            continue;
+        }
+        let met = |p: &Picture| {
+            (
+                floats(p, Aov::HitDistance)[i],
+                integers(p, Aov::HitIds)[2 * i],
+            )
+        };
+        let ((found_m, found), (true_m, meant)) = (met(&picture), met(&truth));
+        let tolerance_m = (TOLERANCE_U * picture.stats.unit_m).max(TOLERANCE_RELATIVE * true_m);
+        let is_same = found == meant && (found_m - true_m).abs() <= tolerance_m;
+        all.hits += 1;
+        all.wrong += u32::from(!is_same);
+    }
+    Some((picture, all))
+}
+
+#[test]
+fn few_hits_are_all_traced_and_many_are_sampled() {
+    let Some((small, all)) = audited("image.size=[64, 36]", Method::Hybrid) else {
+        return;
+    };
+    assert!(all.hits < 1024 && all.wrong > 5, "{all}");
+    assert_eq!(small.stats.audit, Some(all));
+
+    let (large, all) = audited("image.size=[160, 90]", Method::Hybrid).expect("a GPU");
+    let sampled = large.stats.audit.expect("an audit");
+    assert!(all.hits > 1500, "{all}");
+    assert_eq!(sampled.hits, 1024);
+    let (share, _) = all.wrong_share();
+    let (found, _) = sampled.wrong_share();
+    let deviation = (share * (1.0 - share) / 1024.0).sqrt();
+    assert!(
+        (found - share).abs() < 5.0 * deviation,
+        "{sampled}, all: {all}"
+    );
+}
+
+#[test]
+fn nothing_is_audited_where_no_hit_is_taken_from_the_screen() {
+    for method in [Method::Rt, Method::Ssr] {
+        let Some((picture, _)) = audited("image.size=[32, 18]", method) else {
+            return;
+        };
+        assert_eq!(picture.stats.audit, None);
+    }
+}
