@@ -56,6 +56,7 @@ impl Renderer {
         light: usize,
         face: usize,
     ) -> Result<Option<(u32, Vec<f32>)>, GpuError> {
+        let world = &*self.relative(world);
         let faces = |light: &Light| shadow_faces(light, &self.options);
         if face >= world.lights.get(light).map_or(0, faces) {
             return Ok(None);

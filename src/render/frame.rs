@@ -15,6 +15,7 @@ use super::{
     lights::{ShadowView, lights},
     probe::Probe,
     recorder::{PassTimes, Recorder, Timing},
+    relative::relative_camera,
     renderer::Renderer,
     stats::{FrameStats, Shares},
     sub_frame::SubFrame,
@@ -36,6 +37,7 @@ impl Renderer {
     ) -> Result<FrameStats, RenderError> {
         let started = Instant::now();
         let samples = self.options.image.samples;
+        let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut times = PassTimes::default();
         for sample in 0..samples {
@@ -61,6 +63,7 @@ impl Renderer {
         world: &World,
         camera: &CameraDesc,
     ) -> Result<FrameStats, RenderError> {
+        let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut before = None;
         for sample in 0..self.options.image.samples {
@@ -73,13 +76,15 @@ impl Renderer {
         Ok(self.stats(PassTimes::default(), 0.0))
     }
 
-    /// The view of a camera in a world that was checked to be the uploaded one, posed.
+    /// The view of a camera, in scene coordinates, in a world that was checked to be the uploaded one,
+    /// posed, in the renderer's.
     ///
     /// # Errors
     /// Another world than was uploaded.
     pub(super) fn view(&self, world: &World, camera: &CameraDesc) -> Result<View, RenderError> {
         self.check_posed(world)?;
-        Ok(View::new(camera, self.options.image.size))
+        let camera = relative_camera(camera, self.origin);
+        Ok(View::new(&camera, self.options.image.size))
     }
 
     /// Has the next picture draw all shadow maps, also those of lights and casters at rest.

@@ -31,6 +31,7 @@ impl Renderer {
         camera: &CameraDesc,
     ) -> Result<Vec<PassCounts>, RenderError> {
         self.build_probe(gpu, Probe::Count)?;
+        let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut sums: Vec<PassCounts> = Vec::new();
         for sample in 0..self.options.image.samples {
@@ -64,6 +65,7 @@ impl Renderer {
         if self.bindings.probes.traverse.is_none() {
             return Ok(None);
         }
+        let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         let mut sum_ms = None;
         for sample in 0..self.options.image.samples {
@@ -91,6 +93,7 @@ impl Renderer {
         aovs: &[Aov],
     ) -> Result<Vec<Plane>, RenderError> {
         self.build_probe(gpu, Probe::AcceptAll)?;
+        let world = &*self.relative(world);
         let view = self.view(world, camera)?;
         for sample in 0..self.options.image.samples {
             let probe = Some(Probe::AcceptAll);

@@ -1,7 +1,9 @@
 //! A scene made ready for frames: what is uploaded, built and bound, and what of it is rebuilt when
 //! the scene, its settings or the shaders change.
 
-use std::time::Instant;
+use std::{borrow::Cow, time::Instant};
+
+use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
@@ -22,6 +24,8 @@ use super::{
     pass_builder::PassBuilder,
     passes::needed_passes,
     plan::{Plan, traces_rays},
+    rebuild_summary::RebuildSummary,
+    relative::{origin_of, relative_world},
     resources::Resources,
     scene::GpuScene,
     shaders::Shaders,
@@ -45,43 +49,8 @@ pub struct Renderer {
     pub(super) timer: Timer,
     shaders: Shaders,
     world_key: WorldKey,
-}
-
-/// Which parts of a renderer were made again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RebuildSummary {
-    /// Geometry and images were uploaded.
-    pub upload: bool,
-    /// All trees were built.
-    pub trees: bool,
-    /// The top level over moved instances was built.
-    pub poses: bool,
-    /// Materials and instances were uploaded.
-    pub materials: bool,
-    /// Passes were bound to something else; pipelines that existed were used again.
-    pub passes: bool,
-}
-
-impl RebuildSummary {
-    /// Everything, for another scene.
-    pub const NEW: Self = Self {
-        upload: true,
-        trees: true,
-        poses: false,
-        materials: true,
-        passes: true,
-    };
-
-    /// What was done by two changes together.
-    pub fn merged(self, other: Self) -> Self {
-        Self {
-            upload: self.upload || other.upload,
-            trees: self.trees || other.trees,
-            poses: self.poses || other.poses,
-            materials: self.materials || other.materials,
-            passes: self.passes || other.passes,
-        }
-    }
+    /// Of its coordinates in those of the worlds that it is given.
+    pub(super) origin: Vec3,
 }
 
 /// Trees and how many milliseconds they took; stand-ins where no ray is followed.
@@ -138,6 +107,8 @@ impl Renderer {
         shaders: &Shaders,
     ) -> Result<Self, RenderError> {
         check_world(world)?;
+        let origin = origin_of(world, options);
+        let world = &*relative_world(world, origin);
         let (trees, tree_ms) = build_trees(gpu, world, options)?;
         let decided = decide(world, &trees, options, gpu.is_software());
         let options = &decided.options;
@@ -173,6 +144,7 @@ impl Renderer {
             bindings,
             shaders,
             world_key: WorldKey::of(world),
+            origin,
         })
     }
 
@@ -189,9 +161,12 @@ impl Renderer {
         options: &RenderOptions,
     ) -> Result<RebuildSummary, RenderError> {
         check_world(world)?;
+        let given = world;
+        let world = &*self.relative(given);
         let world_key = WorldKey::of(world);
-        if !world_key.has_same_uploads(&self.world_key) {
-            *self = self.with_world(gpu, library, world, options)?;
+        let is_far = origin_of(given, options) != self.origin;
+        if is_far || !world_key.has_same_uploads(&self.world_key) {
+            *self = self.with_world(gpu, library, given, options)?;
             return Ok(RebuildSummary::NEW);
         }
         // Trees that nothing follows any more are kept while they fit: a preview that compares two
@@ -257,6 +232,11 @@ impl Renderer {
             self.set_poses(gpu, world, top);
         }
         Ok(rebuilt)
+    }
+
+    /// A world in the renderer's coordinates.
+    pub(super) fn relative<'a>(&self, world: &'a World) -> Cow<'a, World> {
+        relative_world(world, self.origin)
     }
 
     /// What passes are bound to.
@@ -339,6 +319,7 @@ impl Renderer {
     /// A world that differs in more than that, and poses whose top level is deeper than rays can
     /// follow; then nothing has changed.
     pub fn update(&mut self, gpu: &Gpu, world: &World) -> Result<(), RenderError> {
+        let world = &*self.relative(world);
         self.check_posed(world)?;
         let top = self.top_level(world)?;
         self.set_poses(gpu, world, top);

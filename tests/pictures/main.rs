@@ -14,6 +14,7 @@ mod decide;
 mod edge_cases;
 mod environment;
 mod extent;
+mod far;
 mod foreign_worlds;
 mod kit;
 mod lamp;

@@ -1,0 +1,66 @@
+//! Scenes far from their origin.
+
+use reflet::render::aov::Aov;
+
+use crate::kit::{gpu, integers, render};
+
+/// A box on a mirror, at (X, 0, X).
+const CONTACT: &str = r#"
+version = 1
+[image]
+size = [160, 90]
+[camera.main]
+eye = [X0.9, 0.7, X2.1]
+target = [X0, 0.1, X0]
+fov_deg = 40
+[material.mirror]
+metallic = 1
+roughness = 0
+[model.floor]
+shape = { kind = "plane", size = [6, 6] }
+material = "mirror"
+[model.box]
+shape = { kind = "box", size = [0.4, 0.2, 0.4] }
+[[instance]]
+model = "floor"
+translation = [X0, 0, X0]
+[[instance]]
+model = "box"
+translation = [X0, 0.1, X0]
+[light.lamp]
+kind = "point"
+position = [X0.6, 1.5, X0.8]
+intensity_cd = 3
+shadow = "ray"
+"#;
+
+/// What the mirror shows of the box, down to its foot, and how many pixels are dark by its shadow.
+fn shown(kilometers: &str, method: &str) -> Option<(usize, usize)> {
+    let text = CONTACT.replace('X', kilometers);
+    let set = format!("reflection.method={method}");
+    let picture = render(gpu()?, &text, &[&set], &[Aov::HitIds, Aov::Ids]);
+    let (hits, ids) = (integers(&picture, Aov::HitIds), integers(&picture, Aov::Ids));
+    let reflected = ids.chunks(2).zip(hits.chunks(2));
+    let reflected = reflected.filter(|(seen, met)| seen[0] == 0 && met[0] == 1).count();
+    let dark = picture.display.chunks(4).filter(|p| p[1] < 40).count();
+    Some((reflected, dark))
+}
+
+#[test]
+fn contacts_stay_closed_far_from_the_origin() {
+    for method in ["rt", "hybrid"] {
+        let Some((reflected, dark)) = shown("", method) else {
+            return;
+        };
+        assert!(reflected > 200, "{reflected} pixels reflect the box");
+        // Steps of floats: 0.06, 1 and 8 mm.
+        for (kilometers, share) in [("100", 0.01), ("1000", 0.02), ("10000", 0.1)] {
+            let (far, far_dark) = shown(kilometers, method).expect("a GPU");
+            let close = |a: usize, b: usize| a.abs_diff(b) as f64 <= share * b as f64 + 4.0;
+            assert!(
+                close(far, reflected) && close(far_dark, dark),
+                "{method}, {kilometers}0 m: {far} pixels, {far_dark} dark; at the origin {reflected}, {dark}"
+            );
+        }
+    }
+}
