@@ -17,8 +17,6 @@
 // traversal takes of the time.
 override SHADE: bool = true;
 
-const DARKEST: f32 = 1.0 / 255.0; // below it a bounce cannot be seen
-
 // Whether the list has this ray; what lies past its end fills the last workgroups.
 fn is_listed(ray: u32) -> bool {
     return ray < atomicLoad(&counters[RAY_COUNTER]);
@@ -67,7 +65,7 @@ fn trace_pixel(pixel: vec2u) {
         if (!is_reflector(s)) { break; }
         ray = reflected(direction, s);
         throughput *= ray.weight;
-        if (max(throughput.x, max(throughput.y, throughput.z)) < DARKEST) { break; }
+        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         cone = mirrored_cone(cone, s.curvature);
         origin = ray_origin(s.position, s.geometric_normal);
     }

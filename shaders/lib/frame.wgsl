@@ -21,9 +21,9 @@ struct Frame {
     ground: vec3f,
     fade: u32,
     reuse_light: u32, // 1: hits take from the picture which lights reach them
+    dimmest: f32, // share of light that a bounce must carry to be seen
     pad0: u32,
     pad1: u32,
-    pad2: u32,
 }
 
 struct Light {

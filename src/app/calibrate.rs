@@ -2,6 +2,10 @@
 
 use std::{fmt::Write as _, path::Path};
 
+mod fit;
+
+use fit::{LEAST_NS, Measured, fit};
+
 use super::{args::CalibrateArgs, error::AppError, plan_file::PlanFile, print_out};
 use crate::{
     files::write_whole,
@@ -50,12 +54,6 @@ shadow_px = 1024
 
 /// Balls along each axis, and the segments of each: rays that meet little, and rays that meet much.
 const BALLS: [([u32; 3], u32); 3] = [([2, 1, 1], 8), ([10, 1, 4], 24), ([10, 3, 10], 64)];
-
-/// A pass with the counts that its time is fitted to: time = first × cost + second × cost.
-struct Measured {
-    counts: [f64; 2],
-    ns: f64,
-}
 
 /// What is fitted, each from the frames of all scenes and sizes.
 #[derive(Default)]
@@ -307,43 +305,6 @@ impl Series {
     }
 }
 
-/// Instead of a cost that the times do not show: plans hold no zeros.
-const LEAST_NS: f64 = 1e-4;
-
-/// Costs, not below 0, that explain the times with the least sum of squared relative errors.
-fn fit(measured: &[Measured]) -> [f64; 2] {
-    let (mut xx, mut xy, mut yy, mut x, mut y) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for m in measured {
-        let [a, b] = m.counts.map(|count| count / m.ns);
-        xx += a * a;
-        xy += a * b;
-        yy += b * b;
-        x += a;
-        y += b;
-    }
-    let alone = |sum: f64, square: f64| if square > 0.0 { sum / square } else { 0.0 };
-    let determinant = xx * yy - xy * xy;
-    let both = [x * yy - y * xy, y * xx - x * xy].map(|v| v / determinant);
-    let costs = if determinant > 1e-9 * xx * yy && both.iter().all(|cost| *cost >= 0.0) {
-        both
-    } else {
-        // One of them explains nothing that the other does not: the better one alone.
-        let [first, second] = [alone(x, xx), alone(y, yy)];
-        if first * x >= second * y {
-            [first, 0.0]
-        } else {
-            [0.0, second]
-        }
-    };
-    costs.map(|cost| {
-        if cost.is_finite() {
-            cost.max(LEAST_NS)
-        } else {
-            LEAST_NS
-        }
-    })
-}
-
 /// The costs beside those of the adapter's kind.
 fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
     let values = |costs: &UnitCosts| {
@@ -363,45 +324,4 @@ fn table(found: &UnitCosts, kind: &UnitCosts) -> Result<String, AppError> {
         );
     }
     Ok(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn measured(costs: [f64; 2], counts: &[[f64; 2]]) -> Vec<Measured> {
-        let of = |&[a, b]: &[f64; 2]| Measured {
-            counts: [a, b],
-            ns: a * costs[0] + b * costs[1],
-        };
-        counts.iter().map(of).collect()
-    }
-
-    #[test]
-    fn fits_find_what_made_the_times() {
-        let counts = [[1e3, 1e5], [1e5, 1e5], [1e3, 4e5], [1e5, 4e5]];
-        let [a, b] = fit(&measured([90.0, 24.0], &counts));
-        assert!(
-            (a - 90.0).abs() < 1e-6 && (b - 24.0).abs() < 1e-6,
-            "{a} {b}"
-        );
-        // One count alone, both proportional, nothing measured.
-        let [a, b] = fit(&measured([5.0, 0.0], &[[10.0, 0.0]]));
-        assert!((a - 5.0).abs() < 1e-9 && b == LEAST_NS, "{a} {b}");
-        let [a, b] = fit(&measured([1.0, 1.0], &[[1.0, 2.0], [2.0, 4.0]]));
-        assert!((a - 3.0).abs() < 1e-9 || (b - 1.5).abs() < 1e-9, "{a} {b}");
-        assert_eq!(fit(&[]), [LEAST_NS; 2]);
-    }
-
-    #[test]
-    fn no_cost_is_negative() {
-        // More of the second count takes less time.
-        let times = [
-            ([10.0, 1.0], 100.0),
-            ([10.0, 5.0], 80.0),
-            ([20.0, 5.0], 190.0),
-        ];
-        let measured = times.map(|(counts, ns)| Measured { counts, ns });
-        assert!(fit(&measured).iter().all(|cost| *cost > 0.0));
-    }
 }

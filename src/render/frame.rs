@@ -116,7 +116,7 @@ impl Renderer {
             world,
             view,
             jitter,
-            settings,
+            (settings, self.options.image.exposure_ev),
             (self.unit_m, self.plan.bounces),
         );
         let sampling = Sampling::new(world, &self.options.image, sample);

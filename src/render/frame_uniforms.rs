@@ -66,7 +66,7 @@ impl Frame {
         world: &World,
         view: &View,
         jitter: Vec2,
-        settings: &ReflectionDesc,
+        (settings, exposure_ev): (&ReflectionDesc, f32),
         (unit_m, bounces): (f32, u32),
     ) -> Self {
         let environment = &world.environment.desc;
@@ -90,12 +90,30 @@ impl Frame {
             ground: radiance(environment.ground),
             fade: u32::from(settings.fade),
             reuse_light: u32::from(settings.reuse_light),
+            dimmest: dimmest(world, exposure_ev),
             pad0: 0,
             pad1: 0,
-            pad2: 0,
         }
     }
 }
+
+/// Share of light that a bounce must carry to be seen: one step of the display, of the brightest
+/// thing that a reflection can show. What is lit, not shining, is taken to be white at most.
+fn dimmest(world: &World, exposure_ev: f32) -> f32 {
+    let emitted = world.instances.iter().map(|i| &world.materials[i.material]);
+    let emitted = emitted.map(|m| m.emission.max_element());
+    let lights = world.lights.iter().map(|light| {
+        let radiance = light.desc.kind.radiance();
+        radiance * light.desc.color.max_element()
+    });
+    let brightest = emitted
+        .chain(lights)
+        .fold(world.environment.brightest(), f32::max);
+    DISPLAY_STEP / (brightest * exposure_ev.exp2()).max(1.0)
+}
+
+/// Of 8-bit pictures.
+const DISPLAY_STEP: f32 = 1.0 / 255.0;
 
 impl Sampling {
     /// The block of sub-frame `sample`.

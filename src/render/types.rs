@@ -77,12 +77,12 @@ gpu_struct! {
         fade: u32,
         /// 1: hits take from the picture which lights reach them.
         reuse_light: u32,
+        /// Share of light that a bounce must carry to be seen.
+        dimmest: f32,
         /// Unused.
         pad0: u32,
         /// Unused.
         pad1: u32,
-        /// Unused.
-        pad2: u32,
     }
 }
 

@@ -45,6 +45,18 @@ impl Environment {
         }
     }
 
+    /// Radiance that nothing of it exceeds.
+    pub fn brightest(&self) -> f32 {
+        let desc = &self.desc;
+        let colors = [desc.zenith, desc.horizon, desc.ground];
+        let gradient = colors
+            .map(|c| c.max_element())
+            .into_iter()
+            .fold(0.0, f32::max);
+        let panorama = self.panorama.as_ref();
+        desc.intensity * panorama.map_or(gradient, |p| p.scale * f16::MAX.to_f32())
+    }
+
     /// Whether no light comes from it.
     pub fn is_black(&self) -> bool {
         let desc = &self.desc;

@@ -8,11 +8,11 @@ use reflet::render::{
     cause::{Cause, Source},
 };
 
-use crate::kit::{FACING, assert_color, gpu, integers, render};
+use crate::kit::{assert_color, gpu, integers, render};
 
 /// A mirror in the plane z = 0 that faces the camera, and something with radiance (0.2, 0.5, 0.8)
 /// behind the camera.
-const MIRROR: &str = r#"
+pub const MIRROR: &str = r#"
 version = 1
 [camera.main]
 eye = [0.3, 0.2, 2]
@@ -157,37 +157,6 @@ material = "white"
             }
         }
     }
-}
-
-#[test]
-fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
-    let Some(gpu) = gpu() else { return };
-    for bounces in 1..=5 {
-        let series: f32 = (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
-        for method in ["rt", "hybrid"] {
-            let set = [
-                format!("reflection.bounces={bounces}"),
-                format!("reflection.method={method}"),
-            ];
-            let set: Vec<&str> = set.iter().map(String::as_str).collect();
-            let picture = render(gpu, FACING, &set, &[]);
-            assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
-        }
-    }
-}
-
-#[test]
-fn a_bounce_that_cannot_be_seen_is_not_followed() {
-    let Some(gpu) = gpu() else { return };
-    // Reflectance 0.05: the throughput is 1/400 after two reflections, below 1/255.
-    let set = [
-        "reflection.bounces=16",
-        "material.mirror.reflectivity=0.05",
-        "reflection.method=rt",
-    ];
-    let picture = render(gpu, FACING, &set, &[]);
-    let series = 0.1 + 0.05 * 0.1 + 0.05 * 0.05 * 0.1;
-    assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
 }
 
 /// A Lambert floor of albedo 1/2 seen from above.

@@ -39,9 +39,14 @@ fn shown(kilometers: &str, method: &str) -> Option<(usize, usize)> {
     let text = CONTACT.replace('X', kilometers);
     let set = format!("reflection.method={method}");
     let picture = render(gpu()?, &text, &[&set], &[Aov::HitIds, Aov::Ids]);
-    let (hits, ids) = (integers(&picture, Aov::HitIds), integers(&picture, Aov::Ids));
+    let (hits, ids) = (
+        integers(&picture, Aov::HitIds),
+        integers(&picture, Aov::Ids),
+    );
     let reflected = ids.chunks(2).zip(hits.chunks(2));
-    let reflected = reflected.filter(|(seen, met)| seen[0] == 0 && met[0] == 1).count();
+    let reflected = reflected
+        .filter(|(seen, met)| seen[0] == 0 && met[0] == 1)
+        .count();
     let dark = picture.display.chunks(4).filter(|p| p[1] < 40).count();
     Some((reflected, dark))
 }

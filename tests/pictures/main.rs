@@ -6,6 +6,7 @@ mod common;
 mod agreement;
 mod animation;
 mod audit;
+mod bounces;
 mod change;
 mod closed_form;
 mod counts;

@@ -1,5 +1,7 @@
 //! Lights as people write them, and what of them may change.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use super::Tracks;
@@ -140,6 +142,24 @@ impl LightKind {
             | Self::Rect { intensity_cd, .. }
             | Self::Disk { intensity_cd, .. } => intensity_cd,
             Self::Directional { intensity_lux, .. } => intensity_lux,
+        }
+    }
+
+    /// Radiance per unit of color of its surface, at its brightest; 0 of what has no size.
+    pub fn radiance(&self) -> f32 {
+        let apparent = match *self {
+            Self::Point { radius_m, .. }
+            | Self::Spot { radius_m, .. }
+            | Self::Disk { radius_m, .. } => PI * radius_m * radius_m,
+            Self::Rect { size, .. } => size[0] * size[1],
+            Self::Directional { angle_deg, .. } => {
+                PI * (0.5 * angle_deg).to_radians().sin().powi(2)
+            }
+        };
+        if apparent > 0.0 {
+            self.intensity() / apparent
+        } else {
+            0.0
         }
     }
 

@@ -1,0 +1,62 @@
+//! How far reflections of reflections are followed, in closed form.
+
+use crate::{
+    closed_form::MIRROR,
+    kit::{FACING, assert_color, gpu, render},
+};
+
+#[test]
+fn facing_mirrors_give_the_series_up_to_the_last_bounce() {
+    let Some(gpu) = gpu() else { return };
+    for bounces in 1..=5 {
+        let series: f32 = (0..=bounces).map(|k| 0.1 * 0.5f32.powi(k)).sum();
+        for method in ["rt", "hybrid"] {
+            let set = [
+                format!("reflection.bounces={bounces}"),
+                format!("reflection.method={method}"),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let picture = render(gpu, FACING, &set, &[]);
+            assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+        }
+    }
+}
+
+#[test]
+fn a_bounce_that_cannot_be_seen_is_not_followed() {
+    let Some(gpu) = gpu() else { return };
+    // Reflectance 0.05: the throughput is 1/400 after two reflections, below 1/255.
+    let set = [
+        "reflection.bounces=16",
+        "material.mirror.reflectivity=0.05",
+        "reflection.method=rt",
+    ];
+    let picture = render(gpu, FACING, &set, &[]);
+    let series = 0.1 + 0.05 * 0.1 + 0.05 * 0.05 * 0.1;
+    assert_color(&picture, 4, 4, [series; 3], 1e-3 * series);
+}
+
+/// A mirror shows a dark pane, tilted by 45 degrees, that reflects 1/300 of a lamp of 1000: the bounce carries
+/// less than a step of the display, and adds more than white.
+#[test]
+fn a_dim_reflection_of_something_bright_is_followed() {
+    let Some(gpu) = gpu() else { return };
+    let pane = "[material.pane]\nbase_color = [0, 0, 0]\nreflectivity = 0.003\nreflection = \"mirror\"\n\
+                [model.pane]\nshape = { kind = \"plane\", size = [20, 20] }\nmaterial = \"pane\"\n\
+                [[instance]]\nmodel = \"pane\"\ntranslation = [0, 0, 5]\nrotation_deg = [-45, 0, 0]\n";
+    let text = MIRROR
+        .replace(
+            "emission = [0.2, 0.5, 0.8]",
+            "emission = [1000, 1000, 1000]",
+        )
+        .replace("size = [20, 20]", "size = [90, 90]")
+        .replace(
+            "translation = [0, 0, 5]\nrotation_deg = [-90, 0, 0]",
+            "translation = [0, 30, 0]",
+        );
+    let picture = render(gpu, &(text + pane), &["reflection.method=rt"], &[]);
+    // Schlick with F0 = 0.003, F90 = 0.15.
+    let fresnel = 0.003 + 0.147 * (1.0 - 0.5f32.sqrt()).powi(5);
+    let shown = 1000.0 * fresnel;
+    assert_color(&picture, 16, 8, [shown; 3], 0.1 * shown);
+}
