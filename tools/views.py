@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+"""Compares hybrid with rt in named views at 1280 x 720, and writes docs/views.md.
+
+    tools/views.py measure --assets DIR OUT [--reflet PROGRAM]    # what OUT lacks
+    tools/views.py page OUT                                       # the tables and docs/data
+
+Accuracy is that of the reflections against rt with 16 bounces; time is processor time of the
+reflection passes on a software adapter, frames of both methods in turns.
+"""
+
+import argparse
+import csv
+import math
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+from collections.abc import Iterable
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "views.md"
+DATA = ROOT / "docs" / "data" / "views.csv"
+SIZE = "1280x720"
+FRAMES = 5
+DEFAULT, STRICTEST = 0.25, 0.0  # reflection.edge_px
+COLUMNS = [
+    *["view", "method", "edge_px", "repetition", "reflection_cpu_ms", "reflective_px"],
+    *["screen_percent", "false_accepts", "mask_px", "mask_flip", "mask_flip_p99", "mask_ssim"],
+    *["march_steps", "visited_nodes"],
+]
+
+Row = dict[str, str]
+Rows = list[Row]
+
+
+def setting(*assignments: str) -> list[str]:
+    return [word for assignment in assignments for word in ("--set", assignment)]
+
+
+ON_FLOOR = "instance.0.translation=[-4.4, 0.0, 0.0]"
+LENGTH = "reflection.ray_length_u=16"
+# Name, scene, and what is changed in it.
+VIEWS: dict[str, list[str]] = {
+    "Fig. 1": ["scenes/paper/sponza.toml"],
+    "Scenario 1": ["scenes/paper/scenario1.toml"],
+    "Scenario 3, ground": ["scenes/paper/scenario3.toml", *setting(LENGTH)],
+    "Scenario 3, sphere": [
+        "scenes/paper/scenario3.toml",
+        *setting(LENGTH, "model.surface.file=sphere_25k.glb", "instance.0.scale=2.0", ON_FLOOR),
+    ],
+    "Scenario 3, bunny": [
+        "scenes/paper/scenario3.toml",
+        *setting(LENGTH, "model.surface.file=bunny_69k.glb", "instance.0.scale=2.0"),
+        *setting("instance.0.rotation_deg=[0, -90, 0]", ON_FLOOR),
+    ],
+    "walk, first frame": ["scenes/paper/scenario2.toml"],
+    "atrium": ["scenes/atrium.toml"],
+    "atrium, shadow rays": [
+        "scenes/atrium.toml", *setting("light.sun.shadow=ray", "light.lamp.shadow=ray"),
+    ],
+    "atrium, eight lamps with shadow rays": ["eight-lamps.toml"],
+    "textured wall": ["scenes/fail/27-texture.toml"],
+    "rails": ["scenes/fail/03-rails.toml"],
+}  # fmt: skip
+
+
+def eight_lamps() -> str:
+    """The atrium with a ring of lamps in place of its sun and lamp."""
+    lamps = []
+    for i in range(8):
+        turn = math.tau * i / 8
+        position = [round(3.5 * math.cos(turn), 3), 3.2, round(3.5 * math.sin(turn) - 1, 3)]
+        lamps.append(
+            f'[light.ring{i}]\nkind = "point"\nposition = {position}\nintensity_cd = 4\n'
+            'shadow = "ray"\n'
+        )
+    head = 'version = 1\nbase = "atrium.toml"\nremove = ["light.sun", "light.lamp"]\n'
+    return head + "".join(lamps)
+
+
+def folder_of(view: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "-", view.lower()).strip("-")
+
+
+def measure(out: pathlib.Path, assets: pathlib.Path, program: pathlib.Path) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "eight-lamps.toml").write_text(eight_lamps())
+    for view, (name, *changes) in VIEWS.items():
+        scene = out / name if name == "eight-lamps.toml" else ROOT / name
+        print(f"== {view}", flush=True)
+        command: list[str | pathlib.Path] = [
+            program,
+            "bench",
+            scene,
+            "--assets",
+            assets,
+            "--assets",
+            ROOT / "scenes",
+            *changes,
+            "--sizes",
+            SIZE,
+        ]
+        command += ["--methods", "hybrid,rt", "--parameter", "edge_px"]
+        command += ["--values", f"{STRICTEST},{DEFAULT}", "--frames", str(FRAMES)]
+        command += ["--warm-up", "1", "--counters", "--resume", "-o", out / folder_of(view)]
+        subprocess.run(command, cwd=ROOT, check=True)
+
+
+def read(out: pathlib.Path) -> Rows:
+    rows: Rows = []
+    for view in VIEWS:
+        path = out / folder_of(view) / "samples.csv"
+        if not path.exists():
+            sys.exit(f"{path} is missing; run `measure` first")
+        with path.open(newline="") as file:
+            rows += [row | {"view": view} for row in csv.DictReader(file)]
+    return [{column: row[column] for column in COLUMNS} for row in rows]
+
+
+def of(rows: Rows, view: str, method: str, edge_px: float | None = None) -> Rows:
+    found = [r for r in rows if r["view"] == view and r["method"] == method]
+    return [r for r in found if edge_px is None or float(r["edge_px"]) == edge_px]
+
+
+def median(rows: Rows, column: str) -> float:
+    return statistics.median(float(row[column] or 0) for row in rows)
+
+
+def wrong_permille(row: Row) -> float:
+    hits = float(row["reflective_px"]) * float(row["screen_percent"]) / 100
+    return 1000 * float(row["false_accepts"] or 0) / max(hits, 1.0)
+
+
+def table(head: list[str], lines: Iterable[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(line)} |" for line in [head, ["---"] * len(head), *lines])
+
+
+def errors(rows: Rows) -> str:
+    def line(view: str, edge_px: float) -> list[str]:
+        row = of(rows, view, "hybrid", edge_px)[0]
+        return [
+            view, f"{edge_px:g}", f"{float(row['mask_flip']):.4f}",
+            f"{float(row['mask_flip_p99']):.3f}", f"{float(row['mask_ssim']):.4f}",
+            f"{wrong_permille(row):.1f}", f"{float(row['screen_percent']):.0f} %",
+        ]  # fmt: skip
+
+    head = [
+        "view",
+        "`edge_px`",
+        "FLIP",
+        "p99",
+        "SSIM",
+        "wrong surfaces, ‰ of the hits",
+        "on screen",
+    ]
+    return table(head, (line(v, e) for v in VIEWS for e in (DEFAULT, STRICTEST)))
+
+
+def work(rows: Rows) -> str:
+    def line(view: str) -> list[str]:
+        rt = of(rows, view, "rt")
+        own = [of(rows, view, "hybrid", edge_px) for edge_px in (DEFAULT, STRICTEST)]
+        rt_ms = median(rt, "reflection_cpu_ms")
+        ratios = [f"{median(rs, 'reflection_cpu_ms') / rt_ms:.2f}" for rs in own]
+        nodes = [float(rs[0]["visited_nodes"]) for rs in (*own, rt)]
+        share = [f"{n / nodes[2]:.2f}" for n in nodes[:2]]
+        steps = f"{float(own[0][0]['march_steps']):,.0f}"
+        return [view, f"{rt_ms:.0f}", *ratios, *share, steps, f"{nodes[2]:,.0f}"]
+
+    head = ["view", "`rt`, ms", "`hybrid` ÷ `rt`", "`edge_px` 0", "nodes ÷ `rt`", "`edge_px` 0"]
+    return table([*head, "march steps", "nodes that `rt` visits"], map(line, VIEWS))
+
+
+TABLES = {"errors": errors, "work": work}
+
+
+def page(out: pathlib.Path) -> None:
+    rows = read(out)
+    text = PAGE.read_text()
+    for name, make in TABLES.items():
+        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end -->)"
+        content = make(rows)
+        text, found = re.subn(
+            pattern, lambda m, content=content: f"{m[1]}{content}\n{m[2]}", text, flags=re.DOTALL
+        )
+        if found != 1:
+            sys.exit(f"{PAGE} has {found} places for the table {name!r}")
+    PAGE.write_text(text)
+    with DATA.open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    commands = parser.add_subparsers(required=True, dest="command")
+    measuring = commands.add_parser("measure", help="measure what OUT lacks")
+    measuring.add_argument("--assets", type=pathlib.Path, required=True)
+    program = ROOT / "target" / "release" / "reflet"
+    measuring.add_argument("--reflet", type=pathlib.Path, default=program, metavar="PROGRAM")
+    writing = commands.add_parser("page", help="write the tables of docs/views.md")
+    for command in (measuring, writing):
+        command.add_argument("out", type=pathlib.Path, metavar="OUT")
+    arguments = parser.parse_args()
+    if arguments.command == "measure":
+        measure(arguments.out.resolve(), arguments.assets.resolve(), arguments.reflet.resolve())
+    else:
+        page(arguments.out)
+
+
+if __name__ == "__main__":
+    main()
