@@ -1,6 +1,6 @@
 //! The scene as people write it: plain data, its defaults, and its manual.
 //!
-//! Every field's comment says meaning, unit, range and what more of it does; `docs/scene.md` and
+//! Every field's comment says meaning, unit, range and what more of it does; `docs/scene` and
 //! `reflet schema` are generated from these comments, so this file *is* the manual. A key that has
 //! no field of its own has a line `- KEY: …`, the key in code marks, in the comment of what it sets.
 

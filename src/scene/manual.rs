@@ -1,10 +1,12 @@
-//! The manual of the scene text, `docs/scene.md`: keys, types, ranges and defaults as the reader
-//! asks for them, meanings as `desc.rs` comments them.
+//! The manual of the scene text, one text here and the pages of `docs/scene`: keys, types, ranges and
+//! defaults as the reader asks for them, meanings as `desc.rs` comments them.
 
 mod comments;
+mod pages;
 
 use std::fmt::Write as _;
 
+pub use self::pages::{Page, pages};
 use super::parse::{Form, KeyRecord, SectionRecord};
 
 /// A scene that shows most keys.
@@ -12,13 +14,20 @@ pub const EXAMPLE: &str = include_str!("manual/example.toml");
 
 const INTRODUCTION: &str = include_str!("manual/introduction.md");
 
-/// The whole manual as Markdown.
+/// Address of the section of a type of `desc.rs`, where keys that take such a table link to it.
+type Link<'a> = &'a dyn Fn(&str) -> Option<String>;
+
+/// The whole manual as one Markdown text, for a terminal.
 pub fn manual() -> String {
-    let mut out = INTRODUCTION.replace("EXAMPLE\n", EXAMPLE);
+    let mut out = introduction();
     for section in &super::parse::recorded_keys().sections {
-        describe_section(&mut out, section);
+        describe_section(&mut out, section, 2, &|_| None);
     }
     out
+}
+
+fn introduction() -> String {
+    INTRODUCTION.replace("EXAMPLE\n", EXAMPLE)
 }
 
 /// The types of `desc.rs` that describe a table.
@@ -51,27 +60,29 @@ pub fn key_text(section: &SectionRecord, word: Option<&str>, key: &KeyRecord) ->
     text
 }
 
-fn describe_section(out: &mut String, section: &SectionRecord) {
+/// A section with its heading of that level, 1 to 5, and its variants one level below.
+fn describe_section(out: &mut String, section: &SectionRecord, level: usize, link: Link) {
     let heading = section.heading;
+    let marks = "#".repeat(level);
     let _ = match section.type_name {
-        "SceneDesc" => write!(out, "\n## {heading}\n"),
-        _ => write!(out, "\n## `{heading}`\n"),
+        "SceneDesc" => write!(out, "\n{marks} {heading}\n"),
+        _ => write!(out, "\n{marks} `{heading}`\n"),
     };
     let text = without_lead(section_text(section), heading);
     if !text.is_empty() {
         let _ = write!(out, "\n{text}\n");
     }
     if !section.keys.is_empty() {
-        describe_keys(out, section, None, &section.keys);
+        describe_keys(out, section, (None, &section.keys), link);
     }
     for variant in &section.variants {
-        let _ = write!(out, "\n### `{} = \"{}\"`\n", variant.key, variant.word);
+        let _ = write!(out, "\n{marks}# `{} = \"{}\"`\n", variant.key, variant.word);
         let lead = format!("\"{}\"", variant.word);
         let text = without_lead(variant_text(section, variant.word), &lead);
         if !text.is_empty() {
             let _ = write!(out, "\n{text}\n");
         }
-        describe_keys(out, section, Some(variant.word), &variant.keys);
+        describe_keys(out, section, (Some(variant.word), &variant.keys), link);
     }
 }
 
@@ -86,8 +97,8 @@ fn without_lead(text: &str, code: &str) -> String {
 fn describe_keys(
     out: &mut String,
     section: &SectionRecord,
-    word: Option<&str>,
-    keys: &[KeyRecord],
+    (word, keys): (Option<&str>, &[KeyRecord]),
+    link: Link,
 ) {
     out.push_str("\n| key | value | default | meaning |\n|---|---|---|---|\n");
     for key in keys {
@@ -97,20 +108,29 @@ fn describe_keys(
             None => String::new(),
         };
         let meaning = key_text(section, word, key).replace('\n', "<br>");
-        let cells = [format!("`{}`", key.name), value_text(key), default, meaning];
+        let cells = [
+            format!("`{}`", key.name),
+            value_text(key, link),
+            default,
+            meaning,
+        ];
         let cells = cells.map(|cell| cell.replace('|', "\\|"));
         let _ = writeln!(out, "| {} |", cells.join(" | "));
     }
 }
 
 /// Type and range of a key, in words.
-fn value_text(key: &KeyRecord) -> String {
+fn value_text(key: &KeyRecord, link: Link) -> String {
+    let linked = |words: &str, type_name: &str| match link(type_name) {
+        Some(address) => format!("[{words}]({address})"),
+        None => words.to_owned(),
+    };
     let form = |form: &Form| match form {
         Form::Value(expected, _) if key.range.is_empty() => expected.clone(),
         Form::Value(expected, _) => format!("{expected}, {}", key.range),
-        Form::Table(_) => "a table".into(),
-        Form::Entries(_) => "tables with names".into(),
-        Form::List(_) => "a list of tables".into(),
+        Form::Table(name) => linked("a table", name),
+        Form::Entries(name) => linked("tables with names", name),
+        Form::List(name) => linked("a list of tables", name),
     };
     key.forms.iter().map(form).collect::<Vec<_>>().join(", or ")
 }

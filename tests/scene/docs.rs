@@ -18,7 +18,16 @@ fn check(name: &str, want: &str) {
 
 #[test]
 fn the_manual_of_scene_text_is_up_to_date() {
-    check("docs/scene.md", &manual::manual());
+    let pages = manual::pages();
+    for page in &pages {
+        check(&format!("docs/scene/{}", page.file), &page.text);
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scene");
+    for file in fs::read_dir(folder).expect("the folder of the manual") {
+        let name = file.expect("an entry").file_name();
+        let known = pages.iter().any(|page| *page.file == *name);
+        assert!(known, "docs/scene/{} is no page: delete it", name.display());
+    }
 }
 
 #[test]
