@@ -9,6 +9,7 @@ mod change;
 mod closed_form;
 mod counts;
 mod decide;
+mod deform;
 mod edge_cases;
 mod environment;
 mod extent;
