@@ -36,6 +36,8 @@
 //!
 //! # A frame
 //!
+//! 0. **Pose**: meshes with skins or morph targets are deformed on the CPU ([`world::deform`]), their
+//!    trees refitted from the topology at rest, and the top level over instances built.
 //! 1. **Shadow**: depth cube maps for point lights, flat maps for spot and directional ones; lights
 //!    with `shadow = "ray"` need none. A map whose light and casters are where they were is not drawn
 //!    again.

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 
 use crate::{
     gpu::{Gpu, GpuError},
-    world::Mesh,
+    world::{Mesh, Posed, World},
 };
 
 use super::types::{GpuVertex, NONE};
@@ -56,12 +56,12 @@ pub fn buffer<T: Pod>(
 /// As [`buffer`].
 pub fn geometry(
     gpu: &Gpu,
-    meshes: &[Mesh],
+    world: &World,
 ) -> Result<(wgpu::Buffer, wgpu::Buffer, Vec<MeshRange>), GpuError> {
     let mut vertices: Vec<GpuVertex> = Vec::new();
     let mut data: Vec<u32> = Vec::new();
-    let mut ranges = Vec::with_capacity(meshes.len());
-    for mesh in meshes {
+    let mut ranges = Vec::with_capacity(world.meshes.len());
+    for (index, mesh) in world.meshes.iter().enumerate() {
         let range = MeshRange {
             vertex_base: vertices.len() as u32,
             index_base: data.len() as u32,
@@ -79,7 +79,7 @@ pub fn geometry(
                 .iter()
                 .flat_map(|uv| [uv.x.to_bits(), uv.y.to_bits()]),
         );
-        vertices.extend((0..mesh.positions.len()).map(|i| vertex(mesh, i)));
+        vertices.extend(mesh_vertices(mesh, &world.posed(index)));
         ranges.push(range);
     }
     let storage = wgpu::BufferUsages::STORAGE;
@@ -95,16 +95,24 @@ pub fn geometry(
     ))
 }
 
-fn vertex(mesh: &Mesh, i: usize) -> GpuVertex {
-    let tangent = mesh
+/// The vertices of a mesh as it is posed.
+pub fn mesh_vertices<'a>(
+    mesh: &'a Mesh,
+    posed: &'a Posed<'_>,
+) -> impl Iterator<Item = GpuVertex> + 'a {
+    (0..posed.positions.len()).map(|i| vertex(mesh, posed, i))
+}
+
+fn vertex(mesh: &Mesh, posed: &Posed<'_>, i: usize) -> GpuVertex {
+    let tangent = posed
         .tangents
         .get(i)
         .copied()
         .unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
     let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
     GpuVertex {
-        position: mesh.positions[i].to_array(),
-        normal: pack_unit(mesh.normals[i]),
+        position: posed.positions[i].to_array(),
+        normal: pack_unit(posed.normals[i]),
         uv: mesh.uv0.get(i).copied().unwrap_or_default().to_array(),
         tangent: pack_unit(tangent.truncate()) & !1 | u32::from(tangent.w >= 0.0),
         color: u32::from_le_bytes(

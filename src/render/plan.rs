@@ -344,11 +344,11 @@ fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
         if instance.dynamic {
             return true;
         }
-        let mesh = &world.meshes[instance.mesh];
+        let (mesh, posed) = (&world.meshes[instance.mesh], world.posed(instance.mesh));
         let place = |i: u32| {
             instance
                 .world_from_object
-                .transform_point3(mesh.positions[i as usize])
+                .transform_point3(posed.positions[i as usize])
         };
         let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
         for triangle in &mesh.triangles {

@@ -30,7 +30,7 @@ use super::{
     scene::GpuScene,
     shaders::Shaders,
     targets::{Target, Targets},
-    validate::{check_lights, check_moving_materials, check_world, refuse},
+    validate::{check_deformed, check_lights, check_moving_materials, check_world, refuse},
     world_key::WorldKey,
 };
 
@@ -230,6 +230,8 @@ impl Renderer {
         self.world_key = world_key;
         if let Some(top) = posed {
             self.set_poses(gpu, world, top);
+        } else if rebuilt.trees {
+            self.scene.update_deformed(gpu, world, &self.trees);
         }
         Ok(rebuilt)
     }
@@ -327,8 +329,7 @@ impl Renderer {
     }
 
     fn top_level(&self, world: &World) -> Result<Option<TopLevel>, RenderError> {
-        let is_needed = !self.trees.top_instances.is_empty();
-        let top = is_needed.then(|| self.trees.top_level(world));
+        let top = (!self.trees.top_instances.is_empty()).then(|| self.trees.top_level(world));
         Ok(top.transpose()?)
     }
 
@@ -348,6 +349,7 @@ impl Renderer {
     pub(super) fn check_posed(&self, world: &World) -> Result<(), RenderError> {
         check_lights(world)?;
         check_moving_materials(world)?;
+        check_deformed(world)?;
         if !self.world_key.is_posed_from(world) {
             return refuse(
                 "it has other meshes, textures, instances or materials than were uploaded; call \
@@ -367,10 +369,9 @@ impl Renderer {
 
 /// What the frame contains.
 fn plan_of(world: &World, trees: &Trees, scene: &GpuScene, options: &RenderOptions) -> Plan {
-    if options.general {
-        Plan::general(world, options)
-    } else {
-        Plan::of(world, trees, &scene.pools.layers, options)
+    match options.general {
+        true => Plan::general(world, options),
+        false => Plan::of(world, trees, &scene.pools.layers, options),
     }
 }
 

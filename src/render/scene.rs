@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use bytemuck::cast_slice;
+use bytemuck::{Pod, cast_slice};
 use glam::Affine3A;
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
 };
 
 use super::{
-    geometry::{MeshRange, buffer, geometry},
+    geometry::{MeshRange, buffer, geometry, mesh_vertices},
     gpu_material::gpu_material,
     panorama::GpuPanorama,
     textures::{Pools, samplers},
@@ -50,6 +50,8 @@ pub struct Draw {
     pub dynamic: bool,
     /// Whether the camera, which culls its triangles from behind, may look through them.
     pub hides_backs: bool,
+    /// Hash of the vertices of a deformed mesh, else 0.
+    pub shape: u64,
 }
 
 /// A scene on the GPU.
@@ -87,7 +89,7 @@ impl GpuScene {
     /// # Errors
     /// A buffer past the adapter's limit, by name, or a wgpu error.
     pub fn new(gpu: &Gpu, world: &World, trees: &Trees) -> Result<Self, GpuError> {
-        let (vertices, mesh_data, mesh_ranges) = geometry(gpu, &world.meshes)?;
+        let (vertices, mesh_data, mesh_ranges) = geometry(gpu, world)?;
         let pools = Pools::new(gpu, world)?;
         let materials = materials(gpu, world, &pools)?;
         let records = instance_records(world, trees, &mesh_ranges);
@@ -154,6 +156,25 @@ impl GpuScene {
         })
     }
 
+    /// Uploads the vertices of deformed meshes, and their trees.
+    pub fn update_deformed(&self, gpu: &Gpu, world: &World, trees: &Trees) {
+        for mesh in world.deformed.keys() {
+            let posed = world.posed(*mesh);
+            let vertices: Vec<_> = mesh_vertices(&world.meshes[*mesh], &posed).collect();
+            let first = self.mesh_ranges[*mesh].vertex_base as usize;
+            write(gpu, &self.vertices, first, &vertices);
+        }
+        for (nodes, triangles) in trees.deformed_ranges() {
+            write(gpu, &self.nodes, nodes.start, &trees.nodes[nodes]);
+            write(
+                gpu,
+                &self.triangles,
+                triangles.start,
+                &trees.triangles[triangles],
+            );
+        }
+    }
+
     /// Uploads the poses of a world whose instances moved, and the top level over them.
     pub fn update(&mut self, gpu: &Gpu, world: &World, trees: &Trees) {
         for ((record, instance), traced) in self
@@ -171,15 +192,15 @@ impl GpuScene {
             let instance = &world.instances[draw.instance as usize];
             draw.class.mirrored = mirrors(&instance.world_from_object);
             draw.bounds = world.bounds_of(instance);
+            draw.shape = shape_of(world, instance.mesh);
         }
         gpu.queue
             .write_buffer(&self.instances, 0, cast_slice(&self.records));
         let range = trees.top_range.clone();
         if !range.is_empty() {
-            let offset = (range.start * size_of::<CwBvhNode>()) as u64;
-            gpu.queue
-                .write_buffer(&self.nodes, offset, cast_slice(&trees.nodes[range]));
+            write(gpu, &self.nodes, range.start, &trees.nodes[range]);
         }
+        self.update_deformed(gpu, world, trees);
     }
 
     /// Rows of the transform of an instance.
@@ -240,6 +261,16 @@ impl GpuScene {
             ("panorama", self.panorama.as_ref().map_or(0, |p| p.bytes)),
         ]
     }
+}
+
+/// Writes elements of a buffer from an index on.
+fn write<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, first: usize, elements: &[T]) {
+    let offset = (first * size_of::<T>()) as u64;
+    gpu.queue.write_buffer(buffer, offset, cast_slice(elements));
+}
+
+fn shape_of(world: &World, mesh: usize) -> u64 {
+    world.deformed.get(&mesh).map_or(0, |d| d.hash)
 }
 
 fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
@@ -307,6 +338,7 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
             ),
             dynamic: instance.dynamic,
             hides_backs: world.hides_backs(instance),
+            shape: shape_of(world, instance.mesh),
         })
     };
     world

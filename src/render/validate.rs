@@ -38,6 +38,7 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
             ));
         }
     }
+    check_deformed(world)?;
     for instance in &world.instances {
         if instance.mesh >= world.meshes.len() || instance.material >= world.materials.len() {
             return refuse(format!(
@@ -62,6 +63,37 @@ pub fn check_world(world: &World) -> Result<(), RenderError> {
         check_material(world, material)?;
     }
     check_lights(world)
+}
+
+/// Validates the vertices of deformed meshes.
+///
+/// # Errors
+/// The first with others than its mesh has.
+pub fn check_deformed(world: &World) -> Result<(), RenderError> {
+    for (index, deformed) in &world.deformed {
+        let Some(mesh) = world.meshes.get(*index) else {
+            return refuse(format!("mesh {index} is deformed, but does not exist"));
+        };
+        let vertices = &deformed.vertices;
+        let counts = [
+            vertices.positions.len(),
+            vertices.normals.len(),
+            vertices.tangents.len(),
+        ];
+        if counts
+            != [
+                mesh.positions.len(),
+                mesh.normals.len(),
+                mesh.tangents.len(),
+            ]
+        {
+            let name = &mesh.name;
+            return refuse(format!(
+                "mesh \"{name}\": it is deformed to other vertices than it has"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Validates the animated materials and their textures.

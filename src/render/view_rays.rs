@@ -63,14 +63,15 @@ impl ViewRays<'_> {
     /// The surface that a ray along `direction` has met; its normal faces the ray.
     pub fn point(&self, hit: &RayHit, direction: DVec3) -> SurfacePoint {
         let instance = &self.world.instances[hit.instance as usize];
-        let mesh = &self.world.meshes[instance.mesh];
-        let corners = mesh.triangles[hit.triangle as usize].map(|i| i as usize);
+        let posed = self.world.posed(instance.mesh);
+        let triangles = &self.world.meshes[instance.mesh].triangles;
+        let corners = triangles[hit.triangle as usize].map(|i| i as usize);
         let weights = [1.0 - hit.bary.x - hit.bary.y, hit.bary.x, hit.bary.y].map(|w| w as f32);
         let mix = |of: &[Vec3]| -> Vec3 { (0..3).map(|k| of[corners[k]] * weights[k]).sum() };
         let to_world = instance.world_from_object;
-        let normal = to_world.matrix3.inverse().transpose() * mix(&mesh.normals);
+        let normal = to_world.matrix3.inverse().transpose() * mix(posed.normals);
         let normal = normal.as_dvec3().normalize_or(-direction.normalize());
-        let position = to_world.transform_point3(mix(&mesh.positions)).as_dvec3();
+        let position = to_world.transform_point3(mix(posed.positions)).as_dvec3();
         SurfacePoint {
             position,
             normal: if normal.dot(direction) > 0.0 {

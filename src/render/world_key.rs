@@ -1,10 +1,12 @@
 //! Key of the uploaded world, so that a change uploads and builds only differences.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Affine3A;
 
-use crate::world::{Instance, Material, Mesh, Shared, Texture, World, environment::Panorama};
+use crate::world::{
+    Instance, Material, Mesh, Shared, Texture, World, deform::Deformed, environment::Panorama,
+};
 
 /// Key of the uploaded world.
 #[derive(Clone, Debug)]
@@ -14,6 +16,7 @@ pub struct WorldKey {
     trees: Vec<TreeInstance>,
     materials: (Vec<Material>, Vec<usize>),
     poses: Vec<Affine3A>,
+    deformed: BTreeMap<usize, Arc<Deformed>>,
 }
 
 /// Parts of an instance that the trees depend on.
@@ -51,6 +54,7 @@ impl WorldKey {
                 instances.iter().map(|i| i.material).collect(),
             ),
             poses: instances.iter().map(|i| i.world_from_object).collect(),
+            deformed: world.deformed.clone(),
         }
     }
 
@@ -75,7 +79,7 @@ impl WorldKey {
     /// Whether the trees of one fit the other after a rebuild of the top level: equal static
     /// instances and equal hit flags.
     pub fn has_same_trees(&self, other: &Self) -> bool {
-        self.trees == other.trees
+        self.trees == other.trees && self.deformed.keys().eq(other.deformed.keys())
     }
 
     /// Whether materials are the same, and every instance has the same one.
@@ -83,12 +87,12 @@ impl WorldKey {
         self.materials == other.materials
     }
 
-    /// Whether all transforms are equal.
+    /// Whether all transforms and all deformed meshes are equal.
     pub fn has_same_poses(&self, other: &Self) -> bool {
-        self.poses == other.poses
+        self.poses == other.poses && self.deformed == other.deformed
     }
 
-    /// Whether a world differs only in poses of movable instances and in numbers of materials and
+    /// Whether a world differs only in poses of movable instances and deformed meshes and in numbers of materials and
     /// lights, so that its records fit the existing buffers.
     pub fn is_posed_from(&self, world: &World) -> bool {
         // Bitwise, so that a pose with NaN equals itself.
@@ -103,6 +107,7 @@ impl WorldKey {
         self.shares(&world.meshes, &world.textures, panorama)
             && self.materials.0.len() == world.materials.len()
             && self.trees.len() == world.instances.len()
+            && self.deformed.keys().eq(world.deformed.keys())
             && known.zip(&world.instances).all(fits)
     }
 
@@ -111,6 +116,7 @@ impl WorldKey {
         for (pose, instance) in self.poses.iter_mut().zip(&world.instances) {
             *pose = instance.world_from_object;
         }
+        self.deformed.clone_from(&world.deformed);
         for moving in &world.moving.materials {
             let index = moving.material;
             self.materials.0[index].clone_from(&world.materials[index]);

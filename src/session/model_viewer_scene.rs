@@ -139,13 +139,14 @@ fn chosen(playable: &Playable) -> Option<(&str, f64)> {
         .filter_map(|clip| Some((clip.name.as_str(), clip.animation.as_ref().ok()?)))
         .collect();
     let (name, first) = whole.first()?;
-    let channels = whole.iter().flat_map(|(_, animation)| &animation.channels);
-    let mut moved = HashSet::new();
-    if whole.len() > 1
-        && channels
-            .map(|c| (c.node, c.property))
-            .all(|c| moved.insert(c))
-    {
+    let animations = || whole.iter().map(|(_, animation)| animation);
+    let channels = animations().flat_map(|a| &a.channels);
+    let weights = animations().flat_map(|a| &a.weights);
+    let mut moved = channels
+        .map(|channel| (channel.node, Some(channel.property)))
+        .chain(weights.map(|track| (track.node, None)));
+    let mut known = HashSet::new();
+    if whole.len() > 1 && moved.all(|part| known.insert(part)) {
         let ends = whole.iter().map(|(_, animation)| animation.duration_s);
         return Some(("*", f64::from(ends.fold(0.0, f32::max))));
     }

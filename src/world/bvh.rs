@@ -6,7 +6,7 @@
 //! |---|---|
 //! | 0 | root of the static tree, world space |
 //! | [`Trees::top_range`] | top level: its root first, then a list of instance ids in leaf order |
-//! | … | the other nodes of the static tree, then the mesh trees in object space |
+//! | … | the other nodes of the static tree, then the mesh trees in object space; deformed ones have room to spare |
 //!
 //! Primitives of a node index the triangle buffer; those of a top-level node, marked with
 //! [`TOP_LEVEL`], index the node buffer in `u32` words, where the ids of instances stand.
@@ -19,25 +19,27 @@
 use std::ops::Range;
 
 use bytemuck::Zeroable;
-use glam::Vec3;
 use obvhs::aabb::Aabb;
 pub use obvhs::cwbvh::node::CwBvhNode;
 use rayon::prelude::*;
 
-use super::{Instance, Mesh, World};
-use crate::{math::in_f64, scene::diagnostic::Diagnostic};
+use super::{Instance, World};
+use crate::scene::diagnostic::Diagnostic;
 
 mod gpu_layout;
+mod leaves;
 mod oracle;
 mod placement;
+mod refit;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 pub use gpu_layout::{ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, TraceInstance, TraceTriangle};
-use gpu_layout::{material_flags, trace_triangle};
+use leaves::{mesh_tree, static_tree, too_far, within_reach};
 pub use oracle::{Oracle, Ray, RayHit};
 use placement::{Placement, error, too_large};
+use refit::{DeformingTree, PosedTree};
 use tree::Tree;
 
 /// Node index of the static tree's root.
@@ -73,12 +75,16 @@ pub struct Trees {
     /// Instances in the top level, as indices into [`World::instances`]; without trees, those that
     /// may move.
     pub top_instances: Vec<u32>,
-    /// Maximum stack depth of traversal below the top level.
+    /// Maximum stack depth of traversal below the top level, but for deformed meshes.
     mesh_stack_need: u32,
+    /// Of the meshes that animations deform.
+    deforming: Vec<DeformingTree>,
 }
 
-/// A rebuilt top level that is not applied yet.
+/// A rebuilt top level, and the trees of deformed meshes below it, that are not applied yet.
 pub struct TopLevel {
+    /// Parallel to the trees of deformed meshes.
+    deformed: Vec<PosedTree>,
     /// Records of [`Trees::top_instances`].
     records: Vec<TraceInstance>,
     /// Tree over the instances that rays can hit; none where no trees were built.
@@ -96,8 +102,9 @@ impl Trees {
         let placement = Placement::within(world, device_limit_bytes)?;
         let (static_tree, mut triangles) = static_tree(world, &placement.baked)?;
         let static_triangles = triangles.len();
-        let mesh_trees: Vec<_> = placement
-            .meshes
+        let (deformed, rigid): (Vec<usize>, Vec<usize>) =
+            (placement.meshes.iter()).partition(|mesh| world.deformed.contains_key(mesh));
+        let mesh_trees: Vec<_> = rigid
             .par_iter()
             .map(|mesh| mesh_tree(&world.meshes[*mesh]))
             .collect::<Result<_, _>>()?;
@@ -108,12 +115,21 @@ impl Trees {
         tree::rebase(&mut nodes, reserved as u32, 0);
         nodes.splice(1..1, (0..reserved).map(|_| CwBvhNode::default()));
         let mut roots = vec![NONE; world.meshes.len()];
-        for (mesh, (mut tree, mesh_triangles)) in placement.meshes.iter().zip(mesh_trees) {
+        for (mesh, (mut tree, mesh_triangles)) in rigid.iter().zip(mesh_trees) {
             roots[*mesh] = nodes.len() as u32;
             tree::rebase(&mut tree.nodes, nodes.len() as u32, triangles.len() as u32);
             nodes.append(&mut tree.nodes);
             triangles.extend(mesh_triangles);
             mesh_need = mesh_need.max(tree.stack_need);
+        }
+        let mut deforming = Vec::with_capacity(deformed.len());
+        for mesh in deformed {
+            let of = &world.meshes[mesh];
+            let tree = DeformingTree::new(mesh, of, nodes.len(), triangles.len());
+            roots[mesh] = nodes.len() as u32;
+            nodes.resize(tree.nodes.end, CwBvhNode::default());
+            triangles.resize(tree.triangles.end, TraceTriangle::zeroed());
+            deforming.push(tree);
         }
         if triangles.is_empty() {
             triangles.push(TraceTriangle::zeroed());
@@ -135,6 +151,7 @@ impl Trees {
             static_triangles,
             top_instances: placement.top,
             mesh_stack_need: mesh_need,
+            deforming,
         };
         check_nodes(&trees.nodes, static_need, device_limit_bytes)?;
         trees.update_top_level(world)?;
@@ -157,6 +174,7 @@ impl Trees {
             static_triangles: 0,
             top_instances: dynamic.collect(),
             mesh_stack_need: 0,
+            deforming: Vec::new(),
         }
     }
 
@@ -165,8 +183,9 @@ impl Trees {
         !self.top_range.is_empty()
     }
 
-    /// Rebuilds the top level after instances of it moved: rewrites their records in
-    /// [`Trees::instances`] and the nodes of [`Trees::top_range`].
+    /// Rebuilds the top level after instances of it moved, and fits the trees of what is deformed:
+    /// rewrites their records in [`Trees::instances`], the nodes of [`Trees::top_range`] and what
+    /// [`Trees::deformed_ranges`] says.
     ///
     /// # Errors
     /// As [`Trees::top_level`]; then nothing has changed.
@@ -180,7 +199,8 @@ impl Trees {
     /// invertible, or that reach past [`MAX_REACH_M`], cannot be hit.
     ///
     /// # Errors
-    /// Poses whose tree is deeper than the traversal's stack.
+    /// Poses whose tree is deeper than the traversal's stack, deformed meshes that reach past
+    /// [`MAX_REACH_M`].
     pub fn top_level(&self, world: &World) -> Result<TopLevel, Box<Diagnostic>> {
         let (mut records, mut ids, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
         for id in &self.top_instances {
@@ -207,14 +227,40 @@ impl Trees {
         let tree = self.is_built().then(|| Tree::build(&boxes));
         // Instances are entered with the top level's entries still on the stack.
         let need = tree.as_ref().map_or(0, |tree| tree.stack_need);
-        check_stack(need + self.mesh_stack_need)?;
-        Ok(TopLevel { records, tree, ids })
+        let pose = |tree: &DeformingTree| {
+            let (mesh, posed) = (&world.meshes[tree.mesh], world.posed(tree.mesh));
+            if !within_reach(posed.bounds.min, posed.bounds.max) {
+                return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
+            }
+            Ok(tree.pose(mesh, posed.positions))
+        };
+        let deformed = self.deforming.par_iter().map(pose);
+        let deformed: Vec<PosedTree> = deformed.collect::<Result<_, _>>()?;
+        let below = deformed.iter().map(|tree| tree.stack_need);
+        check_stack(need + below.fold(self.mesh_stack_need, u32::max))?;
+        Ok(TopLevel {
+            deformed,
+            records,
+            tree,
+            ids,
+        })
+    }
+
+    /// Nodes and triangles of each deformed mesh.
+    pub fn deformed_ranges(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+        let trees = self.deforming.iter();
+        trees.map(|tree| (tree.nodes.clone(), tree.triangles.clone()))
     }
 
     /// Applies a rebuilt top level.
     pub fn set_top_level(&mut self, top: TopLevel) {
         for (id, record) in self.top_instances.iter().zip(top.records) {
             self.instances[*id as usize] = record;
+        }
+        for (tree, posed) in self.deforming.iter().zip(top.deformed) {
+            let nodes = &mut self.nodes[tree.nodes.clone()];
+            nodes[..posed.nodes.len()].copy_from_slice(&posed.nodes);
+            self.triangles[tree.triangles.clone()].copy_from_slice(&posed.triangles);
         }
         let Some(mut tree) = top.tree else {
             return;
@@ -258,105 +304,4 @@ fn check_stack(need: u32) -> Result<(), Box<Diagnostic>> {
          rays can follow",
         "remove far outliers, and tiny triangles or instances on top of each other",
     ))
-}
-
-/// Corners of a mesh's triangle.
-fn corners(mesh: &Mesh, triangle: u32) -> [Vec3; 3] {
-    mesh.triangles[triangle as usize].map(|i| mesh.positions[i as usize])
-}
-
-/// Corners in world space: transformed in f64 and rounded once, so that triangles which share a
-/// vertex still share it.
-fn world_corners(world: &World, instance: u32, triangle: u32) -> [Vec3; 3] {
-    let placed = &world.instances[instance as usize];
-    let transform = in_f64(&placed.world_from_object);
-    corners(&world.meshes[placed.mesh], triangle)
-        .map(|p| transform.transform_point3(p.as_dvec3()).as_vec3())
-}
-
-fn bounding_box(corners: [Vec3; 3]) -> Aabb {
-    Aabb::from_points(&corners.map(Into::into))
-}
-
-/// Whether a ray can hit it at all.
-fn has_area([a, b, c]: [Vec3; 3]) -> bool {
-    (b - a).cross(c - a) != Vec3::ZERO
-}
-
-fn within_reach(min: Vec3, max: Vec3) -> bool {
-    // False for NaN.
-    min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
-}
-
-fn too_far(what: &str) -> Box<Diagnostic> {
-    error(
-        "too-far",
-        &format!("{what} reaches further than {MAX_REACH_M:e} m from the origin"),
-        "make its translation and scale smaller",
-    )
-}
-
-fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
-    let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .filter(|t| has_area(corners(mesh, *t)))
-        .collect();
-    let boxes: Vec<_> = ids
-        .iter()
-        .map(|t| bounding_box(corners(mesh, *t)))
-        .collect();
-    if !boxes
-        .iter()
-        .all(|b| within_reach(b.min.into(), b.max.into()))
-    {
-        return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
-    }
-    let tree = Tree::build(&boxes);
-    let triangles = tree
-        .order
-        .iter()
-        .map(|p| ids[*p as usize])
-        .map(|t| trace_triangle(corners(mesh, t), NONE, t, 0))
-        .collect();
-    Ok((tree, triangles))
-}
-
-fn static_tree(
-    world: &World,
-    baked: &[u32],
-) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
-    let (ids, boxes): (Vec<_>, Vec<_>) = baked
-        .par_iter()
-        .flat_map(|i| {
-            let mesh = &world.meshes[world.instances[*i as usize].mesh];
-            (0..mesh.triangles.len() as u32)
-                .into_par_iter()
-                .map(move |t| ((*i, t), world_corners(world, *i, t)))
-        })
-        .filter(|(_, corners)| has_area(*corners))
-        .map(|(id, corners)| (id, bounding_box(corners)))
-        .unzip();
-    let far = |b: &Aabb| !within_reach(b.min.into(), b.max.into());
-    if let Some(bad) = boxes.par_iter().position_first(far) {
-        let name = &world.instances[ids[bad].0 as usize].name;
-        return Err(too_far(&format!("instance \"{name}\"")));
-    }
-    let tree = Tree::build(&boxes);
-    drop(boxes);
-    let flags: Vec<u32> = world
-        .instances
-        .iter()
-        .map(|i| {
-            let mirrors = in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
-            material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
-        })
-        .collect();
-    let triangles = tree
-        .order
-        .par_iter()
-        .map(|p| {
-            let (i, t) = ids[*p as usize];
-            trace_triangle(world_corners(world, i, t), i, t, flags[i as usize])
-        })
-        .collect();
-    Ok((tree, triangles))
 }

@@ -12,20 +12,20 @@ use std::{
 
 use glam::{Affine3A, Vec3};
 
-use super::{Light, Material, Mesh, rig::Rig};
+use super::{Light, Material, Mesh, deform::DeformingNodes, rig::Rig};
 use crate::scene::{
     desc::CameraDesc,
     diagnostic::{Diagnostic, Severity},
 };
 
 mod accessor;
+mod animated;
 mod animation;
 mod buffer;
 mod camera;
 mod check_indices;
 mod container;
 mod extension;
-mod frozen_pose;
 mod geometry;
 mod light;
 mod material;
@@ -46,7 +46,6 @@ pub(super) mod uri;
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
 pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
-pub use frozen_pose::FrozenPose;
 pub use specular_glossiness::{Factors, Part, SpecularGlossinessMaps};
 pub use uri::Sandbox;
 
@@ -59,8 +58,8 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
-    /// Whether some mesh has a skin or morph targets, so that it depends on the pose it is read in.
-    pub deforms: bool,
+    /// What deforms those of the meshes that animations of the file deform.
+    pub deforming: HashMap<usize, Arc<DeformingNodes>>,
     /// Names of the material variants.
     pub variants: Vec<String>,
     /// For each mesh its material in some variants: indices into [`Model::variants`] and
@@ -240,30 +239,20 @@ const GEOMETRY_BUDGET_BYTES: u64 = 2 << 30;
 const MAX_ERRORS: usize = 20;
 
 /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]). With `lenient`, extensions that
-/// only change the look are ignored even if the file requires them. Skins and morph targets are
-/// read in `pose`, else at rest.
+/// only change the look are ignored even if the file requires them. Skins and morph targets are at
+/// rest.
 ///
 /// # Errors
 /// All errors, each with its place inside the file.
-pub fn read(
-    path: &Path,
-    sandbox: &Sandbox,
-    lenient: bool,
-    pose: Option<&FrozenPose>,
-) -> Result<Model, Vec<Diagnostic>> {
-    read_faults(path, sandbox, lenient, pose).map_err(|faults| {
+pub fn read(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Diagnostic>> {
+    read_faults(path, sandbox, lenient).map_err(|faults| {
         (faults.into_iter().take(MAX_ERRORS))
             .map(|fault| fault.in_file(path))
             .collect()
     })
 }
 
-fn read_faults(
-    path: &Path,
-    sandbox: &Sandbox,
-    lenient: bool,
-    pose: Option<&FrozenPose>,
-) -> Result<Model, Vec<Fault>> {
+fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
     let (root, binary) = container::open(bytes, lenient).map_err(one)?;
@@ -289,8 +278,7 @@ fn read_faults(
         let what = "animations are broken and cannot be played";
         notes.add("animation-broken", 1, what, &fault.message);
     }
-    let visit = node::traverse(&root, &data, &model.clips, pose, &mut notes).map_err(one)?;
-    model.deforms = visit.deforms(&root);
+    let visit = node::traverse(&root, &data, &model.clips, &mut notes).map_err(one)?;
     let primitives = geometry::read(&root, &data, &visit, &mut model, &mut notes)?;
     node::place(visit, &primitives, &mut model).map_err(one)?;
     model.warnings = extension::ignored(&root, path);

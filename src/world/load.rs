@@ -1,9 +1,12 @@
 //! Loads a scene description and its files into a [`World`].
 
-use std::{collections::HashMap, path::PathBuf};
+use std::{
+    collections::{HashMap, HashSet},
+    path::PathBuf,
+};
 
 use super::{
-    World,
+    Mesh, World,
     gltf::{self, Fault, Model, Sandbox},
     texture::{self, TextureLimits},
 };
@@ -23,7 +26,6 @@ mod material;
 mod material_binding;
 mod model_instance;
 mod place;
-mod pose;
 mod preloaded_models;
 mod read_models;
 mod repeat;
@@ -107,6 +109,8 @@ struct Loader<'a> {
     loaded: Vec<Model>,
     /// World mesh of each loaded model and mesh.
     meshes: HashMap<place::MeshKey, usize>,
+    /// World meshes that players deform.
+    deformed: HashSet<usize>,
     materials: HashMap<place::MaterialKey, usize>,
     materials_by_name: HashMap<String, Vec<usize>>,
 }
@@ -160,6 +164,7 @@ impl<'a> Loader<'a> {
             files: HashMap::new(),
             loaded: Vec::new(),
             meshes: HashMap::new(),
+            deformed: HashSet::new(),
             materials: HashMap::new(),
             materials_by_name: HashMap::new(),
         }
@@ -221,6 +226,7 @@ impl<'a> Loader<'a> {
             budget_bytes: self.options.image_budget_bytes,
             max_file_bytes: self.options.max_file_bytes,
         };
+        self.drop_unused_deformations();
         let needs = vertex_streams::needs(&self.world);
         let num_warnings = self.world.warnings.len();
         vertex_streams::run(&mut self.world, &needs)?;
@@ -235,13 +241,13 @@ impl<'a> Loader<'a> {
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
         self.warn_of_reduced(&requests);
         let meshes = self.world.meshes.clone();
+        deform_at_start(&mut self.world, &meshes, self.desc)?;
         camera::add_default(&mut self.world, &meshes, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());
         let files = self.world.files.clone();
         self.add_texts();
         let asset_cache = AssetCache {
             sources: asset_cache::sources(self.desc),
-            poses: pose::keys(self.desc, &models, &self.loaded),
             models,
             loaded: self.loaded,
             meshes: self.meshes,
@@ -258,7 +264,28 @@ impl<'a> Loader<'a> {
     }
 }
 
+/// Poses what animations deform at the first frame; `meshes` are the world's.
+fn deform_at_start(
+    world: &mut World,
+    meshes: &[Mesh],
+    desc: &SceneDesc,
+) -> Result<(), Vec<Diagnostic>> {
+    let time_s = desc
+        .timeline
+        .as_ref()
+        .map_or(0.0, |t| f64::from(t.start) / f64::from(t.fps));
+    world.deform_at(meshes, desc.first_frame(), time_s)
+}
+
 impl Loader<'_> {
+    fn drop_unused_deformations(&mut self) {
+        for (index, mesh) in self.world.meshes.iter_mut().enumerate() {
+            if !self.deformed.contains(&index) {
+                mesh.deformation = None;
+            }
+        }
+    }
+
     fn warn_of_reduced(&mut self, requests: &[texture::TextureRequest]) {
         for (texture, request) in self.world.textures.iter().zip(requests) {
             let largest = texture::LARGEST_KEPT_PX;

@@ -1,6 +1,6 @@
 //! Loaded scenes: SceneDesc → CPU data, including asset files and BVHs, without a GPU.
 
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
@@ -15,6 +15,7 @@ use crate::{
 pub mod animation;
 pub mod bvh;
 mod closed;
+pub mod deform;
 pub mod environment;
 pub mod gltf;
 pub mod load;
@@ -29,6 +30,8 @@ pub mod usd;
 pub use environment::Environment;
 pub use material::{ListedVariants, Material};
 pub use shared::Shared;
+
+use deform::{Deformation, Deformed};
 
 /// A loaded scene: geometry in object space, placed by instances.
 #[derive(Clone, Debug, Default)]
@@ -57,6 +60,8 @@ pub struct World {
     pub files: Vec<PathBuf>,
     /// Animated parts.
     pub moving: pose::Moving,
+    /// The meshes that animations deform, by index, in the pose of the world.
+    pub deformed: BTreeMap<usize, Arc<Deformed>>,
     /// U at load, meters: without static geometry, poses would change it. `None` computes it from
     /// the current bounds.
     pub rest_unit_m: Option<f32>,
@@ -86,6 +91,41 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Object-space bounds of `positions`.
     pub bounds: Bounds,
+    /// What an animation moves its vertices by; they are at rest here, and posed in
+    /// [`World::deformed`].
+    pub deformation: Option<Arc<Deformation>>,
+}
+
+/// The attributes of a mesh that depend on its pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Posed<'a> {
+    /// As [`Mesh::positions`].
+    pub positions: &'a [Vec3],
+    /// As [`Mesh::normals`].
+    pub normals: &'a [Vec3],
+    /// As [`Mesh::tangents`].
+    pub tangents: &'a [Vec4],
+    /// Around the positions.
+    pub bounds: Bounds,
+}
+
+impl Posed<'_> {
+    /// Corners of a triangle.
+    pub fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+        triangle.map(|i| self.positions[i as usize])
+    }
+}
+
+impl Mesh {
+    /// Its own vertices, at rest.
+    pub fn at_rest(&self) -> Posed<'_> {
+        Posed {
+            positions: &self.positions,
+            normals: &self.normals,
+            tangents: &self.tangents,
+            bounds: self.bounds,
+        }
+    }
 }
 
 /// A mesh placed in the world.
@@ -176,12 +216,20 @@ impl World {
             .unwrap_or(0)
     }
 
+    /// The vertices of a mesh as they are now.
+    pub fn posed(&self, mesh: usize) -> Posed<'_> {
+        match self.deformed.get(&mesh) {
+            Some(deformed) => deformed.posed(),
+            None => self.meshes[mesh].at_rest(),
+        }
+    }
+
     /// World-space bounds of an instance; empty when it is hidden.
     pub fn bounds_of(&self, instance: &Instance) -> Bounds {
         if instance.is_hidden() {
             return Bounds::EMPTY;
         }
-        let bounds = self.meshes[instance.mesh].bounds;
+        let bounds = self.posed(instance.mesh).bounds;
         bounds.transformed(&instance.world_from_object)
     }
 

@@ -1,12 +1,14 @@
 //! Posing: applies a frame's transforms, lights, cameras and material values to a loaded world.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::BTreeMap, sync::Arc};
 
 use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
 
 use super::{
-    Instance, Material, World,
-    rig::{Player, PosedNode},
+    Instance, Material, Mesh, World,
+    deform::{Deformed, Deformer},
+    rig::{Player, RigPose},
 };
 use crate::{
     math::{Bounds, invertible},
@@ -22,6 +24,8 @@ use crate::{
 pub struct Moving {
     /// Animation players of placed files.
     pub players: Vec<Player>,
+    /// Meshes that players deform; each has an instance.
+    pub deformers: Vec<Deformer>,
     /// Instances that may move.
     pub instances: Vec<MovingInstance>,
     /// Lights of files that may move, as indices into [`World::lights`].
@@ -48,14 +52,14 @@ pub struct Anchor {
     pub local: Affine3A,
 }
 
-/// Node transforms of every player at one time.
-type Poses = [Vec<PosedNode>];
+/// What every player moves, at one time.
+type Poses = [RigPose];
 
 impl Anchor {
     /// Transform from its space to the world, and visibility.
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
-        let node = self.node.map(|(player, slot)| &poses[player][slot]);
+        let node = self.node.map(|(player, slot)| &poses[player].nodes[slot]);
         let model = node.map_or(self.local, |node| node.model_from_node * self.local);
         let world = Affine3A::from_translation(self.offset) * instance * model;
         (world, node.is_none_or(|node| node.visible))
@@ -140,12 +144,14 @@ impl World {
     /// Applies the poses of a frame, independent of earlier frames.
     ///
     /// # Errors
-    /// `bad-pose` for instances whose transform is not finite, and for those that no animation
-    /// moves also when it is singular or turns front into back; the world is unchanged then.
+    /// `bad-pose` for instances whose transform is not finite, for those that no animation moves also
+    /// when it is singular or turns front into back, and for meshes that are deformed to something
+    /// not finite; the world is unchanged then.
     pub fn apply(&mut self, state: &FrameState) -> Result<(), Vec<Diagnostic>> {
         let players = self.moving.players.iter();
         let poses: Vec<_> = players.map(|player| pose(player, state)).collect();
         let placed = self.placed(state, &poses)?;
+        self.deformed = self.deformed(&self.meshes, state.frame, &poses)?;
         for (moving, pose) in self.moving.instances.iter().zip(placed) {
             self.instances[moving.instance].world_from_object = pose;
         }
@@ -196,6 +202,51 @@ impl World {
             self.cameras[moved.index].value = placed_camera(&moved.rest, &world);
         }
         Ok(())
+    }
+
+    /// Poses what players deform at a time of the scene, seconds, before any frame is posed; `meshes`
+    /// are the world's.
+    ///
+    /// # Errors
+    /// As [`World::apply`].
+    pub fn deform_at(
+        &mut self,
+        meshes: &[Mesh],
+        frame: u32,
+        time_s: f64,
+    ) -> Result<(), Vec<Diagnostic>> {
+        let players = self.moving.players.iter();
+        let poses: Vec<_> = players.map(|player| player.pose(time_s)).collect();
+        self.deformed = self.deformed(meshes, frame, &poses)?;
+        Ok(())
+    }
+
+    fn deformed(
+        &self,
+        meshes: &[Mesh],
+        frame: u32,
+        poses: &Poses,
+    ) -> Result<BTreeMap<usize, Arc<Deformed>>, Vec<Diagnostic>> {
+        let pose = |deformer: &Deformer| {
+            let mesh = &meshes[deformer.mesh];
+            let deformed = deformer.pose(mesh, &poses[deformer.player]);
+            let deformed = deformed.ok_or_else(|| {
+                let message = format!(
+                    "in frame {frame}, joints or morph targets move vertices of \"{}\" to what is \
+                     not finite",
+                    mesh.name
+                );
+                let player = &self.moving.players[deformer.player];
+                let at = player.desc.and_then(|i| self.moving.placed_at.get(i));
+                vec![Diagnostic::at(
+                    "bad-pose",
+                    at.cloned().unwrap_or_default(),
+                    message,
+                )]
+            })?;
+            Ok((deformer.mesh, Arc::new(deformed)))
+        };
+        self.moving.deformers.par_iter().map(pose).collect()
     }
 
     /// The transform of each moving instance.
@@ -263,7 +314,7 @@ impl World {
             let players = moving.players.iter();
             let poses: Vec<_> = players.map(|p| p.pose_at(share * p.duration_s())).collect();
             for (around, (m, (player, slot))) in bounds.iter_mut().zip(&animated) {
-                let node = &poses[*player][*slot];
+                let node = &poses[*player].nodes[*slot];
                 let world = m.world_from_model * node.model_from_node * m.anchor.local;
                 if node.visible && invertible(&world) {
                     let mesh = self.instances[m.instance].mesh;
@@ -273,10 +324,36 @@ impl World {
         }
         bounds
     }
+
+    /// A box for each instance that a player deforms but no animation moves, around it at times
+    /// spread over the whole animation; the scene's own motion is at rest. `meshes` are the world's.
+    pub fn deformed_bounds(&self, meshes: &[Mesh]) -> Vec<Bounds> {
+        /// Number of sampled times; each moves all vertices.
+        const TIMES: u32 = 8;
+        let deformers = self.moving.deformers.par_iter();
+        let around = |deformer: &Deformer| {
+            let player = &self.moving.players[deformer.player];
+            let at = |time: u32| {
+                let share = f64::from(time) / f64::from(TIMES);
+                let pose = player.pose_at(share * player.duration_s());
+                let deformed = deformer.pose(&meshes[deformer.mesh], &pose);
+                deformed.map_or(Bounds::EMPTY, |deformed| deformed.bounds)
+            };
+            let bounds = (0..=TIMES).map(at).fold(Bounds::EMPTY, Bounds::union);
+            (deformer.mesh, bounds)
+        };
+        let of_mesh: BTreeMap<usize, Bounds> = deformers.map(around).collect();
+        let is_animated = self.animated_instances();
+        let still = self.instances.iter().zip(is_animated);
+        let still = still.filter(|(instance, is_animated)| !is_animated && !instance.is_hidden());
+        still
+            .filter_map(|(i, _)| Some(of_mesh.get(&i.mesh)?.transformed(&i.world_from_object)))
+            .collect()
+    }
 }
 
-/// The nodes of a player in a frame: at the time that its script has set, else at the scene's.
-fn pose(player: &Player, state: &FrameState) -> Vec<PosedNode> {
+/// What a player moves in a frame: at the time that its script has set, else at the scene's.
+fn pose(player: &Player, state: &FrameState) -> RigPose {
     let set = player.desc.and_then(|i| state.animation_s[i]);
     set.map_or_else(
         || player.pose(state.time_s),

@@ -1,6 +1,6 @@
 //! Node hierarchy of a file, and its animation players.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::Affine3A;
 
@@ -61,7 +61,16 @@ enum Parent {
     Still(Affine3A, bool),
 }
 
-/// Node transforms of a player at one time.
+/// What a player moves, at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigPose {
+    /// By slot, see [`Player::slot`].
+    pub nodes: Vec<PosedNode>,
+    /// Weights of morph targets, by the index of their node in the file.
+    pub weights: BTreeMap<usize, Vec<f32>>,
+}
+
+/// An animated node at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosedNode {
     /// Perhaps singular.
@@ -117,24 +126,31 @@ impl Player {
         self.slots.get(node).copied().flatten()
     }
 
+    /// Whether it moves the weights of a node's morph targets.
+    pub fn moves_weights(&self, node: usize) -> bool {
+        let mut tracks = self.animations.iter().flat_map(|a| &a.weights);
+        tracks.any(|track| track.node == node)
+    }
+
     /// End of the longest animation, seconds.
     pub fn duration_s(&self) -> f64 {
         let ends = self.animations.iter().map(|a| f64::from(a.duration_s));
         ends.fold(0.0, f64::max)
     }
 
-    /// The moved nodes at a time of the scene, seconds.
-    pub fn pose(&self, time_s: f64) -> Vec<PosedNode> {
+    /// What it moves at a time of the scene, seconds.
+    pub fn pose(&self, time_s: f64) -> RigPose {
         self.pose_each(|animation| self.timing.local_s(time_s, f64::from(animation.duration_s)))
     }
 
-    /// The moved nodes at a time inside all of its animations, seconds.
-    pub fn pose_at(&self, local_s: f64) -> Vec<PosedNode> {
+    /// What it moves at a time inside all of its animations, seconds.
+    pub fn pose_at(&self, local_s: f64) -> RigPose {
         self.pose_each(|_| local_s)
     }
 
-    fn pose_each(&self, local_s: impl Fn(&Animation) -> f64) -> Vec<PosedNode> {
+    fn pose_each(&self, local_s: impl Fn(&Animation) -> f64) -> RigPose {
         let mut nodes = self.moved.clone();
+        let mut weights = BTreeMap::new();
         for animation in &self.animations {
             let time_s = local_s(animation);
             for channel in &animation.channels {
@@ -146,6 +162,9 @@ impl Player {
                     Property::Visible => nodes[slot].visible = value.x != 0.0,
                     property => nodes[slot].local.set(property, value),
                 }
+            }
+            for track in &animation.weights {
+                weights.insert(track.node, track.at(time_s));
             }
         }
         let mut posed: Vec<PosedNode> = Vec::with_capacity(nodes.len());
@@ -159,7 +178,10 @@ impl Player {
                 visible: seen && node.visible,
             });
         }
-        posed
+        RigPose {
+            nodes: posed,
+            weights,
+        }
     }
 }
 

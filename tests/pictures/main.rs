@@ -12,6 +12,7 @@ mod closed_form;
 mod counts;
 mod culled;
 mod decide;
+mod deform;
 mod edge_cases;
 mod environment;
 mod extent;

@@ -11,7 +11,7 @@ use crate::{
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
-    world::{Instance, Mesh, World},
+    world::{Instance, Mesh, Posed, World},
 };
 
 /// Largest mesh that is looked at, triangles.
@@ -139,9 +139,10 @@ impl<'a> Closed<'a> {
             return false;
         }
         let object_from_world = in_f64(&instance.world_from_object).inverse();
-        let mesh = &self.world.meshes[instance.mesh];
+        let triangles = &self.world.meshes[instance.mesh].triangles;
+        let posed = self.world.posed(instance.mesh);
         let point = object_from_world.transform_point3(point.as_dvec3());
-        winding_number(mesh, point).abs() > 0.5
+        winding_number(triangles, &posed, point).abs() > 0.5
     }
 }
 
@@ -170,9 +171,9 @@ fn is_closed_mesh(mesh: &Mesh) -> bool {
 /// How often a mesh surrounds a point: the sum of the solid angles of its triangles over 4π (Jacobson,
 /// Kavan, Sorkine-Hornung, "Robust Inside-Outside Segmentation using Generalized Winding Numbers",
 /// SIGGRAPH 2013; a triangle's after van Oosterom and Strackee 1983).
-fn winding_number(mesh: &Mesh, point: DVec3) -> f64 {
-    let half_angles = mesh.triangles.iter().map(|triangle| {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].as_dvec3() - point);
+fn winding_number(triangles: &[[u32; 3]], posed: &Posed<'_>, point: DVec3) -> f64 {
+    let half_angles = triangles.iter().map(|triangle| {
+        let [a, b, c] = posed.corners(*triangle).map(|p| p.as_dvec3() - point);
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         let volume = a.dot(b.cross(c));
         volume.atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
@@ -210,10 +211,11 @@ mod tests {
             let mesh = mesh(&shape);
             assert_eq!(is_closed_mesh(&mesh), closed, "{shape:?}");
             if closed {
-                let inside = winding_number(&mesh, inner.as_dvec3());
+                let inside = winding_number(&mesh.triangles, &mesh.at_rest(), inner.as_dvec3());
                 assert!((inside - 1.0).abs() < 1e-9, "{shape:?}: {inside}");
             }
-            let outside = winding_number(&mesh, DVec3::new(0.0, -1.6, 0.0));
+            let outside =
+                winding_number(&mesh.triangles, &mesh.at_rest(), DVec3::new(0.0, -1.6, 0.0));
             assert!(outside.abs() < 0.5, "{shape:?}: {outside}");
         }
     }

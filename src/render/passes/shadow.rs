@@ -177,6 +177,7 @@ fn content(scene: &GpuScene, view: &ShadowView) -> Option<u64> {
         }
         hash.update(&draw.instance.to_le_bytes());
         hash.update(bytemuck::cast_slice(scene.pose(draw.instance)));
+        hash.update(&draw.shape.to_le_bytes());
     }
     Some(hash.digest())
 }

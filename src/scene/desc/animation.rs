@@ -3,10 +3,10 @@
 use super::At;
 
 /// `animation = { name = "walk", … }`: what of a file's animations is played, and when. It moves the
-/// nodes that the file says and what hangs on them, meshes, lights and cameras; the rest stays in the
-/// static tree. A scale of 0 along all axes hides. Skins and morph targets stay in the pose
-/// of the scene's first frame, with a warning. A file rendered without a scene plays all of its animations once where they move
-/// different things, else the first.
+/// nodes that the file says and what hangs on them, meshes, lights and cameras, deforms skins by their
+/// joints and meshes by the weights of their morph targets; the rest stays in the static tree. A scale
+/// of 0 along all axes hides. A file rendered without a scene plays all of its animations once where
+/// they move different things, else the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnimationDesc {
     /// Name of one of the file's animations as `reflet info` lists them, or an array of several;

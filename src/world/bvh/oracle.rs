@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use super::{
     ALPHA_TESTED, DOUBLE_SIDED, FLIPPED, NONE, STATIC_ROOT, TOP_LEVEL, TOP_ROOT, TraceTriangle,
-    Trees, corners, material_flags,
+    Trees, gpu_layout::material_flags, leaves::corners,
 };
 use crate::{math::in_f64, world::World};
 
@@ -91,8 +91,8 @@ impl Oracle {
             let flags = material_flags(&world.materials[instance.material])
                 | if mirrors { FLIPPED } else { 0 };
             for t in 0..mesh.triangles.len() as u32 {
-                let [base, b, c] =
-                    corners(mesh, t).map(|p| transform.transform_point3(p.as_dvec3()));
+                let [base, b, c] = corners(world, instance.mesh, t)
+                    .map(|p| transform.transform_point3(p.as_dvec3()));
                 let corner = Corner {
                     base,
                     edge1: b - base,

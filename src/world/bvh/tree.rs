@@ -10,6 +10,7 @@ use obvhs::{
 };
 
 /// Nodes with indices that start at 0; see [`rebase`].
+#[derive(Clone, Debug)]
 pub(super) struct Tree {
     /// The root is first, children stand behind their parents; never empty.
     pub nodes: Vec<CwBvhNode>,

@@ -143,9 +143,6 @@ impl Reader<'_> {
         for (c, channel) in animation.channels.iter().enumerate() {
             let at = |fault: Fault| fault.at(&format!("channel {c}"));
             if let Some(track) = self.weights(animation, channel).map_err(at)? {
-                let what = "channels move the weights of morph targets, which stay as in the first \
-                            frame";
-                notes.add("animation-weights", 1, what, place);
                 weights.push(track);
                 continue;
             }
@@ -188,12 +185,13 @@ impl Reader<'_> {
         channel: &schema::Channel,
     ) -> Result<Option<WeightTrack>, Fault> {
         let target = &channel.target;
-        if target.path != "weights" || target.extensions.pointer.is_some() {
-            return Ok(None);
-        }
-        let mesh = target.node.and_then(|i| self.root.nodes.get(i)?.mesh);
+        let node = match &target.extensions.pointer {
+            Some(pointer) => weights_pointed_at(&pointer.pointer),
+            None => target.node.filter(|_| target.path == "weights"),
+        };
+        let mesh = node.and_then(|i| self.root.nodes.get(i)?.mesh);
         let primitive = mesh.and_then(|i| self.root.meshes.get(i)?.primitives.first());
-        let (Some(node), Some(count)) = (target.node, primitive.map(|p| p.targets.len())) else {
+        let (Some(node), Some(count)) = (node, primitive.map(|p| p.targets.len())) else {
             return Ok(None);
         };
         let Some(sampler) = animation
@@ -244,7 +242,7 @@ impl Reader<'_> {
         let found = if let Some(pointer) = &target.extensions.pointer {
             let Some(found) = pointed_at(&pointer.pointer) else {
                 let what = "channels of KHR_animation_pointer move something other than a node's \
-                            place and visibility, and are left out";
+                            place, visibility and weights, and are left out";
                 return left_out("animation-pointer", what);
             };
             found
@@ -367,6 +365,12 @@ fn interpolation(sampler: &schema::AnimationSampler) -> Result<Interpolation, Fa
             Err(fault(text))
         }
     }
+}
+
+/// Node of a pointer such as `/nodes/3/weights`.
+fn weights_pointed_at(pointer: &str) -> Option<usize> {
+    let (node, rest) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
+    (rest == "weights").then(|| node.parse().ok())?
 }
 
 /// Node and property of a pointer such as `/nodes/3/translation`.

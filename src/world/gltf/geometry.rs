@@ -1,7 +1,11 @@
 //! Reads the meshes that nodes use, on all cores.
 
-use std::collections::{BTreeSet, HashMap};
+use std::{
+    collections::{BTreeSet, HashMap},
+    sync::Arc,
+};
 
+use glam::Affine3A;
 use rayon::prelude::*;
 
 use super::{
@@ -14,6 +18,31 @@ use super::{
     schema::{Primitive, Root},
     skin,
 };
+use crate::world::deform::{DeformingNodes, Joint};
+
+/// A skin at rest.
+struct Skin {
+    joints: Vec<Joint>,
+    /// For each joint: from the mesh to the model.
+    pose: Vec<Affine3A>,
+    /// Whether animations move some joint.
+    is_animated: bool,
+}
+
+impl Skin {
+    fn read(root: &Root, data: &Data<'_>, visit: &Visit, skin: usize) -> Result<Self, Fault> {
+        let joints = skin::joints(root, data, visit, skin)?;
+        let posed = |joint: &Joint| {
+            let model_from_node = visit.model_from_node(joint.node);
+            model_from_node.unwrap_or_default() * joint.node_from_mesh
+        };
+        Ok(Self {
+            pose: joints.iter().map(posed).collect(),
+            is_animated: joints.iter().any(|joint| visit.moves(joint.node)),
+            joints,
+        })
+    }
+}
 
 /// Reads every placed mesh, once for each skin.
 ///
@@ -27,11 +56,15 @@ pub fn read(
     notes: &mut Notes,
 ) -> Result<Primitives, Vec<Fault>> {
     let uses: BTreeSet<MeshUse> = visit.mesh_uses().collect();
-    let mut poses = HashMap::new();
-    for skin in uses.iter().filter_map(|u| u.skin) {
-        let pose = skin::pose(root, data, visit, skin);
-        poses.insert(skin, pose.map_err(|f| vec![f.at(&format!("skin {skin}"))])?);
+    let mut skins = HashMap::new();
+    for index in uses.iter().filter_map(|u| u.skin) {
+        let skin = Skin::read(root, data, visit, index);
+        skins.insert(
+            index,
+            skin.map_err(|f| vec![f.at(&format!("skin {index}"))])?,
+        );
     }
+    let skin_of = |u: &MeshUse| u.skin.and_then(|skin| skins.get(&skin));
     let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
     let primitives = |u: &MeshUse| {
         let u = *u;
@@ -52,10 +85,9 @@ pub fn read(
                 rows: None,
                 quantized,
                 weights: visit.weights(root, mesh_use),
-                pose: mesh_use
-                    .skin
-                    .and_then(|skin| poses.get(&skin))
-                    .map(Vec::as_slice),
+                has_animated_weights: visit.animated_weights(mesh_use).is_some(),
+                pose: skin_of(mesh_use).map(|skin| skin.pose.as_slice()),
+                has_animated_joints: skin_of(mesh_use).is_some_and(|skin| skin.is_animated),
             };
             let built = primitive::build(context, place.clone(), &mut notes);
             (built.map(|mesh| (mesh, notes))).map_err(|fault| fault.at(&place))
@@ -74,6 +106,15 @@ pub fn read(
                         model
                             .variant_materials
                             .insert(model.meshes.len(), of_variants);
+                    }
+                    if mesh.deformation.is_some() {
+                        let nodes = DeformingNodes {
+                            joints: skin_of(&mesh_use)
+                                .map_or_else(Vec::new, |skin| skin.joints.clone()),
+                            weights: visit.animated_weights(&mesh_use),
+                            rest_weights: visit.weights(root, &mesh_use).to_vec(),
+                        };
+                        model.deforming.insert(model.meshes.len(), Arc::new(nodes));
                     }
                     let shown = out.entry(mesh_use).or_default();
                     shown.push((model.meshes.len(), material));

@@ -1,44 +1,44 @@
-//! Morph targets at constant weights: vertices moved before they are skinned (glTF 2.0 §3.7.2.2).
+//! Morph targets: offsets of vertices (glTF 2.0 §3.7.2.2).
 
 use glam::Vec3;
 
 use super::{Fault, accessor, primitive_context::Context};
-use crate::world::Mesh;
+use crate::world::deform::MorphTarget;
 
-/// Adds the weighted offsets of positions, normals and tangents; repairs normalize them.
+/// The targets whose weight is not 0, or all where weights are animated.
 ///
 /// # Errors
 /// Offsets of wrong type or count.
-pub fn apply(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> {
+pub fn targets(context: &Context<'_>, are_animated: bool) -> Result<Vec<MorphTarget>, Fault> {
+    let weight = |index: usize| context.weights.get(index).copied().unwrap_or(0.0);
+    let targets = 0..context.primitive.targets.len();
+    let used = targets.filter(|index| are_animated || weight(*index) != 0.0);
+    used.map(|index| target(context, index)).collect()
+}
+
+fn target(context: &Context<'_>, number: usize) -> Result<MorphTarget, Fault> {
     let count = context.num_vertices;
-    let used = context.primitive.targets.iter().zip(context.weights);
-    for (number, (target, &weight)) in used.enumerate().filter(|(_, (_, weight))| **weight != 0.0) {
-        let offsets = |attribute: &str| {
-            let Some(&index) = target.get(attribute) else {
-                return Ok(Vec::new());
-            };
-            let accept = match context.quantized {
-                true => accessor::any_but_u32,
-                false => accessor::float_only,
-            };
-            let place = format!("target {number} {attribute}");
-            let own = context.data.count(index).map_err(|f| f.at(&place))?;
-            if own != count {
-                let text = format!("{place} has {own} elements, POSITION has {count}");
-                return Err(Fault::new("gltf-attribute", text));
-            }
-            (context.floats::<3>(index, accept)).map_err(|f| f.at(&place))
+    let offsets = |attribute: &str| {
+        let Some(&index) = context.primitive.targets[number].get(attribute) else {
+            return Ok(Vec::new());
         };
-        let scaled = |offset: [f32; 3]| Vec3::from_array(offset) * weight;
-        for (position, offset) in mesh.positions.iter_mut().zip(offsets("POSITION")?) {
-            *position += scaled(offset);
+        let accept = match context.quantized {
+            true => accessor::any_but_u32,
+            false => accessor::float_only,
+        };
+        let place = format!("target {number} {attribute}");
+        let own = context.data.count(index).map_err(|f| f.at(&place))?;
+        if own != count {
+            let text = format!("{place} has {own} elements, POSITION has {count}");
+            return Err(Fault::new("gltf-attribute", text));
         }
-        for (normal, offset) in mesh.normals.iter_mut().zip(offsets("NORMAL")?) {
-            *normal += scaled(offset);
-        }
-        for (tangent, offset) in mesh.tangents.iter_mut().zip(offsets("TANGENT")?) {
-            *tangent += scaled(offset).extend(0.0);
-        }
-    }
-    Ok(())
+        let offsets = (context.floats::<3>(index, accept)).map_err(|f| f.at(&place))?;
+        Ok(offsets.into_iter().map(Vec3::from_array).collect())
+    };
+    Ok(MorphTarget {
+        index: number,
+        positions: offsets("POSITION")?,
+        normals: offsets("NORMAL")?,
+        tangents: offsets("TANGENT")?,
+    })
 }

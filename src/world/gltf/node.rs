@@ -1,16 +1,14 @@
 //! Node hierarchy: validated to be a tree, traversed with an explicit stack, flattened into
 //! placements, lights and cameras.
 
-use std::{
-    collections::{HashMap, HashSet},
-    sync::Arc,
-};
+use std::{collections::HashMap, sync::Arc};
 
 use glam::Affine3A;
 
 use super::{
-    Attached, Clip, Fault, FrozenPose, Model, Notes, Placement,
+    Attached, Clip, Fault, Model, Notes, Placement,
     accessor::Data,
+    animated::Animated,
     camera, label, light,
     schema::{Node, Root},
     transform,
@@ -20,7 +18,6 @@ use crate::{
     scene::desc::CameraDesc,
     world::{
         Light,
-        animation::Property,
         rig::{Rig, RigNode},
     },
 };
@@ -52,10 +49,7 @@ pub struct Visit {
     lights: Vec<Attached<Light>>,
     cameras: Vec<Attached<(String, CameraDesc)>>,
     rig: Rig,
-    /// Transforms of all nodes as they pose skins; empty at rest.
-    posed: Vec<Option<Affine3A>>,
-    /// Animated weights of morph targets, by node.
-    weights: HashMap<usize, Vec<f32>>,
+    animated: Animated,
 }
 
 impl Visit {
@@ -64,31 +58,37 @@ impl Visit {
         self.meshes.iter().map(|placed| placed.value.0)
     }
 
-    /// Transform of a joint of a skin, if it is part of the scene.
-    pub fn model_from_joint(&self, node: usize) -> Option<Affine3A> {
-        if let Some(posed) = self.posed.get(node) {
-            return *posed;
-        }
+    /// Transform of a node at rest, if it is part of the scene.
+    pub fn model_from_node(&self, node: usize) -> Option<Affine3A> {
         let node = self.rig.nodes.get(node)?.as_ref()?;
         Some(node.model_from_node)
     }
 
-    /// Weights of the morph targets of a use.
-    pub fn weights<'a>(&'a self, root: &'a Root, used: &MeshUse) -> &'a [f32] {
-        let own = used.weights.and_then(|node| match self.weights.get(&node) {
-            Some(animated) => Some(animated),
-            None => root.nodes[node].weights.as_ref(),
-        });
+    /// Weights of the morph targets of a use, at rest.
+    pub fn weights<'a>(&self, root: &'a Root, used: &MeshUse) -> &'a [f32] {
+        let own = used
+            .weights
+            .and_then(|node| root.nodes[node].weights.as_ref());
         own.map_or(&root.meshes[used.mesh].weights, Vec::as_slice)
     }
 
-    /// Whether some mesh has a skin or morph targets.
-    pub fn deforms(&self, root: &Root) -> bool {
-        let morphs = |u: &MeshUse| {
-            let mut primitives = root.meshes[u.mesh].primitives.iter();
-            primitives.any(|p| !p.targets.is_empty())
-        };
-        self.mesh_uses().any(|u| u.skin.is_some() || morphs(&u))
+    /// The node of a use whose weights are animated.
+    pub fn animated_weights(&self, used: &MeshUse) -> Option<usize> {
+        let is_animated = |node: &usize| self.animated.weights.contains(node);
+        used.weights.filter(is_animated)
+    }
+
+    /// Whether an animation moves a node or what it hangs on.
+    pub fn moves(&self, node: usize) -> bool {
+        let mut next = Some(node);
+        while let Some(at) = next {
+            if self.animated.places.contains(&at) {
+                return true;
+            }
+            let known = self.rig.nodes.get(at).and_then(Option::as_ref);
+            next = known.and_then(|node| node.parent);
+        }
+        false
     }
 }
 
@@ -102,7 +102,6 @@ pub fn traverse(
     root: &Root,
     data: &Data<'_>,
     clips: &[Clip],
-    pose: Option<&FrozenPose>,
     notes: &mut Notes,
 ) -> Result<Visit, Fault> {
     let parents = parents(root)?;
@@ -120,11 +119,10 @@ pub fn traverse(
     };
     check_roots(&roots, &parents)?;
     let mut visit = Visit {
-        weights: pose.map_or_else(HashMap::new, |pose| pose.weights(clips)),
+        animated: Animated::by(clips),
         ..Visit::default()
     };
     visit.rig.nodes.resize(root.nodes.len(), None);
-    let switched = switched(clips);
     let start = |&node: &usize| Step {
         node,
         parent: Affine3A::IDENTITY,
@@ -141,7 +139,7 @@ pub fn traverse(
             return Err(fault(format!("{place}: deeper than {MAX_DEPTH} levels")));
         }
         let visible = (node.extensions.visibility.as_ref()).is_none_or(|v| v.visible);
-        if !visible && !switched.contains(&i) {
+        if !visible && !visit.animated.visibility.contains(&i) {
             continue;
         }
         let local = transform::of_node(node).map_err(|f| f.at(&place))?;
@@ -183,7 +181,6 @@ pub fn traverse(
             hidden,
         }));
     }
-    visit.posed = pose.map_or_else(Vec::new, |pose| pose.nodes(clips, &visit.rig));
     Ok(visit)
 }
 
@@ -194,16 +191,6 @@ struct Step {
     path: String,
     depth: usize,
     hidden: bool,
-}
-
-/// Nodes with animated visibility.
-fn switched(clips: &[Clip]) -> HashSet<usize> {
-    let animations = clips.iter().filter_map(|c| c.animation.as_ref().ok());
-    let channels = animations.flat_map(|a| &a.channels);
-    channels
-        .filter(|c| c.property == Property::Visible)
-        .map(|c| c.node)
-        .collect()
 }
 
 fn check_roots(roots: &[usize], parents: &[Option<usize>]) -> Result<(), Fault> {
@@ -276,7 +263,7 @@ impl Found<'_> {
             return Err(fault(format!("mesh {mesh} does not exist")));
         }
         let has_weights =
-            self.node.weights.is_some() || self.visit.weights.contains_key(&self.index);
+            self.node.weights.is_some() || self.visit.animated.weights.contains(&self.index);
         if self
             .node
             .weights
@@ -292,8 +279,6 @@ impl Found<'_> {
             weights: has_weights.then_some(self.index),
         };
         if self.node.skin.is_some() {
-            let what = "skinned meshes do not move; they stay in the pose of the first frame";
-            self.notes.add("skin-rest-pose", 1, what, self.path);
             // A skinned mesh is placed by its joints only, as specified.
             let mut placed = self.attached((used, self.path.to_owned()));
             (placed.node, placed.model_from_object) = (None, Affine3A::IDENTITY);

@@ -1,6 +1,8 @@
 //! Reads a glTF primitive into a [`Mesh`]: validates attributes, triangulates strips and fans,
 //! repairs or drops broken geometry with a warning.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{
@@ -12,7 +14,10 @@ use super::{
     schema::Primitive,
     skin,
 };
-use crate::world::Mesh;
+use crate::world::{
+    Mesh,
+    deform::{Deformation, Vertices},
+};
 
 /// Reads a primitive; `None` without triangles (points, lines, no positions).
 ///
@@ -48,19 +53,49 @@ pub fn build(
         ..Mesh::default()
     };
     read_attributes(&context, &mut mesh)?;
-    morph::apply(&context, &mut mesh)?;
-    if let Some(pose) = context.pose {
-        skin::apply(&context, pose, &mut mesh)?;
-    }
     mesh.triangles = triangles(mode, &corners);
     drop(corners);
-    repair::run(&mut mesh, notes);
+    deform(&context, &mut mesh, notes)?;
     if mesh.triangles.is_empty() {
         let what = "primitives have no triangle to show";
         notes.add("mesh-empty", 1, what, &mesh.name);
         return Ok(None);
     }
     Ok(Some(mesh))
+}
+
+/// Repairs a mesh in its rest pose; what animations deform keeps what it is deformed by.
+fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
+    let morphs = context.has_animated_weights && !context.primitive.targets.is_empty();
+    let is_animated = morphs || context.has_animated_joints;
+    let joints = context.pose.unwrap_or_default();
+    let influences = match context.pose {
+        Some(pose) => skin::influences(context, pose.len())?,
+        None => Vec::new(),
+    };
+    let mut deformation = Deformation {
+        targets: morph::targets(context, context.has_animated_weights)?,
+        influences,
+        ..Deformation::default()
+    };
+    let is_still = deformation.targets.is_empty() && deformation.influences.is_empty();
+    if !is_still && is_animated {
+        mesh.deformation = Some(Arc::new(deformation));
+        repair::run(mesh, notes);
+        let posed = mesh.pose(context.weights, joints);
+        if posed.positions.iter().all(|p| p.is_finite()) {
+            mesh.set_vertices(posed);
+            return Ok(());
+        }
+        // Triangles that the rest pose breaks are dropped, and the rest does not move.
+        mesh.deformation = None;
+        mesh.set_vertices(posed);
+    } else if !is_still {
+        deformation.bind = Vertices::take(mesh);
+        mesh.set_vertices(deformation.pose(&[], context.weights, joints));
+    }
+    repair::run(mesh, notes);
+    Ok(())
 }
 
 /// The vertices that `corners` use, if they are at most half of all; `corners` become indices

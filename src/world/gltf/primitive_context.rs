@@ -22,8 +22,12 @@ pub struct Context<'a> {
     pub quantized: bool,
     /// Weights of the morph targets, finite.
     pub weights: &'a [f32],
-    /// For skinned meshes: model from bind pose, for each joint.
+    /// Whether an animation moves them.
+    pub has_animated_weights: bool,
+    /// For skinned meshes: model from bind pose, for each joint, at rest.
     pub pose: Option<&'a [Affine3A]>,
+    /// Whether an animation moves some joint.
+    pub has_animated_joints: bool,
 }
 
 impl Context<'_> {

@@ -1,12 +1,15 @@
 //! Mesh repair: establishes the invariants of [`Mesh`] (finite, no zero-area triangles, unit
 //! normals, bounds) and warns about changes.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Notes;
 use crate::{math::Bounds, world::Mesh};
 
-/// Repairs in place.
+/// Repairs in place. What is deformed keeps triangles without area, which may have some in another
+/// pose.
 pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
     drop_broken_triangles(mesh, notes);
     if mesh.normals.is_empty() {
@@ -17,6 +20,7 @@ pub fn run(mesh: &mut Mesh, notes: &mut Notes) {
     fix_tangents(mesh);
     fix_attributes(mesh, notes);
     mesh.bounds = Bounds::of(mesh.positions.iter().copied());
+    mesh.bind();
 }
 
 fn cross(positions: &[Vec3], [a, b, c]: [u32; 3]) -> DVec3 {
@@ -25,14 +29,14 @@ fn cross(positions: &[Vec3], [a, b, c]: [u32; 3]) -> DVec3 {
 }
 
 fn drop_broken_triangles(mesh: &mut Mesh, notes: &mut Notes) {
-    let positions = &mesh.positions;
+    let (positions, deforms) = (&mesh.positions, mesh.deformation.is_some());
     let (mut not_finite, mut flat) = (0, 0);
     mesh.triangles.retain(|&t| {
         if !t.iter().all(|&i| positions[i as usize].is_finite()) {
             not_finite += 1;
             return false;
         }
-        let keep = cross(positions, t).length_squared() > 0.0;
+        let keep = deforms || cross(positions, t).length_squared() > 0.0;
         flat += u64::from(!keep);
         keep
     });
@@ -74,6 +78,9 @@ pub fn gather_vertices(mesh: &mut Mesh, order: &[u32]) {
     pick(&mut mesh.uv0, order);
     pick(&mut mesh.uv1, order);
     pick(&mut mesh.colors, order);
+    if let Some(deformation) = &mut mesh.deformation {
+        Arc::make_mut(deformation).gather(order);
+    }
 }
 
 /// Flat normals, as the specification demands where the file has none: corners are split.
@@ -83,8 +90,14 @@ fn make_flat(mesh: &mut Mesh) {
     for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
         *triangle = std::array::from_fn(|corner| (t * 3 + corner) as u32);
     }
-    let normal = |t: &[u32; 3]| [cross(&mesh.positions, *t).normalize().as_vec3(); 3];
+    let normal = |t: &[u32; 3]| {
+        let normal = cross(&mesh.positions, *t).try_normalize();
+        [normal.map_or(Vec3::Y, |n| n.as_vec3()); 3]
+    };
     mesh.normals = mesh.triangles.iter().flat_map(normal).collect();
+    if let Some(deformation) = &mut mesh.deformation {
+        Arc::make_mut(deformation).has_flat_normals = true;
+    }
 }
 
 /// Normalizes; where a stored normal has no direction, the average of the faces around takes its place.

@@ -4,10 +4,9 @@
 use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
-    LoadOptions, Loader, Source, camera,
+    LoadOptions, Loader, Source, camera, deform_at_start,
     material::{ImageKey, slots},
     place::MeshKey,
-    pose,
     vertex_streams::{self, Needs},
 };
 use crate::{
@@ -25,8 +24,6 @@ type NamedSource = (String, Result<(String, usd::Choice), ShapeDesc>);
 #[derive(Debug)]
 pub struct AssetCache {
     pub(super) sources: Vec<NamedSource>,
-    /// See [`pose::keys`].
-    pub(super) poses: Vec<Option<Option<String>>>,
     pub(super) models: Vec<Source>,
     /// Models without their meshes, which are in the world.
     pub(super) loaded: Vec<Model>,
@@ -68,10 +65,7 @@ impl AssetCache {
         options: &LoadOptions,
     ) -> Result<Option<World>, Vec<Diagnostic>> {
         let panorama = desc.environment.file.as_ref().map(|file| &file.value);
-        if self.sources != sources(desc)
-            || self.poses != pose::keys(desc, &self.models, &self.loaded)
-            || self.panorama.0.as_ref() != panorama
-        {
+        if self.sources != sources(desc) || self.panorama.0.as_ref() != panorama {
             return Ok(None);
         }
         let mut loader = Loader::new(desc, options);
@@ -81,6 +75,7 @@ impl AssetCache {
         let stub = |mesh: &Mesh| Mesh {
             name: mesh.name.clone(),
             bounds: mesh.bounds,
+            deformation: mesh.deformation.clone(),
             ..Mesh::default()
         };
         loader.world.meshes = world.meshes.iter().map(stub).collect();
@@ -90,6 +85,7 @@ impl AssetCache {
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
+            deform_at_start(&mut loader.world, &world.meshes, desc)?;
             camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();

@@ -8,7 +8,7 @@ use crate::{
         desc::{CameraDesc, Entry},
         diagnostic::Span,
     },
-    world::{Mesh, World},
+    world::{Mesh, Posed, World},
 };
 
 /// Fraction of the picture's width or height that the scene fills.
@@ -50,22 +50,31 @@ pub fn add_default(world: &mut World, meshes: &[Mesh], size: [u32; 2]) {
     });
 }
 
+/// A mesh that is framed.
+struct Shown<'a> {
+    posed: Posed<'a>,
+    triangles: &'a [[u32; 3]],
+    place: Affine3A,
+    double_sided: bool,
+}
+
 /// What the camera frames.
 struct Framed<'a> {
-    meshes: Vec<(&'a Mesh, Affine3A, bool)>,
+    meshes: Vec<Shown<'a>>,
     /// Of animated instances over time, and of all where there are too many vertices.
     boxes: Vec<Bounds>,
 }
 
 impl<'a> Framed<'a> {
     /// What stands still, and where animations take the rest; everything if nothing stands still.
-    fn of(world: &World, meshes: &'a [Mesh]) -> Self {
+    fn of(world: &'a World, meshes: &'a [Mesh]) -> Self {
         let mut boxes = world.animated_bounds();
+        boxes.extend(world.deformed_bounds(meshes));
         let has_players = !world.moving.players.is_empty();
         let is_animated = world.animated_instances();
         let still = |i: usize| {
             if has_players {
-                !is_animated[i]
+                !is_animated[i] && !world.deformed.contains_key(&world.instances[i].mesh)
             } else {
                 !world.instances[i].dynamic
             }
@@ -78,19 +87,19 @@ impl<'a> Framed<'a> {
         }
         let of = |i: &usize| {
             let instance = &world.instances[*i];
-            let double_sided = world.materials[instance.material].double_sided;
-            (
-                &meshes[instance.mesh],
-                instance.world_from_object,
-                double_sided,
-            )
+            let mesh = &meshes[instance.mesh];
+            let deformed = world.deformed.get(&instance.mesh);
+            Shown {
+                posed: deformed.map_or_else(|| mesh.at_rest(), |deformed| deformed.posed()),
+                triangles: &mesh.triangles,
+                place: instance.world_from_object,
+                double_sided: world.materials[instance.material].double_sided,
+            }
         };
         let mut meshes: Vec<_> = shown.iter().map(of).collect();
-        let vertices: usize = meshes.iter().map(|(mesh, ..)| mesh.positions.len()).sum();
+        let vertices: usize = meshes.iter().map(|m| m.posed.positions.len()).sum();
         if vertices > MOST_VERTICES {
-            let placed = meshes
-                .iter()
-                .map(|(m, place, _)| m.bounds.transformed(place));
+            let placed = meshes.iter().map(|m| m.posed.bounds.transformed(&m.place));
             boxes.extend(placed);
             meshes.clear();
         }
@@ -109,8 +118,9 @@ impl<'a> Framed<'a> {
         };
         let boxes = self.boxes.iter().filter(|bounds| !bounds.is_empty());
         let corners = boxes.flat_map(move |bounds| (0..8).map(move |i| corner(bounds, i)));
-        let vertices = self.meshes.iter().flat_map(|(mesh, place, _)| {
-            (mesh.positions.iter()).map(|position| place.transform_point3(*position))
+        let vertices = self.meshes.iter().flat_map(|shown| {
+            let positions = shown.posed.positions.iter();
+            positions.map(|position| shown.place.transform_point3(*position))
         });
         vertices.chain(corners)
     }
@@ -143,18 +153,15 @@ impl<'a> Framed<'a> {
 
     /// Sum of the area vectors of all triangles that have only one side.
     fn facing(&self) -> Vec3 {
-        let single = self
-            .meshes
-            .iter()
-            .filter(|(.., double_sided)| !double_sided);
-        let area = |(mesh, place, _): &(&Mesh, Affine3A, bool)| {
-            let place = place.matrix3;
-            let corner = |i: u32| place * glam::Vec3A::from(mesh.positions[i as usize]);
+        let single = self.meshes.iter().filter(|shown| !shown.double_sided);
+        let area = |shown: &Shown<'_>| {
+            let place = shown.place.matrix3;
             let triangle = |t: &[u32; 3]| {
-                let [a, b, c] = t.map(corner);
+                let corners = shown.posed.corners(*t);
+                let [a, b, c] = corners.map(|p| place * glam::Vec3A::from(p));
                 (b - a).cross(c - a)
             };
-            let sum: glam::Vec3A = mesh.triangles.iter().map(triangle).sum();
+            let sum: glam::Vec3A = shown.triangles.iter().map(triangle).sum();
             // The order of corners turns with a mirror, their front does not.
             Vec3::from(sum) * place.determinant().signum()
         };

@@ -18,13 +18,13 @@ use crate::{
         motion::{changing_overrides, moving},
     },
     world::{
-        Instance, ListedVariants, animation::Listed, gltf::Placement, pose::MovingInstance,
-        rig::Player,
+        Instance, ListedVariants, animation::Listed, deform::Deformer, gltf::Placement,
+        pose::MovingInstance, rig::Player,
     },
 };
 
-/// A mesh of a loaded file.
-pub type MeshKey = (usize, usize);
+/// A mesh of a loaded file, and the player that deforms it.
+pub type MeshKey = (usize, usize, Option<usize>);
 
 /// Model of the scene, material of its file, and the instance if that changes the material.
 pub type MaterialKey = (usize, usize, Option<usize>);
@@ -250,7 +250,11 @@ impl Loader<'_> {
             if placement.hidden && !place.is_animated() {
                 continue;
             }
-            let mesh = self.file_mesh(loaded, placement.value.mesh);
+            let player = stand.player.filter(|p| {
+                let nodes = self.loaded[loaded].deforming.get(&placement.value.mesh);
+                nodes.is_some_and(|nodes| nodes.are_moved_by(&self.world.moving.players[*p]))
+            });
+            let mesh = self.file_mesh((loaded, placement.value.mesh, player));
             let material = self.variant_material(job, loaded, &placement.value);
             let material = self.instance_material(job, loaded, material);
             let name = format!("{name}/{}", placement.value.name);
@@ -288,7 +292,7 @@ impl Loader<'_> {
             dropped.push(name);
             return;
         }
-        let dynamic = place.anchor.is_some();
+        let dynamic = place.anchor.is_some() || self.deformed.contains(&mesh);
         if let Some(anchor) = place.anchor {
             self.world.moving.instances.push(MovingInstance {
                 instance: self.world.instances.len(),
@@ -311,13 +315,40 @@ impl Loader<'_> {
         });
     }
 
-    /// The world's mesh for a file's mesh: moved on first use, shared afterwards.
-    fn file_mesh(&mut self, loaded: usize, mesh: usize) -> usize {
-        *self.meshes.entry((loaded, mesh)).or_insert_with(|| {
-            self.world
-                .meshes
-                .push(std::mem::take(&mut self.loaded[loaded].meshes[mesh]));
-            self.world.meshes.len() - 1
-        })
+    /// The world's mesh for a file's mesh: moved on first use, shared afterwards, copied for other
+    /// players that deform it.
+    fn file_mesh(&mut self, key: MeshKey) -> usize {
+        let (loaded, mesh, player) = key;
+        let index = match self.meshes.get(&key) {
+            Some(index) => *index,
+            None => {
+                let mut new = std::mem::take(&mut self.loaded[loaded].meshes[mesh]);
+                if new.positions.is_empty() {
+                    let mut copies = self.meshes.iter();
+                    let copy = copies.find(|((l, m, _), _)| (*l, *m) == (loaded, mesh));
+                    if let Some((_, index)) = copy {
+                        new = self.world.meshes[*index].clone();
+                    }
+                }
+                self.world.meshes.push(new);
+                self.meshes.insert(key, self.world.meshes.len() - 1);
+                self.world.meshes.len() - 1
+            }
+        };
+        if let Some(player) = player {
+            self.add_deformer(index, player, loaded, mesh);
+        }
+        index
+    }
+
+    fn add_deformer(&mut self, index: usize, player: usize, loaded: usize, mesh: usize) {
+        let (moving, model) = (&mut self.world.moving, &self.loaded[loaded]);
+        if let Some(nodes) = model.deforming.get(&mesh)
+            && self.deformed.insert(index)
+        {
+            let playing = (player, &moving.players[player]);
+            let deformer = Deformer::new(index, playing, &model.rig, nodes);
+            moving.deformers.push(deformer);
+        }
     }
 }

@@ -16,7 +16,7 @@ impl PreloadedModels {
     /// Reads the file at `path` (canonical, from [`Sandbox::resolve`]) and caches it for the next
     /// load; returns its animations. Invalid files are not cached; the load reports their errors.
     pub fn read(&self, path: &Path, sandbox: &Sandbox, lenient: bool) -> Playable {
-        let Ok(model) = read_guarded(path, sandbox, lenient, None) else {
+        let Ok(model) = read_guarded(path, sandbox, lenient) else {
             return Playable::default();
         };
         let playable = model.playable();

@@ -1,46 +1,35 @@
-//! Reads the models of a scene: each file once, and once more for each pose of what deforms.
+//! Reads the models of a scene, each file once.
 
 use std::{
     path::{Path, PathBuf},
     thread,
 };
 
-use super::{Loader, Source, error_at, foreign_formats, pose};
+use super::{Loader, Source, error_at, foreign_formats};
 use crate::{
     scene::{
         desc::{ModelDesc, ModelSource, is_stage},
         diagnostic::{Diagnostic, Span},
     },
     world::{
-        gltf::{self, Fault, FrozenPose, Model, Sandbox},
+        gltf::{self, Fault, Model, Sandbox},
         shape, usd,
     },
 };
 
-/// What is read once: a file, what of a stage, and the pose of what deforms.
-pub type Part = (PathBuf, usd::Choice, Option<String>);
+/// What is read once: a file, and what of a stage.
+pub type Part = (PathBuf, usd::Choice);
 
 impl Loader<'_> {
     /// Reads the files of all models.
     pub fn read_models(&mut self) -> Vec<Source> {
-        let desc = self.desc;
-        let models = desc.models.iter().enumerate();
-        let sources: Vec<_> = models
-            .map(|(index, entry)| self.read_model(index, &entry.name, &entry.value))
-            .collect();
-        // Of a file that was read again in another pose, nothing is used.
-        let is_used = |i: &usize| {
-            sources
-                .iter()
-                .any(|s| matches!(s, Source::File(at) if at == i))
-        };
-        for i in (0..self.loaded.len()).filter(|i| !is_used(i)) {
-            self.loaded[i] = Model::default();
-        }
-        sources
+        let models = self.desc.models.iter();
+        models
+            .map(|entry| self.read_model(&entry.name, &entry.value))
+            .collect()
     }
 
-    fn read_model(&mut self, index: usize, name: &str, model: &ModelDesc) -> Source {
+    fn read_model(&mut self, name: &str, model: &ModelDesc) -> Source {
         let file = match &model.source {
             ModelSource::Shape(shape) => {
                 let mut mesh = shape::mesh(shape);
@@ -61,45 +50,27 @@ impl Loader<'_> {
                 return Source::Broken;
             }
         };
-        let at_rest = (path, usd::Choice::of(&model.usd), None);
-        let loaded = self.read_once(&at_rest, None, &file.at);
-        let deforms = loaded.is_some_and(|i| self.loaded[i].deforms);
-        let loaded = match pose::first_frame(self.desc, index).filter(|_| deforms) {
-            None => loaded,
-            Some(pose) => {
-                let (path, choice, _) = at_rest;
-                self.read_once(&(path, choice, Some(pose.key())), Some(&pose), &file.at)
-            }
-        };
+        let part = (path, usd::Choice::of(&model.usd));
+        let loaded = self.read_once(&part, &file.at);
         loaded.map_or(Source::Broken, Source::File)
     }
 
     /// Index into [`Loader::loaded`]; `None` after an error, which is reported once.
-    fn read_once(
-        &mut self,
-        part: &Part,
-        pose: Option<&FrozenPose>,
-        named_at: &Span,
-    ) -> Option<usize> {
+    fn read_once(&mut self, part: &Part, named_at: &Span) -> Option<usize> {
         if !self.files.contains_key(part) {
-            let read = self.read_file(part, pose, named_at);
+            let read = self.read_file(part, named_at);
             self.files.insert(part.clone(), read);
         }
         self.files[part]
     }
 
-    fn read_file(
-        &mut self,
-        (path, choice, _): &Part,
-        pose: Option<&FrozenPose>,
-        named_at: &Span,
-    ) -> Option<usize> {
+    fn read_file(&mut self, (path, choice): &Part, named_at: &Span) -> Option<usize> {
         let read = if is_stage(path) {
-            self.read_stage(path, choice, pose)
+            self.read_stage(path, choice)
         } else {
             let lenient = self.options.lenient;
-            self.take_preloaded(path, pose)
-                .map_or_else(|| read_guarded(path, &self.sandbox, lenient, pose), Ok)
+            let ready = self.options.preloaded_models.take(path);
+            ready.map_or_else(|| read_guarded(path, &self.sandbox, lenient), Ok)
         };
         match read {
             Ok(model) => {
@@ -120,19 +91,8 @@ impl Loader<'_> {
         }
     }
 
-    /// A model that was read before, at rest.
-    fn take_preloaded(&self, path: &Path, pose: Option<&FrozenPose>) -> Option<Model> {
-        let ready = self.options.preloaded_models.take(path);
-        ready.filter(|_| pose.is_none())
-    }
-
     /// A stage is read from its converted glTF file; its own files are the dependencies.
-    fn read_stage(
-        &mut self,
-        path: &Path,
-        choice: &usd::Choice,
-        pose: Option<&FrozenPose>,
-    ) -> Result<Model, Vec<Diagnostic>> {
+    fn read_stage(&mut self, path: &Path, choice: &usd::Choice) -> Result<Model, Vec<Diagnostic>> {
         let named = |fault: Fault| {
             let mut error = Diagnostic::in_file(fault.name, path, fault.message);
             error.help = fault.help;
@@ -141,9 +101,8 @@ impl Loader<'_> {
         let converted = usd::convert(path, choice, &self.folders).map_err(named)?;
         let folder = converted.glb.parent().unwrap_or(Path::new("."));
         let sandbox = Sandbox::new([folder], self.options.max_file_bytes);
-        let mut model = self
-            .take_preloaded(&converted.glb, pose)
-            .map_or_else(|| read_guarded(&converted.glb, &sandbox, false, pose), Ok)?;
+        let ready = self.options.preloaded_models.take(&converted.glb);
+        let mut model = ready.map_or_else(|| read_guarded(&converted.glb, &sandbox, false), Ok)?;
         model.warnings.extend(converted.warnings);
         model.files = converted.files;
         Ok(model)
@@ -155,9 +114,8 @@ pub fn read_guarded(
     path: &Path,
     sandbox: &Sandbox,
     lenient: bool,
-    pose: Option<&FrozenPose>,
 ) -> Result<Model, Vec<Diagnostic>> {
-    let read = || gltf::read(path, sandbox, lenient, pose);
+    let read = || gltf::read(path, sandbox, lenient);
     let worker = thread::scope(|scope| scope.spawn(read).join());
     worker.unwrap_or_else(|_| {
         let text = "the reader panicked on this file; please report this";

@@ -1,7 +1,10 @@
 //! Vertex streams that depend on materials: tangents and second texture coordinates, generated
 //! where needed and dropped elsewhere.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+};
 
 use glam::Vec2;
 use rayon::prelude::*;
@@ -81,7 +84,12 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
         messages.push(message(Severity::Warning, "uv-missing", mesh, text));
     }
     match need.tangents_from {
-        None => mesh.tangents = Vec::new(),
+        None => {
+            mesh.tangents = Vec::new();
+            if let Some(deformation) = &mut mesh.deformation {
+                Arc::make_mut(deformation).bind.tangents = Vec::new();
+            }
+        }
         Some(uv) if mesh.tangents.is_empty() => {
             if need.tangents_differ {
                 let text = "its materials turn their normal maps differently; the tangents fit \
@@ -89,8 +97,14 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
                 messages.push(message(Severity::Warning, "tangents-shared", mesh, text));
             }
             // Panic boundary: a third-party library processes untrusted geometry.
+            mesh.swap_bind();
             let work = AssertUnwindSafe(|| tangent::generate(mesh, &uv));
-            if catch_unwind(work).is_err() {
+            let has_panicked = catch_unwind(work).is_err();
+            mesh.swap_bind();
+            if let Some(deformation) = &mesh.deformation {
+                mesh.tangents.clone_from(&deformation.bind.tangents);
+            }
+            if has_panicked {
                 let text = "generating its tangents panicked; please report this";
                 messages.push(message(Severity::Error, "internal", mesh, text));
             }

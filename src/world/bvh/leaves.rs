@@ -1,0 +1,118 @@
+//! Triangles as the leaves of trees: in world space in the static tree, in object space in those of
+//! meshes.
+
+use glam::Vec3;
+use obvhs::aabb::Aabb;
+use rayon::prelude::*;
+
+use super::{
+    FLIPPED, MAX_REACH_M, NONE, TraceTriangle,
+    gpu_layout::{material_flags, trace_triangle},
+    placement::error,
+    tree::Tree,
+};
+use crate::{
+    math::in_f64,
+    scene::diagnostic::Diagnostic,
+    world::{Mesh, World},
+};
+
+/// Corners of a mesh's triangle, as it is posed.
+pub(super) fn corners(world: &World, mesh: usize, triangle: u32) -> [Vec3; 3] {
+    let corners = world.meshes[mesh].triangles[triangle as usize];
+    world.posed(mesh).corners(corners)
+}
+
+/// Corners in world space: transformed in f64 and rounded once, so that triangles which share a
+/// vertex still share it.
+pub(super) fn world_corners(world: &World, instance: u32, triangle: u32) -> [Vec3; 3] {
+    let placed = &world.instances[instance as usize];
+    let transform = in_f64(&placed.world_from_object);
+    corners(world, placed.mesh, triangle)
+        .map(|p| transform.transform_point3(p.as_dvec3()).as_vec3())
+}
+
+pub(super) fn bounding_box(corners: [Vec3; 3]) -> Aabb {
+    Aabb::from_points(&corners.map(Into::into))
+}
+
+/// Whether a ray can hit it at all.
+pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    (b - a).cross(c - a) != Vec3::ZERO
+}
+
+pub(super) fn within_reach(min: Vec3, max: Vec3) -> bool {
+    // False for NaN.
+    min.cmpge(Vec3::splat(-MAX_REACH_M)).all() && max.cmple(Vec3::splat(MAX_REACH_M)).all()
+}
+
+pub(super) fn too_far(what: &str) -> Box<Diagnostic> {
+    error(
+        "too-far",
+        &format!("{what} reaches further than {MAX_REACH_M:e} m from the origin"),
+        "make its translation and scale smaller",
+    )
+}
+
+pub(super) fn mesh_tree(mesh: &Mesh) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
+    let corners = |t: u32| mesh.at_rest().corners(mesh.triangles[t as usize]);
+    let ids: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|t| has_area(corners(*t)))
+        .collect();
+    let boxes: Vec<_> = ids.iter().map(|t| bounding_box(corners(*t))).collect();
+    if !boxes
+        .iter()
+        .all(|b| within_reach(b.min.into(), b.max.into()))
+    {
+        return Err(too_far(&format!("mesh \"{}\"", mesh.name)));
+    }
+    let tree = Tree::build(&boxes);
+    let triangles = tree
+        .order
+        .iter()
+        .map(|p| ids[*p as usize])
+        .map(|t| trace_triangle(corners(t), NONE, t, 0))
+        .collect();
+    Ok((tree, triangles))
+}
+
+pub(super) fn static_tree(
+    world: &World,
+    baked: &[u32],
+) -> Result<(Tree, Vec<TraceTriangle>), Box<Diagnostic>> {
+    let (ids, boxes): (Vec<_>, Vec<_>) = baked
+        .par_iter()
+        .flat_map(|i| {
+            let mesh = &world.meshes[world.instances[*i as usize].mesh];
+            (0..mesh.triangles.len() as u32)
+                .into_par_iter()
+                .map(move |t| ((*i, t), world_corners(world, *i, t)))
+        })
+        .filter(|(_, corners)| has_area(*corners))
+        .map(|(id, corners)| (id, bounding_box(corners)))
+        .unzip();
+    let far = |b: &Aabb| !within_reach(b.min.into(), b.max.into());
+    if let Some(bad) = boxes.par_iter().position_first(far) {
+        let name = &world.instances[ids[bad].0 as usize].name;
+        return Err(too_far(&format!("instance \"{name}\"")));
+    }
+    let tree = Tree::build(&boxes);
+    drop(boxes);
+    let flags: Vec<u32> = world
+        .instances
+        .iter()
+        .map(|i| {
+            let mirrors = in_f64(&i.world_from_object).matrix3.determinant() < 0.0;
+            material_flags(&world.materials[i.material]) | if mirrors { FLIPPED } else { 0 }
+        })
+        .collect();
+    let triangles = tree
+        .order
+        .par_iter()
+        .map(|p| {
+            let (i, t) = ids[*p as usize];
+            trace_triangle(world_corners(world, i, t), i, t, flags[i as usize])
+        })
+        .collect();
+    Ok((tree, triangles))
+}

@@ -1,0 +1,247 @@
+//! Trees of meshes that animations deform: refitted to each pose from the topology at rest, rebuilt
+//! where that pose makes them too poor. No earlier frame counts.
+
+use std::ops::Range;
+
+use glam::{Vec3, Vec3A};
+use obvhs::{aabb::Aabb, cwbvh::node::CwBvhNode};
+
+use super::{
+    NONE, STACK_SIZE, TraceTriangle,
+    gpu_layout::trace_triangle,
+    leaves::bounding_box,
+    tree::{self, Tree},
+};
+use crate::world::Mesh;
+
+/// Cost of a refitted tree over that of the tree at rest, each for its own size, beyond which it is
+/// rebuilt.
+const POOREST: f32 = 1.5;
+/// Largest stack of a rebuilt tree; the rest is the top level's.
+const LARGEST_STACK: u32 = STACK_SIZE / 2;
+
+/// The tree of a mesh at rest, and where its poses stand among all trees.
+#[derive(Clone, Debug)]
+pub(super) struct DeformingTree {
+    /// Index into [`World::meshes`](crate::world::World::meshes).
+    pub mesh: usize,
+    /// Reserved in [`Trees::nodes`](super::Trees::nodes), with some to spare for a rebuilt tree.
+    pub nodes: Range<usize>,
+    /// In [`Trees::triangles`](super::Trees::triangles).
+    pub triangles: Range<usize>,
+    rest: Tree,
+    rest_cost: f32,
+}
+
+/// The tree of a mesh in one pose, with the indices of all trees.
+pub(super) struct PosedTree {
+    /// At most as many as were reserved.
+    pub nodes: Vec<CwBvhNode>,
+    /// In leaf order.
+    pub triangles: Vec<TraceTriangle>,
+    /// As [`Tree::stack_need`].
+    pub stack_need: u32,
+}
+
+impl DeformingTree {
+    /// The tree of a mesh at rest, whose poses stand from these indices on.
+    pub fn new(mesh: usize, of: &Mesh, first_node: usize, first_triangle: usize) -> Self {
+        let boxes = boxes(of, &of.positions);
+        let mut rest = Tree::build(&boxes);
+        let rest_cost = refit(&mut rest.nodes, &rest.order, &boxes);
+        let capacity = rest.nodes.len() + rest.nodes.len() / 2 + 1;
+        Self {
+            mesh,
+            nodes: first_node..first_node + capacity,
+            triangles: first_triangle..first_triangle + rest.order.len(),
+            rest,
+            rest_cost,
+        }
+    }
+
+    /// The tree with the vertices at these positions.
+    pub fn pose(&self, mesh: &Mesh, positions: &[Vec3]) -> PosedTree {
+        let boxes = boxes(mesh, positions);
+        let mut posed = self.rest.clone();
+        let cost = refit(&mut posed.nodes, &posed.order, &boxes);
+        // False for a cost that is not a number, of what has no size.
+        if cost > self.rest_cost * POOREST {
+            let rebuilt = Tree::build(&boxes);
+            let need = rebuilt.stack_need;
+            let fits = rebuilt.nodes.len() <= self.nodes.len();
+            if fits && need <= LARGEST_STACK.max(self.rest.stack_need) {
+                posed = rebuilt;
+            }
+        }
+        let corners = |t: u32| mesh.triangles[t as usize].map(|i| positions[i as usize]);
+        let triangles = posed.order.iter();
+        let triangles = triangles.map(|t| trace_triangle(corners(*t), NONE, *t, 0));
+        tree::rebase(
+            &mut posed.nodes,
+            self.nodes.start as u32,
+            self.triangles.start as u32,
+        );
+        PosedTree {
+            triangles: triangles.collect(),
+            nodes: posed.nodes,
+            stack_need: posed.stack_need,
+        }
+    }
+}
+
+/// Of every triangle: those without area may have some in another pose.
+fn boxes(mesh: &Mesh, positions: &[Vec3]) -> Vec<Aabb> {
+    let triangles = mesh.triangles.iter();
+    triangles
+        .map(|t| bounding_box(t.map(|i| positions[i as usize])))
+        .collect()
+}
+
+/// Fits the nodes of a tree to other boxes, and returns its cost by the surface area heuristic, as a
+/// multiple of the root's area.
+fn refit(nodes: &mut [CwBvhNode], order: &[u32], boxes: &[Aabb]) -> f32 {
+    let mut fitted = vec![Aabb::empty(); nodes.len()];
+    let mut cost = 0.0;
+    // Children stand behind their parents.
+    for at in (0..nodes.len()).rev() {
+        let node = &mut nodes[at];
+        let mut children: [Option<Aabb>; 8] = [None; 8];
+        let mut inner = node.child_base_idx as usize;
+        for (slot, child) in children.iter_mut().enumerate() {
+            let meta = node.child_meta[slot];
+            if node.imask >> slot & 1 == 1 {
+                *child = Some(fitted[inner]);
+                cost += fitted[inner].half_area();
+                inner += 1;
+            } else if meta != 0 {
+                // The number of primitives is unary in the upper bits.
+                let first = node.primitive_base_idx as usize + usize::from(meta & 31);
+                let count = (meta >> 5).count_ones();
+                let leaf = &order[first..first + count as usize];
+                let around = leaf.iter().map(|p| boxes[*p as usize]);
+                let around = around.fold(Aabb::empty(), |a, b| a.union(&b));
+                *child = Some(around);
+                cost += around.half_area() * count as f32;
+            }
+        }
+        let present = children.iter().flatten();
+        fitted[at] = present.fold(Aabb::empty(), |a, b| a.union(b));
+        quantize(node, &fitted[at], &children);
+    }
+    cost / fitted[0].half_area()
+}
+
+/// Writes the boxes of the children in steps of 1 / 255 of the node's, rounded up to a power of two
+/// (Ylitie, Karras, Laine 2017, §3.1), as the builder does.
+fn quantize(node: &mut CwBvhNode, around: &Aabb, children: &[Option<Aabb>; 8]) {
+    if children.iter().all(Option::is_none) {
+        return;
+    }
+    let size = (around.max - around.min).max(Vec3A::splat(1e-20));
+    let step = (size / 255.0).log2().ceil().exp2();
+    node.p = around.min.into();
+    node.e = step.to_array().map(|step| (step.to_bits() >> 23) as u8);
+    for (slot, child) in children.iter().enumerate() {
+        let Some(child) = child else { continue };
+        let most = Vec3A::splat(255.0);
+        let min = ((child.min - around.min) / step).floor();
+        let max = ((child.max - around.min) / step).ceil();
+        let [min, max] = [min, max].map(|v| v.clamp(Vec3A::ZERO, most).to_array());
+        [
+            node.child_min_x[slot],
+            node.child_min_y[slot],
+            node.child_min_z[slot],
+        ] = min.map(|v| v as u8);
+        [
+            node.child_max_x[slot],
+            node.child_max_y[slot],
+            node.child_max_z[slot],
+        ] = max.map(|v| v as u8);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene::desc::ShapeDesc, world::shape};
+
+    fn sphere() -> Mesh {
+        shape::mesh(&ShapeDesc::Sphere {
+            radius: 1.0,
+            segments: 32,
+        })
+    }
+
+    /// A refit to the boxes that a tree was built over changes nothing.
+    #[test]
+    fn the_rest_pose_is_the_tree_that_was_built() {
+        let mesh = sphere();
+        let boxes = boxes(&mesh, &mesh.positions);
+        let built = Tree::build(&boxes);
+        let mut refitted = built.nodes.clone();
+        refit(&mut refitted, &built.order, &boxes);
+        assert!(built.nodes.len() > 50);
+        assert_eq!(refitted, built.nodes);
+    }
+
+    /// Every triangle lies in the quantized boxes of all nodes above it.
+    #[test]
+    fn boxes_hold_what_is_below_them() {
+        let mesh = sphere();
+        let tree = DeformingTree::new(0, &mesh, 0, 0);
+        let twisted =
+            |p: &Vec3| glam::Quat::from_rotation_y(p.y * 2.0) * (*p * 3.0) + Vec3::X * 7.0;
+        let positions: Vec<Vec3> = mesh.positions.iter().map(twisted).collect();
+        let posed = tree.pose(&mesh, &positions);
+        assert_eq!(posed.nodes.len(), tree.rest.nodes.len(), "refitted");
+        let mut stack = vec![(0usize, Vec::<Aabb>::new())];
+        let mut seen = 0;
+        while let Some((at, above)) = stack.pop() {
+            let node = &posed.nodes[at];
+            let mut inner = node.child_base_idx as usize;
+            for slot in 0..8 {
+                let mut around = above.clone();
+                around.push(node.child_aabb(slot));
+                let meta = node.child_meta[slot];
+                if node.imask >> slot & 1 == 1 {
+                    stack.push((inner, around));
+                    inner += 1;
+                } else if meta != 0 {
+                    let first = node.primitive_base_idx as usize + usize::from(meta & 31);
+                    for t in &posed.triangles[first..first + (meta >> 5).count_ones() as usize] {
+                        let base = Vec3::from(t.base);
+                        let corners =
+                            [base, base + Vec3::from(t.edge1), base + Vec3::from(t.edge2)];
+                        let holds = |b: &Aabb| {
+                            let slack = Vec3A::splat(1e-5);
+                            corners.iter().all(|c| {
+                                let c = Vec3A::from(*c);
+                                c.cmpge(b.min - slack).all() && c.cmple(b.max + slack).all()
+                            })
+                        };
+                        assert!(around.iter().all(holds), "triangle {}", t.triangle);
+                        seen += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(seen, mesh.triangles.len());
+    }
+
+    /// A pose that tears neighbors apart is rebuilt, the same way whatever came before.
+    #[test]
+    fn torn_poses_are_rebuilt() {
+        let mesh = sphere();
+        let tree = DeformingTree::new(0, &mesh, 0, 0);
+        let count = mesh.positions.len();
+        let torn: Vec<Vec3> = (0..count).map(|i| mesh.positions[i * 7 % count]).collect();
+        let boxes = boxes(&mesh, &torn);
+        let mut refitted = tree.rest.clone();
+        let poor = refit(&mut refitted.nodes, &refitted.order, &boxes);
+        let posed = tree.pose(&mesh, &torn);
+        let mut rebuilt = Tree::build(&boxes);
+        let good = refit(&mut rebuilt.nodes, &rebuilt.order, &boxes);
+        assert!(good < poor, "{good} {poor}");
+        assert_eq!(posed.nodes, rebuilt.nodes);
+    }
+}

@@ -1,0 +1,358 @@
+//! Meshes whose vertices move: morph targets, then linear-blend skinning (glTF 2.0 §3.7.2.2 and
+//! §3.7.3.3), on the CPU. A frame depends on its pose alone.
+
+use std::{mem, sync::Arc};
+
+use glam::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::{
+    Mesh, Posed,
+    rig::{Player, Rig, RigPose},
+};
+use crate::math::Bounds;
+
+/// What moves the vertices of a mesh; all lists are parallel to its positions, or empty.
+#[derive(Clone, Debug, Default)]
+pub struct Deformation {
+    /// Vertices before they are moved.
+    pub bind: Vertices,
+    /// Morph targets that may have a weight.
+    pub targets: Vec<MorphTarget>,
+    /// Four joints of each vertex with their weights, perhaps several times.
+    pub influences: Vec<Vec<Influences>>,
+    /// Whether normals are those of the triangles, three vertices of its own each.
+    pub has_flat_normals: bool,
+}
+
+/// The attributes that a deformation moves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Vertices {
+    /// Object space, meters.
+    pub positions: Vec<Vec3>,
+    /// Unit length.
+    pub normals: Vec<Vec3>,
+    /// As [`Mesh::tangents`].
+    pub tangents: Vec<Vec4>,
+}
+
+/// Offsets of vertices, scaled by a weight.
+#[derive(Clone, Debug, Default)]
+pub struct MorphTarget {
+    /// Which of the weights.
+    pub index: usize,
+    /// Of positions, meters; none where empty.
+    pub positions: Vec<Vec3>,
+    /// Of normals; none where empty.
+    pub normals: Vec<Vec3>,
+    /// Of the direction of tangents; none where empty.
+    pub tangents: Vec<Vec3>,
+}
+
+/// Joints of a vertex, and how much of each; a weight of 0 is no joint.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Influences {
+    /// Indices into the joints of the skin.
+    pub joints: [u16; 4],
+    /// Not negative; the sum over all joints of a vertex is scaled to 1.
+    pub weights: [f32; 4],
+}
+
+/// A joint of a skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    /// Index of its node in the file.
+    pub node: usize,
+    /// Its inverse bind matrix: from the mesh to the node.
+    pub node_from_mesh: Affine3A,
+}
+
+/// The nodes of a file that deform a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DeformingNodes {
+    /// Of its skin; none without one.
+    pub joints: Vec<Joint>,
+    /// The node whose weights of morph targets are animated.
+    pub weights: Option<usize>,
+    /// The weights at rest.
+    pub rest_weights: Vec<f32>,
+}
+
+/// A mesh of the world that an animation deforms.
+#[derive(Clone, Debug)]
+pub struct Deformer {
+    /// Index into [`World::meshes`](super::World::meshes).
+    pub mesh: usize,
+    /// Index into [`Moving::players`](super::pose::Moving::players).
+    pub player: usize,
+    joints: Vec<JointSource>,
+    nodes: DeformingNodes,
+}
+
+/// Where the transform of a joint comes from.
+#[derive(Clone, Copy, Debug)]
+enum JointSource {
+    /// A slot of the player.
+    Slot(usize),
+    /// A node that does not move: model from node.
+    Still(Affine3A),
+}
+
+/// The vertices of a deformed mesh in one pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformed {
+    /// Parallel to those of the mesh.
+    pub vertices: Vertices,
+    /// Around the positions.
+    pub bounds: Bounds,
+    /// Hash of the positions.
+    pub hash: u64,
+}
+
+/// A sum of weighted transforms.
+#[derive(Clone, Copy)]
+struct Blend {
+    linear: Mat3A,
+    translation: Vec3A,
+    weight: f32,
+}
+
+impl Vertices {
+    /// Those of a mesh, which is left without.
+    pub fn take(mesh: &mut Mesh) -> Self {
+        Self {
+            positions: mem::take(&mut mesh.positions),
+            normals: mem::take(&mut mesh.normals),
+            tangents: mem::take(&mut mesh.tangents),
+        }
+    }
+}
+
+impl Deformed {
+    /// Its vertices.
+    pub fn posed(&self) -> Posed<'_> {
+        Posed {
+            positions: &self.vertices.positions,
+            normals: &self.vertices.normals,
+            tangents: &self.vertices.tangents,
+            bounds: self.bounds,
+        }
+    }
+}
+
+impl Mesh {
+    /// Replaces its vertices.
+    pub fn set_vertices(&mut self, vertices: Vertices) {
+        self.bounds = Bounds::of(vertices.positions.iter().copied());
+        self.positions = vertices.positions;
+        self.normals = vertices.normals;
+        self.tangents = vertices.tangents;
+    }
+
+    /// Makes its vertices those that its deformation starts from.
+    pub fn bind(&mut self) {
+        if let Some(deformation) = &mut self.deformation {
+            Arc::make_mut(deformation).bind = Vertices {
+                positions: self.positions.clone(),
+                normals: self.normals.clone(),
+                tangents: self.tangents.clone(),
+            };
+        }
+    }
+
+    /// Exchanges its vertices and those that its deformation starts from.
+    pub fn swap_bind(&mut self) {
+        let Some(mut deformation) = self.deformation.take() else {
+            return;
+        };
+        let bind = &mut Arc::make_mut(&mut deformation).bind;
+        mem::swap(&mut self.positions, &mut bind.positions);
+        mem::swap(&mut self.normals, &mut bind.normals);
+        mem::swap(&mut self.tangents, &mut bind.tangents);
+        self.deformation = Some(deformation);
+    }
+
+    /// As [`Deformation::pose`].
+    pub fn pose(&self, weights: &[f32], joints: &[Affine3A]) -> Vertices {
+        let deformation = self.deformation.as_ref();
+        deformation.map_or_else(Vertices::default, |deformation| {
+            deformation.pose(&self.triangles, weights, joints)
+        })
+    }
+}
+
+impl Deformation {
+    /// The vertices with these weights of morph targets and these transforms of joints, each from
+    /// the mesh to the model. Not finite where those are not.
+    pub fn pose(&self, triangles: &[[u32; 3]], weights: &[f32], joints: &[Affine3A]) -> Vertices {
+        let mut vertices = self.bind.clone();
+        self.morph(weights, &mut vertices);
+        if !self.influences.is_empty() {
+            self.skin(joints, &mut vertices);
+        }
+        if self.has_flat_normals {
+            vertices.normals.resize(vertices.positions.len(), Vec3::Y);
+            for triangle in triangles {
+                let [a, b, c] = triangle.map(|i| vertices.positions[i as usize].as_dvec3());
+                if let Some(normal) = (b - a).cross(c - a).try_normalize() {
+                    for corner in triangle {
+                        vertices.normals[*corner as usize] = normal.as_vec3();
+                    }
+                }
+            }
+        } else {
+            for (normal, bind) in vertices.normals.iter_mut().zip(&self.bind.normals) {
+                *normal = normal.try_normalize().unwrap_or(*bind);
+            }
+        }
+        for (tangent, bind) in vertices.tangents.iter_mut().zip(&self.bind.tangents) {
+            let direction = tangent.truncate().try_normalize();
+            *tangent = direction.map_or(*bind, |d| d.extend(bind.w));
+        }
+        vertices
+    }
+
+    fn morph(&self, weights: &[f32], vertices: &mut Vertices) {
+        for target in &self.targets {
+            let weight = weights.get(target.index).copied().unwrap_or(0.0);
+            if weight == 0.0 {
+                continue;
+            }
+            let add = |to: &mut [Vec3], offsets: &[Vec3]| {
+                for (value, offset) in to.iter_mut().zip(offsets) {
+                    *value += *offset * weight;
+                }
+            };
+            add(&mut vertices.positions, &target.positions);
+            add(&mut vertices.normals, &target.normals);
+            for (tangent, offset) in vertices.tangents.iter_mut().zip(&target.tangents) {
+                *tangent += (*offset * weight).extend(0.0);
+            }
+        }
+    }
+
+    fn blend(&self, vertex: usize, joints: &[Affine3A]) -> Blend {
+        let mut blend = Blend {
+            linear: Mat3A::ZERO,
+            translation: Vec3A::ZERO,
+            weight: 0.0,
+        };
+        for set in &self.influences {
+            let of = set[vertex];
+            for (joint, weight) in of.joints.into_iter().zip(of.weights) {
+                if weight == 0.0 {
+                    continue;
+                }
+                let transform = joints[joint as usize];
+                blend.linear += transform.matrix3 * weight;
+                blend.translation += transform.translation * weight;
+                blend.weight += weight;
+            }
+        }
+        blend
+    }
+
+    fn skin(&self, joints: &[Affine3A], vertices: &mut Vertices) {
+        for i in 0..vertices.positions.len() {
+            let blend = self.blend(i, joints);
+            // Weights should sum to 1; vertices without any stay where they are.
+            if blend.weight <= 0.0 {
+                continue;
+            }
+            let position = Vec3A::from(vertices.positions[i]);
+            let moved = (blend.linear * position + blend.translation) / blend.weight;
+            vertices.positions[i] = moved.into();
+            if let Some(normal) = vertices.normals.get_mut(i) {
+                // The cofactor matrix turns normals as the inverse transpose does, singular or not.
+                let [x, y, z] = [
+                    blend.linear.x_axis,
+                    blend.linear.y_axis,
+                    blend.linear.z_axis,
+                ];
+                let cofactor = Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y));
+                *normal = (cofactor * Vec3A::from(*normal)).into();
+            }
+            if let Some(tangent) = vertices.tangents.get_mut(i) {
+                let turned = blend.linear * Vec3A::from(tangent.truncate());
+                *tangent = turned.extend(tangent.w);
+            }
+        }
+    }
+
+    /// Keeps vertex `order[i]` as vertex `i`.
+    pub fn gather(&mut self, order: &[u32]) {
+        fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+            if !values.is_empty() {
+                *values = order.iter().map(|&i| values[i as usize]).collect();
+            }
+        }
+        pick(&mut self.bind.positions, order);
+        pick(&mut self.bind.normals, order);
+        pick(&mut self.bind.tangents, order);
+        for target in &mut self.targets {
+            pick(&mut target.positions, order);
+            pick(&mut target.normals, order);
+            pick(&mut target.tangents, order);
+        }
+        for set in &mut self.influences {
+            pick(set, order);
+        }
+    }
+}
+
+impl DeformingNodes {
+    /// Whether what a player plays moves any of them.
+    pub fn are_moved_by(&self, player: &Player) -> bool {
+        let moves_joint = |joint: &Joint| player.slot(joint.node).is_some();
+        self.joints.iter().any(moves_joint)
+            || self.weights.is_some_and(|node| player.moves_weights(node))
+    }
+}
+
+impl Deformer {
+    /// Of a mesh that the nodes of a file deform, by a player of that file.
+    pub fn new(
+        mesh: usize,
+        (index, player): (usize, &Player),
+        rig: &Rig,
+        nodes: &DeformingNodes,
+    ) -> Self {
+        let source = |joint: &Joint| match player.slot(joint.node) {
+            Some(slot) => JointSource::Slot(slot),
+            None => {
+                let node = rig.nodes.get(joint.node).and_then(Option::as_ref);
+                JointSource::Still(node.map_or(Affine3A::IDENTITY, |n| n.model_from_node))
+            }
+        };
+        Self {
+            mesh,
+            player: index,
+            joints: nodes.joints.iter().map(source).collect(),
+            nodes: nodes.clone(),
+        }
+    }
+
+    /// The mesh in a pose of its player; `None` for a mesh without a deformation, and for vertices
+    /// that are not finite.
+    pub fn pose(&self, mesh: &Mesh, pose: &RigPose) -> Option<Deformed> {
+        let deformation = mesh.deformation.as_ref()?;
+        let joint = |(source, joint): (&JointSource, &Joint)| {
+            let model_from_node = match source {
+                JointSource::Slot(slot) => pose.nodes[*slot].model_from_node,
+                JointSource::Still(transform) => *transform,
+            };
+            model_from_node * joint.node_from_mesh
+        };
+        let joints = self.joints.iter().zip(&self.nodes.joints).map(joint);
+        let joints: Vec<_> = joints.collect();
+        let animated = self.nodes.weights.and_then(|node| pose.weights.get(&node));
+        let weights = animated.unwrap_or(&self.nodes.rest_weights);
+        let vertices = deformation.pose(&mesh.triangles, weights, &joints);
+        let finite = vertices.positions.iter().all(|p| p.is_finite());
+        finite.then(|| Deformed {
+            bounds: Bounds::of(vertices.positions.iter().copied()),
+            hash: xxh3_64(bytemuck::cast_slice(&vertices.positions)),
+            vertices,
+        })
+    }
+}

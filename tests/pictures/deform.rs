@@ -1,0 +1,136 @@
+//! A skinned, morphing figure looks like the same figure frozen in each pose, whatever was rendered
+//! before, to rasterization, the march, rays and shadow maps.
+
+use std::{path::Path, sync::Arc};
+
+use reflet::{
+    render::{Picture, aov::Aov},
+    scene::{
+        desc::{Method, SceneDesc, ShadowMode, Visibility},
+        stages::{Animator, Scene},
+    },
+    world::World,
+};
+
+use crate::kit::{gpu, integers, renderer, scene_of};
+
+const SCENE: &str = r#"
+version = 1
+timeline = { fps = 24, end = 40 }
+[camera.main]
+eye = [1.4, 1.2, 2.6]
+target = [0, 0.6, 0]
+fov_deg = 50
+[image]
+size = [64, 48]
+[light.lamp]
+kind = "point"
+position = [1, 3, 1.5]
+intensity_cd = 20
+shadow_px = 256
+[light.sun]
+kind = "directional"
+direction = [0.5, -1, -0.6]
+intensity_lux = 1
+shadow_px = 256
+[material.floor]
+roughness = 0
+reflectivity = 0.5
+reflection = "mirror"
+[model.floor]
+shape = { kind = "plane", size = [6, 6] }
+material = "floor"
+[model.figure]
+file = "walker.glb"
+animation = "walk"
+[[instance]]
+model = "floor"
+[[instance]]
+model = "figure"
+[[instance]]
+model = "figure"
+translation = [-0.8, 0, 0.4]
+scale = 0.7
+animation = { name = "walk", start_s = -0.5 }
+"#;
+
+fn scene() -> (SceneDesc, World) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
+    scene_of(&folder.join("test.toml"), SCENE, &[])
+}
+
+/// With the vertices of this pose in the meshes themselves, so that nothing deforms any more.
+fn frozen(world: &World) -> World {
+    let mut frozen = world.clone();
+    for (mesh, deformed) in std::mem::take(&mut frozen.deformed) {
+        frozen.meshes[mesh].set_vertices(deformed.vertices.clone());
+        frozen.meshes[mesh].deformation = None;
+    }
+    frozen.moving.deformers.clear();
+    frozen
+}
+
+fn pose(desc: &SceneDesc, world: &mut World, frame: u32) {
+    let scene = Scene::from(desc.clone());
+    let state = Animator::new(&scene).pose(frame).expect("poses");
+    world.apply(&state).expect("applies");
+}
+
+#[test]
+fn a_skinned_figure_is_its_frozen_poses() {
+    let Some(gpu) = gpu() else { return };
+    let (mut desc, mut world) = scene();
+    assert_eq!(world.deformed.len(), 2, "two figures at different times");
+    let aovs = [Aov::Ids, Aov::HitIds, Aov::Cause];
+    let ways = [
+        (Method::Hybrid, Visibility::Raster, ShadowMode::Map),
+        (Method::Rt, Visibility::Rays, ShadowMode::Ray),
+    ];
+    for (method, visibility, shadow) in ways {
+        desc.reflection.method = method;
+        desc.image.visibility = visibility;
+        for light in &mut desc.lights {
+            light.value.shadow = shadow;
+        }
+        for light in &mut world.lights {
+            light.desc.shadow = shadow;
+        }
+        let mut moving = renderer(gpu, &desc, &world, false);
+        let mut before: Option<Picture> = None;
+        for frame in [30, 3, 14] {
+            pose(&desc, &mut world, frame);
+            moving.update(gpu, &world).expect("the same meshes");
+            let camera = &world.cameras[0].value;
+            let picture = moving.picture(gpu, &world, camera, &aovs).expect("renders");
+            let still = frozen(&world);
+            let mut fixed = renderer(gpu, &desc, &still, false);
+            let expected = fixed.picture(gpu, &still, camera, &aovs).expect("renders");
+            let name = format!("{method:?}, frame {frame}");
+            for aov in aovs {
+                assert_eq!(integers(&picture, aov), integers(&expected, aov), "{name}");
+            }
+            let far = picture.color.iter().zip(&expected.color);
+            let far = far.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(far < 1e-3, "{name}: {far}");
+            let moved = before.as_ref().map(|b| b.color != picture.color);
+            assert_ne!(moved, Some(false), "{name}: frames differ");
+            before = Some(picture);
+        }
+    }
+}
+
+/// A renderer takes only vertices that fit the meshes that it uploaded.
+#[test]
+fn other_vertices_are_refused() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, mut world) = scene();
+    let mut renderer = renderer(gpu, &desc, &world, false);
+    let (mesh, deformed) = world.deformed.pop_first().expect("it is deformed");
+    let mut short = (*deformed).clone();
+    short.vertices.positions.pop();
+    world.deformed.insert(mesh, Arc::new(short));
+    let error = renderer.update(gpu, &world).expect_err("one vertex is missing");
+    assert!(error.to_string().contains("other vertices"), "{error}");
+    world.deformed.remove(&mesh);
+    assert!(renderer.update(gpu, &world).is_err(), "it is not deformed");
+}
