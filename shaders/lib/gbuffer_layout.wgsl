@@ -8,8 +8,21 @@ fn pack_surface(s: Surface) -> vec4u {
         pack_unit(s.normal),
         pack_unit(s.geometric_normal),
         pack2x16float(vec2f(s.roughness, s.metallic)),
-        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u),
+        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u) | (layer_bits(s) << 18u),
     );
+}
+
+// 14 bits beside the reflection mode. Index and absorption are those of the pixel's material.
+fn layer_bits(s: Surface) -> u32 {
+    if (!HAS_LAYERS) { return 0u; }
+    return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * 127.0 + 0.5) << 7u);
+}
+
+// 16 bits beside the emission.
+fn unlit_bits(s: Surface) -> u32 {
+    if (!HAS_LAYERS) { return u32(s.unlit); }
+    return u32(s.unlit) | (u32(s.is_inside) << 1u) | (u32(s.clearcoat_roughness * 127.0 + 0.5) << 2u)
+        | (u32(saturate(s.alpha) * 127.0 + 0.5) << 9u);
 }
 
 fn unpack_geometric_normal(bits: vec4u) -> vec3f {
@@ -22,7 +35,7 @@ fn pack_colors(s: Surface) -> vec4u {
         pack2x16float(s.base_color.xy),
         pack2x16float(vec2f(s.base_color.z, s.occlusion)),
         pack2x16float(emission.xy),
-        pack2x16float(vec2f(emission.z, select(0.0, 1.0, s.unlit))),
+        (pack2x16float(vec2f(emission.z, 0.0)) & 0xffffu) | (unlit_bits(s) << 16u),
     );
 }
 
@@ -38,9 +51,18 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.roughness = roughness_metallic.x;
     s.metallic = roughness_metallic.y;
     s.reflectivity = unpack2x16float(bits.w).x;
-    s.reflection = bits.w >> 16u;
-    let emission_z_unlit = unpack2x16float(packed.w);
-    s.emission = vec3f(unpack2x16float(packed.z), emission_z_unlit.x);
-    s.unlit = emission_z_unlit.y > 0.0;
+    s.reflection = (bits.w >> 16u) & 3u;
+    s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x);
+    s.unlit = (packed.w >> 16u) != 0u;
+    if (HAS_LAYERS) {
+        let layers = bits.w >> 18u;
+        let unlit = packed.w >> 16u;
+        s.transmission = f32(layers & 0x7fu) / 127.0;
+        s.clearcoat = f32((layers >> 7u) & 0x7fu) / 127.0;
+        s.unlit = (unlit & 1u) != 0u;
+        s.is_inside = (unlit & 2u) != 0u;
+        s.clearcoat_roughness = f32((unlit >> 2u) & 0x7fu) / 127.0;
+        s.alpha = f32((unlit >> 9u) & 0x7fu) / 127.0;
+    }
     return s;
 }

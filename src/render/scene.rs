@@ -48,6 +48,8 @@ pub struct Draw {
     pub class: DrawClass,
     /// Whether its pose, and with it its handedness, may change.
     pub dynamic: bool,
+    /// Whether it is drawn into shadow maps, which know no light that passes.
+    pub casts_shadow: bool,
 }
 
 /// A scene on the GPU.
@@ -305,6 +307,8 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
                 &instance.world_from_object,
             ),
             dynamic: instance.dynamic,
+            casts_shadow: (world.materials[instance.material].transmission)
+                .is_none_or(|share| share < 0.5),
         })
     };
     world

@@ -27,6 +27,7 @@ mod container;
 mod extension;
 mod frozen_pose;
 mod geometry;
+mod layers;
 mod light;
 mod material;
 mod meshopt;

@@ -15,6 +15,7 @@ mod extent;
 mod foreign_worlds;
 mod kit;
 mod lamp;
+mod layers;
 mod light_reuse;
 mod material;
 mod mesh;

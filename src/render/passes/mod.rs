@@ -12,6 +12,7 @@ pub mod ssr;
 pub mod surface;
 pub mod tone;
 pub mod trace;
+pub mod transmit;
 pub mod visibility;
 
 use crate::gpu::GpuError;
@@ -53,6 +54,7 @@ passes! {
     primary: Primary,
     surface: Surface,
     light: Light,
+    transmit: Transmit,
     pyramid: Pyramid,
     arguments: Arguments,
     ssr: Ssr,

@@ -4,7 +4,7 @@
 use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
-    LoadOptions, Loader, Source, camera,
+    LoadOptions, Loader, Source, blended, camera,
     material::{ImageKey, slots},
     place::MeshKey,
     pose,
@@ -90,6 +90,7 @@ impl AssetCache {
         let placed = self.place(&mut loader);
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
+            blended::drop_opaque(&mut loader.world, &world.meshes, &world.textures);
             camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();
