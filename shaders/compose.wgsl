@@ -1,6 +1,7 @@
 // Compose: diffuse and specular of the view, with the reflection in place of the mirror term; adds
 // the picture to the sub-frames before it.
 
+#import behind
 #import gbuffer
 #import cause
 
@@ -37,6 +38,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let lit = textureLoad(radiance, id.xy, 0);
     var out = lit.xyz + textureLoad(specular, id.xy, 0).xyz;
     var unlit = lit.w;
+    if (HAS_TRANSMISSION) { out += light_behind(id.xy); }
     if (HAS_REFLECTIONS) {
         if (reflects(textureLoad(cause, id.xy, 0).x)) {
             let s = load_surface(id.xy);

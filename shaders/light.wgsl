@@ -24,7 +24,7 @@ fn light_pixel(id: vec3u) {
     if (textureLoad(view_depth, id.xy, 0).x < FAR_M) {
         let s = load_surface(id.xy);
         lit = shade(s, normalize(frame.eye - s.position), vec2u(0u));
-        unlit = select(0.0, 1.0, s.unlit);
+        unlit = select(0.0, coverage(s), s.unlit);
     } else if (SHOW_ENVIRONMENT) {
         lit.diffuse = environment(normalize(pixel_ray(vec2f(id.xy) + 0.5)));
     }

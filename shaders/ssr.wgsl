@@ -110,7 +110,7 @@ fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
         m.cause = CAUSE_HIDDEN;
     } else if (dot(met.geometric_normal, direction) >= 0.0) {
         m.cause = CAUSE_BACK_FACE;
-    } else if (is_reflector(met)) {
+    } else if (goes_on(met)) {
         m.cause = CAUSE_REFLECTOR;
     }
     return m;
@@ -141,7 +141,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
         m.cause = CAUSE_HIDDEN;
         return m;
     }
-    if (is_reflector(met)) {
+    if (goes_on(met)) {
         m.cause = CAUSE_REFLECTOR;
         return m;
     }
@@ -164,7 +164,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
         let beside = meet(triangle_of(other, origin), direction);
         let neighbor = load_surface(pixel);
         if (is_inside(beside.yz) && beside.x >= low_m && beside.x <= high_m
-            && dot(neighbor.geometric_normal, direction) < 0.0 && !is_reflector(neighbor)) {
+            && dot(neighbor.geometric_normal, direction) < 0.0 && !goes_on(neighbor)) {
             return March(CAUSE_HIT, beside.x, other, beside.yz);
         }
         let footprint = frame.pixel_spread * dot(neighbor.position - frame.eye, frame.forward);

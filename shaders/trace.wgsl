@@ -32,16 +32,18 @@ fn trace_pixel(pixel: vec2u) {
     var origin = ray_origin(first.position, first.geometric_normal);
     start_samples(pixel, 0u);
     var ray = reflected(normalize(first.position - frame.eye), first);
+    start_path();
 
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var found = vec4u(0u, NONE, NONE, 0u);
     var start_m = free_m(textureLoad(cause, pixel, 0).x); // the march has looked up to here
-    for (var bounce = 0u; bounce < frame.bounces; bounce++) {
+    for (var bounce = 0u; bounce < frame.bounces + crossings(); bounce++) {
         start_samples(pixel, bounce + 1u);
         let direction = ray.direction;
         let h = trace_nearest(origin, direction, start_m, frame.ray_length_m);
         start_m = 0.0;
+        throughput *= medium_transmittance(h.t);
         if (h.instance == NONE) {
             color += throughput * beyond(origin, ray);
             break;
@@ -53,7 +55,7 @@ fn trace_pixel(pixel: vec2u) {
         }
         if (bounce == 0u) { found = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         // Without shading a surface only matters where the path may go on from it.
-        if (!SHADE && bounce + 1u == frame.bounces) { break; }
+        if (!SHADE && bounce + 1u == frame.bounces + crossings()) { break; }
         cone = continued(cone, h.t);
         let s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         if (SHADE) {
@@ -62,12 +64,13 @@ fn trace_pixel(pixel: vec2u) {
             let lit = shade(s, -direction, lent);
             color += throughput * (lit.diffuse + lit.specular);
         }
-        if (!is_reflector(s)) { break; }
-        ray = reflected(direction, s);
+        if (!goes_on(s)) { break; }
+        ray = onward(direction, s);
         throughput *= ray.weight;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
-        cone = mirrored_cone(cone, s.curvature);
-        origin = ray_origin(s.position, s.geometric_normal);
+        // What goes through keeps its cone.
+        if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
+        origin = onward_origin(s, ray.direction);
     }
     if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }
     textureStore(hit, pixel, found);

@@ -10,7 +10,7 @@ use reflet::gpu::{
 use reflet::render::shader_variant::ShaderVariant;
 
 /// The library of every variant.
-fn libraries() -> [ShaderLibrary; 4] {
+fn libraries() -> [ShaderLibrary; 7] {
     let embedded = ShaderLibrary::embedded();
     ShaderVariant::ALL.map(|v| v.library(&embedded).unwrap_or_else(|e| panic!("{e}")))
 }
@@ -183,7 +183,7 @@ fn every_pass_reads_only_what_was_written_before() {
 /// What a scene does not use is no part of its shaders: neither code nor bindings.
 #[test]
 fn closed_forms_need_no_samples() {
-    let [closed, _, sampled, panorama] = libraries();
+    let [closed, _, sampled, panorama, ..] = libraries();
     let bindings = |library: &ShaderLibrary| {
         let source = library.source("light").unwrap_or_else(|e| panic!("{e}"));
         let info = check(&source, capabilities(wgpu::Features::empty()));

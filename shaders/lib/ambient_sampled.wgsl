@@ -53,10 +53,12 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         var facets = 0.0;
         if (has_specular) { facets = facet_pdf(s, view, direction); }
         pdf = mix(pdf + by_specular * facets, environment_pdf(direction), by_environment);
+        var arriving = vec3f(1.0);
         if (HAS_ENVIRONMENT_RAYS) {
-            if (!is_open(s, direction, FAR_M)) { continue; }
+            arriving = arriving_share(s, direction, FAR_M);
+            if (all(arriving == vec3f(0.0))) { continue; }
         }
-        let light = environment(direction) * (s.occlusion / max(pdf, 1e-12));
+        let light = environment(direction) * arriving * (s.occlusion / max(pdf, 1e-12));
         out.diffuse += albedo * light * (nl / PI);
         if (!has_specular) { continue; }
         let share = select(1.0, balance(pdf * f32(sampling.rays), facets), is_rough);

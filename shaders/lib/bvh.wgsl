@@ -18,6 +18,8 @@ override HAS_TOP_LEVEL: bool = true;
 override HAS_CUTOUT: bool = true;
 // Whether the nearest triangle is kept that nearest hits passed from behind.
 override TRACK_CULLED: bool = false;
+// Whether some instance is marked ALPHA_TESTED: cut-outs, and what lets light pass.
+override HAS_TESTED: bool = true;
 // Whether work is counted; without it the counting is no part of the pipeline.
 override COUNT: bool = false;
 
@@ -313,7 +315,7 @@ fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t
 
 // Whether a shadow ray need not look further: something opaque is in its way.
 fn is_blocked(best: Hit) -> bool {
-    return best.instance != NO_INSTANCE && (!HAS_CUTOUT || (best.flags & ALPHA_TESTED) == 0u);
+    return best.instance != NO_INSTANCE && (!HAS_TESTED || (best.flags & ALPHA_TESTED) == 0u);
 }
 
 // The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here.

@@ -13,7 +13,7 @@ struct Reflected {
     sky_weight: f32,
 }
 
-fn reflected(direction: vec3f, s: Surface) -> Reflected {
+fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     return Reflected(mirror_direction(direction, s), fresnel(s, dot(s.normal, -direction)), 0.0, 1.0);
 }
 

@@ -31,7 +31,7 @@ fn balance(pdf: f32, other: f32) -> f32 {
 
 // One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
 // the arriving ray.
-fn reflected(direction: vec3f, s: Surface) -> Reflected {
+fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let alpha = s.roughness * s.roughness;
     let mirror = mirror_direction(direction, s);
     if (!is_rough_reflector(s)) {
@@ -124,13 +124,15 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     if (!has_specular && max(albedo.x, max(albedo.y, albedo.z)) <= 0.0) { return out; }
     let pair = next_pair();
     for (var k = 0u; k < sampling.rays; k++) {
-        let l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
+        var l = light_sample(i, s.position, sample_square(sampling.first + k, pair));
         let nl = dot(s.normal, l.to_light);
         if (nl <= 0.0 || dot(s.geometric_normal, l.to_light) <= 0.0 || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
             continue;
         }
         if (HAS_SHADOW_RAYS && lights[i].shadow == SHADOW_RAY) {
-            if (!is_open(s, l.to_light, l.distance_m * 0.9999)) { continue; }
+            let arriving = arriving_share(s, l.to_light, l.distance_m * 0.9999);
+            if (all(arriving == vec3f(0.0))) { continue; }
+            l.color *= arriving;
         }
         out.diffuse += albedo * l.color * (nl / PI);
         if (!has_specular) { continue; }

@@ -8,8 +8,41 @@ fn pack_surface(s: Surface) -> vec4u {
         pack_unit(s.normal),
         pack_unit(s.geometric_normal),
         pack2x16float(vec2f(s.roughness, s.metallic)),
-        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u) | (u32(s.unlit) << 31u),
+        (pack2x16float(vec2f(s.reflectivity, 0.0)) & 0xffffu) | (s.reflection << 16u) | (layer_bits(s) << 18u),
     );
+}
+
+// 14 bits beside the reflection mode. Index and absorption are those of the pixel's material.
+fn layer_bits(s: Surface) -> u32 {
+    if (!HAS_LAYERS) { return u32(s.unlit); }
+    return u32(s.transmission * 127.0 + 0.5) | (u32(s.clearcoat * 127.0 + 0.5) << 7u);
+}
+
+// 16 bits beside the emission.
+fn unlit_bits(s: Surface) -> u32 {
+    if (!HAS_LAYERS) { return pack2x16float(vec2f(clamp(s.curvature, -65000.0, 65000.0), 0.0)) & 0xffffu; }
+    return u32(s.unlit) | (u32(s.is_inside) << 1u) | (u32(s.clearcoat_roughness * 127.0 + 0.5) << 2u)
+        | (u32(saturate(s.alpha) * 127.0 + 0.5) << 9u);
+}
+
+// With layers 8 bits of each must do for occlusion and curvature.
+fn pack_blue_and_occlusion(s: Surface) -> u32 {
+    if (!HAS_LAYERS) { return pack2x16float(vec2f(s.base_color.z, s.occlusion)); }
+    let occlusion = u32(saturate(s.occlusion) * 255.0 + 0.5);
+    return (pack2x16float(vec2f(s.base_color.z, 0.0)) & 0xffffu) | (occlusion << 16u) | (curvature_bits(s.curvature) << 24u);
+}
+
+// A sign over a logarithm in quarters of an octave: 2^-16 to 2^15 per meter; 0: flat.
+fn curvature_bits(curvature: f32) -> u32 {
+    let size = abs(curvature);
+    if (size < 2e-5) { return 0u; }
+    return u32(clamp(log2(size) * 4.0 + 64.5, 1.0, 127.0)) | (u32(curvature < 0.0) << 7u);
+}
+
+fn coarse_curvature(bits: u32) -> f32 {
+    if (bits == 0u) { return 0.0; }
+    let size = exp2((f32(bits & 0x7fu) - 64.0) / 4.0);
+    return select(size, -size, (bits & 0x80u) != 0u);
 }
 
 fn unpack_geometric_normal(bits: vec4u) -> vec3f {
@@ -20,9 +53,9 @@ fn pack_colors(s: Surface) -> vec4u {
     let emission = min(s.emission, vec3f(65000.0));
     return vec4u(
         pack2x16float(s.base_color.xy),
-        pack2x16float(vec2f(s.base_color.z, s.occlusion)),
+        pack_blue_and_occlusion(s),
         pack2x16float(emission.xy),
-        pack2x16float(vec2f(emission.z, clamp(s.curvature, -65000.0, 65000.0))),
+        (pack2x16float(vec2f(emission.z, 0.0)) & 0xffffu) | (unlit_bits(s) << 16u),
     );
 }
 
@@ -38,10 +71,22 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.roughness = roughness_metallic.x;
     s.metallic = roughness_metallic.y;
     s.reflectivity = unpack2x16float(bits.w).x;
-    s.reflection = (bits.w >> 16u) & 0xffu;
-    s.unlit = (bits.w >> 31u) != 0u;
-    let emission_z_curvature = unpack2x16float(packed.w);
-    s.emission = vec3f(unpack2x16float(packed.z), emission_z_curvature.x);
-    s.curvature = emission_z_curvature.y;
+    s.reflection = (bits.w >> 16u) & 3u;
+    s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x);
+    if (!HAS_LAYERS) {
+        s.unlit = (bits.w >> 18u) != 0u;
+        s.curvature = unpack2x16float(packed.w).y;
+        return s;
+    }
+    let layers = bits.w >> 18u;
+    let unlit = packed.w >> 16u;
+    s.transmission = f32(layers & 0x7fu) / 127.0;
+    s.clearcoat = f32((layers >> 7u) & 0x7fu) / 127.0;
+    s.unlit = (unlit & 1u) != 0u;
+    s.is_inside = (unlit & 2u) != 0u;
+    s.clearcoat_roughness = f32((unlit >> 2u) & 0x7fu) / 127.0;
+    s.alpha = f32((unlit >> 9u) & 0x7fu) / 127.0;
+    s.occlusion = f32((packed.y >> 16u) & 0xffu) / 255.0;
+    s.curvature = coarse_curvature(packed.y >> 24u);
     return s;
 }

@@ -1,6 +1,5 @@
 // Directions that follow the lobes of a surface, and their densities.
 
-#import bvh
 #import frame
 
 // Columns: tangent, bitangent, normal (Duff et al. 2017).
@@ -47,9 +46,4 @@ fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     let nh = saturate(dot(s.normal, normalize(view + direction)));
     let d = nh * nh * (a2 - 1.0) + 1.0;
     return ggx_g1(nv, a2) * a2 / (PI * d * d) / (4.0 * nv);
-}
-
-// Where a ray from the surface leads past whatever is in its way.
-fn is_open(s: Surface, direction: vec3f, distance_m: f32) -> bool {
-    return !trace_any(ray_origin(s.position, s.geometric_normal), direction, 0.0, distance_m);
 }

@@ -23,8 +23,14 @@ struct Material {
     alpha_cutoff: f32, // below 0: opaque
     reflection: u32, // REFLECTION_*
     unlit: u32, // 1: the base color is shown as it is
-    pad0: u32,
-    pad1: u32,
+    transmission: f32,
+    clearcoat: f32,
+    absorption: vec3f, // per meter
+    ior: f32,
+    clearcoat_roughness: f32,
+    is_solid: u32, // 1: what passes is refracted and absorbed up to the other side
+    is_blended: u32, // 1: its alpha is the share of light that it stops
+    pad: u32,
     textures: array<TextureUse, 5>, // base color, metallic-roughness, normal, occlusion, emission
 }
 
@@ -41,7 +47,19 @@ struct Surface {
     reflection: u32, // 0 none, 1 auto, 2 mirror
     curvature: f32, // mean, 1/m; positive: convex to the viewer. Only where something is filtered by it
     unlit: bool, // its emission is a display color: no exposure, no tone map
+    // Set with HAS_LAYERS.
+    transmission: f32,
+    alpha: f32,
+    clearcoat: f32,
+    clearcoat_roughness: f32,
+    ior: f32,
+    absorption: vec3f,
+    is_solid: bool,
+    is_inside: bool, // seen from within a solid
 }
+
+// Whether some surface lets light through or has a clear coat.
+override HAS_LAYERS: bool = true;
 
 // A surface with the numbers of a material, before textures.
 fn material_surface(m: u32) -> Surface {

@@ -10,6 +10,10 @@ struct Sampling {
     turn: vec2f, // cosine and sine of the panorama's rotation
     scale: f32, // radiance of a texel of 1
     sample: u32, // the sub-frame
+    samples: u32, // sub-frames of a picture
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 @group(0) @binding(5) var<uniform> sampling: Sampling;

@@ -4,6 +4,7 @@
 #import environment
 #import extent
 #import frame
+#import layers
 #import surface
 #import shadow
 
@@ -30,6 +31,7 @@ fn f90(f: vec3f) -> f32 {
 
 // Schlick 1994.
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
+    if (is_transmissive(s)) { return transmissive_fresnel(s, cosine); }
     let f = f0(s);
     let x = 1.0 - saturate(cosine);
     let x2 = x * x;
@@ -37,7 +39,13 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
 }
 
 fn is_reflector(s: Surface) -> bool {
-    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < frame.roughness_cutoff);
+    return s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.roughness < frame.roughness_cutoff)
+        || has_traced_coat(s);
+}
+
+// Whether a path that meets the surface goes on from there.
+fn goes_on(s: Surface) -> bool {
+    return is_reflector(s) || is_transmissive(s);
 }
 
 // Diffuse albedo: what the specular coat leaves, on average over the hemisphere, so that it does
@@ -45,7 +53,7 @@ fn is_reflector(s: Surface) -> bool {
 fn diffuse_albedo(s: Surface) -> vec3f {
     let f = vec3f(s.reflectivity);
     let coat = f.x + (f90(f) - f.x) / 21.0;
-    return s.base_color * (1.0 - s.metallic) * (1.0 - coat);
+    return s.base_color * (1.0 - s.metallic) * (1.0 - coat) * reflected_share(s);
 }
 
 // Below it highlights would be smaller than rounding can tell, and reflections are sharp.
@@ -114,8 +122,8 @@ fn lent_bits(words: vec2u, i: u32) -> u32 {
     return (words[i >> 4u] >> (2u * (i & 15u))) & 3u;
 }
 
-// `lent`: what is known already of the lights that reach the surface; 0: nothing.
-fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
+// One layer of a surface. `lent`: what is known already of the lights that reach the surface; 0: nothing.
+fn shade_layer(s: Surface, view: vec3f, lent: vec2u) -> Shade {
     let albedo = diffuse_albedo(s);
     var out = environment_light(s, view, albedo);
     out.diffuse += s.emission;
@@ -134,12 +142,12 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         }
         let known = lent_bits(lent, i);
         if (known == LENT_DARK) { continue; }
-        var visible = 1.0;
+        var visible = vec3f(1.0);
         if (known != LENT_LIT) {
             visible = light_visibility(i, s.position, s.geometric_normal, l.to_light, l.distance_m);
         }
         if (i < LENT_LIGHTS && lights[i].shadow == SHADOW_RAY) {
-            let bits = select(0u, LENT_DARK, visible == 0.0) | select(0u, LENT_LIT, visible == 1.0);
+            let bits = select(0u, LENT_DARK, all(visible == vec3f(0.0))) | select(0u, LENT_LIT, all(visible == vec3f(1.0)));
             out.visible[i >> 4u] |= bits << (2u * (i & 15u));
         }
         let lit = l.color * visible;
@@ -147,6 +155,11 @@ fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
         if (has_specular) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
     return out;
+}
+
+// Share of light that arrives at the surface from there.
+fn arriving_share(s: Surface, direction: vec3f, distance_m: f32) -> vec3f {
+    return transmittance(ray_origin(s.position, s.geometric_normal), direction, distance_m);
 }
 
 // What a reflection ray sees that meets no surface.

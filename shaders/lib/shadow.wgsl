@@ -1,25 +1,25 @@
 // How much of a light arrives: depth maps with filtering, or shadow rays.
 
 #import frame
-#import bvh
+#import layers
 
 override HAS_SHADOW_RAYS: bool = true;
 
-fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> f32 {
+fn light_visibility(i: u32, position: vec3f, normal: vec3f, to_light: vec3f, distance_m: f32) -> vec3f {
     switch lights[i].shadow {
         case SHADOW_MAP: {
-            if (lights[i].kind == LIGHT_POINT) { return cube_visibility(i, position, normal, to_light); }
-            return map_visibility(i, position, normal, to_light);
+            if (lights[i].kind == LIGHT_POINT) { return vec3f(cube_visibility(i, position, normal, to_light)); }
+            return vec3f(map_visibility(i, position, normal, to_light));
         }
         case SHADOW_RAY: {
             if (HAS_SHADOW_RAYS) {
                 let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), 1e-3));
                 let origin = position + normal * (size * 4e-5);
-                return select(1.0, 0.0, trace_any(origin, to_light, 0.0, distance_m * 0.9999));
+                return transmittance(origin, to_light, distance_m * 0.9999);
             }
-            return 1.0;
+            return vec3f(1.0);
         }
-        default: { return 1.0; }
+        default: { return vec3f(1.0); }
     }
 }
 

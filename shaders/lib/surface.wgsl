@@ -187,6 +187,17 @@ fn surface_at(instance: u32, triangle: u32, bary: vec2f, direction: vec3f, cone_
         ng = -ng;
     }
     // Interpolated or mapped normals may tip over the edge of a silhouette triangle.
+    if (HAS_LAYERS) {
+        s.transmission = materials[m].transmission;
+        s.clearcoat = materials[m].clearcoat;
+        s.clearcoat_roughness = materials[m].clearcoat_roughness;
+        s.ior = materials[m].ior;
+        s.absorption = materials[m].absorption;
+        s.is_solid = materials[m].is_solid != 0u;
+        s.is_inside = behind && s.is_solid;
+        s.alpha = 1.0;
+        if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint, area2); }
+    }
     let below = dot(n, ng);
     if (below < 0.0) { n = normalize(n - 2.0 * below * ng); }
     s.normal = n;

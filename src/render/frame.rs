@@ -146,6 +146,7 @@ impl Renderer {
         passes.primary.record(frame);
         passes.surface.record(frame);
         passes.light.record(frame);
+        passes.transmit.record(frame);
         passes.pyramid.record(frame);
         passes.arguments.record(frame); // of the reflective pixels
         passes.ssr.record(frame);

@@ -130,6 +130,10 @@ impl Sampling {
             turn: [turn.cos(), turn.sin()],
             scale: environment.desc.intensity * panorama.map_or(0.0, |p| p.scale),
             sample,
+            samples: image.samples,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 }

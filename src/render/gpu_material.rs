@@ -36,8 +36,14 @@ pub fn gpu_material(m: &Material, world: &World, layers: &Layers) -> GpuMaterial
             0
         },
         unlit: m.unlit.into(),
-        pad0: 0,
-        pad1: 0,
+        transmission: m.transmission.unwrap_or(0.0),
+        clearcoat: m.clearcoat.unwrap_or(0.0),
+        absorption: m.absorption().to_array(),
+        ior: m.ior,
+        clearcoat_roughness: m.clearcoat_roughness,
+        is_solid: m.solid.into(),
+        is_blended: m.blended.into(),
+        pad: 0,
         textures: m.slots().map(slot),
     }
 }

@@ -1,6 +1,7 @@
 //! What a scene needs, and what is therefore left out: model no more than the scene uses.
 
-use glam::Vec3;
+mod mutual_reflections;
+
 use serde::Serialize;
 
 use crate::{
@@ -8,6 +9,7 @@ use crate::{
     world::{Material, World, Wrap, bvh::Trees},
 };
 
+use self::mutual_reflections::reflectors_see_each_other;
 use super::{
     lights::has_shadow_rays, options::RenderOptions, shader_variant::ShaderVariant,
     textures::Layers,
@@ -51,6 +53,10 @@ pub struct Plan {
     pub sampled_environment: bool,
     /// Some light has a size.
     pub sized_lights: bool,
+    /// Some surface lets light through.
+    pub transmission: bool,
+    /// Some surface has a clear coat.
+    pub coats: bool,
     /// Some reflection is spread by roughness.
     pub rough_reflections: bool,
     /// The environment is a panorama.
@@ -72,12 +78,14 @@ pub struct Plan {
 
 /// Whether a material has a specular lobe that a reflection could replace.
 pub fn has_specular(material: &Material) -> bool {
-    material.reflectivity > 0.0 || material.metallic > 0.0
+    material.reflectivity > 0.0 || material.metallic > 0.0 || material.clearcoat.is_some()
 }
 
 /// Whether a material can reflect at all, so that its pixels are worth marching.
 pub fn can_reflect(material: &Material, cutoff: f32) -> bool {
-    let smooth = material.metallic_roughness_texture.is_some() || material.roughness < cutoff;
+    let smooth = material.metallic_roughness_texture.is_some()
+        || material.roughness < cutoff
+        || (material.clearcoat.is_some() && material.clearcoat_roughness < cutoff);
     has_specular(material)
         && match material.reflection {
             ReflectionMode::None => false,
@@ -94,17 +102,33 @@ pub fn may_reflect(world: &World, material: usize, cutoff: f32) -> bool {
 /// Roughness up to which a reflection is sharp; its square is `SMOOTH_ALPHA` of the shaders.
 const SHARP_ROUGHNESS: f32 = 0.044_72;
 
-/// Whether some material that reflects by its roughness is, in some frame, too rough for one sharp ray.
+/// Whether some material that reflects by its roughness, or lets light through, is in some frame too rough
+/// for one sharp ray.
 pub fn reflects_roughly(world: &World, cutoff: f32) -> bool {
     let is_rough = |index: usize| {
         let material = &world.materials[index];
         let spread = material.metallic_roughness_texture.is_some()
-            || (SHARP_ROUGHNESS..cutoff).contains(&material.roughness);
+            || (SHARP_ROUGHNESS..cutoff).contains(&material.roughness)
+            || (material.clearcoat.is_some() && material.clearcoat_roughness >= SHARP_ROUGHNESS);
+        let scatters = material.transmission.is_some()
+            && (material.metallic_roughness_texture.is_some()
+                || material.roughness >= SHARP_ROUGHNESS);
         material.reflection == ReflectionMode::Auto
             && may_reflect(world, index, cutoff)
             && (spread || world.may_change(index))
+            && cutoff > SHARP_ROUGHNESS
+            || scatters
     };
-    cutoff > SHARP_ROUGHNESS && world.instances.iter().any(|i| is_rough(i.material))
+    world.instances.iter().any(|i| is_rough(i.material))
+}
+
+/// Whether some material may let light through.
+pub fn passes_light(world: &World) -> bool {
+    (world.instances.iter()).any(|i| world.materials[i.material].passes_light())
+}
+
+fn has_coats(world: &World) -> bool {
+    (world.instances.iter()).any(|i| world.materials[i.material].clearcoat.is_some())
 }
 
 /// Whether some material reflects in some frame.
@@ -126,6 +150,7 @@ pub fn traces_rays(world: &World, options: &RenderOptions) -> bool {
         || has_primary_rays(options)
         || has_shadow_rays(&world.lights, options)
         || world.environment.casts_rays()
+        || passes_light(world)
 }
 
 /// Whether the march takes only what a ray is shown to meet.
@@ -142,6 +167,8 @@ impl Plan {
             sampled_environment: world.environment.is_sampled(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
             rough_reflections: reflects_roughly(world, settings.reflects_below()),
+            transmission: passes_light(world),
+            coats: has_coats(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: world.environment.casts_rays(),
             shows_environment: world.environment.desc.visible,
@@ -173,7 +200,9 @@ impl Plan {
         let (slot_pools, wraps) = samplers(world, &used, layers);
         let cutoff = settings.reflects_below();
         let reflections = reflects(world, cutoff);
-        let single_bounce = reflections && !reflectors_see_each_other(world, cutoff);
+        // What lets light through also shows reflectors their backs.
+        let single_bounce =
+            reflections && !passes_light(world) && !reflectors_see_each_other(world, cutoff);
         let traced = traces_rays(world, options);
         let mut plan = Self {
             reflections,
@@ -192,6 +221,8 @@ impl Plan {
             sampled_environment: world.environment.is_sampled(),
             sized_lights: world.lights.iter().any(|l| l.desc.kind.has_size()),
             rough_reflections: reflects_roughly(world, cutoff),
+            transmission: passes_light(world),
+            coats: has_coats(world),
             panorama: world.environment.panorama.is_some(),
             environment_rays: world.environment.casts_rays(),
             shows_environment: world.environment.desc.visible,
@@ -266,6 +297,12 @@ impl Plan {
             "whatever reflects is smooth",
         );
         drop(
+            !self.transmission,
+            "transmission",
+            "no material lets light through",
+        );
+        drop(!self.coats, "clear coats", "no material has one");
+        drop(
             self.reflections && self.bounces < settings.bounces,
             "bounces after the first",
             "no reflector can see another",
@@ -275,10 +312,19 @@ impl Plan {
     /// The shader files that it needs.
     pub fn variant(&self) -> ShaderVariant {
         ShaderVariant {
-            extent: self.sampled_environment || self.sized_lights || self.rough_reflections,
+            extent: self.sampled_environment
+                || self.sized_lights
+                || self.rough_reflections
+                || self.has_layers(),
             ambient: self.sampled_environment,
             panorama: self.panorama,
+            layers: self.has_layers(),
         }
+    }
+
+    /// Whether some surface lets light through or has a clear coat.
+    fn has_layers(&self) -> bool {
+        self.transmission || self.coats
     }
 
     /// Values for the shaders' overrides, by name.
@@ -290,6 +336,7 @@ impl Plan {
             ("HAS_TOP_LEVEL", flag(self.top_level)),
             ("HAS_CULLED", flag(self.culled_surfaces)),
             ("HAS_CUTOUT", flag(self.cutouts)),
+            ("HAS_TESTED", flag(self.cutouts || self.transmission)),
             ("HAS_NORMAL_MAPS", flag(self.normal_maps)),
             ("HAS_TEXTURES", flag(self.textures)),
             ("HAS_CHECKERS", flag(self.checkers)),
@@ -298,6 +345,9 @@ impl Plan {
             ("HAS_SIZED_LIGHTS", flag(self.sized_lights)),
             ("HAS_ROUGH_REFLECTIONS", flag(self.rough_reflections)),
             ("HAS_ENVIRONMENT_RAYS", flag(self.environment_rays)),
+            ("HAS_LAYERS", flag(self.has_layers())),
+            ("HAS_TRANSMISSION", flag(self.transmission)),
+            ("HAS_COATS", flag(self.coats)),
             ("SHOW_ENVIRONMENT", flag(self.shows_environment)),
             ("SLOT_POOLS", f64::from(self.slot_pools)),
             ("WRAPS", f64::from(self.wraps)),
@@ -324,56 +374,4 @@ fn samplers(world: &World, used: &[usize], layers: &Layers) -> (u32, u32) {
         }
     }
     (slot_pools, wraps)
-}
-
-/// Most (plane, vertex) pairs that are looked at before the answer is "perhaps".
-const MAX_PAIRS: usize = 1 << 22;
-
-/// Whether a ray from one reflector may meet another (or the same one): conservative, true unless
-/// every reflector vertex lies on or behind the plane of every reflector triangle, from the sides
-/// that can be seen.
-fn reflectors_see_each_other(world: &World, cutoff: f32) -> bool {
-    let mut planes: Vec<(Vec3, f32, bool)> = Vec::new();
-    let mut points: Vec<Vec3> = Vec::new();
-    let scale = world.unit_m() * 16.0;
-    for instance in &world.instances {
-        let material = &world.materials[instance.material];
-        if !may_reflect(world, instance.material, cutoff) {
-            continue;
-        }
-        if instance.dynamic {
-            return true;
-        }
-        let (mesh, posed) = (&world.meshes[instance.mesh], world.posed(instance.mesh));
-        let place = |i: u32| {
-            instance
-                .world_from_object
-                .transform_point3(posed.positions[i as usize])
-        };
-        let mirrored = instance.world_from_object.matrix3.determinant() < 0.0;
-        for triangle in &mesh.triangles {
-            let [a, b, c] = triangle.map(place);
-            let normal = (b - a).cross(c - a).normalize_or_zero();
-            let normal = if mirrored { -normal } else { normal };
-            let plane = (normal, normal.dot(a), material.double_sided);
-            let known = |p: &&(Vec3, f32, bool)| {
-                p.0.dot(normal) > 0.999_999
-                    && (p.1 - plane.1).abs() < 1e-5 * scale
-                    && p.2 == plane.2
-            };
-            if planes.iter().rev().take(64).find(known).is_none() {
-                planes.push(plane);
-            }
-            points.extend([a, b, c]);
-            if planes.len() * points.len() > MAX_PAIRS {
-                return true;
-            }
-        }
-    }
-    planes.iter().any(|&(normal, offset, double_sided)| {
-        points.iter().any(|p| {
-            let height = normal.dot(*p) - offset;
-            height > 1e-4 * scale || (double_sided && height < -1e-4 * scale)
-        })
-    })
 }

@@ -52,6 +52,8 @@ pub struct Draw {
     pub hides_backs: bool,
     /// Hash of the vertices of a deformed mesh, else 0.
     pub shape: u64,
+    /// Whether it is drawn into shadow maps, which know no light that passes.
+    pub casts_shadow: bool,
 }
 
 /// A scene on the GPU.
@@ -339,6 +341,8 @@ fn draws(world: &World, mesh_ranges: &[MeshRange]) -> Vec<Draw> {
             dynamic: instance.dynamic,
             hides_backs: world.hides_backs(instance),
             shape: shape_of(world, instance.mesh),
+            casts_shadow: (world.materials[instance.material].transmission)
+                .is_none_or(|share| share < 0.5),
         })
     };
     world

@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `environment` and `extent` mean others where a plan drops samples, so that unused code and bindings are
+//! `behind`, `environment`, `extent` and `layers` mean others where a plan drops samples, so that unused code and bindings are
 //! no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -9,28 +9,34 @@ use super::constants::wgsl;
 /// The files that a plan needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShaderVariant {
-    /// Some light has a size, or some reflection is rough; so it is where the environment is sampled.
+    /// Some light has a size, some reflection is rough, or some surface has layers; so it is where the environment is sampled.
     pub extent: bool,
     /// The environment's light is sampled, not in closed form.
     pub ambient: bool,
     /// The environment is a panorama; then its light is sampled.
     pub panorama: bool,
+    /// Some surface lets light through or has a clear coat; then there are samples.
+    pub layers: bool,
 }
 
 impl ShaderVariant {
     /// All that there are.
-    pub const ALL: [Self; 4] = [
-        Self::new(false, false, false),
-        Self::new(true, false, false),
-        Self::new(true, true, false),
-        Self::new(true, true, true),
+    pub const ALL: [Self; 7] = [
+        Self::new([false, false, false, false]),
+        Self::new([true, false, false, false]),
+        Self::new([true, true, false, false]),
+        Self::new([true, true, true, false]),
+        Self::new([true, false, false, true]),
+        Self::new([true, true, false, true]),
+        Self::new([true, true, true, true]),
     ];
 
-    const fn new(extent: bool, ambient: bool, panorama: bool) -> Self {
+    const fn new([extent, ambient, panorama, layers]: [bool; 4]) -> Self {
         Self {
             extent,
             ambient,
             panorama,
+            layers,
         }
     }
 
@@ -45,6 +51,8 @@ impl ShaderVariant {
         };
         let imports = [
             choose("ambient", self.ambient, ["closed", "sampled"]),
+            choose("behind", self.layers, ["none", "transmitted"]),
+            choose("layers", self.layers, ["none", "followed"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),
             choose("extent", self.extent, ["none", "sampled"]),
         ];

@@ -27,6 +27,8 @@ pub enum Target {
     Reflection,
     /// The reflection, blurred in one direction.
     Blurred,
+    /// Radiance that passes through the surface.
+    TransmittedLight,
     /// Why, in the low byte; see [`super::cause::Cause`]. Above: the distance proven free.
     Cause,
     /// Distance (bits of an f32), instance, triangle and barycentrics that the mirror ray met.
@@ -46,7 +48,7 @@ use wgpu::TextureFormat as F;
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::RasterDepth,
         Self::Ids,
         Self::ViewDepth,
@@ -57,6 +59,7 @@ impl Target {
         Self::VisibleLights,
         Self::Reflection,
         Self::Blurred,
+        Self::TransmittedLight,
         Self::Cause,
         Self::Hit,
         Self::ColorEven,
@@ -77,6 +80,7 @@ impl Target {
             Self::VisibleLights => "visible_lights",
             Self::Reflection => "reflection",
             Self::Blurred => "blurred",
+            Self::TransmittedLight => "transmitted_light",
             Self::Cause => "cause",
             Self::Hit => "hit",
             Self::ColorEven => "color_even",
@@ -92,7 +96,11 @@ impl Target {
             Self::Ids | Self::VisibleLights => F::Rg32Uint,
             Self::ViewDepth => F::R32Float,
             Self::Surface | Self::Colors | Self::Hit => F::Rgba32Uint,
-            Self::Radiance | Self::Specular | Self::Reflection | Self::Blurred => F::Rgba16Float,
+            Self::Radiance
+            | Self::Specular
+            | Self::Reflection
+            | Self::Blurred
+            | Self::TransmittedLight => F::Rgba16Float,
             Self::Cause => F::R32Uint,
             Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
             Self::Display => F::Rgba8Unorm,

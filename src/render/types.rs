@@ -103,6 +103,14 @@ gpu_struct! {
         scale: f32,
         /// The sub-frame, from 0.
         sample: u32,
+        /// Sub-frames of a picture.
+        samples: u32,
+        /// Unused.
+        pad0: u32,
+        /// Unused.
+        pad1: u32,
+        /// Unused.
+        pad2: u32,
     }
 }
 
@@ -255,10 +263,22 @@ gpu_struct! {
         reflection: u32,
         /// 1: the base color is shown as it is.
         unlit: u32,
+        /// Share of what is not reflected.
+        transmission: f32,
+        /// Strength of the clear coat.
+        clearcoat: f32,
+        /// Per meter inside of a solid.
+        absorption: [f32; 3],
+        /// Index of refraction.
+        ior: f32,
+        /// Perceptual.
+        clearcoat_roughness: f32,
+        /// 1: what passes is refracted and absorbed.
+        is_solid: u32,
+        /// 1: its alpha is the share of light that it stops.
+        is_blended: u32,
         /// Unused.
-        pad0: u32,
-        /// Unused.
-        pad1: u32,
+        pad: u32,
         /// Base color, metallic-roughness, normal, occlusion, emission.
         textures: [GpuTextureUse; 5],
     }

@@ -37,7 +37,7 @@ impl WorldKey {
             TreeInstance {
                 mesh: i.mesh,
                 static_pose: (!i.dynamic).then_some(i.world_from_object),
-                is_cutout: material.alpha_cutoff.is_some(),
+                is_cutout: material.alpha_cutoff.is_some() || material.passes_light(),
                 is_double_sided: material.double_sided,
             }
         };

@@ -28,7 +28,7 @@ pub use self::{
     light::{LIGHT, LightDesc, LightKind, LightMotionDesc, ShadowMode},
     material::{
         CheckerDesc, MATERIAL, MATERIAL_FIELDS, MaterialDesc, MaterialMotionDesc, PLAIN,
-        ReflectionMode,
+        ReflectionMode, reflectivity_of,
     },
     motion::{InstanceMotionDesc, ModelMotionDesc, MotionDesc, ParamValue, TimelineDesc},
     reflection::{Accept, Method, REFLECTION, ReflectionDesc},

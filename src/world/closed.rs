@@ -56,15 +56,12 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let bounds = Bounds::of(positions.iter().copied());
         Mesh {
-            name: String::new(),
             normals: vec![Vec3::Y; 4],
-            tangents: Vec::new(),
             uv0: vec![glam::Vec2::ZERO; 4],
-            uv1: Vec::new(),
-            colors: Vec::new(),
             triangles: triangles.to_vec(),
             bounds,
             positions,
+            ..Mesh::default()
         }
     }
 

@@ -27,6 +27,7 @@ mod check_indices;
 mod container;
 mod extension;
 mod geometry;
+mod layers;
 mod light;
 mod material;
 mod meshopt;

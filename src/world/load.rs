@@ -17,6 +17,7 @@ use crate::scene::{
 };
 
 mod asset_cache;
+mod blended;
 mod camera;
 mod check_names;
 mod environment;
@@ -240,7 +241,8 @@ impl<'a> Loader<'a> {
         self.add_files(&image_files);
         self.world.textures = texture::decode_all(&requests, &limits)?.into();
         self.warn_of_reduced(&requests);
-        let meshes = self.world.meshes.clone();
+        let (meshes, textures) = (self.world.meshes.clone(), self.world.textures.clone());
+        blended::drop_opaque(&mut self.world, &meshes, &textures);
         deform_at_start(&mut self.world, &meshes, self.desc)?;
         camera::add_default(&mut self.world, &meshes, self.desc.image.size);
         self.world.rest_unit_m = Some(self.world.unit_m());

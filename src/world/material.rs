@@ -34,6 +34,22 @@ pub struct Material {
     /// Whether the base color is shown as it is: without light, exposure and tone map
     /// (KHR_materials_unlit). Such a material has no specular.
     pub unlit: bool,
+    /// Share of what is not reflected that passes through; `None`: it never lets light through.
+    pub transmission: Option<f32>,
+    /// Whether what passes is refracted and absorbed up to the other side of the mesh.
+    pub solid: bool,
+    /// Index of refraction inside of a solid, 1 or more.
+    pub ior: f32,
+    /// What white light becomes after the attenuation distance inside.
+    pub attenuation_color: Vec3,
+    /// Meters; `None`: nothing is absorbed.
+    pub attenuation_distance_m: Option<f32>,
+    /// Strength of the clear coat, 0 to 1; `None`: it never has one.
+    pub clearcoat: Option<f32>,
+    /// Perceptual roughness of the clear coat, 0 to 1.
+    pub clearcoat_roughness: f32,
+    /// Whether its alpha is the share of light that it stops (glTF's `BLEND`).
+    pub blended: bool,
     /// Reflection mode.
     pub reflection: ReflectionMode,
     /// Procedural checker multiplied into the base color.
@@ -76,6 +92,14 @@ impl Default for Material {
             alpha_cutoff: None,
             double_sided: false,
             unlit: false,
+            transmission: None,
+            solid: false,
+            ior: 1.5,
+            attenuation_color: Vec3::ONE,
+            attenuation_distance_m: None,
+            clearcoat: None,
+            clearcoat_roughness: 0.0,
+            blended: false,
             reflection: ReflectionMode::Auto,
             checker: None,
             base_color_texture: None,
@@ -107,6 +131,19 @@ impl Material {
         })
     }
 
+    /// Whether it may let light through.
+    pub fn passes_light(&self) -> bool {
+        self.transmission.is_some() || self.blended
+    }
+
+    /// Absorption inside of it along each meter, by Beer and Lambert's law.
+    pub fn absorption(&self) -> Vec3 {
+        const LEAST: f32 = 1e-6; // black after the distance, without infinities
+        let distance_m = self.attenuation_distance_m.unwrap_or(f32::INFINITY);
+        let color = self.attenuation_color.max(Vec3::splat(LEAST));
+        (color.map(|c| -c.ln()) / distance_m).min(Vec3::splat(1e12))
+    }
+
     /// The numbers that motion may change; the strength is in the emission already.
     pub fn numbers(&self) -> Box<MaterialDesc> {
         Box::new(MaterialDesc {
@@ -120,6 +157,11 @@ impl Material {
             emission: Some(self.emission),
             emission_strength: Some(1.0),
             reflectivity: Some(self.reflectivity),
+            transmission: self.transmission,
+            attenuation_color: Some(self.attenuation_color),
+            attenuation_distance_m: self.attenuation_distance_m,
+            clearcoat: self.clearcoat,
+            clearcoat_roughness: Some(self.clearcoat_roughness),
             checker: self.checker,
             ..MaterialDesc::default()
         })
@@ -143,6 +185,11 @@ impl Material {
         self.alpha_cutoff = desc.alpha_cutoff.or(self.alpha_cutoff);
         self.checker = desc.checker.or(self.checker);
         set(&mut self.reflectivity, desc.reflectivity);
+        self.transmission = desc.transmission.or(self.transmission);
+        set(&mut self.attenuation_color, desc.attenuation_color);
+        self.attenuation_distance_m = desc.attenuation_distance_m.or(self.attenuation_distance_m);
+        self.clearcoat = desc.clearcoat.or(self.clearcoat);
+        set(&mut self.clearcoat_roughness, desc.clearcoat_roughness);
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }

@@ -73,32 +73,22 @@ fn texture_transform_turns_like_the_viewers() {
 #[test]
 fn unsupported_features_are_warned_about() {
     let mut doc = stone();
-    doc.json["materials"][0]["alphaMode"] = "BLEND".into();
     doc.json["extensionsUsed"] = json!([
-        "KHR_materials_clearcoat",
+        "KHR_materials_sheen",
         "KHR_materials_unlit",
         "VENDOR_look",
-        "KHR_materials_clearcoat"
+        "KHR_materials_sheen"
     ]);
     let world = doc.world();
-    assert_eq!(
-        warnings(&world),
-        [
-            "extension-ignored",
-            "extension-ignored",
-            "alpha-blend-opaque"
-        ]
-    );
+    assert_eq!(warnings(&world), ["extension-ignored", "extension-ignored"]);
     let messages = world.warnings.iter().map(|w| w.message.as_str());
     assert_eq!(
         messages.take(2).collect::<Vec<_>>(),
         [
-            "extension \"KHR_materials_clearcoat\" is ignored",
+            "extension \"KHR_materials_sheen\" is ignored",
             "extension \"VENDOR_look\" is ignored"
         ]
     );
-    assert_eq!(world.materials[0].alpha_cutoff, None);
-
     let mut doc = stone();
     doc.json["materials"][0]["extensions"] = json!({"KHR_materials_unlit": {}});
     let world = doc.world();
@@ -109,6 +99,73 @@ fn unsupported_features_are_warned_about() {
     assert_eq!((m.emission, m.reflectivity), (Vec3::ZERO, 0.0));
     assert_eq!((m.metallic, m.alpha_cutoff), (0.0, Some(0.5)));
     assert_eq!(m.reflection, ReflectionMode::None);
+}
+
+#[test]
+fn what_passes_through_and_what_lies_over_a_material_is_read() {
+    let mut doc = stone();
+    doc.json["materials"][0]["doubleSided"] = false.into();
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_transmission": {"transmissionFactor": 0.75},
+        "KHR_materials_ior": {"ior": 2},
+        "KHR_materials_volume": {
+            "thicknessFactor": 0.1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 1, 1]
+        },
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25}
+    });
+    let world = doc.world();
+    assert!(warnings(&world).is_empty(), "{:?}", world.warnings);
+    let m = &world.materials[0];
+    assert_eq!((m.transmission, m.ior, m.solid), (Some(0.75), 2.0, true));
+    assert!((m.reflectivity - 1.0 / 9.0).abs() < 1e-6);
+    assert!(m.double_sided, "rays leave it through its back");
+    let absorption = m.absorption();
+    assert!((absorption.x - 2.0 * 2.0_f32.ln()).abs() < 1e-5 && absorption.y == 0.0);
+    assert_eq!((m.clearcoat, m.clearcoat_roughness), (Some(0.5), 0.25));
+
+    let mut doc = stone();
+    doc.json["materials"][0]["extensions"] = json!({
+        "KHR_materials_transmission": {"transmissionTexture": {"index": 0}},
+        "KHR_materials_volume": {"attenuationDistance": 0}
+    });
+    let error = &doc.load().expect_err("a distance of 0")[0];
+    assert!(
+        error
+            .message
+            .contains("attenuationDistance must be above 0"),
+        "{}",
+        error.message
+    );
+    doc.json["materials"][0]["extensions"]["KHR_materials_volume"] = json!({});
+    let world = doc.world();
+    assert_eq!(warnings(&world), ["layer-texture-ignored"]);
+    assert_eq!(
+        (
+            world.materials[0].transmission,
+            world.materials[0].clearcoat
+        ),
+        (None, None)
+    );
+}
+
+#[test]
+fn blended_materials_are_opaque_where_nothing_is_clear() {
+    for (alpha, has_texture, blended) in
+        [(0.4, false, true), (1.0, true, true), (1.0, false, false)]
+    {
+        let mut doc = stone();
+        let material = &mut doc.json["materials"][0];
+        material["alphaMode"] = "BLEND".into();
+        material["pbrMetallicRoughness"] = json!({"baseColorFactor": [1, 1, 1, alpha]});
+        if has_texture {
+            // Of alpha 40 / 255.
+            material["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+        }
+        let world = doc.world();
+        assert!(warnings(&world).is_empty());
+        assert_eq!(world.materials[0].alpha_cutoff, None);
+        assert_eq!(world.materials[0].blended, blended, "alpha {alpha}");
+    }
 }
 
 /// Tangents point along u of the coordinates that the map is sampled with.

@@ -129,7 +129,9 @@ fn other_vertices_are_refused() {
     let mut short = (*deformed).clone();
     short.vertices.positions.pop();
     world.deformed.insert(mesh, Arc::new(short));
-    let error = renderer.update(gpu, &world).expect_err("one vertex is missing");
+    let error = renderer
+        .update(gpu, &world)
+        .expect_err("one vertex is missing");
     assert!(error.to_string().contains("other vertices"), "{error}");
     world.deformed.remove(&mesh);
     assert!(renderer.update(gpu, &world).is_err(), "it is not deformed");

@@ -20,6 +20,7 @@ mod far;
 mod foreign_worlds;
 mod kit;
 mod lamp;
+mod layers;
 mod light_reuse;
 mod material;
 mod mesh;

@@ -23,6 +23,7 @@ pub const PASS: Pass = Pass {
         Target::Radiance,
         Target::Specular,
         Target::Reflection,
+        Target::TransmittedLight,
         Target::Cause,
         Target::Hit,
     ],

@@ -13,6 +13,7 @@ pub mod ssr;
 pub mod surface;
 pub mod tone;
 pub mod trace;
+pub mod transmit;
 pub mod visibility;
 
 use crate::gpu::GpuError;
@@ -54,6 +55,7 @@ passes! {
     primary: Primary,
     surface: Surface,
     light: Light,
+    transmit: Transmit,
     pyramid: Pyramid,
     arguments: Arguments,
     ssr: Ssr,

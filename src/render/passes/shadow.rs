@@ -164,7 +164,7 @@ impl Shadow {
 /// What a map may show.
 fn casters<'a>(scene: &'a GpuScene, view: &'a ShadowView) -> impl Iterator<Item = &'a Draw> {
     let draws = scene.draws.iter();
-    draws.filter(|d| !is_outside(&view.clip_from_world, &d.bounds))
+    draws.filter(|d| d.casts_shadow && !is_outside(&view.clip_from_world, &d.bounds))
 }
 
 /// Hash of all that a map shows; none where cut-outs may change from frame to frame.

@@ -64,6 +64,32 @@ pub struct MaterialDesc {
     /// Specular reflectance at normal incidence of the non-metallic part, 0 to 1. 0 has no specular
     /// at all, 0.04 is glass or stone, 1 a perfect mirror. Default 0.04.
     pub reflectivity: Option<f32>,
+    /// Share of the light that is not reflected and passes through, tinted by the base color, 0 to 1: 1 is
+    /// glass. Followed by rays, with any `reflection`. Default 0, or the glTF value.
+    pub transmission: Option<f32>,
+    /// Index of refraction, 1 to 4: 1.33 is water, 1.5 glass, 2.42 diamond. Bends what passes where
+    /// `thickness_m` is above 0, and sets `reflectivity` where that is not said. Default 1.5, or the glTF value.
+    pub ior: Option<f32>,
+    /// 0: a thin sheet, behind which light goes straight on. Above 0: a solid that its closed mesh
+    /// bounds, which refracts and absorbs; the way through it is that of the mesh. Meters, 0 or more.
+    /// Default 0, or the glTF value.
+    pub thickness_m: Option<f32>,
+    /// What white light becomes after `attenuation_distance_m` inside of a solid, three numbers 0 to 1.
+    /// Default white.
+    pub attenuation_color: Option<Vec3>,
+    /// Way through a solid after which light has the `attenuation_color`, meters, above 0. Default:
+    /// nothing is absorbed.
+    pub attenuation_distance_m: Option<f32>,
+    /// Strength of a clear coat over the material, 0 to 1, with an index of refraction of 1.5. Default 0, or
+    /// the glTF value.
+    pub clearcoat: Option<f32>,
+    /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
+    pub clearcoat_roughness: Option<f32>,
+}
+
+/// Reflectance at normal incidence of a dielectric with this index of refraction.
+pub fn reflectivity_of(ior: f32) -> f32 {
+    ((ior - 1.0) / (ior + 1.0)).powi(2)
 }
 
 /// `checker = { colors = [[…], […]], size_m = 0.5 }`: a checkerboard, aligned with the object's axes.
@@ -91,6 +117,8 @@ impl MaterialDesc {
             emission_texture: text(&o.emission_texture, &b.emission_texture),
             double_sided: o.double_sided.or(b.double_sided),
             reflection: o.reflection.or(b.reflection),
+            ior: o.ior.or(b.ior),
+            thickness_m: o.thickness_m.or(b.thickness_m),
             ..b.clone()
         };
         for field in &MATERIAL {
@@ -117,6 +145,14 @@ pub struct MaterialMotionDesc {
     /// - `alpha_cutoff`: track of the alpha below which it is cut out, 0 to 1; the material's own
     ///   table must have an `alpha_cutoff`, which may be 0.
     /// - `reflectivity`: track of the specular reflectance at normal incidence, 0 to 1.
+    /// - `transmission`: track of the share of light that passes through, 0 to 1; the material's own table
+    ///   must have a `transmission`, which may be 0.
+    /// - `attenuation_color`: track of what white light becomes inside of a solid, 0 to 1.
+    /// - `attenuation_distance_m`: track of the way after which it does, meters, above 0; the material's own
+    ///   table must have one.
+    /// - `clearcoat`: track of the strength of the clear coat, 0 to 1; the material's own table must have a
+    ///   `clearcoat`, which may be 0.
+    /// - `clearcoat_roughness`: track of the perceptual roughness of the clear coat, 0 to 1.
     /// - `checker_a`: track of the first color of its `checker`, 0 to 1.
     /// - `checker_b`: track of the second color of its `checker`, 0 to 1.
     /// - `checker_size_m`: track of the edge of a cell of its `checker`, meters, above 0.
@@ -154,7 +190,7 @@ macro_rules! of_checkers {
 }
 
 /// How many values of a material may change.
-pub const MATERIAL_FIELDS: usize = 13;
+pub const MATERIAL_FIELDS: usize = 18;
 
 /// What changes of a material.
 pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
@@ -168,6 +204,11 @@ pub static MATERIAL: [Field<MaterialDesc>; MATERIAL_FIELDS] = [
     optional!(uv_scale, Pair, ANY),
     optional!(alpha_cutoff, Number, UNIT),
     optional!(reflectivity, Number, UNIT),
+    optional!(transmission, Number, UNIT),
+    optional!(attenuation_color, Color, UNIT),
+    optional!(attenuation_distance_m, Number, ABOVE_0),
+    optional!(clearcoat, Number, UNIT),
+    optional!(clearcoat_roughness, Number, UNIT),
     of_checkers!("checker_a", Color, UNIT, |checker| checker.colors[0]),
     of_checkers!("checker_b", Color, UNIT, |checker| checker.colors[1]),
     of_checkers!("checker_size_m", Number, ABOVE_0, |checker| checker.size_m),
@@ -192,6 +233,13 @@ pub const PLAIN: MaterialDesc = MaterialDesc {
     double_sided: None,
     reflection: None,
     reflectivity: Some(0.04),
+    transmission: None,
+    ior: None,
+    thickness_m: None,
+    attenuation_color: Some(Vec3::ONE),
+    attenuation_distance_m: None,
+    clearcoat: None,
+    clearcoat_roughness: Some(0.0),
 };
 
 impl Field<MaterialDesc> {
@@ -202,10 +250,12 @@ impl Field<MaterialDesc> {
         if (self.get)(material).is_some() || (self.get)(&PLAIN).is_some() {
             return None;
         }
-        Some(if self.key == "alpha_cutoff" {
-            "alpha_cutoff = 0"
-        } else {
-            "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }"
+        Some(match self.key {
+            "alpha_cutoff" => "alpha_cutoff = 0",
+            "transmission" => "transmission = 0",
+            "attenuation_distance_m" => "attenuation_distance_m = 1",
+            "clearcoat" => "clearcoat = 0",
+            _ => "checker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }",
         })
     }
 }

@@ -118,6 +118,7 @@ impl Section for MaterialDesc {
         t.one_of(false, &[&["checker"], &["base_color_texture"]]);
         // Resolved before, in the tree; asked for here, so that it is a key.
         t.find::<At<String>>("extends", ANY);
+        let ior = t.find("ior", range(1.0, 4.0));
         Some(Self {
             base_color: t.find("base_color", UNIT).map(|Color(c)| c),
             base_color_texture: t.find("base_color_texture", ANY),
@@ -135,7 +136,14 @@ impl Section for MaterialDesc {
             alpha_cutoff: t.find("alpha_cutoff", UNIT),
             double_sided: t.find("double_sided", ANY),
             reflection: t.find("reflection", ANY),
-            reflectivity: t.find("reflectivity", UNIT),
+            reflectivity: t.find("reflectivity", UNIT).or(ior.map(reflectivity_of)),
+            transmission: t.find("transmission", UNIT),
+            ior,
+            thickness_m: t.find("thickness_m", FROM_0),
+            attenuation_color: (t.find("attenuation_color", UNIT)).map(|Color(c)| c),
+            attenuation_distance_m: t.find("attenuation_distance_m", ABOVE_0),
+            clearcoat: t.find("clearcoat", UNIT),
+            clearcoat_roughness: t.find("clearcoat_roughness", UNIT),
         })
     }
 }

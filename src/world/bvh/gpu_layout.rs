@@ -68,7 +68,9 @@ impl TraceInstance {
 
 pub(super) fn material_flags(material: &Material) -> u32 {
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    flag(material.alpha_cutoff.is_some(), ALPHA_TESTED) | flag(material.double_sided, DOUBLE_SIDED)
+    // Light that passes is asked for like cut-outs, behind the traversal.
+    let tested = material.alpha_cutoff.is_some() || material.passes_light();
+    flag(tested, ALPHA_TESTED) | flag(material.double_sided, DOUBLE_SIDED)
 }
 
 pub(super) fn trace_triangle(

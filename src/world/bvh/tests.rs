@@ -7,7 +7,7 @@ use super::*;
 use crate::{
     math::Bounds,
     scene::desc::ShapeDesc,
-    world::{Material, shape},
+    world::{Material, Mesh, shape},
 };
 
 const LIMIT: u64 = 128 << 20;

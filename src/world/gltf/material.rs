@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use super::{
     Fault, Model, Notes,
     accessor::Data,
-    finite, label,
+    finite, label, layers,
     schema::{self, Root, TextureInfo},
     specular_glossiness,
     texture_ref::Textures,
@@ -63,7 +63,9 @@ fn convert(
     out.normal_texture = texture(&material.normal_texture, false, "normalTexture")?;
     out.occlusion_texture = texture(&material.occlusion_texture, false, "occlusionTexture")?;
     out.emission_texture = texture(&material.emissive_texture, true, "emissiveTexture")?;
-    out.alpha_cutoff = alpha(material, place, notes)?;
+    out.alpha_cutoff = alpha(material)?;
+    out.blended = material.alpha_mode.as_deref() == Some("BLEND");
+    layers::read(&material.extensions, &mut out, place, notes)?;
     out.reflectivity = reflectivity(&material.extensions, place, notes)?;
     if let Some(gloss) = &material.extensions.specular_glossiness {
         specular_glossiness::convert(gloss, &mut out, textures, place, notes)?;
@@ -108,13 +110,9 @@ fn factors(material: &schema::Material) -> Result<Material, Fault> {
     })
 }
 
-fn alpha(
-    material: &schema::Material,
-    place: &str,
-    notes: &mut Notes,
-) -> Result<Option<f32>, Fault> {
+fn alpha(material: &schema::Material) -> Result<Option<f32>, Fault> {
     match material.alpha_mode.as_deref().unwrap_or("OPAQUE") {
-        "OPAQUE" => Ok(None),
+        "OPAQUE" | "BLEND" => Ok(None),
         "MASK" => Ok(Some(
             material
                 .alpha_cutoff
@@ -122,15 +120,6 @@ fn alpha(
                 .unwrap_or(0.5)
                 .max(0.0),
         )),
-        "BLEND" => {
-            notes.add(
-                "alpha-blend-opaque",
-                1,
-                "blended materials are rendered opaque",
-                place,
-            );
-            Ok(None)
-        }
         other => {
             let other = uri::shorten(other);
             Err(Fault::new(
@@ -196,6 +185,7 @@ fn unlit(material: Material) -> Material {
         base_color: material.base_color,
         base_color_texture: material.base_color_texture,
         alpha_cutoff: material.alpha_cutoff,
+        blended: material.blended,
         double_sided: material.double_sided,
         reflectivity: 0.0,
         reflection: ReflectionMode::None,

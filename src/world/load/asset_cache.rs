@@ -4,7 +4,7 @@
 use std::{collections::HashMap, mem, path::PathBuf, sync::Arc};
 
 use super::{
-    LoadOptions, Loader, Source, camera, deform_at_start,
+    LoadOptions, Loader, Source, blended, camera, deform_at_start,
     material::{ImageKey, slots},
     place::MeshKey,
     vertex_streams::{self, Needs},
@@ -86,6 +86,7 @@ impl AssetCache {
         self.loaded = mem::take(&mut loader.loaded);
         if placed? {
             deform_at_start(&mut loader.world, &world.meshes, desc)?;
+            blended::drop_opaque(&mut loader.world, &world.meshes, &world.textures);
             camera::add_default(&mut loader.world, &world.meshes, desc.image.size);
             loader.world.rest_unit_m = Some(loader.world.unit_m());
             loader.add_texts();

@@ -124,6 +124,13 @@ impl Loader<'_> {
         material.set_numbers(desc);
         material.double_sided = desc.double_sided.unwrap_or(material.double_sided);
         material.reflection = desc.reflection.unwrap_or(material.reflection);
+        material.ior = desc.ior.unwrap_or(material.ior);
+        if let Some(thickness_m) = desc.thickness_m {
+            material.solid = thickness_m > 0.0;
+        }
+        if material.solid && material.passes_light() {
+            material.double_sided = true; // rays leave it through its back
+        }
         let mut texture = |slot: &mut Option<TextureRef>, name: &Option<At<String>>, srgb| {
             if let Some(name) = name {
                 *slot = self.scene_image(name, srgb);

@@ -112,11 +112,11 @@ impl Window {
                 }
                 ViewRequest::Edit(edit) => {
                     if let Some(row) = self.summary.materials.get_mut(edit.material) {
-                        row.edit = edit;
+                        row.edit = *edit;
                     }
                     self.comparison = None;
                     self.edits += 1;
-                    self.send(Task::Edit(edit));
+                    self.send(Task::Edit(*edit));
                 }
                 ViewRequest::SetParameters(overrides) => self.send(Task::SetParameters(overrides)),
             }

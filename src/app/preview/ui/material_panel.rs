@@ -47,7 +47,7 @@ pub fn panel(
         };
         let edit = numbers(ui, row);
         if edit != row.edit {
-            requests.push(ViewRequest::Edit(edit));
+            requests.push(ViewRequest::Edit(Box::new(edit)));
         }
         if ui.button("copy as scene text").clicked() {
             ui.ctx().copy_text(scene_text(&edit.over(&row.numbers)));

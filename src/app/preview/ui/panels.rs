@@ -34,7 +34,7 @@ pub enum ViewRequest {
     /// Write a screenshot.
     Screenshot,
     /// Change a material.
-    Edit(Edit),
+    Edit(Box<Edit>),
     /// Change the script's parameters.
     SetParameters(ParameterOverrides),
 }

@@ -36,6 +36,12 @@ pub struct MaterialExtensions {
     pub ior: Option<Ior>,
     #[serde(rename = "KHR_materials_specular")]
     pub specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_transmission")]
+    pub transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub volume: Option<Volume>,
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub clearcoat: Option<Clearcoat>,
     #[serde(rename = "KHR_materials_unlit")]
     pub unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
@@ -71,6 +77,31 @@ pub struct Specular {
     pub specular_color_factor: Option<[f32; 3]>,
     pub specular_texture: Option<IgnoredAny>,
     pub specular_color_texture: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Transmission {
+    pub transmission_factor: Option<f32>,
+    pub transmission_texture: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Volume {
+    pub thickness_factor: Option<f32>,
+    pub attenuation_distance: Option<f32>,
+    pub attenuation_color: Option<[f32; 3]>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Clearcoat {
+    pub clearcoat_factor: Option<f32>,
+    pub clearcoat_texture: Option<IgnoredAny>,
+    pub clearcoat_roughness_factor: Option<f32>,
+    pub clearcoat_roughness_texture: Option<IgnoredAny>,
+    pub clearcoat_normal_texture: Option<IgnoredAny>,
 }
 
 /// A use of a texture, with the keys of normal and occlusion textures too.

@@ -1,0 +1,8 @@
+// What passes through surfaces, as the transmit pass found it.
+
+@group(2) @binding(11) var transmitted_light: texture_2d<f32>;
+
+// What a pixel shows through its surface.
+fn light_behind(pixel: vec2u) -> vec3f {
+    return textureLoad(transmitted_light, pixel, 0).xyz;
+}

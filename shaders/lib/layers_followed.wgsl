@@ -1,0 +1,300 @@
+// Layers of a surface beside its own reflection: light that passes through it, refracted or not, parts that
+// are not there (blended alpha), and a clear coat over it. After KHR_materials_transmission, _volume, _ior
+// and _clearcoat.
+//
+// A path that meets such a surface goes on along one of its layers, chosen by what each returns, so that
+// many sub-frames hold all of them; only what a pixel itself shows is followed both ways.
+
+#import bvh
+#import frame
+#import lobe
+#import sampling
+
+override HAS_TRANSMISSION: bool = true;
+override HAS_COATS: bool = true;
+
+// Most passages through surfaces and reflections inside of solids along one path.
+const MAX_CROSSINGS: u32 = 12u;
+// Most surfaces that light passes through on its way to a point.
+const MAX_PANES: u32 = 16u;
+const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of 1.5
+const DARKEST_PANE: f32 = 1.0 / 255.0;
+
+// Pairs of dimensions that no other sample of a surface uses.
+const COAT_PAIR: u32 = 0x10000u;
+const THROUGH_PAIR: u32 = 0x10001u;
+const ONWARD_PAIR: u32 = 0x10002u;
+const ALPHA_PAIR: u32 = 0x10003u;
+
+var<private> path_crossings: u32 = 0u;
+var<private> medium: vec3f = vec3f(0.0); // absorption of what the path is in, per meter
+
+fn start_path() {
+    path_crossings = 0u;
+    medium = vec3f(0.0);
+}
+
+fn crossings() -> u32 {
+    return path_crossings;
+}
+
+// Beer and Lambert's law.
+fn medium_transmittance(distance_m: f32) -> vec3f {
+    return exp(-medium * distance_m);
+}
+
+fn is_transmissive(s: Surface) -> bool {
+    return HAS_TRANSMISSION && (s.transmission > 0.0 || s.alpha < 1.0);
+}
+
+// Whether the coat shows what is around, not only lights and environment.
+fn has_traced_coat(s: Surface) -> bool {
+    return HAS_COATS && s.clearcoat > 0.0
+        && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.clearcoat_roughness < frame.roughness_cutoff));
+}
+
+// Of the light that the surface does not mirror, what is scattered and not passed on.
+fn reflected_share(s: Surface) -> f32 {
+    return 1.0 - s.transmission;
+}
+
+// Reflectance of a smooth surface between dielectrics, unpolarized, by the relative index beyond it.
+fn dielectric_fresnel(cosine: f32, index: f32) -> f32 {
+    let c = saturate(cosine);
+    let sine2 = (1.0 - c * c) / (index * index);
+    if (sine2 >= 1.0) { return 1.0; }
+    let t = sqrt(1.0 - sine2);
+    let s_wave = (c - index * t) / (c + index * t);
+    let p_wave = (index * c - t) / (index * c + t);
+    return 0.5 * (s_wave * s_wave + p_wave * p_wave);
+}
+
+fn schlick_weight(cosine: f32) -> f32 {
+    let x = 1.0 - saturate(cosine);
+    let x2 = x * x;
+    return x2 * x2 * x;
+}
+
+// Exact, for the approximation knows no total reflection. The index follows from the reflectivity.
+fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
+    let root = sqrt(min(s.reflectivity, 0.999));
+    let index = (1.0 + root) / (1.0 - root);
+    let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
+    let metal = s.base_color + (1.0 - s.base_color) * schlick_weight(cosine);
+    return mix(vec3f(dielectric), metal, s.metallic);
+}
+
+// The coat alone, as a surface.
+fn coat_of(s: Surface) -> Surface {
+    var coat = s;
+    coat.base_color = vec3f(0.0);
+    coat.emission = vec3f(0.0);
+    coat.metallic = 0.0;
+    coat.roughness = s.clearcoat_roughness;
+    coat.reflectivity = COAT_REFLECTIVITY;
+    coat.transmission = 0.0;
+    coat.alpha = 1.0;
+    coat.clearcoat = 0.0;
+    return coat;
+}
+
+fn below_coat(s: Surface) -> Surface {
+    var below = s;
+    below.clearcoat = 0.0;
+    return below;
+}
+
+// Of the light towards the view, what passes the coat.
+fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
+    if (!HAS_COATS) { return 1.0; }
+    return 1.0 - s.clearcoat * (COAT_REFLECTIVITY + (1.0 - COAT_REFLECTIVITY) * schlick_weight(cosine));
+}
+
+fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
+    var out: Shade;
+    // From within a solid, light is seen through its surface or mirrored by it, by the ray that goes on.
+    if (HAS_TRANSMISSION && s.is_inside && s.transmission > 0.0) { return out; }
+    let has_coat = HAS_COATS && s.clearcoat > 0.0;
+    // One call in a loop: the code of lights is long.
+    for (var layer = 0u; layer <= u32(has_coat); layer++) {
+        var part = below_coat(s);
+        var share = 1.0;
+        if (layer == 1u) {
+            part = coat_of(s);
+            share = s.clearcoat;
+        } else if (has_coat) {
+            share = coat_transmittance(s, dot(s.normal, view));
+        }
+        let lit = shade_layer(part, view, lent | out.visible);
+        out.diffuse += lit.diffuse * share;
+        out.specular += lit.specular * share;
+        out.visible |= lit.visible;
+    }
+    if (HAS_TRANSMISSION) {
+        out.diffuse *= s.alpha;
+        out.specular *= s.alpha;
+    }
+    return out;
+}
+
+fn brightness(color: vec3f) -> f32 {
+    return dot(color, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// One of two rays by what each returns. Of what a picture has too few sub-frames to hold, the other one
+// stands for both.
+fn chosen(a: Reflected, b: Reflected, pair: u32) -> Reflected {
+    let weights = vec2f(brightness(a.weight), brightness(b.weight));
+    let both = weights.x + weights.y;
+    if (both <= 0.0) { return a; }
+    let least = 0.5 / f32(sampling.samples);
+    var share = weights.y / both;
+    if (share < least) { share = 0.0; }
+    if (share > 1.0 - least) { share = 1.0; }
+    let takes_b = share == 1.0 || sample_square(sampling.sample, pair).x < share;
+    var ray = a;
+    if (takes_b) { ray = b; }
+    ray.weight *= both / select(weights.x, weights.y, takes_b);
+    return ray;
+}
+
+// The ray that a reflector sends.
+fn reflected(direction: vec3f, s: Surface) -> Reflected {
+    var ray: Reflected;
+    if (HAS_COATS && s.clearcoat > 0.0) {
+        let base = below_coat(s);
+        var below = lobe_ray(direction, base);
+        below.weight *= coat_transmittance(s, dot(s.normal, -direction));
+        if (!is_reflector(base)) { below.weight = vec3f(0.0); }
+        var over = lobe_ray(direction, coat_of(s));
+        over.weight *= s.clearcoat;
+        if (!has_traced_coat(s)) { over.weight = vec3f(0.0); }
+        ray = chosen(below, over, COAT_PAIR);
+    } else {
+        ray = lobe_ray(direction, s);
+    }
+    if (HAS_TRANSMISSION) { ray.weight *= s.alpha; }
+    return ray;
+}
+
+// The ray that passes through a surface: straight through thin ones, refracted into and out of solids; by
+// one facet where it is rough (Walter et al. 2007, with visible normals).
+fn transmitted(direction: vec3f, s: Surface) -> Reflected {
+    let straight = Reflected(direction, vec3f(1.0 - s.alpha), 0.0, 1.0);
+    if (s.transmission <= 0.0) { return straight; }
+    let alpha = s.roughness * s.roughness;
+    var facet = s.normal;
+    let is_rough = HAS_ROUGH_REFLECTIONS && alpha > SMOOTH_ALPHA;
+    if (is_rough) {
+        let axes = basis(s.normal);
+        var view = -direction * axes;
+        view.z = max(view.z, 1e-3);
+        facet = axes * visible_normal(normalize(view), alpha, sample_square(sampling.sample, THROUGH_PAIR));
+    }
+    let cosine = dot(facet, -direction);
+    var out: vec3f;
+    if (s.is_solid) {
+        out = refract(direction, facet, select(1.0 / s.ior, s.ior, s.is_inside));
+    } else {
+        // The lobe of the reflection, on the other side.
+        out = reflect(direction, facet);
+        out -= 2.0 * dot(out, s.normal) * s.normal;
+    }
+    let below = -dot(out, s.normal);
+    var weight = vec3f(0.0);
+    if (below > 0.0 && dot(out, s.geometric_normal) < 0.0) {
+        weight = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
+            * (s.transmission * (1.0 - s.metallic) * s.alpha * coat_transmittance(s, dot(s.normal, -direction)));
+        if (is_rough) { weight *= ggx_g1(below, alpha * alpha); }
+        out = normalize(out);
+    } else {
+        out = direction;
+    }
+    let through = Reflected(out, weight, 0.0, 1.0);
+    if (s.alpha >= 1.0) { return through; }
+    return chosen(through, straight, ALPHA_PAIR);
+}
+
+// The first ray of a path through what a pixel shows.
+fn through(direction: vec3f, s: Surface) -> Reflected {
+    cross_surface(s);
+    return transmitted(direction, s);
+}
+
+// Share of a pixel that its surface covers.
+fn coverage(s: Surface) -> f32 {
+    return s.alpha;
+}
+
+// Has the path go through the surface.
+fn cross_surface(s: Surface) {
+    path_crossings++;
+    if (s.is_solid && s.transmission > 0.0) { medium = select(s.absorption, vec3f(0.0), s.is_inside); }
+}
+
+fn onward(direction: vec3f, s: Surface) -> Reflected {
+    var back = reflected(direction, s);
+    if (!is_transmissive(s)) { return back; }
+    if (!is_reflector(s)) { back.weight = vec3f(0.0); }
+    let ray = chosen(transmitted(direction, s), back, ONWARD_PAIR);
+    if (dot(ray.direction, s.geometric_normal) < 0.0) {
+        cross_surface(s);
+    } else if (s.is_inside) {
+        path_crossings++;
+    }
+    if (path_crossings > MAX_CROSSINGS) { return Reflected(ray.direction, vec3f(0.0), 0.0, 0.0); }
+    return ray;
+}
+
+fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
+    return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
+}
+
+// What a surface is to light that passes straight through it: its material's numbers alone.
+fn pane_at(h: Hit, direction: vec3f) -> Surface {
+    let m = instances[h.instance].material;
+    var s = material_surface(m);
+    let c = corners(h.instance, h.triangle);
+    let p0 = to_world(h.instance, c.p[0]);
+    var normal = normalize(cross(to_world(h.instance, c.p[1]) - p0, to_world(h.instance, c.p[2]) - p0));
+    if ((instances[h.instance].flags & FLAG_MIRRORED) != 0u) { normal = -normal; }
+    s.is_solid = materials[m].is_solid != 0u;
+    s.is_inside = s.is_solid && dot(normal, direction) > 0.0;
+    s.normal = select(normal, -normal, dot(normal, direction) > 0.0);
+    s.transmission = materials[m].transmission;
+    s.clearcoat = materials[m].clearcoat;
+    s.absorption = materials[m].absorption;
+    s.alpha = 1.0;
+    if (materials[m].is_blended != 0u) { s.alpha = material_alpha(m, h.instance, c.index, h.bary, 0.0, 1.0); }
+    return s;
+}
+
+// Share of light that arrives along a ray, straight through whatever lets light pass: what lamps send is
+// not refracted.
+fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
+    if (!HAS_TRANSMISSION) { return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m))); }
+    var share = vec3f(1.0);
+    var start_m = 0.0;
+    var absorption = vec3f(0.0);
+    visits_left = MAX_VISITS;
+    for (var pane = 0u; pane < MAX_PANES; pane++) {
+        // The nearest of what is marked, or something opaque.
+        let h = traverse(origin, direction, start_m, distance_m, true);
+        if (visits_left == 0u) { exhausted_rays++; }
+        if (h.instance == NONE || visits_left == 0u) { return share; }
+        share *= exp(-absorption * (h.t - start_m));
+        start_m = h.t;
+        if (HAS_CUTOUT && is_cut_out(h)) { continue; }
+        var s = pane_at(h, direction);
+        if (!is_transmissive(s)) { break; }
+        absorption = select(vec3f(0.0), s.absorption, s.is_solid && !s.is_inside);
+        let cosine = dot(s.normal, -direction);
+        // Both sides alike: it goes out as it came in.
+        s.is_inside = false;
+        let through = (vec3f(1.0) - transmissive_fresnel(s, cosine)) * s.base_color
+            * (s.transmission * (1.0 - s.metallic) * coat_transmittance(s, cosine));
+        share *= mix(vec3f(1.0), through, s.alpha);
+        if (max(share.x, max(share.y, share.z)) < DARKEST_PANE) { break; }
+    }
+    return vec3f(0.0);
+}

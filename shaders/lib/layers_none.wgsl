@@ -1,0 +1,65 @@
+// Surfaces with one layer each: nothing passes through them, and nothing lies over them.
+
+#import bvh
+#import frame
+
+const HAS_TRANSMISSION: bool = false;
+
+fn is_transmissive(s: Surface) -> bool {
+    return false;
+}
+
+fn has_traced_coat(s: Surface) -> bool {
+    return false;
+}
+
+fn reflected_share(s: Surface) -> f32 {
+    return 1.0;
+}
+
+fn transmissive_fresnel(s: Surface, cosine: f32) -> vec3f {
+    return vec3f(0.0);
+}
+
+fn shade(s: Surface, view: vec3f, lent: vec2u) -> Shade {
+    return shade_layer(s, view, lent);
+}
+
+fn reflected(direction: vec3f, s: Surface) -> Reflected {
+    return lobe_ray(direction, s);
+}
+
+// Where a path goes on from a surface that it has met.
+fn onward(direction: vec3f, s: Surface) -> Reflected {
+    return lobe_ray(direction, s);
+}
+
+fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
+    return ray_origin(s.position, s.geometric_normal);
+}
+
+fn through(direction: vec3f, s: Surface) -> Reflected {
+    return Reflected(direction, vec3f(0.0), 0.0, 1.0);
+}
+
+// Passages through surfaces, which are no bounces.
+fn crossings() -> u32 {
+    return 0u;
+}
+
+fn start_path() {}
+
+// Share of light that is left after a way through what the path is in.
+fn medium_transmittance(distance_m: f32) -> f32 {
+    return 1.0;
+}
+
+// Share of light that arrives along a ray.
+fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
+    return vec3f(select(1.0, 0.0, trace_any(origin, direction, 0.0, distance_m)));
+}
+
+// Share of a pixel that its surface covers.
+fn coverage(s: Surface) -> f32 {
+    return 1.0;
+}

@@ -1,0 +1,64 @@
+// Transmit: follows what passes through the surfaces that pixels show, to what is behind them.
+
+#import cone
+#import gbuffer
+#import lists
+
+@group(2) @binding(3) var ids: texture_2d<u32>;
+@group(2) @binding(4) var transmitted_light: texture_storage_2d<rgba16float, write>;
+
+const FIRST_VERTEX: u32 = 64u; // its samples are others than those of reflections
+
+// What the picture does not hold of the surface of a pixel.
+fn completed(pixel: vec2u) -> Surface {
+    var s = load_surface(pixel);
+    let m = instances[textureLoad(ids, pixel, 0).x].material;
+    s.ior = materials[m].ior;
+    s.absorption = materials[m].absorption;
+    s.is_solid = materials[m].is_solid != 0u;
+    return s;
+}
+
+fn behind(pixel: vec2u) -> vec3f {
+    if (textureLoad(view_depth, pixel, 0).x >= FAR_M) { return vec3f(0.0); }
+    var s = completed(pixel);
+    if (!is_transmissive(s)) { return vec3f(0.0); }
+    start_path();
+    start_samples(pixel, FIRST_VERTEX);
+    var cone = pixel_cone(distance(s.position, frame.eye));
+    var ray = through(normalize(s.position - frame.eye), s);
+    var throughput = ray.weight;
+    var color = vec3f(0.0);
+    for (var step = 0u; step < frame.bounces + crossings(); step++) {
+        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
+        start_samples(pixel, FIRST_VERTEX + step + 1u);
+        let origin = onward_origin(s, ray.direction);
+        let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
+        throughput *= medium_transmittance(h.t);
+        if (h.instance == NONE) {
+            color += throughput * beyond(origin, ray);
+            break;
+        }
+        let light = seen_light(origin, ray, h.t);
+        if (light.is_seen) {
+            color += throughput * light.radiance;
+            break;
+        }
+        cone = continued(cone, h.t);
+        let direction = ray.direction;
+        s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
+        let lit = shade(s, -direction, vec2u(0u));
+        color += throughput * (lit.diffuse + lit.specular);
+        if (!goes_on(s)) { break; }
+        ray = onward(direction, s);
+        throughput *= ray.weight;
+    }
+    return color;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    textureStore(transmitted_light, id.xy, vec4f(min(behind(id.xy), vec3f(65000.0)), 1.0));
+    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+}

@@ -1,0 +1,25 @@
+//! Which blended materials have something to blend: many files mark opaque ones too.
+
+use crate::world::{Instance, Mesh, Texture, World};
+
+/// Makes materials opaque that are blended although their alpha is 1 everywhere, so that they cost
+/// nothing. The meshes and textures are those that the world will have.
+pub fn drop_opaque(world: &mut World, meshes: &[Mesh], textures: &[Texture]) {
+    let has_clear_corners =
+        |instance: &Instance| meshes[instance.mesh].colors.iter().any(|c| c.w < 1.0);
+    for index in 0..world.materials.len() {
+        let material = &world.materials[index];
+        if !material.blended || material.base_color.w < 1.0 {
+            continue;
+        }
+        let texture = material.base_color_texture.map(|t| &textures[t.texture]);
+        let has_clear_texels = texture.is_some_and(|t| t.rgba.chunks_exact(4).any(|p| p[3] < 255));
+        let mut users = (world.instances.iter()).filter(|i| i.material == index);
+        if !has_clear_texels && !users.any(has_clear_corners) {
+            world.materials[index].blended = false;
+        }
+    }
+    for moving in &mut world.moving.materials {
+        moving.rest.blended = world.materials[moving.material].blended;
+    }
+}

@@ -1,0 +1,253 @@
+//! Light that passes through surfaces, blended alpha and clear coats, against closed forms.
+
+use crate::kit::{assert_close, assert_color, color, gpu, mean, render, renderer, scene};
+
+/// The camera looks along -Z, through whatever a test adds at the origin, at a wall that shines.
+const WALL: &str = r#"
+version = 1
+[camera.main]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+fov_deg = 1
+[environment]
+color = [0, 0, 0]
+[image]
+size = [8, 8]
+tone_map = "none"
+[material.wall]
+base_color = [0, 0, 0]
+reflectivity = 0
+emission = [1, 0.5, 0.25]
+[model.wall]
+shape = { kind = "plane", size = [40, 40] }
+material = "wall"
+[[instance]]
+model = "wall"
+translation = [0, 0, -5]
+rotation_deg = [90, 0, 0]
+"#;
+
+/// A thing at the origin with these keys of its material.
+fn thing(shape: &str, material: &str) -> String {
+    format!(
+        "[material.thing]\nroughness = 0\n{material}\n[model.thing]\nshape = {shape}\n\
+         material = \"thing\"\n[[instance]]\nname = \"thing\"\nmodel = \"thing\"\n\
+         rotation_deg = [90, 0, 0]\n"
+    )
+}
+
+fn wall_and(thing: &str) -> String {
+    [WALL, thing].concat()
+}
+
+const PANE: &str = "{ kind = \"plane\", size = [2, 2] }";
+
+fn fresnel_at_normal(ior: f32) -> f32 {
+    ((ior - 1.0) / (ior + 1.0)).powi(2)
+}
+
+#[test]
+fn a_pane_lets_through_what_it_does_not_reflect() {
+    let Some(gpu) = gpu() else { return };
+    for ior in [1.1_f32, 1.5, 2.4] {
+        let pane = format!("transmission = 1\nior = {ior}\nbase_color = [0.5, 1, 1]");
+        let text = wall_and(&thing(PANE, &pane));
+        let passed = 1.0 - fresnel_at_normal(ior);
+        for method in ["rt", "hybrid", "ssr"] {
+            let set = [format!("reflection.method={method}")];
+            let picture = render(gpu, &text, &[&set[0]], &[]);
+            let expected = [0.5 * passed, 0.5 * passed, 0.25 * passed];
+            assert_color(&picture, 4, 4, expected, 2e-3);
+        }
+    }
+}
+
+#[test]
+fn a_slab_absorbs_along_the_way_and_reflects_inside() {
+    let Some(gpu) = gpu() else { return };
+    let slab = "transmission = 1\nior = 2\nthickness_m = 1\nattenuation_color = [0.5, 0.8, 1]\n\
+                attenuation_distance_m = 2";
+    let text = wall_and(&thing("{ kind = \"box\", size = [3, 2, 3] }", slab));
+    let picture = render(gpu, &text, &["image.samples=256"], &[]);
+    let f = fresnel_at_normal(2.0);
+    let found = mean(&picture);
+    for (channel, (a, wall)) in [(0.5_f32, 1.0), (0.8, 0.5), (1.0, 0.25)].iter().enumerate() {
+        // The sum over all pairs of reflections inside; the slab is as thick as the distance.
+        let expected = (1.0 - f).powi(2) * a / (1.0 - (f * a).powi(2)) * wall;
+        assert_close(found[channel], expected, 0.01);
+    }
+}
+
+#[test]
+fn glass_in_a_white_world_cannot_be_seen() {
+    let Some(gpu) = gpu() else { return };
+    for (shape, material) in [
+        ("{ kind = \"sphere\", radius = 1 }", "thickness_m = 1"),
+        (
+            "{ kind = \"sphere\", radius = 1 }",
+            "thickness_m = 1\nior = 2.4",
+        ),
+        ("{ kind = \"sphere\", radius = 1 }", "thickness_m = 0"),
+        (PANE, "roughness = 0\nclearcoat = 0.5"),
+    ] {
+        let glass = format!("transmission = 1\n{material}").replace("roughness = 0\n", "");
+        let text = wall_and(&thing(shape, &glass));
+        for samples in [1, 64] {
+            let set = [
+                format!("image.samples={samples}"),
+                "environment.color=[1, 1, 1]".to_owned(),
+                "material.wall.emission=[1, 1, 1]".to_owned(),
+                "camera.main.fov_deg=20".to_owned(),
+                "image.size=[32, 32]".to_owned(),
+                "reflection.bounces=8".to_owned(),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let found = mean(&render(gpu, &text, &set, &[]));
+            assert_close(found[0], 1.0, 0.01);
+        }
+    }
+}
+
+#[test]
+fn a_ball_of_glass_turns_around_what_is_behind_it() {
+    let Some(gpu) = gpu() else { return };
+    // Red on the left, green on the right.
+    let half = |name: &str, x: f32, emission: &str| {
+        format!(
+            "[material.{name}]\nbase_color = [0, 0, 0]\nreflectivity = 0\nemission = {emission}\n\
+             [model.{name}]\nshape = {{ kind = \"plane\", size = [20, 40] }}\nmaterial = \"{name}\"\n\
+             [[instance]]\nmodel = \"{name}\"\ntranslation = [{x}, 0, -4.9]\nrotation_deg = [90, 0, 0]\n"
+        )
+    };
+    let ball = thing(
+        "{ kind = \"sphere\", radius = 1 }",
+        "transmission = 1\nthickness_m = 2\nreflectivity = 0.04",
+    );
+    let text = [
+        WALL,
+        &half("left", -10.0, "[1, 0, 0]"),
+        &half("right", 10.0, "[0, 1, 0]"),
+        &ball,
+    ]
+    .concat();
+    for method in ["rt", "hybrid"] {
+        let method = format!("reflection.method={method}");
+        let set = ["image.size=[64, 64]", "camera.main.fov_deg=40", &method];
+        let picture = render(gpu, &text, &set, &[]);
+        let is_red = |x, y| {
+            let [r, g, _] = color(&picture, x, y);
+            assert!(r.max(g) > 0.5, "{r} {g} at ({x}, {y})");
+            r > g
+        };
+        assert!(is_red(2, 32) && !is_red(61, 32), "beside the ball");
+        assert!(!is_red(24, 32) && is_red(40, 32), "through the ball");
+    }
+}
+
+#[test]
+fn mirrors_show_what_is_behind_a_pane() {
+    let Some(gpu) = gpu() else { return };
+    let pane = thing(PANE, "transmission = 1\nior = 2\nbase_color = [0.5, 1, 1]");
+    let mirror = "[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n\
+                  [model.mirror]\nshape = { kind = \"plane\", size = [2, 2] }\nmaterial = \"mirror\"\n\
+                  [[instance]]\nmodel = \"mirror\"\ntranslation = [0, 0, 6]\nrotation_deg = [-90, 0, 0]\n";
+    let text = [WALL, &pane, mirror].concat();
+    let set = [
+        "camera.main.target=[0, 0, 6]",
+        "reflection.bounces=1",
+        "image.samples=64",
+    ];
+    let passed = 1.0 - fresnel_at_normal(2.0);
+    let found = mean(&render(gpu, &text, &set, &[]));
+    for (found, expected) in found.iter().zip([0.5, 0.5, 0.25]) {
+        assert_close(*found, expected * passed, 0.02);
+    }
+}
+
+#[test]
+fn lamps_shine_through_panes() {
+    let Some(gpu) = gpu() else { return };
+    let lamp = |kind: &str, keys: &str| {
+        format!(
+            "[light.lamp]\nkind = \"{kind}\"\nposition = [0, 0, 2]\nintensity_cd = 10\n{keys}\n"
+        )
+    };
+    let floor = WALL
+        .replace("emission = [1, 0.5, 0.25]", "reflection = \"none\"")
+        .replace(
+            "base_color = [0, 0, 0]\nreflectivity = 0",
+            "base_color = [1, 1, 1]\nreflectivity = 0",
+        );
+    let pane = thing(PANE, "transmission = 1\nior = 2\nbase_color = [0.25, 1, 1]");
+    let passed = 1.0 - fresnel_at_normal(2.0);
+    for lamp in [
+        lamp("point", "shadow = \"ray\""),
+        lamp("point", "shadow = \"ray\"\nradius_m = 0.05"),
+    ] {
+        // From behind the pane, so that only the light passes through it.
+        let set = [
+            "camera.main.eye=[0, 0, -1]",
+            "camera.main.target=[0, 0, -5]",
+            "image.samples=16",
+        ];
+        let open = mean(&render(
+            gpu,
+            &[&floor, &lamp].map(String::as_str).concat(),
+            &set,
+            &[],
+        ));
+        let behind = mean(&render(
+            gpu,
+            &[&floor, &lamp, &pane].map(String::as_str).concat(),
+            &set,
+            &[],
+        ));
+        assert!(open[0] > 0.01);
+        assert_close(behind[0], open[0] * 0.25 * passed, 0.01);
+        assert_close(behind[1], open[1] * passed, 0.01);
+    }
+}
+
+#[test]
+fn blended_alpha_shows_both_the_surface_and_what_is_behind() {
+    let Some(gpu) = gpu() else { return };
+    let text = wall_and(&thing(
+        PANE,
+        "base_color = [0, 0, 0]
+reflectivity = 0
+emission = [0, 0, 1]",
+    ));
+    let (desc, mut world) = scene(&text, &[]);
+    let pane = world.materials.iter_mut().find(|m| m.name == "thing");
+    let pane = pane.expect("it is used");
+    pane.blended = true;
+    pane.base_color.w = 0.25;
+    let camera = &world.cameras[0].value;
+    let picture = renderer(gpu, &desc, &world, false).picture(gpu, &world, camera, &[]);
+    let picture = picture.unwrap_or_else(|e| panic!("{e}"));
+    assert_color(&picture, 4, 4, [0.75, 0.375, 0.75 * 0.25 + 0.25], 5e-3);
+}
+
+#[test]
+fn a_clear_coat_reflects_like_glass_and_takes_that_from_below() {
+    let Some(gpu) = gpu() else { return };
+    let text = wall_and(&thing(
+        PANE,
+        "base_color = [0, 0, 0]
+reflectivity = 0
+emission = [0, 0.5, 0]
+clearcoat = 1",
+    ));
+    for (roughness, samples) in [("0", "1"), ("0.5", "64")] {
+        let set = [
+            format!("material.thing.clearcoat_roughness={roughness}"),
+            format!("image.samples={samples}"),
+            "environment.color=[1, 1, 1]".to_owned(),
+            "reflection.roughness_cutoff=1".to_owned(),
+        ];
+        let set: Vec<&str> = set.iter().map(String::as_str).collect();
+        let found = mean(&render(gpu, &text, &set, &[]));
+        assert_close(found[0], 0.04, 0.05);
+        assert_close(found[1], 0.04 + 0.96 * 0.5, 0.01);
+    }
+}
