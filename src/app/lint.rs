@@ -2,6 +2,7 @@
 //! place and what to do.
 
 mod inside;
+mod shadow;
 mod unused;
 mod view;
 
@@ -58,6 +59,7 @@ impl<'a> Lint<'a> {
         }
         if let Ok(trees) = Trees::build(world, TREE_LIMIT) {
             self.found.extend(view::lint(self.scene, world, &trees));
+            self.found.extend(shadow::lint(self.scene, world, &trees));
         }
     }
 

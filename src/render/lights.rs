@@ -251,6 +251,27 @@ fn flat_view(kind: &LightKind, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     }
 }
 
+/// World size of a texel of a light's shadow map, `px` wide, at a point; `bounds` contain all casters.
+pub fn map_texel_m(kind: &LightKind, px: u32, bounds: &Bounds, point: Vec3) -> f32 {
+    match *kind {
+        LightKind::Point { position, .. } => {
+            2.0 / px as f32 * (point - position).abs().max_element()
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            ..
+        } => {
+            let (_, texel) = flat_view(kind, px, bounds);
+            texel
+                * (point - position)
+                    .dot(direction.normalize_or(Vec3::NEG_Y))
+                    .max(0.0)
+        }
+        _ => flat_view(kind, px, bounds).1,
+    }
+}
+
 /// An orthographic view along `forward` that holds all of `bounds`, a texel to spare on each side.
 fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
     let right = forward.any_orthonormal_vector();

@@ -46,6 +46,20 @@ pub const LINTS: &[Mistake] = &[
         ],
     ),
     text(
+        "a shadow map over too much",
+        scene!(
+            "[light.sun]\nkind = \"directional\"\ndirection = [0.2, -1, 0.1]\nintensity_lux = 3\n\
+             [model.land]\nshape = { kind = \"plane\", size = [900, 900] }\n[[instance]]\n\
+             model = \"land\"\ntranslation = [0, -0.1, 0]\n[[instance]]\nmodel = \"floor\"\n"
+        ),
+        [
+            "coarse-shadow",
+            "2:8",
+            "of light \"sun\" spans",
+            "`shadow = \"ray\"`",
+        ],
+    ),
+    text(
         "a camera in a wall",
         scene!(
             "[environment]\ncolor = [1, 1, 1]\n[camera.wall]\neye = [3, 1, 0]\n[model.wall]\n\
