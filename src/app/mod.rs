@@ -29,7 +29,9 @@ pub mod job;
 pub mod lint;
 #[cfg(feature = "bench")]
 pub mod live;
+pub mod lsp;
 pub mod output;
+pub mod pack;
 pub mod params;
 #[cfg(feature = "preview")]
 pub mod preview;
@@ -64,7 +66,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Preview(_) => Err(left_out("preview", "preview")),
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
+        Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),
+        Command::Pack(args) => pack::pack(&args),
+        Command::Unpack(args) => pack::unpack::unpack(&args),
         #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),
         #[cfg(feature = "bench")]

@@ -1,6 +1,8 @@
 //! Command line: exit codes, messages, and atomic output files.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod lsp;
 
 use std::{
     fs,
