@@ -91,6 +91,11 @@ pub fn content_hash(path: &Path) -> io::Result<[u8; 32]> {
     }
 }
 
+/// Bytes as hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Whether content or name of the file changed since then, as far as its times tell.
 pub fn written_since(path: &Path, since: SystemTime) -> bool {
     let Ok(metadata) = fs::metadata(path) else {

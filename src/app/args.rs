@@ -193,7 +193,7 @@ pub enum StatsForm {
 /// How the progress of a film is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProgressForm {
-    /// A bar with the time that is left, on standard error
+    /// A bar with the time that is left, on standard error; nothing where that is no terminal
     Bar,
     /// A line for each frame, on standard error
     Lines,

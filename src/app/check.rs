@@ -70,11 +70,27 @@ pub fn check(args: &CheckArgs) -> Result<(), AppError> {
 /// The warnings about a scene and a line about it, or all messages. Without a chosen variant each of
 /// them is checked too.
 fn check_one(path: &Path, from: &SceneArgs) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
-    let stdin = match path == Path::new("-") {
-        true => Some(read_stdin()?),
-        false => None,
-    };
-    let source = (path, stdin.as_deref());
+    match path == Path::new("-") {
+        true => check_source((Path::new(STDIN), Some(&read_stdin()?)), from),
+        false => check_source((path, None), from),
+    }
+}
+
+/// Everything that is found in a scene of that name whose text may not be saved yet.
+pub fn messages(path: &Path, text: &str, from: &SceneArgs) -> Vec<Diagnostic> {
+    match check_source((path, Some(text)), from) {
+        Ok((messages, _)) => messages,
+        Err(messages) => messages,
+    }
+}
+
+/// A file, and its text where that does not come from the file.
+type SourceText<'a> = (&'a Path, Option<&'a str>);
+
+fn check_source(
+    source: SourceText,
+    from: &SceneArgs,
+) -> Result<(Vec<Diagnostic>, String), Vec<Diagnostic>> {
     let Checked {
         mut messages,
         mut summary,
@@ -119,21 +135,12 @@ struct Checked {
     variants: Vec<String>,
 }
 
-/// Checks a scene; the text is given where it does not come from the file.
-fn check_variant(
-    (path, text): (&Path, Option<&str>),
-    from: &SceneArgs,
-) -> Result<Checked, Vec<Diagnostic>> {
-    let (text, name) = match text {
-        Some(text) => (
-            SceneText::new(text, Path::new(STDIN), &from.options()),
-            STDIN.to_owned(),
-        ),
-        None => (
-            SceneText::read(Some(path), &from.options())?,
-            path.display().to_string(),
-        ),
+fn check_variant((path, text): SourceText, from: &SceneArgs) -> Result<Checked, Vec<Diagnostic>> {
+    let text = match text {
+        Some(text) => SceneText::new(text, path, &from.options()),
+        None => SceneText::read(Some(path), &from.options())?,
     };
+    let name = path.display().to_string();
     let opened = text.open(&[], &Dependencies::default())?;
     for line in opened.scene.script.iter().flat_map(|s| &s.setup_log) {
         eprintln!("{line}");

@@ -16,6 +16,7 @@ use super::bench::args::BenchArgs;
 use super::{
     args::{CalibrateArgs, CheckArgs, InfoArgs, RenderArgs},
     job::JobCommand,
+    pack::{PackArgs, unpack::UnpackArgs},
 };
 #[cfg(feature = "bench")]
 use crate::bench::compare::CompareArgs;
@@ -54,12 +55,19 @@ pub enum Command {
         #[command(subcommand)]
         command: JobCommand,
     },
+    /// Write a scene and everything that it reads into one ZIP file, to be rendered elsewhere; needs no GPU
+    Pack(PackArgs),
+    /// Make the folder of a pack, checked file by file, and print how it is rendered; needs no GPU
+    Unpack(UnpackArgs),
     /// Judge a picture against a reference
     #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Compare(CompareArgs),
     /// Measure speed against accuracy, and draw a report
     #[cfg_attr(not(feature = "bench"), command(hide = true, disable_help_flag = true))]
     Bench(Box<BenchArgs>),
+    /// Serve an editor that starts it: messages as of check, completion, hover and definitions for scene text
+    /// and scripts (Language Server Protocol, on standard input and output); needs no GPU
+    Lsp,
     /// Print the JSON Schema of scene text, for editors
     Schema,
     /// Print the manual of scene text, as Markdown

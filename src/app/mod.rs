@@ -30,7 +30,9 @@ pub mod job;
 pub mod lint;
 #[cfg(feature = "bench")]
 pub mod live;
+pub mod lsp;
 pub mod output;
+pub mod pack;
 pub mod params;
 pub mod plan_file;
 #[cfg(feature = "preview")]
@@ -67,7 +69,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), AppError
         Command::Check(args) => check::check(&args),
         Command::Info(args) => info::info(&args),
         Command::Calibrate(args) => calibrate::calibrate(&args),
+        Command::Lsp => lsp::lsp(),
         Command::Job { command } => job::job(&command),
+        Command::Pack(args) => pack::pack(&args),
+        Command::Unpack(args) => pack::unpack::unpack(&args),
         #[cfg(feature = "bench")]
         Command::Compare(args) => run_compare(&args),
         #[cfg(feature = "bench")]

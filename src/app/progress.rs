@@ -1,11 +1,12 @@
 //! Progress of a sequence: a bar on a terminal, a line per frame elsewhere.
 
 use std::{
+    fmt,
     io::{IsTerminal as _, Write as _, stderr, stdout},
     path::Path,
-    time::Instant,
 };
 
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::json;
 
 use super::args::ProgressForm;
@@ -16,17 +17,10 @@ pub struct Progress {
     total: usize,
     kept: usize,
     rendered: usize,
-    started: Instant,
     form: ProgressForm,
-    /// The bar, while it is displayed.
-    open: Option<String>,
+    /// Drawn on a terminal only.
+    bar: ProgressBar,
 }
-
-/// Carriage return and erase line.
-const CLEAR: &str = "\r\x1b[2K";
-
-/// Width of the bar, columns.
-const BAR: usize = 24;
 
 impl Progress {
     /// Progress over so many frames.
@@ -37,13 +31,17 @@ impl Progress {
         } else {
             ProgressForm::Lines
         };
+        let form = form.unwrap_or(usual);
+        let bar = match form {
+            ProgressForm::Bar => ProgressBar::new(total as u64).with_style(style()),
+            _ => ProgressBar::hidden(),
+        };
         Self {
             total,
             kept: 0,
             rendered: 0,
-            started: Instant::now(),
-            form: form.unwrap_or(usual),
-            open: None,
+            form,
+            bar,
         }
     }
 
@@ -66,27 +64,26 @@ impl Progress {
 
     /// Prints lines to standard error, above the bar.
     pub fn print_above(&self, print: impl FnOnce()) {
-        let Some(bar) = &self.open else {
-            return print();
-        };
-        eprint!("{CLEAR}");
-        print();
-        eprint!("{bar}");
-        let _ = stderr().flush(); // only the bar is late then
+        self.bar.suspend(print);
     }
 
     fn show(&mut self, frame: u32, verb: &str, path: &Path, seconds: Option<f64>) {
         let done = self.written();
         let file = path.display();
         match self.form {
-            ProgressForm::Bar => {}
+            ProgressForm::Bar => {
+                self.bar.set_message(format!("frame {frame}"));
+                self.bar.set_position(done as u64);
+                if seconds.is_none() {
+                    self.bar.reset_eta(); // kept files say nothing about the time of a frame
+                }
+            }
             ProgressForm::Lines => {
                 let time = seconds.map_or(String::new(), |s| format!(", {s:.2} s"));
                 eprintln!(
                     "frame {frame} ({done} of {}): {verb} {file}{time}",
                     self.total
                 );
-                return;
             }
             ProgressForm::Json => {
                 let line = json!({
@@ -94,31 +91,18 @@ impl Progress {
                     "kept": verb == "kept", "seconds": seconds,
                 });
                 print_line(&line);
-                return;
             }
             ProgressForm::Openjd => {
                 let percent = 100.0 * done as f64 / self.total.max(1) as f64;
                 print_line(format_args!("openjd_progress: {percent:.1}"));
                 print_line(format_args!("openjd_status: {verb} {file}"));
-                return;
             }
         }
-        let filled = BAR * done / self.total.max(1);
-        let bar: String = (0..BAR)
-            .map(|i| if i < filled { '█' } else { '·' })
-            .collect();
-        let bar = format!("{bar} {done}/{} frame {frame}{}", self.total, self.left());
-        let end = if done == self.total { "\n" } else { "" };
-        eprint!("{CLEAR}{bar}{end}");
-        self.open = (done < self.total).then_some(bar);
-        let _ = stderr().flush(); // only the bar is late then
     }
 
-    /// Ends the line of an incomplete bar.
+    /// Leaves the bar as it is.
     pub fn end(&self) {
-        if self.open.is_some() {
-            eprintln!();
-        }
+        self.bar.abandon();
     }
 
     /// Reports a failed frame as JSON or to a worker; the other forms list failures at the end.
@@ -132,21 +116,19 @@ impl Progress {
             ProgressForm::Bar | ProgressForm::Lines => {}
         }
     }
+}
 
-    /// Estimated remaining time, from the frames rendered so far.
-    fn left(&self) -> String {
-        if self.rendered == 0 {
-            return String::new();
+fn style() -> ProgressStyle {
+    let left = |state: &ProgressState, out: &mut dyn fmt::Write| {
+        let left = state.eta();
+        if !left.is_zero() {
+            let _ = write!(out, ", {:#} left", HumanDuration(left));
         }
-        let each = self.started.elapsed().as_secs_f64() / self.rendered as f64;
-        let left = self.total - self.kept - self.rendered;
-        let seconds = (each * left as f64).round() as u64;
-        match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-            (0, 0, s) => format!(", {s} s left"),
-            (0, m, s) => format!(", {m} min {s} s left"),
-            (h, m, _) => format!(", {h} h {m} min left"),
-        }
-    }
+    };
+    ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}{left}")
+        .expect("the template is right")
+        .with_key("left", left)
+        .progress_chars("█·")
 }
 
 fn print_line(line: impl std::fmt::Display) {

@@ -1,4 +1,5 @@
-//! Comma-separated values as RFC 4180 has them: one header, one line per row.
+//! Tables of comma-separated values, of which each row is one line. Cells stay text: the columns of a
+//! table of samples follow the passes, which the derived readers of serde cannot flatten from CSV.
 
 use std::fmt;
 
@@ -32,17 +33,12 @@ impl fmt::Display for CsvError {
 /// Cells as one line with its line break. Line breaks inside cells become spaces, so that a row
 /// is always one line and a torn one is seen.
 pub fn line<T: AsRef<str>>(cells: impl IntoIterator<Item = T>) -> String {
-    let quoted: Vec<String> = cells.into_iter().map(|cell| quote(cell.as_ref())).collect();
-    quoted.join(",") + "\n"
-}
-
-fn quote(cell: &str) -> String {
-    let cell = cell.replace(['\r', '\n'], " ");
-    if cell.contains([',', '"']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell
-    }
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let cells = cells.into_iter();
+    let cells = cells.map(|cell| cell.as_ref().replace(['\r', '\n'], " "));
+    writer.write_record(cells).expect("memory takes all");
+    let bytes = writer.into_inner().expect("memory takes all");
+    String::from_utf8(bytes).expect("cells are text")
 }
 
 /// Reads a table. A last line without a line break is left out: its writer was stopped.
@@ -51,65 +47,48 @@ fn quote(cell: &str) -> String {
 /// No header, a row that is shorter or longer than it, or a quote that does not close.
 pub fn parse(text: &str) -> Result<Table, CsvError> {
     let whole_bytes = text.rfind('\n').map_or(0, |i| i + 1);
-    let mut lines = text[..whole_bytes].lines().enumerate();
-    let Some((_, header)) = lines.next() else {
+    if whole_bytes == 0 {
+        let message = if text.is_empty() {
+            "there is no header; the file is empty"
+        } else {
+            "the header is cut off: it has no line break"
+        };
         return Err(CsvError {
             line: 1,
-            message: if text.is_empty() {
-                "there is no header; the file is empty".to_owned()
-            } else {
-                "the header is cut off: it has no line break".to_owned()
-            },
+            message: message.to_owned(),
         });
-    };
-    let split = |index: usize, text: &str| {
-        let line = index + 1;
-        cells(text).map_err(|message| CsvError { line, message })
-    };
-    let columns = split(0, header.trim_start_matches('\u{feff}'))?;
-    let mut rows = Vec::new();
-    for (index, text) in lines.filter(|(_, text)| !text.is_empty()) {
-        let row = split(index, text)?;
-        if row.len() != columns.len() {
-            let message = format!(
-                "{} cells where the header has {} columns",
-                row.len(),
-                columns.len()
-            );
-            let line = index + 1;
-            return Err(CsvError { line, message });
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(&text.as_bytes()[..whole_bytes]);
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for record in reader.records() {
+        let failed = |line: u64, message: String| CsvError {
+            line: line as usize,
+            message,
+        };
+        let record = record.map_err(|e| {
+            let line = e.position().map_or(1, csv::Position::line);
+            failed(line, e.to_string())
+        })?;
+        let line = record.position().map_or(1, csv::Position::line);
+        let columns = rows.first().map_or(record.len(), Vec::len);
+        if record.iter().any(|cell| cell.contains('\n')) {
+            return Err(failed(line, "a quote does not close".to_owned()));
         }
-        rows.push(row);
+        if record.len() != columns {
+            let cells = record.len();
+            let message = format!("{cells} cells where the header has {columns} columns");
+            return Err(failed(line, message));
+        }
+        rows.push(record.iter().map(str::to_owned).collect());
     }
     Ok(Table {
-        columns,
+        columns: rows.remove(0),
         rows,
         whole_bytes,
     })
-}
-
-fn cells(line: &str) -> Result<Vec<String>, String> {
-    let mut cells = vec![String::new()];
-    let mut chars = line.chars().peekable();
-    let mut quoted = false;
-    while let Some(c) = chars.next() {
-        let cell = cells.last_mut().expect("never empty");
-        match c {
-            '"' if quoted && chars.peek() == Some(&'"') => {
-                chars.next();
-                cell.push('"');
-            }
-            '"' if quoted => quoted = false,
-            '"' if cell.is_empty() => quoted = true,
-            ',' if !quoted => cells.push(String::new()),
-            c => cell.push(c),
-        }
-    }
-    if quoted {
-        Err("a quote does not close".to_owned())
-    } else {
-        Ok(cells)
-    }
 }
 
 #[cfg(test)]

@@ -15,9 +15,12 @@ use self::{
     tool::{ALLOW_FOLDER, OUTSIDE, Tool},
 };
 use super::gltf::Fault;
-use crate::scene::{
-    desc::StageDesc,
-    diagnostic::{Diagnostic, Severity, Span},
+use crate::{
+    files::{hex, write_whole},
+    scene::{
+        desc::StageDesc,
+        diagnostic::{Diagnostic, Severity, Span},
+    },
 };
 
 mod conversion_record;
@@ -111,8 +114,7 @@ pub fn convert(stage: &Path, choice: &Choice, roots: &[PathBuf]) -> Result<Conve
         );
         result.warnings.push(warning(stage, message, None));
     } else if let Ok(text) = serde_json::to_vec(&record) {
-        crate::files::write_whole(&record_path, &text)
-            .map_err(|e| cannot_keep(&record_path, &e))?;
+        write_whole(&record_path, &text).map_err(|e| cannot_keep(&record_path, &e))?;
     }
     Ok(result)
 }
@@ -250,10 +252,6 @@ fn hash_of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
         hash.update(part);
     }
     hex(&hash.finalize()[..16])
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn read_sidecar(path: &Path) -> Result<Sidecar, Fault> {

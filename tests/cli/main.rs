@@ -3,6 +3,7 @@
 mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
+mod lsp;
 
 use std::{
     fs,

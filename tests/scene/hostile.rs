@@ -79,7 +79,7 @@ fn invalid_scene_files_state_the_reason() {
     assert_eq!(name, "unreadable-file");
     assert_eq!(
         text,
-        "error[unreadable-file]: the scene file does not exist\n --> …/absent.toml\n  \
+        "error[unreadable-file]: the scene file does not exist\n--> …/absent.toml\n \
          = help: check the path; it starts from the folder you are in"
     );
     assert!(said(&folder).1.contains("a folder was given"));

@@ -2,9 +2,11 @@
 //! elsewhere.
 
 use std::{
-    io::{IsTerminal as _, Write as _, stderr},
+    io::{Write as _, stderr},
     time::{Duration, Instant},
 };
+
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{
     app::shutdown,
@@ -17,7 +19,8 @@ const PLAIN_EVERY: Duration = Duration::from_secs(10);
 /// Progress since it was made.
 #[derive(Debug)]
 pub struct Progress {
-    is_terminal: bool,
+    /// The line on a terminal; hidden elsewhere.
+    line: ProgressBar,
     estimate: Estimate,
     /// When the present step began.
     begun: Instant,
@@ -28,8 +31,9 @@ impl Progress {
     /// Starts to count, and takes over Ctrl-C.
     pub fn new() -> Self {
         shutdown::listen();
+        let style = ProgressStyle::with_template("{wide_msg}").expect("the template is right");
         Self {
-            is_terminal: stderr().is_terminal(),
+            line: ProgressBar::new_spinner().with_style(style),
             estimate: Estimate::default(),
             begun: Instant::now(),
             told: None,
@@ -40,7 +44,7 @@ impl Progress {
         let (done, total) = (self.estimate.done.count(), self.estimate.planned.count());
         let is_finished = done == total;
         let soon = self.told.is_some_and(|told| told.elapsed() < PLAIN_EVERY);
-        if !self.is_terminal && soon && !is_finished {
+        if self.line.is_hidden() && soon && !is_finished {
             return;
         }
         self.told = Some(Instant::now());
@@ -53,15 +57,16 @@ impl Progress {
         if !what.is_empty() {
             text = format!("{text}: {what}");
         }
-        let mut out = stderr().lock();
-        // A closed standard error must not stop the measuring.
-        let _ = if self.is_terminal {
-            let end = if is_finished { "\n" } else { "" };
-            let cut: String = text.chars().take(110).collect();
-            write!(out, "\r\x1b[2K{cut}{end}").and_then(|()| out.flush())
+        if self.line.is_hidden() {
+            // A closed standard error must not stop the measuring.
+            let _ = writeln!(stderr().lock(), "{text}");
         } else {
-            writeln!(out, "{text}")
-        };
+            self.line.set_message(text);
+            self.line.tick();
+        }
+        if is_finished {
+            self.line.abandon();
+        }
     }
 }
 
@@ -90,8 +95,9 @@ impl Watch for Progress {
     }
 
     fn note(&mut self, text: &str) {
-        let clear = if self.is_terminal { "\r\x1b[2K" } else { "" };
-        let _ = writeln!(stderr().lock(), "{clear}note: {text}");
+        self.line.suspend(|| {
+            let _ = writeln!(stderr().lock(), "note: {text}");
+        });
     }
 
     fn is_stopped(&self) -> bool {

@@ -1,16 +1,17 @@
-//! Diagnostics for people: the message, the source line with carets under the place, and the help.
+//! Diagnostics for people: the message, the source line with carets under the place, and the help,
+//! laid out as rustc does, by its renderer.
 
-use std::fmt::{self, Display, Write as _};
+use std::fmt::{self, Display};
 
-use anstyle::{AnsiColor, Style};
-use unicode_width::UnicodeWidthChar;
+use annotate_snippets::{
+    AnnotationKind, Group, Level, Origin, Renderer, Snippet, renderer::DEFAULT_TERM_WIDTH,
+};
 
 use super::{Diagnostic, Severity, Span};
 
-/// Columns that a tab advances to a multiple of; shown as spaces so that carets line up.
-const TAB: usize = 4;
-/// Widest part of a source line that is shown, columns.
-const WINDOW: usize = 120;
+/// Of a longer line, bytes, only the neighborhood of the place goes to the renderer, which looks at
+/// every character.
+const LONG_LINE: usize = 64 << 10;
 
 impl Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -21,47 +22,31 @@ impl Display for Diagnostic {
 impl Diagnostic {
     /// The message as lines of text, without a newline at the end; `color` adds ANSI styles.
     pub fn render(&self, color: bool) -> String {
-        let paint = Paint { color };
-        let (word, hue) = match self.severity {
-            Severity::Error => ("error", AnsiColor::BrightRed),
-            Severity::Warning => ("warning", AnsiColor::Yellow),
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
         };
-        let hue = hue.on_default().bold();
-        let mut out = format!(
-            "{}: {}",
-            paint.with(hue, &format!("{word}[{}]", self.name)),
-            paint.with(Style::new().bold(), &printable(&self.message)),
-        );
-        let places = [Some(&self.span), self.related.as_ref().map(|r| &r.0)];
-        let margin = places
-            .iter()
-            .flatten()
-            .filter_map(|span| Some(span.source.as_ref()?.place(span.range.start).line))
-            .max()
-            .map_or(1, |line| line.to_string().len());
+        let title = level.primary_title(printable(&self.message));
+        let mut group = Group::with_title(title.id(self.name));
         if self.span.source.is_some() {
-            excerpt(&mut out, &self.span, margin, hue, paint);
+            group = excerpt(group, &self.span);
         } else if let Some(file) = &self.file {
-            let arrow = paint.with(frame(), "-->");
-            let _ = write!(out, "\n{:margin$}{arrow} {}", "", file.display());
+            group = group.element(Origin::path(printable(&file.display().to_string())));
         }
         if let Some(help) = &self.help {
-            let help = printable(help);
-            let lead = paint.with(frame(), "=");
-            let _ = write!(out, "\n{:margin$} {lead} help: {help}", "");
+            group = group.element(Level::HELP.message(printable(help)));
         }
-        if let Some((span, note)) = &self.related {
-            let word = paint.with(AnsiColor::BrightGreen.on_default().bold(), "note");
-            let _ = write!(out, "\n{word}: {}", printable(note));
-            excerpt(
-                &mut out,
-                span,
-                margin,
-                AnsiColor::BrightGreen.on_default(),
-                paint,
-            );
-        }
-        out
+        let note = self.related.as_ref().map(|(span, note)| {
+            let title = Level::NOTE.secondary_title(printable(note));
+            excerpt(Group::with_title(title), span)
+        });
+        let groups: Vec<_> = std::iter::once(group).chain(note).collect();
+        let renderer = if color {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
+        renderer.render(&groups)
     }
 }
 
@@ -71,101 +56,53 @@ pub fn render_all<'a>(all: impl IntoIterator<Item = &'a Diagnostic>, color: bool
     texts.join("\n")
 }
 
-#[derive(Clone, Copy)]
-struct Paint {
-    color: bool,
-}
-
-impl Paint {
-    fn with(self, style: Style, text: &str) -> String {
-        if self.color {
-            format!("{style}{text}{style:#}")
-        } else {
-            text.to_owned()
-        }
-    }
-}
-
-fn frame() -> Style {
-    AnsiColor::BrightBlue.on_default().bold()
-}
-
-/// ` --> file:line:column`, the source line, and carets.
-fn excerpt(out: &mut String, span: &Span, margin: usize, hue: Style, paint: Paint) {
-    let Some(source) = &span.source else { return };
-    let place = source.place(span.range.start);
-    let (arrow, bar) = (paint.with(frame(), "-->"), paint.with(frame(), "|"));
-    let _ = write!(
-        out,
-        "\n{:margin$}{arrow} {}:{}:{}",
-        "",
-        source.path.display(),
-        place.line,
-        place.column
-    );
+/// The group with `--> file:line:column`, the line where the span begins, and carets to its end in it.
+fn excerpt<'a>(group: Group<'a>, span: &Span) -> Group<'a> {
+    let Some(source) = &span.source else {
+        return group;
+    };
     let text = &source.text;
+    let place = source.place(span.range.start);
     let start = text.floor_char_boundary(span.range.start);
     let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
-    let end = text
-        .floor_char_boundary(span.range.end)
-        .clamp(start, line_end);
-    let line = text[line_start..line_end].trim_end_matches('\r');
-    let (shown, from, to) = window(line, start - line_start, end - line_start);
-    let number = paint.with(frame(), &format!("{:>margin$}", place.line));
-    let space = if shown.is_empty() { "" } else { " " };
-    let carets = paint.with(hue, &"^".repeat((to - from).max(1)));
-    let _ = write!(out, "\n{:margin$} {bar}\n{number} {bar}{space}{shown}", "");
-    let _ = write!(out, "\n{:margin$} {bar} {:from$}{carets}", "", "");
-}
-
-/// The line as it is shown, at most [`WINDOW`] columns of it, and the columns of `start..end` in it.
-fn window(line: &str, start: usize, end: usize) -> (String, usize, usize) {
-    // Of a line of megabytes only the neighborhood is looked at.
-    let skipped = line.floor_char_boundary(start.saturating_sub(4 * WINDOW));
-    let (line, start, end) = (&line[skipped..], start - skipped, end - skipped);
-    let mut cells: Vec<(char, usize)> = Vec::new(); // character, column where it begins
-    let (mut column, mut from, mut to) = (0, None, None);
-    for (i, c) in line.char_indices() {
-        if i >= start {
-            from.get_or_insert(column);
-        }
-        if i >= end {
-            to.get_or_insert(column);
-        }
-        if to.is_some_and(|to| column > to + WINDOW) {
-            break;
-        }
-        match c {
-            '\t' => {
-                let next = (column / TAB + 1) * TAB;
-                cells.extend((column..next).map(|at| (' ', at)));
-                column = next;
-            }
-            c => {
-                let c = printable_char(c);
-                cells.push((c, column));
-                column += c.width().unwrap_or(0);
-            }
-        }
+    let end = text.floor_char_boundary(span.range.end);
+    let end = end.clamp(start, line_end);
+    let path = printable(&source.path.display().to_string());
+    let near = 4 * DEFAULT_TERM_WIDTH;
+    let is_long = line_end - line_start > LONG_LINE;
+    let (from, to) = match is_long {
+        true => (
+            text.floor_char_boundary(start.saturating_sub(near))
+                .max(line_start),
+            text.floor_char_boundary(end.min(start + near) + near)
+                .min(line_end),
+        ),
+        false => (line_start, line_end),
+    };
+    // Characters may change their length, so each part is made printable on its own.
+    let mut line = printable_line(&text[from..start]);
+    let first = line.len();
+    line += &printable_line(&text[start..end.min(to)]);
+    let carets = first..line.len();
+    line += &printable_line(text[end.min(to)..to].trim_end_matches('\r'));
+    let carets = AnnotationKind::Primary.span(carets);
+    let snippet = Snippet::source(line)
+        .line_start(place.line)
+        .annotation(carets);
+    if is_long {
+        let origin = Origin::path(path)
+            .line(place.line)
+            .char_column(place.column);
+        group.element(origin).element(snippet)
+    } else {
+        group.element(snippet.path(path))
     }
-    let (from, to) = (from.unwrap_or(column), to.unwrap_or(column));
-    if column <= WINDOW && skipped == 0 {
-        return (cells.into_iter().map(|(c, _)| c).collect(), from, to);
-    }
-    let first = from.saturating_sub(WINDOW / 3);
-    let last = first + WINDOW;
-    let body = cells.iter().filter(|(_, at)| (first..last).contains(at));
-    let lead = if first + skipped > 0 { "…" } else { "" };
-    let tail = if column > last { "…" } else { "" };
-    let shown = body.map(|(c, _)| *c).collect::<String>();
-    let shift = lead.chars().count();
-    let clip = |column: usize| column.min(last) - first + shift;
-    (format!("{lead}{shown}{tail}"), clip(from), clip(to))
 }
 
 /// What could move the terminal's cursor or turn the direction of text is shown as a replacement
-/// character.
+/// character. The renderer knows most of them, but neither the control characters behind ASCII nor
+/// all marks of direction.
 fn printable_char(c: char) -> char {
     let is_direction = matches!(
         c,
@@ -182,6 +119,13 @@ fn printable_char(c: char) -> char {
 pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| if c == '\n' { c } else { printable_char(c) })
+        .collect()
+}
+
+/// The same for a part of a line, whose tabs stay.
+fn printable_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c == '\t' { c } else { printable_char(c) })
         .collect()
 }
 
@@ -245,19 +189,31 @@ mod tests {
 
     #[test]
     fn caret_is_aligned_far_along_a_long_line() {
-        let text = format!("{}wrong{}", "é, ".repeat(400), " b".repeat(400));
-        let start = text.find("wrong").expect("it is there");
-        let shown = at(&text, start..start + 5).render(false);
-        let lines: Vec<_> = shown.lines().collect();
-        let column = |line: &str, word: &str| line.split(word).next().map(|l| l.chars().count());
-        assert_eq!(
-            column(lines[3], "wrong"),
-            column(lines[4], "^^^^^"),
-            "{shown}"
-        );
+        for times in [400, 100_000] {
+            let text = format!("{}wrong{}", "é, ".repeat(times), " b".repeat(times));
+            let start = text.find("wrong").expect("it is there");
+            let shown = at(&text, start..start + 5).render(false);
+            let place = format!(" a.toml:1:{}\n", 3 * times + 1);
+            assert!(shown.contains(&place), "{shown}");
+            let mut lines = shown.lines().rev();
+            let (carets, line) = (lines.next(), lines.next());
+            let column = |line: &str, word| line.split(word).next().map(|l| l.chars().count());
+            let want = line.and_then(|line| column(line, "wrong"));
+            assert_eq!(want, carets.and_then(|c| column(c, "^^^^^")), "{shown}");
+            assert!(shown.chars().count() < 500, "{}", shown.len());
+        }
+    }
+
+    #[test]
+    fn what_moves_cursor_or_direction_is_not_passed_on() {
+        let text = "a = \"\u{1b}[31m\u{9b}1m\u{200f}\u{202e}\" wrong";
+        let mut message = at(text, text.len() - 5..text.len()).help("\u{1b}[2J");
+        message.message = "a\u{9b}\rb".into();
+        let shown = message.render(false);
         assert!(
-            lines[3].starts_with("1 | …") && lines[3].ends_with('…'),
-            "{shown}"
+            shown.chars().all(|c| c == '\n' || printable_char(c) == c),
+            "{shown:?}"
         );
+        assert!(shown.ends_with("= help: \u{fffd}[2J"), "{shown}");
     }
 }

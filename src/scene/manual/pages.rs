@@ -113,8 +113,9 @@ fn index(sections: &[SectionRecord], places: &[Place]) -> String {
         let first = match example {
             Some((_, "")) => "",
             Some((_, rest)) => rest.strip_prefix(": ").unwrap_or(first),
-            None => first.trim_end_matches('.'),
+            None => first,
         };
+        let first = first.trim_end_matches('.');
         let colon = if first.is_empty() { "" } else { ": " };
         let _ = writeln!(
             out,

@@ -109,6 +109,13 @@ pub fn names() -> Vec<&'static str> {
         .collect()
 }
 
+/// What is called by a name.
+pub fn entries(name: &str) -> Vec<&'static Entry> {
+    let entries = API.iter().flat_map(|group| group.entries);
+    let has_name = |e: &&Entry| e.signature.split("; ").any(|form| name_of(form) == name);
+    entries.filter(has_name).collect()
+}
+
 /// The signatures of a name.
 pub fn signatures(name: &str) -> Vec<String> {
     let entries = API.iter().flat_map(|group| group.entries);

@@ -1,0 +1,268 @@
+//! `lsp`: a language server for scene text and scripts, on standard input and output
+//! (Language Server Protocol 3.17).
+
+mod answer;
+mod names;
+mod outline;
+mod position;
+mod script;
+mod tables;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
+
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
+use serde_json::{Value, json};
+
+use self::{
+    names::TextFile,
+    outline::{Part, outline},
+    position::{offset, path_of, range, uri_of},
+};
+use super::{args::SceneArgs, check::messages, error::AppError};
+use crate::{
+    scene::{
+        dependencies::Dependencies,
+        diagnostic::{Diagnostic, Severity, Span},
+    },
+    session::scene_text::SceneText,
+};
+
+/// Serves one client until it says `exit` or closes its pipe.
+///
+/// # Errors
+/// [`AppError::Usage`] where the client writes what is no message.
+pub fn lsp() -> Result<(), AppError> {
+    let (connection, threads) = Connection::stdio();
+    let served = serve(&connection);
+    drop(connection); // else its thread waits for more to write
+    let refuse =
+        |error: String| AppError::Usage(format!("the client of `lsp` is at fault: {error}"));
+    threads.join().map_err(|error| refuse(error.to_string()))?;
+    served.map_err(refuse)
+}
+
+fn serve(connection: &Connection) -> Result<(), String> {
+    let capabilities = json!({
+        "textDocumentSync": { "openClose": true, "change": 1, "save": true },
+        "completionProvider": { "triggerCharacters": ["\"", "[", ".", "="] },
+        "hoverProvider": true,
+        "definitionProvider": true,
+    });
+    connection
+        .initialize(capabilities)
+        .map_err(|error| error.to_string())?;
+    let mut server = Server {
+        connection,
+        open: BTreeMap::new(),
+        changed: BTreeMap::new(),
+        told: BTreeMap::new(),
+    };
+    for message in &connection.receiver {
+        match message {
+            Message::Request(request) => {
+                if connection
+                    .handle_shutdown(&request)
+                    .map_err(|error| error.to_string())?
+                {
+                    return Ok(());
+                }
+                server.answer(request);
+            }
+            Message::Notification(notification) => server.hear(&notification),
+            Message::Response(_) => {}
+        }
+        if connection.receiver.is_empty() {
+            server.check_changed(); // once for all that was typed meanwhile
+        }
+    }
+    Ok(())
+}
+
+/// How much of a text is checked.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Extent {
+    /// The text and the script's `setup`: at each change.
+    Text,
+    /// All that `check` looks at: at opening and saving.
+    Whole,
+}
+
+struct Server<'a> {
+    connection: &'a Connection,
+    /// Open texts, by URI.
+    open: BTreeMap<String, TextFile>,
+    changed: BTreeMap<String, Extent>,
+    /// Files with messages, by the scene whose check found them.
+    told: BTreeMap<String, BTreeSet<String>>,
+}
+
+impl Server<'_> {
+    fn send(&self, message: Message) {
+        let _ = self.connection.sender.send(message); // a client that has gone is noticed at reading
+    }
+
+    fn answer(&self, request: Request) {
+        let params = &request.params;
+        let file = params["textDocument"]["uri"]
+            .as_str()
+            .and_then(|uri| self.open.get(uri));
+        let at = file.map_or(0, |file| offset(&file.text, &params["position"]));
+        let is_script = file.is_some_and(|file| is_script(&file.path));
+        let scenes = || {
+            let open: Vec<_> = self.open.values().collect();
+            file.map_or_else(Vec::new, |file| script::scenes_of(&file.path, &open))
+        };
+        let result = match (request.method.as_str(), file) {
+            ("textDocument/completion", Some(file)) if is_script => {
+                json!(script::complete(&file.text, at, &scenes()))
+            }
+            ("textDocument/completion", Some(file)) => json!(answer::complete(file, at)),
+            ("textDocument/hover", Some(file)) if is_script => json!(script::hover(&file.text, at)),
+            ("textDocument/hover", Some(file)) => json!(answer::hover(file, at)),
+            ("textDocument/definition", Some(file)) if is_script => {
+                json!(script::definition(&file.text, at, &scenes()))
+            }
+            ("textDocument/definition", Some(file)) => json!(answer::definition(file, at)),
+            (
+                "textDocument/completion" | "textDocument/hover" | "textDocument/definition",
+                None,
+            ) => Value::Null,
+            (method, _) => {
+                let text = format!("there is no method {method}");
+                let error = Response::new_err(request.id, ErrorCode::MethodNotFound as i32, text);
+                return self.send(Message::Response(error));
+            }
+        };
+        self.send(Message::Response(Response::new_ok(request.id, result)));
+    }
+
+    fn hear(&mut self, notification: &Notification) {
+        let params = &notification.params;
+        let document = &params["textDocument"];
+        let Some(uri) = document["uri"].as_str().map(str::to_owned) else {
+            return;
+        };
+        match notification.method.as_str() {
+            "textDocument/didOpen" => {
+                let text = document["text"].as_str().unwrap_or_default().to_owned();
+                if let Some(path) = path_of(&uri) {
+                    self.open.insert(uri.clone(), TextFile { path, text });
+                    self.touch(&uri, Extent::Whole);
+                }
+            }
+            "textDocument/didChange" => {
+                let changes = params["contentChanges"].as_array();
+                let text = changes.and_then(|changes| changes.last()?["text"].as_str());
+                if let (Some(file), Some(text)) = (self.open.get_mut(&uri), text) {
+                    text.clone_into(&mut file.text);
+                    self.touch(&uri, Extent::Text);
+                }
+            }
+            "textDocument/didSave" => {
+                // Other scenes may read it.
+                let all: Vec<_> = self.open.keys().cloned().collect();
+                all.iter().for_each(|uri| self.touch(uri, Extent::Whole));
+            }
+            "textDocument/didClose" => {
+                self.open.remove(&uri);
+                self.changed.remove(&uri);
+                self.tell(&uri, BTreeMap::new());
+            }
+            _ => {}
+        }
+    }
+
+    fn touch(&mut self, uri: &str, extent: Extent) {
+        let known = self.changed.entry(uri.to_owned()).or_insert(extent);
+        *known = extent.max(*known);
+    }
+
+    fn check_changed(&mut self) {
+        for (uri, extent) in std::mem::take(&mut self.changed) {
+            let Some(file) = self.open.get(&uri).filter(|file| is_scene(file)) else {
+                continue;
+            };
+            let mut by_file = BTreeMap::from([(uri.clone(), Vec::new())]);
+            for message in check(file, extent) {
+                let place = message.span.source.as_ref();
+                let at = match place {
+                    Some(source) if source.path != file.path => uri_of(&source.path),
+                    _ => uri.clone(),
+                };
+                by_file.entry(at).or_default().push(protocol(&message));
+            }
+            self.tell(&uri, by_file);
+        }
+    }
+
+    /// Publishes what a scene's check found, and takes back what it found before.
+    fn tell(&mut self, scene: &str, by_file: BTreeMap<String, Vec<Value>>) {
+        let files: BTreeSet<_> = by_file.keys().cloned().collect();
+        let before = self
+            .told
+            .insert(scene.to_owned(), files)
+            .unwrap_or_default();
+        let gone = before.into_iter().filter(|uri| !by_file.contains_key(uri));
+        let gone: Vec<_> = gone.map(|uri| (uri, Vec::new())).collect();
+        for (uri, diagnostics) in gone.into_iter().chain(by_file) {
+            let params = json!({ "uri": uri, "diagnostics": diagnostics });
+            let method = "textDocument/publishDiagnostics".to_owned();
+            self.send(Message::Notification(Notification::new(method, params)));
+        }
+    }
+}
+
+fn is_script(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "rhai")
+}
+
+/// Whether it is a scene by itself: an included file has no version.
+fn is_scene(file: &TextFile) -> bool {
+    let is_version =
+        |w: &outline::Word| w.part == Part::Key && w.table.is_empty() && w.text == "version";
+    !is_script(&file.path) && outline(&file.text).0.iter().any(is_version)
+}
+
+fn check(file: &TextFile, extent: Extent) -> Vec<Diagnostic> {
+    let from = SceneArgs::default();
+    match extent {
+        Extent::Whole => messages(&file.path, &file.text, &from),
+        Extent::Text => {
+            let text = SceneText::new(&file.text, &file.path, &from.options());
+            match text.open(&[], &Dependencies::default()) {
+                Ok(opened) => opened.warnings,
+                Err(errors) => errors,
+            }
+        }
+    }
+}
+
+/// A message as the protocol writes it.
+fn protocol(message: &Diagnostic) -> Value {
+    let place = |span: &Span| match &span.source {
+        Some(source) => range(&source.text, &span.range),
+        None => range("", &(0..0)),
+    };
+    let mut text = message.message.clone();
+    if let Some(file) = &message.file {
+        text = format!("{}: {text}", file.display());
+    }
+    if let Some(help) = &message.help {
+        text += &format!("\nhelp: {help}");
+    }
+    let related = message.related.iter().filter_map(|(span, note)| {
+        let uri = uri_of(&span.source.as_ref()?.path);
+        Some(json!({ "location": { "uri": uri, "range": place(span) }, "message": note }))
+    });
+    json!({
+        "range": place(&message.span),
+        "severity": if message.severity == Severity::Error { 1 } else { 2 },
+        "code": message.name,
+        "source": "reflet",
+        "message": text,
+        "relatedInformation": related.collect::<Vec<_>>(),
+    })
+}

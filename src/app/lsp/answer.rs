@@ -1,0 +1,263 @@
+//! Answers about a place in scene text: what can be written there, what it means, and where it is given.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde_json::{Value, json};
+
+use super::{
+    names::{TextFile, files_of_value, kind_of_value, names, with_parts},
+    outline::{Part, Word, outline},
+    position::{range, uri_of},
+    tables::{Below, below, key, keys_of, table},
+};
+use crate::{
+    scene::{
+        manual::{key_text, section_text, variant_text},
+        parse::{Form, KeyRecord, SectionRecord},
+    },
+    session::scene_text::asset_folders,
+};
+
+/// Most files that are proposed, and folders below a folder that are looked into.
+const MOST_FILES: usize = 500;
+const DEPTH: usize = 3;
+
+/// Kinds of proposals in the protocol.
+const MODULE: u32 = 9;
+const PROPERTY: u32 = 10;
+const VALUE: u32 = 12;
+const FILE: u32 = 17;
+const REFERENCE: u32 = 18;
+
+/// What can be written at a place.
+pub fn complete(file: &TextFile, offset: usize) -> Vec<Value> {
+    let before = &file.text[..file.text.floor_char_boundary(offset)];
+    let (mut words, end) = outline(before);
+    let word = match words.pop() {
+        Some(word) if word.range.end == before.len() => word,
+        _ => end,
+    };
+    match &word.part {
+        Part::Header => headers(file, &word),
+        Part::Key => match table(&word.table) {
+            Some(section) => keys(section),
+            None => Vec::new(),
+        },
+        Part::Value(key) => {
+            let quoted = before[word.range.start..].starts_with(['"', '\'']);
+            values(file, &word, key, quoted)
+        }
+        Part::Nothing => Vec::new(),
+    }
+}
+
+fn item(label: &str, kind: u32, text: &str) -> Value {
+    json!({
+        "label": label,
+        "kind": kind,
+        "documentation": { "kind": "markdown", "value": text },
+    })
+}
+
+fn keys(section: &'static SectionRecord) -> Vec<Value> {
+    let mut seen = BTreeSet::new();
+    let own = keys_of(section).filter(|(_, key)| seen.insert(key.name));
+    let mut all: Vec<_> = own
+        .map(|(word, key)| item(key.name, PROPERTY, &key_text(section, word, key)))
+        .collect();
+    if let Some(first) = section.variants.first() {
+        all.push(item(first.key, PROPERTY, section_text(section)));
+    }
+    all
+}
+
+/// Tables, and names that are given already where the user chooses names.
+fn headers(file: &TextFile, word: &Word) -> Vec<Value> {
+    match below(&word.table) {
+        Some(Below::Table(section)) => {
+            let is_table = |key: &KeyRecord| {
+                key.forms
+                    .iter()
+                    .any(|form| !matches!(form, Form::Value(..)))
+            };
+            let tables = keys_of(section).filter(|(_, key)| is_table(key));
+            tables
+                .map(|(word, key)| item(key.name, MODULE, &key_text(section, word, key)))
+                .collect()
+        }
+        Some(Below::Names(section)) => {
+            let kind = word.table.last().map_or("", String::as_str);
+            let text = section_text(section);
+            let mut all = names_of_kind(file, kind);
+            all.remove(&word.text);
+            all.iter().map(|name| item(name, REFERENCE, text)).collect()
+        }
+        None => Vec::new(),
+    }
+}
+
+fn names_of_kind(file: &TextFile, kind: &str) -> BTreeSet<String> {
+    let parts = with_parts(&file.path, &file.text);
+    let all = parts.iter().flat_map(|part| names(&part.text));
+    all.filter(|n| n.kind == kind).map(|n| n.name).collect()
+}
+
+fn values(file: &TextFile, word: &Word, name: &str, quoted: bool) -> Vec<Value> {
+    let text = |text: &str| match quoted {
+        true => text.to_owned(),
+        false => format!("\"{text}\""),
+    };
+    let mut all = Vec::new();
+    if let Some((section, _, key)) = key(&word.table, name) {
+        let meaning = key_text(section, None, key);
+        let words = key.words.iter().flat_map(|(_, words)| *words);
+        all.extend(words.map(|w| item(&text(w), VALUE, &meaning)));
+        let is_switch = |form: &Form| matches!(form, Form::Value(_, s) if s["type"] == "boolean");
+        if key.forms.iter().any(is_switch) && !quoted {
+            all.extend(["true", "false"].map(|w| item(w, VALUE, &meaning)));
+        }
+    }
+    if let Some(section) = table(&word.table) {
+        let chosen = section.variants.iter().filter(|v| v.key == name);
+        all.extend(chosen.map(|v| item(&text(v.word), VALUE, variant_text(section, v.word))));
+    }
+    if let Some(kind) = kind_of_value(name) {
+        let names = names_of_kind(file, kind);
+        all.extend(names.iter().map(|name| item(&text(name), REFERENCE, "")));
+    }
+    let ends = files_of_value(&word.table, name);
+    if !ends.is_empty() {
+        let mut found = BTreeSet::new();
+        for folder in folders(&file.path) {
+            files_below(&folder, "", ends, DEPTH, &mut found);
+        }
+        all.extend(found.iter().map(|name| item(&text(name), FILE, "")));
+    }
+    all
+}
+
+/// The folder of a file, then those of assets.
+fn folders(path: &Path) -> Vec<PathBuf> {
+    let own = path.parent().unwrap_or(Path::new("")).to_owned();
+    std::iter::once(own).chain(asset_folders(&[])).collect()
+}
+
+fn files_below(
+    folder: &Path,
+    prefix: &str,
+    ends: &[&str],
+    depth: usize,
+    found: &mut BTreeSet<String>,
+) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let (path, name) = (entry.path(), entry.file_name());
+        let Some(name) = name.to_str().filter(|n| !n.starts_with('.')) else {
+            continue;
+        };
+        if found.len() >= MOST_FILES {
+            return;
+        }
+        let name = format!("{prefix}{name}");
+        if path.is_dir() && depth > 0 {
+            files_below(&path, &format!("{name}/"), ends, depth - 1, found);
+        } else if path
+            .extension()
+            .is_some_and(|e| ends.iter().any(|end| e == *end))
+        {
+            found.insert(name);
+        }
+    }
+}
+
+/// The word at a place.
+fn word_at(text: &str, offset: usize) -> Option<Word> {
+    let is_at = |word: &Word| (word.range.start..=word.range.end).contains(&offset);
+    outline(text).0.into_iter().find(is_at)
+}
+
+/// What the manual says about a place.
+pub fn hover(file: &TextFile, offset: usize) -> Option<Value> {
+    let word = word_at(&file.text, offset)?;
+    let of_key = |table: &[String], name: &str| {
+        let (section, variant, key) = key(table, name)?;
+        Some(key_text(section, variant, key))
+    };
+    let text = match &word.part {
+        Part::Value(name) => {
+            let chosen = table(&word.table).and_then(|section| {
+                let known = section
+                    .variants
+                    .iter()
+                    .any(|v| v.key == name && v.word == word.text);
+                known.then(|| variant_text(section, &word.text).to_owned())
+            });
+            chosen.or_else(|| of_key(&word.table, name))?
+        }
+        Part::Key => of_key(&word.table, &word.text).or_else(|| {
+            let section = table(&word.table)?;
+            let chooses = section.variants.iter().any(|v| v.key == word.text);
+            chooses.then(|| section_text(section).to_owned())
+        })?,
+        Part::Header => {
+            let keys: Vec<_> = word.table.iter().chain([&word.text]).cloned().collect();
+            let (Below::Table(section) | Below::Names(section)) = below(&keys)?;
+            section_text(section).to_owned()
+        }
+        Part::Nothing => return None,
+    };
+    Some(json!({
+        "contents": { "kind": "markdown", "value": text.replace('\n', "\n\n") },
+        "range": range(&file.text, &word.range),
+    }))
+}
+
+/// Where what a place names is given: a table, an instance, or a file.
+pub fn definition(file: &TextFile, offset: usize) -> Vec<Value> {
+    let Some(word) = word_at(&file.text, offset) else {
+        return Vec::new();
+    };
+    let kind = match (&word.part, word.table.as_slice()) {
+        (Part::Value(key), table) => {
+            let ends = files_of_value(table, key);
+            let at_start =
+                |path: PathBuf| json!({ "uri": uri_of(&path), "range": range("", &(0..0)) });
+            if !ends.is_empty() {
+                let mut files = folders(&file.path).into_iter().map(|f| f.join(&word.text));
+                return files
+                    .find(|f| f.is_file())
+                    .map(at_start)
+                    .into_iter()
+                    .collect();
+            }
+            kind_of_value(key).map(str::to_owned)
+        }
+        // [motion.instance.NAME]
+        (Part::Header, [motion, kind]) if motion == "motion" => Some(kind.clone()),
+        _ => None,
+    };
+    let Some(kind) = kind else {
+        return Vec::new();
+    };
+    places(&with_parts(&file.path, &file.text), &word.text, |k| {
+        k == kind
+    })
+}
+
+/// Where a name of such a kind is given in these files.
+pub fn places(files: &[TextFile], name: &str, is_kind: impl Fn(&str) -> bool) -> Vec<Value> {
+    let mut all = Vec::new();
+    for file in files {
+        let given = names(&file.text).into_iter();
+        let given = given.filter(|n| n.name == name && is_kind(&n.kind));
+        all.extend(
+            given.map(
+                |n| json!({ "uri": uri_of(&file.path), "range": range(&file.text, &n.range) }),
+            ),
+        );
+    }
+    all
+}

@@ -1,0 +1,241 @@
+//! Keys, values and headers of scene text with their places. The text may be broken, as it is while people
+//! type: only its tokens are looked at.
+
+use std::ops::Range;
+
+use toml_parser::{Source, lexer::TokenKind};
+
+/// What a word in scene text is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// A key in `[…]`.
+    Header,
+    /// A key before `=`.
+    Key,
+    /// A value, or one of an array, of this key.
+    Value(String),
+    /// In a comment, or behind a header.
+    Nothing,
+}
+
+/// A word in scene text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// Keys of the table that it is in, from the top of the file: `["camera", "main"]`; of a header, those
+    /// before it.
+    pub table: Vec<String>,
+    /// What it is.
+    pub part: Part,
+    /// The word, without quotes.
+    pub text: String,
+    /// Its bytes in the text, with quotes.
+    pub range: Range<usize>,
+}
+
+/// A table or array inside a value.
+struct Inline {
+    keys: Vec<String>,
+    is_table: bool,
+}
+
+/// Walks the tokens of a text.
+#[derive(Default)]
+struct Walk {
+    words: Vec<Word>,
+    header: Vec<String>,
+    inline: Vec<Inline>,
+    /// Parts of the key, or of the header that is open; the last is empty behind a dot.
+    key: Vec<String>,
+    in_header: bool,
+    in_value: bool,
+    is_over: bool,
+}
+
+/// All words of a text, and what one at its end would be, without text.
+pub fn outline(text: &str) -> (Vec<Word>, Word) {
+    let mut walk = Walk::default();
+    for token in Source::new(text).lex() {
+        let range = token.span().start()..token.span().end();
+        walk.token(token.kind(), &text[range.clone()], range);
+    }
+    let end = walk.word(String::new(), text.len()..text.len());
+    (walk.words, end)
+}
+
+impl Walk {
+    fn token(&mut self, kind: TokenKind, raw: &str, range: Range<usize>) {
+        let in_array = self.inline.last().is_some_and(|i| !i.is_table);
+        match kind {
+            TokenKind::Newline if self.inline.is_empty() => {
+                self.statement();
+                self.in_header = false;
+                self.is_over = false;
+            }
+            TokenKind::Newline if self.is_over => self.is_over = false,
+            TokenKind::Comment => self.is_over = true,
+            TokenKind::LeftSquareBracket if !self.in_value && self.inline.is_empty() => {
+                self.in_header = true;
+                self.key.clear();
+            }
+            TokenKind::RightSquareBracket if self.in_header => {
+                self.header = std::mem::take(&mut self.key);
+                self.in_header = false;
+                self.is_over = true;
+            }
+            TokenKind::RightSquareBracket | TokenKind::RightCurlyBracket => {
+                if let Some(inline) = self.inline.pop() {
+                    self.key = inline.keys;
+                }
+                self.in_value = true;
+            }
+            TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket if self.in_value => {
+                let keys = std::mem::take(&mut self.key);
+                let is_table = kind == TokenKind::LeftCurlyBracket;
+                self.inline.push(Inline { keys, is_table });
+                self.in_value = !is_table;
+            }
+            TokenKind::Equals => self.in_value = true,
+            TokenKind::Comma if !in_array => self.statement(),
+            TokenKind::Dot if !self.in_value => self.key.push(String::new()),
+            TokenKind::LiteralString
+            | TokenKind::BasicString
+            | TokenKind::MlLiteralString
+            | TokenKind::MlBasicString
+            | TokenKind::Atom => self.text(raw, range),
+            _ => {}
+        }
+    }
+
+    /// What follows is another key.
+    fn statement(&mut self) {
+        self.key.clear();
+        self.in_value = false;
+    }
+
+    fn text(&mut self, raw: &str, range: Range<usize>) {
+        let quote = raw.chars().next().filter(|c| ['"', '\''].contains(c));
+        let text = quote.map_or(raw, |quote| raw.trim_matches(quote));
+        let word = self.word(text.to_owned(), range);
+        if !self.in_value {
+            match self.key.last_mut() {
+                Some(last) => *last = text.to_owned(),
+                None => self.key.push(text.to_owned()),
+            }
+        }
+        self.words.push(word);
+    }
+
+    fn word(&self, text: String, range: Range<usize>) -> Word {
+        let mut table = self.header.clone();
+        if self.in_header {
+            table.clear();
+        }
+        table.extend(self.inline.iter().flat_map(|i| i.keys.iter().cloned()));
+        let in_array = self.inline.last().is_some_and(|i| !i.is_table);
+        let (path, part) = match self.key.split_last() {
+            _ if self.is_over => (&[][..], Part::Nothing),
+            Some((last, path)) if self.in_value => (path, Part::Value(last.clone())),
+            None if self.in_value && in_array => {
+                let key = table.pop().unwrap_or_default();
+                (&[][..], Part::Value(key))
+            }
+            Some((_, path)) if self.in_header => (path, Part::Header),
+            Some((_, path)) => (path, Part::Key),
+            None if self.in_header => (&[][..], Part::Header),
+            None => (&[][..], Part::Key),
+        };
+        table.extend(path.iter().cloned());
+        Word {
+            table,
+            part,
+            text,
+            range,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The word at `|`.
+    fn at(text: &str) -> (String, Part, String) {
+        let (before, _) = text.split_once('|').expect("a mark");
+        let (mut words, end) = outline(before);
+        let word = match words.pop() {
+            Some(word) if word.range.end == before.len() => word,
+            _ => end,
+        };
+        (word.table.join("."), word.part, word.text)
+    }
+
+    #[test]
+    fn a_cursor_knows_its_table_and_its_key() {
+        let value = |key: &str| Part::Value(key.to_owned());
+        for (text, table, part, word) in [
+            ("|", "", Part::Key, ""),
+            ("ver|", "", Part::Key, "ver"),
+            ("[cam|", "", Part::Header, "cam"),
+            ("a = 1\n[motion.camera.|", "motion.camera", Part::Header, ""),
+            ("[[instance]]\nmo|", "instance", Part::Key, "mo"),
+            (
+                "[[instance]]\nmodel = \"ba|",
+                "instance",
+                value("model"),
+                "ba",
+            ),
+            ("[light.sun]\nshadow = |", "light.sun", value("shadow"), ""),
+            ("[camera.main] # eye|", "camera.main", Part::Nothing, ""),
+            (
+                "[model.a]\nshape = { kind = \"s|",
+                "model.a.shape",
+                value("kind"),
+                "s",
+            ),
+            (
+                "[model.a]\nshape = { kind = \"box\", |",
+                "model.a.shape",
+                Part::Key,
+                "",
+            ),
+            (
+                "[motion.camera.main]\neye = { keys = [{ at_s = 0 }, { va|",
+                "motion.camera.main.eye.keys",
+                Part::Key,
+                "va",
+            ),
+            ("include = [\"a.toml\", \"b|", "", value("include"), "b"),
+            ("image.si|", "image", Part::Key, "si"),
+            (
+                "a = \"[x]\"\n[camera.\"x y\"]\ney|",
+                "camera.x y",
+                Part::Key,
+                "ey",
+            ),
+            ("a = [1,\n2]\nb|", "", Part::Key, "b"),
+            ("a = { b = 1 }\nc = |", "", value("c"), ""),
+        ] {
+            assert_eq!(
+                at(text),
+                (table.to_owned(), part, word.to_owned()),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn no_text_is_too_broken() {
+        for text in [
+            "]]}}",
+            "[[[",
+            "= = {",
+            "\"\"\"",
+            "a = '",
+            "{,{,[,",
+            "[a.\n=b",
+            "\u{feff}[x]",
+        ] {
+            outline(text);
+        }
+    }
+}

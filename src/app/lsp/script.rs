@@ -1,0 +1,149 @@
+//! Answers about a place in a script: names of the API and of the scenes that use it.
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use serde_json::{Value, json};
+
+use super::{
+    answer::places,
+    names::{TextFile, names, with_parts},
+};
+use crate::scene::{parse, script::api};
+
+/// Kinds of proposals in the protocol.
+const FUNCTION: u32 = 3;
+const PROPERTY: u32 = 10;
+const REFERENCE: u32 = 18;
+
+/// Largest folder in which scenes of a script are looked for, entries.
+const MOST_ENTRIES: usize = 1000;
+
+/// The scenes that name a script, and what they include: open ones as they are edited, others of its
+/// folder.
+pub fn scenes_of(script: &Path, open: &[&TextFile]) -> Vec<TextFile> {
+    let name = script
+        .file_name()
+        .and_then(|name| name.to_str())
+        .unwrap_or_default();
+    let mut scenes: Vec<_> = open.iter().map(|file| (*file).clone()).collect();
+    let folder = fs::read_dir(script.parent().unwrap_or(Path::new("")));
+    for entry in folder.into_iter().flatten().flatten().take(MOST_ENTRIES) {
+        let path = entry.path();
+        let is_scene = path.extension().is_some_and(|e| e == "toml");
+        if is_scene && scenes.iter().all(|s| s.path != path) {
+            let text = parse::read(&path).unwrap_or_default();
+            scenes.push(TextFile { path, text });
+        }
+    }
+    let uses =
+        |s: &TextFile| s.path.extension().is_some_and(|e| e == "toml") && s.text.contains(name);
+    let scenes = scenes.iter().filter(|s| uses(s));
+    scenes.flat_map(|s| with_parts(&s.path, &s.text)).collect()
+}
+
+/// What can be written at a place.
+pub fn complete(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
+    let before = &text[..text.floor_char_boundary(offset)];
+    let all = scenes.iter().flat_map(|s| names(&s.text));
+    if in_quotes(before) {
+        let named: BTreeSet<_> = all
+            .filter(|n| n.kind != "params")
+            .map(|n| (n.name, n.kind))
+            .collect();
+        let item = |(name, kind): &(String, String)| json!({ "label": name, "kind": REFERENCE, "detail": kind });
+        return named.iter().map(item).collect();
+    }
+    let owner = before.trim_end_matches(is_word);
+    if owner.ends_with("ctx.params.") {
+        let params: BTreeSet<_> = all.filter(|n| n.kind == "params").map(|n| n.name).collect();
+        return params
+            .iter()
+            .map(|name| json!({ "label": name, "kind": PROPERTY }))
+            .collect();
+    }
+    if owner.ends_with("ctx.") {
+        let (properties, functions) = api::members("ctx.");
+        let properties = properties.into_iter().map(|name| item(name, PROPERTY));
+        let functions: BTreeSet<_> = functions.into_iter().collect();
+        return properties
+            .chain(functions.into_iter().map(|name| item(name, FUNCTION)))
+            .collect();
+    }
+    if owner.ends_with('.') {
+        return Vec::new();
+    }
+    let functions: BTreeSet<_> = api::names().into_iter().collect();
+    functions
+        .into_iter()
+        .map(|name| item(name, FUNCTION))
+        .collect()
+}
+
+fn item(name: &str, kind: u32) -> Value {
+    json!({
+        "label": name,
+        "kind": kind,
+        "documentation": { "kind": "markdown", "value": meaning(name).unwrap_or_default() },
+    })
+}
+
+/// The API's signatures and text of a name.
+fn meaning(name: &str) -> Option<String> {
+    let texts = api::entries(name).into_iter().map(|entry| {
+        let forms: Vec<_> = entry.signature.split("; ").collect();
+        format!("```rhai\n{}\n```\n{}", forms.join("\n"), entry.meaning())
+    });
+    let texts: Vec<_> = texts.collect();
+    (!texts.is_empty()).then(|| texts.join("\n\n"))
+}
+
+/// What the manual says about the name at a place.
+pub fn hover(text: &str, offset: usize) -> Option<Value> {
+    let text = meaning(word_at(text, offset))?;
+    Some(json!({ "contents": { "kind": "markdown", "value": text } }))
+}
+
+/// Where the name at a place, in quotes or of a parameter, is given in the scenes.
+pub fn definition(text: &str, offset: usize, scenes: &[TextFile]) -> Vec<Value> {
+    let before = &text[..text.floor_char_boundary(offset)];
+    if in_quotes(before) {
+        let start = before.rfind('"').map_or(0, |i| i + 1);
+        let name = text[start..].split(['"', '\n']).next().unwrap_or_default();
+        return places(scenes, name, |kind| kind != "params");
+    }
+    match before.trim_end_matches(is_word).ends_with("ctx.params.") {
+        true => places(scenes, word_at(text, offset), |kind| kind == "params"),
+        false => Vec::new(),
+    }
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+fn word_at(text: &str, offset: usize) -> &str {
+    let offset = text.floor_char_boundary(offset);
+    let start = text[..offset].trim_end_matches(is_word).len();
+    let end = text[offset..]
+        .find(|c| !is_word(c))
+        .map_or(text.len(), |i| offset + i);
+    &text[start..end]
+}
+
+/// Whether a text ends inside of quotes; those of a text over several lines, in backticks, do not count.
+fn in_quotes(before: &str) -> bool {
+    let line = before.rsplit('\n').next().unwrap_or_default();
+    let (mut open, mut escaped) = (false, false);
+    for c in line.chars() {
+        match c {
+            '"' if !escaped => open = !open,
+            '\\' if open && !escaped => {
+                escaped = true;
+                continue;
+            }
+            _ => {}
+        }
+        escaped = false;
+    }
+    open
+}

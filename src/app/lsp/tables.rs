@@ -1,0 +1,75 @@
+//! Which table of the manual a place in scene text is in.
+
+use std::sync::LazyLock;
+
+use crate::scene::parse::{Form, KeyRecord, SectionRecord, recorded_keys};
+
+static SECTIONS: LazyLock<Vec<SectionRecord>> = LazyLock::new(|| recorded_keys().sections);
+
+/// What stands below some keys.
+#[derive(Clone, Copy, Debug)]
+pub enum Below {
+    /// The keys of a table.
+    Table(&'static SectionRecord),
+    /// Names of the user's choice, each of such a table.
+    Names(&'static SectionRecord),
+}
+
+/// What stands below these keys, from the top of the file; `None` where nothing is known.
+pub fn below(keys: &[String]) -> Option<Below> {
+    let keys = match keys {
+        // Anything of the scene again.
+        [first, _, rest @ ..] if first == "variant" => rest,
+        keys => keys,
+    };
+    let mut place = Below::Table(SECTIONS.first()?);
+    for key in keys {
+        place = match place {
+            Below::Names(section) => Below::Table(section),
+            Below::Table(section) => {
+                let forms = keys_of(section).find(|(_, k)| k.name == key)?.1;
+                forms.forms.iter().find_map(|form| match form {
+                    Form::Table(name) | Form::List(name) => section_of(name).map(Below::Table),
+                    Form::Entries(name) => section_of(name).map(Below::Names),
+                    Form::Value(..) => None,
+                })?
+            }
+        };
+    }
+    Some(place)
+}
+
+/// The table below these keys.
+pub fn table(keys: &[String]) -> Option<&'static SectionRecord> {
+    match below(keys)? {
+        Below::Table(section) => Some(section),
+        Below::Names(_) => None,
+    }
+}
+
+/// A key of the table below these keys, with the variant that has it.
+pub fn key(
+    keys: &[String],
+    name: &str,
+) -> Option<(
+    &'static SectionRecord,
+    Option<&'static str>,
+    &'static KeyRecord,
+)> {
+    let section = table(keys)?;
+    let (word, key) = keys_of(section).find(|(_, key)| key.name == name)?;
+    Some((section, word, key))
+}
+
+/// All keys of a table, each with the variant that has it.
+pub fn keys_of(
+    section: &'static SectionRecord,
+) -> impl Iterator<Item = (Option<&'static str>, &'static KeyRecord)> {
+    let own = section.keys.iter().map(|key| (None, key));
+    let of_variants = section.variants.iter();
+    own.chain(of_variants.flat_map(|v| v.keys.iter().map(|key| (Some(v.word), key))))
+}
+
+fn section_of(type_name: &str) -> Option<&'static SectionRecord> {
+    SECTIONS.iter().find(|s| s.type_name == type_name)
+}

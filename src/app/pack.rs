@@ -1,0 +1,240 @@
+//! `pack` and `unpack`: a scene and everything that it reads as one ZIP file, to be rendered elsewhere.
+//!
+//! Files keep their places relative to each other, so that every name in scene text, scripts and models
+//! still leads to its file; the list that the pack ends with says what is rendered, and how.
+
+mod hashed_read;
+mod manifest;
+pub mod unpack;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    io::{self, Write as _},
+    path::{Component, Path, PathBuf},
+};
+
+use clap::Args;
+use zip::{ZipWriter, write::SimpleFileOptions};
+
+use self::{
+    hashed_read::HashedRead,
+    manifest::{BUILT_FROM, LIST, Manifest, fault_of_name},
+};
+use super::{args::SceneArgs, error::AppError, scene::load};
+use crate::{
+    files::{Temporary, folder_of, open_regular},
+    scene::dependencies::Dependencies,
+    session::scene_text::{SceneText, asset_folders},
+};
+
+/// `pack`
+#[derive(Clone, Debug, Args)]
+pub struct PackArgs {
+    /// Scene file or model
+    pub scene: PathBuf,
+    /// File to write, such as show.zip
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// What is changed in the scene; noted in the pack, whose files stay as they are
+    #[command(flatten)]
+    pub from: SceneArgs,
+}
+
+/// Writes a scene with its files into one.
+///
+/// # Errors
+/// Errors of the scene, [`AppError::Usage`] for names that a pack cannot hold, and a file that cannot be
+/// read or written; there is then no pack.
+pub fn pack(args: &PackArgs) -> Result<(), AppError> {
+    let layout = Layout::of(args)?;
+    let mut goal = Temporary::create(&args.output)
+        .map_err(|error| AppError::unwritten(&args.output, &error))?;
+    let count = layout.files.len();
+    let manifest = write_zip(&mut goal.file, layout)?;
+    let written = goal.file.sync_all();
+    let written = written.and_then(|()| goal.rename_to(&args.output));
+    written.map_err(|error| AppError::unwritten(&args.output, &error))?;
+    let bytes: u64 = manifest.files.iter().map(|file| file.bytes).sum();
+    eprintln!(
+        "wrote {}: {count} files of {:.1} MiB",
+        args.output.display(),
+        bytes as f64 / f64::from(1 << 20)
+    );
+    Ok(())
+}
+
+/// Where everything goes, by names in the pack.
+struct Layout {
+    files: BTreeMap<String, PathBuf>,
+    manifest: Manifest,
+}
+
+impl Layout {
+    /// Of a scene, which is loaded so that all of its files are known, and known to be right.
+    fn of(args: &PackArgs) -> Result<Self, AppError> {
+        let texts = Dependencies::default();
+        let text = SceneText::read(Some(&args.scene), &args.from.options());
+        let text = text.map_err(AppError::Scene)?;
+        let name = text.name();
+        let opened = text.open(&[], &texts).map_err(AppError::Scene)?;
+        let searched = opened.options.dependencies.clone();
+        let timeline = opened.scene.timeline.clone();
+        let loaded = load(opened, name)?;
+        let scene = absolute(&args.scene)?;
+        let named = texts.paths().into_iter().chain(searched.paths());
+        let paths = all_files(&scene, named, &loaded.world.files)?;
+        let mut assets = Vec::new();
+        for folder in asset_folders(&args.from.assets) {
+            let folder = absolute(&folder)?;
+            if paths.iter().any(|path| path.starts_with(&folder)) && !assets.contains(&folder) {
+                assets.push(folder);
+            }
+        }
+        let top = common_folder(
+            paths
+                .iter()
+                .map(|path| folder_of(path))
+                .chain(assets.iter().map(PathBuf::as_path)),
+        );
+        let inside = |path: &Path| name_in(&top, path);
+        let manifest = Manifest {
+            pack: 1,
+            reflet: env!("CARGO_PKG_VERSION").to_owned(),
+            built_from: BUILT_FROM.to_owned(),
+            scene: inside(&scene)?,
+            assets: assets.iter().map(|f| inside(f)).collect::<Result<_, _>>()?,
+            set: args.from.set.clone(),
+            variant: args.from.variant.clone(),
+            lenient: args.from.lenient,
+            frames: timeline.map(|t| [t.start, t.end]),
+            files: Vec::new(),
+        };
+        let named = |path: PathBuf| Ok((inside(&path)?, path));
+        let files = paths
+            .into_iter()
+            .map(named)
+            .collect::<Result<BTreeMap<_, _>, AppError>>()?;
+        if files.contains_key(LIST) {
+            let text = format!("a file of the scene is named {LIST}, as the list of a pack is");
+            return Err(AppError::Usage(text));
+        }
+        Ok(Self { files, manifest })
+    }
+}
+
+/// Every file that was read, as it was named, since a link in the scene's folder is a file in the pack;
+/// what was never named, by its place. Not all that was looked for is there.
+fn all_files(
+    scene: &Path,
+    named: impl Iterator<Item = PathBuf>,
+    read: &[PathBuf],
+) -> Result<BTreeSet<PathBuf>, AppError> {
+    let mut paths = BTreeSet::from([scene.to_owned()]);
+    for path in named.filter(|path| path.is_file()) {
+        paths.insert(absolute(&path)?);
+    }
+    let real = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let known: BTreeSet<_> = paths.iter().map(|path| real(path)).collect();
+    for path in read.iter().filter(|path| !known.contains(&real(path))) {
+        paths.insert(absolute(path)?);
+    }
+    Ok(paths)
+}
+
+/// The path without `.` and `..`, from the root.
+fn absolute(path: &Path) -> Result<PathBuf, AppError> {
+    let whole = std::path::absolute(path)
+        .map_err(|error| AppError::Usage(format!("{}: {error}", path.display())))?;
+    let climbs = whole.components().any(|c| c == Component::ParentDir);
+    match (whole.parent(), whole.file_name()) {
+        // Only the system knows what is above a link.
+        (Some(folder), Some(name)) if climbs => fs::canonicalize(folder)
+            .map(|folder| folder.join(name))
+            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
+        (Some(_), None) if climbs => fs::canonicalize(&whole)
+            .map_err(|error| AppError::Usage(format!("{}: {error}", path.display()))),
+        _ => Ok(whole),
+    }
+}
+
+/// The deepest folder that all of these are in, or are.
+fn common_folder<'a>(mut folders: impl Iterator<Item = &'a Path>) -> PathBuf {
+    let mut top = folders.next().unwrap_or(Path::new("")).to_owned();
+    for folder in folders {
+        while !folder.starts_with(&top) && top.pop() {}
+    }
+    top
+}
+
+/// The name of a file or folder in the pack: from `top`, with `/`; empty for `top` itself.
+fn name_in(top: &Path, path: &Path) -> Result<String, AppError> {
+    let refuse = |why: &str| {
+        Err(AppError::Usage(format!(
+            "{}: a pack cannot hold it: {why}",
+            path.display()
+        )))
+    };
+    let Ok(rest) = path.strip_prefix(top) else {
+        return refuse("it is on another drive than the scene");
+    };
+    let parts: Option<Vec<_>> = rest.iter().map(|part| part.to_str()).collect();
+    let Some(parts) = parts else {
+        return refuse("its name is not UTF-8");
+    };
+    let name = parts.join("/");
+    match fault_of_name(&name) {
+        Some(why) if !name.is_empty() => refuse(why),
+        _ => Ok(name),
+    }
+}
+
+/// Writes the files in the order of their names and then the list; equal files give equal bytes.
+fn write_zip(goal: &mut fs::File, layout: Layout) -> Result<Manifest, AppError> {
+    let mut manifest = layout.manifest;
+    let mut zip = ZipWriter::new(io::BufWriter::new(goal));
+    let failed =
+        |error: zip::result::ZipError| AppError::unwritten(Path::new("the pack"), &error.into());
+    for (name, path) in layout.files {
+        let unread = |error: io::Error| {
+            AppError::Internal(format!("cannot read {}: {error}", path.display()))
+        };
+        let file = open_regular(&path, false).map_err(unread)?;
+        let is_large = file.metadata().map_err(unread)?.len() >= u64::from(u32::MAX);
+        let options = SimpleFileOptions::default().large_file(is_large);
+        zip.start_file(name.as_str(), options).map_err(failed)?;
+        let mut from = HashedRead::new(file);
+        io::copy(&mut from, &mut zip).map_err(unread)?;
+        manifest.files.push(from.named(name));
+    }
+    let list = serde_json::to_vec_pretty(&manifest)
+        .map_err(|error| AppError::Internal(format!("as JSON: {error}")))?;
+    zip.start_file(LIST, SimpleFileOptions::default())
+        .map_err(failed)?;
+    zip.write_all(&list).map_err(|error| failed(error.into()))?;
+    let mut rest = zip.finish().map_err(failed)?;
+    rest.flush().map_err(|error| failed(error.into()))?;
+    Ok(manifest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_common_folder_is_the_deepest_one() {
+        let of = |folders: &[&str]| common_folder(folders.iter().map(Path::new));
+        assert_eq!(of(&["/a/b", "/a/b"]), Path::new("/a/b"));
+        assert_eq!(of(&["/a/b/c", "/a/bc", "/a/b"]), Path::new("/a"));
+        assert_eq!(of(&["/a", "/b"]), Path::new("/"));
+    }
+
+    #[test]
+    fn names_are_from_the_common_folder() {
+        let name = |path: &str| name_in(Path::new("/show"), Path::new(path));
+        assert_eq!(name("/show/a/b.toml").expect("it is inside"), "a/b.toml");
+        assert_eq!(name("/show").expect("the folder itself"), "");
+        assert!(name("/other/b.toml").is_err());
+        assert!(name("/show/a\\b.toml").is_err());
+    }
+}

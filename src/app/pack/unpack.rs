@@ -1,0 +1,228 @@
+//! `unpack`: a pack from anywhere becomes a folder, or nothing does.
+
+use std::{
+    fs::{self, File, OpenOptions},
+    io::{self, BufReader, Read as _},
+    path::{Path, PathBuf},
+};
+
+use clap::Args;
+use zip::{ZipArchive, result::ZipError};
+
+use super::{
+    super::{error::AppError, print_out},
+    hashed_read::HashedRead,
+    manifest::{BUILT_FROM, LIST, MOST_BYTES, Manifest, PackedFile},
+};
+use crate::{
+    files::{folder_of, open_regular},
+    scene::diagnostic::Diagnostic,
+};
+
+/// `unpack`
+#[derive(Clone, Debug, Args)]
+pub struct UnpackArgs {
+    /// File that `pack` wrote
+    pub pack: PathBuf,
+    /// Folder to make, which must not exist yet
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// Checks every name, length and hash of a pack, makes its folder, and prints how it is rendered.
+///
+/// # Errors
+/// [`AppError::Usage`] where the folder exists, [`AppError::Scene`] for what is no pack or a damaged one, and
+/// a folder that cannot be written; there is then no folder.
+pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
+    let refuse = |fault: Fault| match fault {
+        Fault::Pack(message) => {
+            let error = Diagnostic::in_file("bad-pack", &args.pack, message);
+            AppError::Scene(vec![error.help("write it again with `reflet pack`")])
+        }
+        Fault::Disk(path, error) => AppError::unwritten(&path, &error),
+    };
+    if fs::symlink_metadata(&args.output).is_ok() {
+        let folder = args.output.display();
+        return Err(AppError::Usage(format!(
+            "--output {folder}: it exists; name a new folder"
+        )));
+    }
+    let file = open_regular(&args.pack, false)
+        .map_err(|error| refuse(Fault::Pack(format!("cannot be read: {error}"))))?;
+    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|e| refuse(e.into()))?;
+    let manifest = read_list(&mut zip).map_err(refuse)?;
+    let made = Unfinished::beside(&args.output).map_err(refuse)?;
+    for file in &manifest.files {
+        write_file(&mut zip, file, &made.folder).map_err(refuse)?;
+    }
+    made.rename_to(&args.output).map_err(refuse)?;
+    let count = manifest.files.len();
+    eprintln!(
+        "wrote {}: {count} files, all as they were packed",
+        args.output.display()
+    );
+    if manifest.built_from != BUILT_FROM {
+        eprintln!(
+            "note: another build of Reflet ({}) made it; the pictures of this one may differ",
+            manifest.reflet.escape_debug()
+        );
+    }
+    print_out(&command(&manifest, &args.output))
+}
+
+/// Why there is no folder.
+enum Fault {
+    /// The pack is damaged or none.
+    Pack(String),
+    /// A file cannot be written.
+    Disk(PathBuf, io::Error),
+}
+
+impl From<ZipError> for Fault {
+    fn from(error: ZipError) -> Self {
+        Self::Pack(format!("it is no whole ZIP file: {error}"))
+    }
+}
+
+type Zip = ZipArchive<BufReader<File>>;
+
+fn read_list(zip: &mut Zip) -> Result<Manifest, Fault> {
+    let no_list = || {
+        Fault::Pack(format!(
+            "it has no {LIST}, so `reflet pack` did not write it"
+        ))
+    };
+    let mut text = Vec::new();
+    let entry = zip.by_name(LIST).map_err(|_| no_list())?;
+    let damaged = |error: String| Fault::Pack(format!("its {LIST} is damaged: {error}"));
+    let read = entry.take(MOST_BYTES + 1).read_to_end(&mut text);
+    read.map_err(|error| damaged(error.to_string()))?;
+    if text.len() as u64 > MOST_BYTES {
+        return Err(damaged(format!(
+            "it is longer than {} MiB",
+            MOST_BYTES >> 20
+        )));
+    }
+    let manifest: Manifest =
+        serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
+    if let Some(fault) = manifest.fault() {
+        return Err(Fault::Pack(fault));
+    }
+    match zip.len().checked_sub(manifest.files.len() + 1) {
+        Some(0) => Ok(manifest),
+        Some(more) => Err(Fault::Pack(format!(
+            "it holds {more} files that its list does not have"
+        ))),
+        None => Err(Fault::Pack("it lacks files of its list".to_owned())),
+    }
+}
+
+/// Writes one file; its name was checked.
+fn write_file(zip: &mut Zip, file: &PackedFile, folder: &Path) -> Result<(), Fault> {
+    let name = &file.path;
+    let entry = (zip.by_name(name))
+        .map_err(|error| Fault::Pack(format!("\"{name}\" cannot be read: {error}")))?;
+    let path = folder.join(name);
+    let disk = |error| Fault::Disk(path.clone(), error);
+    fs::create_dir_all(folder_of(&path)).map_err(disk)?;
+    let mut goal = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&path)
+        .map_err(disk)?;
+    let mut from = HashedRead::new(entry.take(file.bytes.saturating_add(1)));
+    copy(&mut from, &mut goal, name, &path)?;
+    if from.named(name.clone()) != *file {
+        return Err(Fault::Pack(format!(
+            "\"{name}\" is not what was packed: it was changed"
+        )));
+    }
+    goal.sync_all().map_err(disk)
+}
+
+/// As [`io::copy`], telling faults of the pack from those of the disk.
+fn copy(from: &mut impl io::Read, goal: &mut File, name: &str, path: &Path) -> Result<(), Fault> {
+    let mut block = vec![0; 1 << 16];
+    loop {
+        let length = from
+            .read(&mut block)
+            .map_err(|error| Fault::Pack(format!("\"{name}\" is damaged: {error}")))?;
+        if length == 0 {
+            return Ok(());
+        }
+        io::Write::write_all(goal, &block[..length])
+            .map_err(|error| Fault::Disk(path.to_owned(), error))?;
+    }
+}
+
+/// A folder under a hidden name; gone unless it is renamed.
+struct Unfinished {
+    folder: PathBuf,
+}
+
+impl Unfinished {
+    fn beside(goal: &Path) -> Result<Self, Fault> {
+        let folder = folder_of(goal).join(format!(".reflet-unpack-{}", std::process::id()));
+        fs::create_dir(&folder).map_err(|error| Fault::Disk(folder.clone(), error))?;
+        Ok(Self { folder })
+    }
+
+    fn rename_to(&self, goal: &Path) -> Result<(), Fault> {
+        fs::rename(&self.folder, goal).map_err(|error| Fault::Disk(goal.to_owned(), error))
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder); // not there any more after the renaming
+    }
+}
+
+/// The command that renders it.
+fn command(manifest: &Manifest, folder: &Path) -> String {
+    let inside = |name: &str| folder.join(name).display().to_string();
+    let mut words = vec![
+        "reflet".to_owned(),
+        "render".to_owned(),
+        inside(&manifest.scene),
+    ];
+    let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    manifest
+        .assets
+        .iter()
+        .for_each(|f| option("--assets", inside(f)));
+    manifest
+        .variant
+        .iter()
+        .for_each(|v| option("--variant", v.clone()));
+    manifest.set.iter().for_each(|s| option("--set", s.clone()));
+    if manifest.frames.is_some() {
+        option("--frames", "all".to_owned());
+    }
+    option(
+        "-o",
+        if manifest.frames.is_some() {
+            "####.png"
+        } else {
+            "picture.png"
+        }
+        .to_owned(),
+    );
+    if manifest.lenient {
+        words.push("--lenient".to_owned());
+    }
+    let words: Vec<_> = words.iter().map(|word| quoted(word)).collect();
+    words.join(" ")
+}
+
+/// A word as a POSIX shell reads it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    let shown: String = word.chars().filter(|c| !c.is_control()).collect();
+    if !shown.is_empty() && shown.chars().all(is_plain) {
+        shown
+    } else {
+        format!("'{}'", shown.replace('\'', "'\\''"))
+    }
+}

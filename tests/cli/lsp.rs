@@ -1,0 +1,339 @@
+//! The language server, driven by a client as editors do.
+
+use std::{
+    fs,
+    io::{BufRead as _, BufReader, Read as _, Write as _},
+    path::{Path, PathBuf},
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
+};
+
+use serde_json::{Value, json};
+
+/// A client of one server.
+struct Client {
+    server: Child,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
+    folder: PathBuf,
+    requests: u64,
+}
+
+impl Client {
+    fn start(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("lsp-{name}"));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("a temporary folder");
+        let mut server = Command::new(env!("CARGO_BIN_EXE_reflet"))
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let input = server.stdin.take().expect("piped");
+        let output = BufReader::new(server.stdout.take().expect("piped"));
+        let mut client = Self {
+            server,
+            input,
+            output,
+            folder,
+            requests: 0,
+        };
+        let result = client.ask("initialize", json!({ "capabilities": {} }));
+        assert_eq!(result["capabilities"]["hoverProvider"], true);
+        client.tell("initialized", json!({}));
+        client
+    }
+
+    fn send(&mut self, message: &Value) {
+        let text = message.to_string();
+        write!(self.input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("it listens");
+        self.input.flush().expect("it listens");
+    }
+
+    fn tell(&mut self, method: &str, params: Value) {
+        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": params }));
+    }
+
+    fn receive(&mut self) -> Value {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            self.output.read_line(&mut line).expect("it answers");
+            assert!(!line.is_empty(), "the server has gone");
+            match line.trim().strip_prefix("Content-Length: ") {
+                Some(number) => length = number.parse().expect("a number"),
+                None if line.trim().is_empty() => break,
+                None => {}
+            }
+        }
+        let mut text = vec![0; length];
+        self.output.read_exact(&mut text).expect("it answers");
+        serde_json::from_slice(&text).expect("JSON")
+    }
+
+    /// The result of a request.
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.requests += 1;
+        let id = self.requests;
+        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params }));
+        loop {
+            let message = self.receive();
+            if message["id"] == id {
+                assert!(message["error"].is_null(), "{message}");
+                return message["result"].clone();
+            }
+        }
+    }
+
+    fn uri(&self, name: &str) -> String {
+        format!("file://{}", self.folder.join(name).display())
+    }
+
+    /// Writes and opens a file; what is found in it.
+    fn open(&mut self, name: &str, text: &str) -> Vec<Value> {
+        fs::write(self.folder.join(name), text).expect("a file");
+        let uri = self.uri(name);
+        self.tell(
+            "textDocument/didOpen",
+            json!({ "textDocument": { "uri": uri, "text": text } }),
+        );
+        if name == "scene.toml" {
+            self.found(&uri)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// The next messages about a file.
+    fn found(&mut self, uri: &str) -> Vec<Value> {
+        loop {
+            let message = self.receive();
+            if message["params"]["uri"] == uri {
+                return message["params"]["diagnostics"]
+                    .as_array()
+                    .expect("a list")
+                    .clone();
+            }
+        }
+    }
+
+    /// Asks at the mark `|` of a text that is open under that name without it.
+    fn at(&mut self, method: &str, name: &str, text: &str) -> Value {
+        let before = text.split('|').next().expect("a mark");
+        let line = before.matches('\n').count();
+        let character = before
+            .rsplit('\n')
+            .next()
+            .unwrap_or_default()
+            .chars()
+            .count();
+        let params = json!({
+            "textDocument": { "uri": self.uri(name) },
+            "position": { "line": line, "character": character },
+        });
+        self.ask(&format!("textDocument/{method}"), params)
+    }
+
+    /// Changes the scene to a text with a mark, and gives the labels proposed there.
+    fn proposed(&mut self, name: &str, text: &str) -> Vec<String> {
+        let uri = self.uri(name);
+        let plain = text.replace('|', "");
+        let change =
+            json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": plain }] });
+        self.tell("textDocument/didChange", change);
+        let items = self.at("completion", name, text);
+        let items = items.as_array().expect("a list").iter();
+        items
+            .map(|i| i["label"].as_str().expect("text").to_owned())
+            .collect()
+    }
+
+    fn end(mut self) {
+        assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
+        self.tell("exit", Value::Null);
+        let status = self.server.wait().expect("it ends");
+        assert_eq!(status.code(), Some(0));
+    }
+}
+
+const SCENE: &str = "version = 1
+include = \"parts.toml\"
+script = \"move.rhai\"
+timeline = { end = 3 }
+[params]
+lift = 1.0
+[environment]
+color = [0.5, 0.5, 0.5]
+[model.ball]
+shape = { kind = \"sphere\" }
+material = \"brass\"
+[[instance]]
+name = \"first\"
+model = \"ball\"
+dynamic = true
+";
+const PARTS: &str = "[material.brass]\nmetallic = 1\n";
+const SCRIPT: &str =
+    "fn setup(ctx) { #{} }\nfn frame(ctx) { ctx.place(\"first\", [0, ctx.params.lift, 0]); }\n";
+
+fn show(name: &str) -> Client {
+    let mut client = Client::start(name);
+    client.open("parts.toml", PARTS);
+    client.open("move.rhai", SCRIPT);
+    assert_eq!(client.open("scene.toml", SCENE), [] as [Value; 0]);
+    client
+}
+
+#[test]
+fn messages_follow_the_text() {
+    let mut client = show("messages");
+    let uri = client.uri("scene.toml");
+    let change = |text: &str| json!({ "textDocument": { "uri": uri }, "contentChanges": [{ "text": text }] });
+    let wrong = SCENE.replace("model = \"ball\"", "model = \"bal\"");
+    client.tell("textDocument/didChange", change(&wrong));
+    let found = client.found(&uri);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        found[0]["range"]["start"],
+        json!({ "line": 13, "character": 8 })
+    );
+    assert_eq!(found[0]["severity"], 1);
+    let text = found[0]["message"].as_str().expect("text");
+    assert!(
+        text.contains("help:") && text.contains("\"ball\""),
+        "{text}"
+    );
+    client.tell("textDocument/didChange", change(SCENE));
+    assert_eq!(client.found(&uri).len(), 0);
+    // A mistake in an included file is told there, and taken back.
+    let parts = client.uri("parts.toml");
+    let save = json!({ "textDocument": { "uri": parts } });
+    fs::write(
+        client.folder.join("parts.toml"),
+        PARTS.replace("metallic", "metalic"),
+    )
+    .expect("saved");
+    client.tell("textDocument/didSave", save.clone());
+    let found = client.found(&parts);
+    assert_eq!(
+        found[0]["range"]["start"],
+        json!({ "line": 1, "character": 0 }),
+        "{found:?}"
+    );
+    fs::write(client.folder.join("parts.toml"), PARTS).expect("saved");
+    client.tell("textDocument/didSave", save);
+    assert_eq!(client.found(&parts).len(), 0);
+    client.end();
+}
+
+#[test]
+fn keys_words_names_and_files_are_proposed() {
+    let mut client = show("completion");
+    for (text, wanted) in [
+        ("[camera.main]\ne|\n", "eye"),
+        ("[mot|", "motion"),
+        ("[motion.instance.|]\n", "first"),
+        ("[reflection]\nmethod = |\n", "\"hybrid\""),
+        ("[model.x]\nshape = { kind = \"|\" }\n", "torus"),
+        ("[model.x]\nmaterial = \"|\"\n", "brass"),
+        ("[[instance]]\nmodel = |\n", "\"ball\""),
+        ("[[instance]]\nmodel = \"ball\"\ndynamic = |\n", "true"),
+        (
+            "[motion.camera.main]\neye = { follow = { instance = \"|\" } }\n",
+            "first",
+        ),
+        ("[motion.camera.main]\neye = { orbit = { per|\n", "period_s"),
+    ] {
+        let all = client.proposed("scene.toml", &format!("{SCENE}{text}"));
+        assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");
+    }
+    let all = client.proposed("scene.toml", "version = 1\ninclude = \"|\"\n");
+    assert!(all.contains(&"parts.toml".to_owned()), "{all:?}");
+    client.proposed("scene.toml", &format!("{SCENE}|"));
+    for (text, wanted) in [
+        ("fn frame(ctx) { ctx.pl|", "place"),
+        ("fn frame(ctx) { ctx.place(\"|", "first"),
+        ("fn frame(ctx) { ctx.params.|", "lift"),
+        ("fn frame(ctx) { ve|", "vec3"),
+    ] {
+        let all = client.proposed("move.rhai", text);
+        assert!(all.iter().any(|label| label == wanted), "{text}: {all:?}");
+    }
+    client.end();
+}
+
+#[test]
+fn places_are_explained_and_names_lead_to_where_they_are_given() {
+    let mut client = show("hover");
+    let marked = |text: &str, mark: &str| text.replacen(&mark.replace('|', ""), mark, 1);
+    for (name, text, mark, wanted) in [
+        ("scene.toml", SCENE, "materi|al = ", "For shapes"),
+        ("scene.toml", SCENE, "\"sph|ere\"", "sphere"),
+        ("scene.toml", SCENE, "[enviro|nment]", "panorama"),
+        ("parts.toml", PARTS, "meta|llic", "Metalness"),
+        ("move.rhai", SCRIPT, "pla|ce", "Places an instance"),
+    ] {
+        let hover = client.at("hover", name, &marked(text, mark));
+        let value = hover["contents"]["value"].as_str().unwrap_or_default();
+        assert!(value.contains(wanted), "{mark}: {hover}");
+    }
+    for (name, text, mark, file, line) in [
+        ("scene.toml", SCENE, "\"bra|ss\"", "parts.toml", 0),
+        ("scene.toml", SCENE, "model = \"ba|ll\"", "scene.toml", 8),
+        ("scene.toml", SCENE, "\"move|.rhai\"", "move.rhai", 0),
+        ("move.rhai", SCRIPT, "\"fir|st\"", "scene.toml", 12),
+        ("move.rhai", SCRIPT, "params.li|ft", "scene.toml", 5),
+    ] {
+        let found = client.at("definition", name, &marked(text, mark));
+        assert_eq!(found[0]["uri"], client.uri(file), "{mark}: {found}");
+        assert_eq!(found[0]["range"]["start"]["line"], line, "{mark}: {found}");
+    }
+    client.end();
+}
+
+#[test]
+fn a_client_that_sends_garbage_is_told_and_nothing_panics() {
+    let mut client = show("garbage");
+    for params in [
+        json!(null),
+        json!([]),
+        json!({ "textDocument": 3 }),
+        json!({ "position": { "line": -1 } }),
+    ] {
+        for method in ["completion", "hover", "definition"] {
+            client.ask(&format!("textDocument/{method}"), params.clone());
+        }
+        for method in ["didOpen", "didChange", "didSave", "didClose"] {
+            client.tell(&format!("textDocument/{method}"), params.clone());
+        }
+    }
+    let uri = client.uri("scene.toml");
+    let position = json!({ "line": u64::MAX, "character": u64::MAX });
+    client.ask(
+        "textDocument/hover",
+        json!({ "textDocument": { "uri": uri }, "position": position }),
+    );
+    client.requests += 1;
+    let id = client.requests;
+    client.send(&json!({ "jsonrpc": "2.0", "id": id, "method": "no/such", "params": {} }));
+    let refused = loop {
+        let message = client.receive();
+        if message["id"] == id {
+            break message;
+        }
+    };
+    assert_eq!(refused["error"]["code"], -32601);
+    client
+        .input
+        .write_all(b"Content-Length: 7\r\n\r\n{\"a\": }")
+        .expect("it listens");
+    drop(client.input);
+    let output = client.server.wait_with_output().expect("it ends");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(
+        errors.contains("client of `lsp`") && !errors.contains("panicked"),
+        "{errors}"
+    );
+}

@@ -1,0 +1,213 @@
+//! Packs: a scene with its files in one renders the same elsewhere, and what was tampered with leaves
+//! nothing behind.
+
+use std::{
+    fs,
+    io::{Cursor, Read as _, Write as _},
+    path::Path,
+    process::Command,
+};
+
+use serde_json::Value;
+use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
+
+use crate::{common::gpu_or_skip, folder, pictures, render};
+
+fn reflet(folder: &Path, arguments: &[&str], code: i32) -> [String; 2] {
+    let output = Command::new(env!("CARGO_BIN_EXE_reflet"))
+        .current_dir(folder)
+        .args(arguments)
+        .env("NODEVICE_SELECT", "1")
+        .output()
+        .expect("the program starts");
+    let [out, errors] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
+    assert!(!errors.contains("panicked"), "{errors}");
+    [out, errors]
+}
+
+/// The entries of a pack, by name.
+fn entries(path: &Path) -> Vec<(String, Vec<u8>)> {
+    let bytes = fs::read(path).expect("the pack");
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).expect("a ZIP file");
+    let count = zip.len();
+    let read = |i| {
+        let mut entry = zip.by_index(i).expect("an entry");
+        let name = entry.name().expect("UTF-8").into_owned();
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).expect("whole");
+        (name, bytes)
+    };
+    (0..count).map(read).collect()
+}
+
+fn write(path: &Path, entries: &[(String, Vec<u8>)]) {
+    let mut zip = ZipWriter::new(fs::File::create(path).expect("a file"));
+    for (name, bytes) in entries {
+        zip.start_file(name.as_str(), SimpleFileOptions::default())
+            .expect("an entry");
+        zip.write_all(bytes).expect("written");
+    }
+    zip.finish().expect("a ZIP file");
+}
+
+/// A scene beside a library that has its lights: its folder is `shots`, that of the library `library`.
+fn show(name: &str) -> std::path::PathBuf {
+    let top = folder(name);
+    for (folder, files) in [
+        ("shots", &["scene.toml", "s.rhai"][..]),
+        ("library", &["light.toml"]),
+    ] {
+        fs::create_dir_all(top.join(folder)).expect("a folder");
+        for file in files {
+            fs::rename(top.join(file), top.join(folder).join(file)).expect("moved");
+        }
+    }
+    top
+}
+
+const OPTIONS: [&str; 4] = ["--assets", "library", "--set", "params.lift=0.9"];
+
+#[test]
+fn a_pack_renders_the_same_elsewhere() {
+    let top = show("pack");
+    let pack = |goal| {
+        reflet(
+            &top,
+            &[&["pack", "shots/scene.toml", "-o", goal], &OPTIONS[..]].concat(),
+            0,
+        )
+    };
+    pack("show.zip");
+    pack("again.zip");
+    let bytes = |name: &str| fs::read(top.join(name)).expect("a pack");
+    assert_eq!(
+        bytes("show.zip"),
+        bytes("again.zip"),
+        "equal files, equal packs"
+    );
+    let entries = entries(&top.join("show.zip"));
+    let names: Vec<_> = entries.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "library/light.toml",
+            "shots/s.rhai",
+            "shots/scene.toml",
+            "pack.json"
+        ]
+    );
+    let list: Value = serde_json::from_slice(&entries[3].1).expect("JSON");
+    assert_eq!(list["scene"], "shots/scene.toml");
+    assert_eq!(list["frames"], serde_json::json!([0, 5]));
+    assert_eq!(list["files"][1]["sha256"].as_str().map(str::len), Some(64));
+
+    let elsewhere = folder("pack-elsewhere");
+    let goal = elsewhere.join("made");
+    let goal = goal.to_str().expect("UTF-8");
+    let [command, _] = reflet(&top, &["unpack", "show.zip", "-o", goal], 0);
+    assert!(
+        command.contains("--set params.lift=0.9 --frames all"),
+        "{command}"
+    );
+    if gpu_or_skip().is_none() {
+        return;
+    }
+    let frame = ["-o", "f.#.png", "--frames", "3"];
+    fs::rename(top.join("shots/scene.toml"), top.join("scene.toml")).expect("moved");
+    fs::rename(top.join("shots/s.rhai"), top.join("s.rhai")).expect("moved");
+    render(&top, &[&frame[..], &OPTIONS].concat(), 0);
+    let library = format!("{goal}/library");
+    let arguments: Vec<_> = command
+        .split_whitespace()
+        .skip(1)
+        .take(2)
+        .chain(frame)
+        .collect();
+    reflet(
+        &elsewhere,
+        &[&arguments[..], &["--assets", &library], &OPTIONS[2..]].concat(),
+        0,
+    );
+    assert_eq!(pictures(&top), pictures(&elsewhere));
+}
+
+#[test]
+fn a_pack_that_was_tampered_with_leaves_no_folder() {
+    let top = show("pack-tampered");
+    reflet(
+        &top,
+        &[
+            &["pack", "shots/scene.toml", "-o", "show.zip"],
+            &OPTIONS[..],
+        ]
+        .concat(),
+        0,
+    );
+    let right = entries(&top.join("show.zip"));
+    let list = String::from_utf8(right[3].1.clone()).expect("text");
+    let with_list = |from: &str, to: &str| {
+        assert!(list.contains(from), "{from}");
+        let mut all = right.clone();
+        all[3].1 = list.replace(from, to).into_bytes();
+        all
+    };
+    let renamed = |name: &str| {
+        let mut all = with_list("library/light.toml", name);
+        all[0].0 = name.to_owned();
+        all
+    };
+    let mut changed = right.clone();
+    changed[0].1[1] ^= 1;
+    let mut longer = right.clone();
+    longer[1].1.push(b' ');
+    let mut more = right.clone();
+    more.push(("extra.toml".to_owned(), Vec::new()));
+    let cases = [
+        (renamed("../light.toml"), "leaves the pack's folder"),
+        (renamed("/tmp/light.toml"), "is empty or a dot"),
+        (renamed("a\\\\..\\\\light.toml"), "backslash"),
+        (changed, "not what was packed"),
+        (longer, "not what was packed"),
+        (more, "1 files that its list does not have"),
+        (right[1..].to_vec(), "lacks files"),
+        (right[..3].to_vec(), "has no pack.json"),
+        (with_list("\"pack\": 1", "\"pack\": 2"), "version 2"),
+        (
+            with_list(
+                "\"scene\": \"shots/scene.toml\"",
+                "\"scene\": \"shots/other.toml\"",
+            ),
+            "is missing",
+        ),
+        (with_list("{", "["), "pack.json is damaged"),
+    ];
+    for (all, says) in &cases {
+        write(&top.join("bad.zip"), all);
+        let [_, errors] = reflet(&top, &["unpack", "bad.zip", "-o", "made"], 3);
+        assert!(errors.contains(says), "{says}: {errors}");
+        let left: Vec<_> = fs::read_dir(&top)
+            .expect("readable")
+            .map(|e| e.expect("entry").file_name())
+            .collect();
+        let left = left.iter().filter(|name| {
+            !["shots", "library", "show.zip", "bad.zip"]
+                .iter()
+                .any(|n| **name == **n)
+        });
+        assert_eq!(left.count(), 0, "{says}");
+        assert!(!top.parent().expect("a folder").join("light.toml").exists());
+    }
+    let whole = fs::read(top.join("show.zip")).expect("a pack");
+    for length in (0..whole.len()).step_by(97) {
+        fs::write(top.join("cut.zip"), &whole[..length]).expect("written");
+        reflet(&top, &["unpack", "cut.zip", "-o", "made"], 3);
+        assert!(!top.join("made").exists());
+    }
+    fs::create_dir(top.join("made")).expect("a folder");
+    let [_, errors] = reflet(&top, &["unpack", "show.zip", "-o", "made"], 2);
+    assert!(errors.contains("it exists"), "{errors}");
+    let [_, errors] = reflet(&top, &["unpack", "absent.zip", "-o", "new"], 3);
+    assert!(errors.contains("absent.zip"), "{errors}");
+}
