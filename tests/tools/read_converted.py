@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -90,11 +91,14 @@ class Converted:
                 sampler = animation.samplers[channel.sampler]
                 times = self.array(sampler.input)[:, 0].astype(float)
                 values = self.array(sampler.output).astype(float)
+                rotation = channel.target.path == "rotation"
+                if sampler.interpolation == "CUBICSPLINE":
+                    values = values.reshape(len(times), 3, -1)
+                    found[channel.target.path] = hermite(times, values, seconds, rotation)
+                    continue
                 values = values.reshape(len(times), -1)
                 step = sampler.interpolation == "STEP"
-                found[channel.target.path] = interpolated(
-                    times, values, seconds, channel.target.path == "rotation", step
-                )
+                found[channel.target.path] = interpolated(times, values, seconds, rotation, step)
         return found
 
     def triangles(self, mesh: int) -> np.ndarray:
@@ -110,6 +114,20 @@ class Converted:
         entry = self.json["meshes"][mesh]["primitives"][primitive]
         indices = self.array(entry["indices"])[:, 0]
         return self.array(entry["attributes"][name])[indices].astype(float)
+
+
+def hermite(times: np.ndarray, values: np.ndarray, seconds: float, rotation: bool) -> np.ndarray:
+    """glTF's CUBICSPLINE (appendix C.5): slope in, value and slope out of each key."""
+    right = int(np.searchsorted(times, seconds, side="right"))
+    if right in (0, len(times)):
+        return values[max(right - 1, 0), 1]
+    first, last, span = values[right - 1], values[right], times[right] - times[right - 1]
+    # Bernstein's form of the same cubic.
+    points = [first[1], first[1] + first[2] * span / 3, last[1] - last[0] * span / 3, last[1]]
+    u = (seconds - times[right - 1]) / span
+    while len(points) > 1:
+        points = [a + (b - a) * u for a, b in itertools.pairwise(points)]
+    return points[0] / np.linalg.norm(points[0]) if rotation else points[0]
 
 
 def interpolated(

@@ -66,6 +66,23 @@ def matrices(*rows: str) -> str:
     return f"matrix4d xformOp:transform.timeSamples = {{ {keys} }}"
 
 
+def test_matrices_that_turn_and_grow_have_few_cubic_keys(tmp_path: Path) -> None:
+    rows = []
+    for code in range(1, 61):
+        angle, size = 0.1 * code, 1.0 + 0.3 * np.sin(0.2 * code)
+        c, s = size * np.cos(angle), size * np.sin(angle)
+        axes = f"({c:.9f},{s:.9f},0,0), ({-s:.9f},{c:.9f},0,0), (0,0,{size:.9f},0)"
+        rows.append(f"{code}: ({axes}, ({c:.6f},2,{s:.6f},1))")
+    samples = f"matrix4d xformOp:transform.timeSamples = {{ {', '.join(rows)} }}"
+    done = moving(tmp_path, "transform", samples)
+    assert done.warnings() == {"animation-resampled"}
+    samplers = done.gltf.animations[0].samplers
+    assert {sampler.interpolation for sampler in samplers} == {"CUBICSPLINE"}
+    # Linear keys would be 1,100 within the same tolerance.
+    assert {done.gltf.accessors[sampler.input].count for sampler in samplers} == {60}
+    check_world(done, "/C", [1, 1.2, 1.5, 7.7, 30.31, 59.9, 60])
+
+
 IDENTITY = "(1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1)"
 SHEAR = "(1,.8,0,0), (.3,1,0,0), (0,0,1,0), (0,4,0,1)"
 TURNED = "(0.7071,2.121,0,0), (-0.7071,2.121,0,0), (0,0,1,0), (0,0,0,1)"

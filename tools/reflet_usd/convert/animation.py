@@ -28,6 +28,7 @@ from reflet_usd.convert.samples import (
     with_jumps,
 )
 from reflet_usd.convert.scene import Array, Node
+from reflet_usd.convert.spline_keys import PARTS, SplineKeys, spline_keys
 from reflet_usd.convert.transform_tolerance import Reach, reach_of
 from reflet_usd.convert.xform import (
     Trs,
@@ -38,6 +39,8 @@ from reflet_usd.convert.xform import (
 )
 from reflet_usd.convert.xform_op_chain import chain_of_ops
 
+# Parts of a spline that change by less than this, and by less in a second, do not change.
+STILL = 1e-12
 # How far products of float64 matrices leave the fourth column of an affine one.
 AFFINE_TOLERANCE = 1e-9
 
@@ -146,6 +149,15 @@ def animate_matrix(
     outer = chain()
     if outer is not None:
         return outer
+    spline = spline_keys(evaluate, codes, reach)
+    if spline is not None:
+        message = (
+            f"{authored} keys became {len(spline.codes)} cubic keys,"
+            f" at most {spline.deviation:.1e} of the transform's or the scene's size away between"
+            " them"
+        )
+        context.ledger.warn("animation-resampled", prim, message, spline.deviation)
+        return _set_spline_tracks(context, node, spline)
     keys = exact_keys(evaluate, codes, TwoNodes(evaluate), reach)
     if keys is not None:
         return _set_tracks(context, prim, node, keys)
@@ -170,6 +182,19 @@ def _set_tracks(context: Context, prim: Usd.Prim, node: Node, keys: Keys) -> Nod
     _set_node_tracks(node, times, [pose[1] for pose in keys.poses])
     helper.add(node)
     return helper
+
+
+def _set_spline_tracks(context: Context, node: Node, keys: SplineKeys) -> Node:
+    values = np.array(keys.values)
+    # From slopes for each time code to slopes for each second.
+    values[:, ::2] /= context.seconds(1.0) - context.seconds(0.0)
+    parts = {path: values[:, :, columns] for path, columns in PARTS.items()}
+    assign(node, Trs(*(part[0, 1] for part in parts.values())))
+    times = seconds_of(context, keys.codes)
+    for path, track in parts.items():
+        if np.abs(track - np.array([[0.0], [1.0], [0.0]]) * track[0, 1]).max() > STILL:
+            node.add_track(path, times, track, spline=True)
+    return node
 
 
 def _set_node_tracks(node: Node, times: Array, parts: list[Trs]) -> None:

@@ -160,9 +160,12 @@ class GltfWriter:
         array = values if values.dtype == np.uint8 else values.astype(np.float32)
         if track.path == "weights" or array.shape[1:] == (1,):
             array = array.reshape(-1)
+        if track.spline:
+            array = array.reshape(-1, array.shape[-1])
+        interpolation = "CUBICSPLINE" if track.spline else "STEP" if track.step else "LINEAR"
         return {
             "input": self.add_accessor(track.times.astype(np.float32), bounds=True),
-            "interpolation": "STEP" if track.step else "LINEAR",
+            "interpolation": interpolation,
             "output": self.add_accessor(array),
         }
 

@@ -241,9 +241,9 @@ def _value(track: Track, seconds: float) -> Array:
     """The track's value, quaternions blended and made to length 1."""
     after = int(np.searchsorted(track.times, seconds, side="right"))
     if after == 0 or after == len(track.times) or track.step:
-        row: Array = track.values[max(after - 1, 0)]
+        row: Array = track.keys()[max(after - 1, 0)]
         return row
-    first, last = track.values[after - 1], track.values[after]
+    first, last = track.keys()[after - 1], track.keys()[after]
     share = (seconds - track.times[after - 1]) / (track.times[after] - track.times[after - 1])
     mixed = first + (last - first) * share
     length = float(np.linalg.norm(mixed))

@@ -20,9 +20,16 @@ class Track:
     times: Array
     """float64 seconds, strictly increasing, at least 0."""
     values: Array
-    """(keys, components), in the file's units."""
+    """(keys, components), in the file's units; of a spline (keys, 3, components): the slope that
+    leads to the key, the value, the slope that leads on, slopes for each second."""
     step: bool = False
     """Hold each value until the next key instead of interpolating."""
+    spline: bool = False
+    """Cubic between keys."""
+
+    def keys(self) -> Array:
+        """(keys, components): the values at the keys."""
+        return self.values[:, 1] if self.spline else self.values
 
 
 @dataclass(eq=False)
@@ -61,7 +68,9 @@ class Node:
         self.children.append(child)
         return child
 
-    def add_track(self, path: str, times: Array, values: Array, step: bool = False) -> None:
+    def add_track(
+        self, path: str, times: Array, values: Array, step: bool = False, spline: bool = False
+    ) -> None:
         """Animate `path`; of keys whose times meet as float32 two stay, as neighbors.
 
         They are the two sides of a jump: the last key keeps its time, the first one moves back.
@@ -77,7 +86,7 @@ class Node:
         keep = last | (moved & free)
         chosen = np.where(moved, before, rounded).astype(np.float64)
         chosen = np.where(last & first, times, chosen)
-        self.tracks.append(Track(path, chosen[keep], values[keep], step))
+        self.tracks.append(Track(path, chosen[keep], values[keep], step, spline))
 
     def walk(self) -> list[Node]:
         """This node and all below it, parents first, without recursion."""

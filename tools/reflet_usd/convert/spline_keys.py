@@ -1,0 +1,131 @@
+"""Cubic keys that follow a matrix between its samples: few where linear ones are thousands."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reflet_usd.convert.samples import is_jump
+from reflet_usd.convert.scene import Array
+from reflet_usd.convert.transform_tolerance import Reach
+from reflet_usd.convert.xform import nearest_trs
+
+TOLERANCE = 5e-6
+"""Share of the matrix's or the scene's size by which a shown matrix may be off."""
+MAX_DEPTH = 5
+# Where in a step the deviation is looked at, and how far from its ends the slopes are measured.
+_PROBES = np.array([0.15, 0.35, 0.5, 0.65, 0.85])
+_SLOPE = 1e-3
+PARTS = {"translation": slice(0, 3), "rotation": slice(3, 7), "scale": slice(7, 10)}
+
+
+@dataclass
+class SplineKeys:
+    """Time codes; for each what leads to it, its value and what leads on, of all ten parts."""
+
+    codes: list[float] = field(default_factory=list)
+    values: list[Array] = field(default_factory=list)
+    """(3, 10): slope in, value, slope out; slopes for each time code."""
+    deviation: float = 0.0
+
+    def begin(self, code: float, value: Array) -> None:
+        """A step's first key, which may be the last key of the step before."""
+        if not self.codes or self.codes[-1] != code:
+            self.codes.append(code)
+            self.values.append(np.array([np.zeros(10), value, np.zeros(10)]))
+
+    def add(self, code: float, value: Array, out: Array, into: Array) -> None:
+        """The next key, and the slopes on both ends of the way to it."""
+        self.values[-1][2] = out
+        self.codes.append(code)
+        self.values.append(np.array([into, value, np.zeros(10)]))
+
+
+def spline_keys(
+    evaluate: Callable[[float], Array], codes: list[float], reach: Reach
+) -> SplineKeys | None:
+    """Keys that stay within the tolerance; None where the matrix shears, or turns too fast."""
+    size = max(float(np.abs(evaluate(code)[:3, 3]).max()) for code in codes)
+    follower = _Follower(evaluate, reach, max(size, 1e-30))
+    keys = SplineKeys()
+    for first, last in itertools.pairwise(codes):
+        if not is_jump(first, last) and not follower.step(keys, first, last):
+            return None
+    return keys if keys.codes and keys.codes[-1] == codes[-1] else None
+
+
+@dataclass
+class _Follower:
+    evaluate: Callable[[float], Array]
+    reach: Reach
+    size: float
+    """Maximum distance of the origin from 0."""
+
+    def step(self, keys: SplineKeys, first: float, last: float) -> bool:
+        """Add the keys from one code to the next; False where halving does not help."""
+        known = keys.values[-1][1] if keys.codes else None
+        keys.begin(first, self._parts(first, known))
+        stack = [(first, last, 0)]
+        while stack:
+            a, b, depth = stack.pop()
+            start = keys.values[-1][1]
+            span = (b - a) * _SLOPE
+            ahead = [self._parts(a + span * k, start) for k in (1, 2)]
+            end = self._parts(b, self._parts((a + b) / 2, start))
+            behind = [self._parts(b - span * k, end) for k in (1, 2)]
+            # Differences of second order on one side: slopes may break at samples.
+            out = (4.0 * ahead[0] - ahead[1] - 3.0 * start) / (2.0 * span)
+            into = (3.0 * end - 4.0 * behind[0] + behind[1]) / (2.0 * span)
+            deviation = self._deviation(a, b, np.array([start, out, end, into]))
+            if deviation <= TOLERANCE:
+                keys.add(b, end, out, into)
+                keys.deviation = max(keys.deviation, deviation)
+            elif depth == MAX_DEPTH:
+                return False
+            else:
+                middle = (a + b) / 2
+                stack += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        return True
+
+    def _parts(self, code: float, near: Array | None) -> Array:
+        """Translation, rotation and scale; of both rotations the one that is nearer."""
+        trs = nearest_trs(self.evaluate(code))
+        parts = np.concatenate((trs.translation, trs.rotation, trs.scale))
+        if near is not None and parts[3:7] @ near[3:7] < 0.0:
+            parts[3:7] = -parts[3:7]
+        return parts
+
+    def _deviation(self, a: float, b: float, ends: Array) -> float:
+        """The worst deviation at the probes and at the end, as a share of the size."""
+        start, out, end, into = ends
+        t = np.append(_PROBES, 1.0)[:, None]
+        shown = (
+            (2 * t**3 - 3 * t**2 + 1) * start
+            + (b - a) * (t**3 - 2 * t**2 + t) * out
+            + (3 * t**2 - 2 * t**3) * end
+            + (b - a) * (t**3 - t**2) * into
+        )
+        wanted = np.array([self.evaluate(a + (b - a) * float(share)) for share in t[:, 0]])
+        linear = np.abs(_linear(shown) - wanted[:, :3, :3]).max(axis=(1, 2))
+        place = np.abs(shown[:, :3] - wanted[:, :3, 3]).max(axis=1)
+        sizes = np.maximum(np.abs(wanted[:, :3, :3]).max(axis=(1, 2)), 1e-30)
+        worst = max(float((linear / sizes).max()), float(place.max()) / self.size)
+        pairs = zip(linear.tolist(), place.tolist(), strict=True)
+        return max(worst, *(self.reach.corner(off, away) for off, away in pairs))
+
+
+def _linear(parts: Array) -> Array:
+    """Rotation times scale of many parts, (n, 3, 3)."""
+    unit = parts[:, 3:7] / np.linalg.norm(parts[:, 3:7], axis=1, keepdims=True)
+    x, y, z, w = unit.T
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return np.moveaxis(rotation, 2, 0) * parts[:, None, 7:10]
