@@ -13,6 +13,7 @@ use super::{
     lights::{CUBE_FACES, has_cube_map},
     options::RenderOptions,
     plan::{reflects, traces_rays},
+    shadow_texels::{COARSE_PX, SeenSurfaces},
     unit_costs::UnitCosts,
     view::View,
     view_sample::ViewSample,
@@ -121,6 +122,12 @@ impl Decider<'_> {
                 self.choose(&what, "map", NO_RAYS.to_owned());
                 continue;
             }
+            if let Some(span) = self.coarsest_px(kind).filter(|span| *span > COARSE_PX) {
+                self.decided.options.auto_shadow[kind] = ShadowMode::Ray;
+                let why = format!("a texel of a map would span {span:.0} pixels");
+                self.choose(&what, "ray", why);
+                continue;
+            }
             let pair = self.workload().shadow(&self.unit, kind);
             let name = pair.cheaper();
             self.decided.options.auto_shadow[kind] = match name {
@@ -129,6 +136,16 @@ impl Decider<'_> {
             };
             self.choose(&what, name, pair.to_string());
         }
+    }
+
+    /// Pixels that a texel spans of the coarsest map that `auto` lights of a kind would have.
+    fn coarsest_px(&self, kind: usize) -> Option<f32> {
+        let (world, trees) = (self.world, self.trees);
+        let seen = SeenSurfaces::new(world, trees, &view_of(world, &self.asked));
+        let is_auto = |l: &&Light| l.desc.shadow == ShadowMode::Auto && l.desc.kind.index() == kind;
+        let lights = world.lights.iter().filter(is_auto);
+        let spans = lights.filter_map(|l| seen.texel_px(l, map_px(world, l) as u32));
+        spans.max_by(f32::total_cmp)
     }
 
     fn visibility(&mut self) {
@@ -165,12 +182,17 @@ fn map_px(world: &World, light: &Light) -> f64 {
     px.max().unwrap_or(0).into()
 }
 
-/// What the options' camera shows of a world.
-pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
+/// The view of the options' camera.
+fn view_of(world: &World, options: &RenderOptions) -> View {
     let camera = options.camera.unwrap_or_else(|| world.main_camera());
     let camera = world.cameras.get(camera);
     let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
-    let view = View::new(&camera, options.image.size);
+    View::new(&camera, options.image.size)
+}
+
+/// What the options' camera shows of a world.
+pub fn workload(world: &World, trees: &Trees, options: &RenderOptions) -> Workload {
+    let view = view_of(world, options);
     let clip_from_world = view.clip_from_world(glam::Vec2::ZERO);
     let (mut triangles, mut triangles_in_view) = (0.0, 0.0);
     for instance in &world.instances {

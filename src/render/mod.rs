@@ -36,6 +36,7 @@ pub(crate) mod scene;
 pub mod shader_variant;
 pub(crate) mod shaders;
 pub(crate) mod shadow_maps;
+pub(crate) mod shadow_texels;
 pub(crate) mod shared_groups;
 pub mod stats;
 pub(crate) mod sub_frame;

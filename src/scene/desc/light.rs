@@ -22,8 +22,8 @@ pub enum ShadowMode {
     /// `"none"`: shines through everything.
     None,
     /// `"auto"`: `map` or `ray`, alike for all lights of a kind: the one that a cost model expects
-    /// to take less time if every picture drew all maps; `map` where nothing else follows rays. Of
-    /// lights with a size, `ray`.
+    /// to take less time if every picture drew all maps; `ray` where a texel would span more than 16
+    /// pixels of what the camera sees; `map` where nothing else follows rays. Of lights with a size, `ray`.
     Auto,
 }
 
