@@ -148,6 +148,7 @@ impl Renderer {
         passes.arguments.record(frame); // of hits and rays
         passes.hits.record(frame);
         passes.trace.record(frame);
+        passes.filter.record(frame);
         passes.blur.record(frame);
         passes.compose.record(frame);
         passes.tone.record(frame);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::{Exposure, Method, ReflectionDesc},
     world::{
         World,
         bvh::{TopLevel, Trees},
@@ -99,7 +99,8 @@ fn build_trees(
 }
 
 fn needs_trees(world: &World, options: &RenderOptions) -> bool {
-    options.general || traces_rays(world, options)
+    // What is bright is estimated by rays.
+    options.general || traces_rays(world, options) || options.image.exposure_ev == Exposure::Auto
 }
 
 impl Renderer {

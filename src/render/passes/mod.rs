@@ -3,6 +3,7 @@
 pub mod arguments;
 pub mod blur;
 pub mod compose;
+pub mod filter;
 pub mod hits;
 pub mod light;
 pub mod primary;
@@ -60,6 +61,7 @@ passes! {
     ssr: Ssr,
     hits: Hits,
     trace: Trace,
+    filter: Filter,
     blur: Blur,
     compose: Compose,
     tone: Tone,
