@@ -6,6 +6,7 @@
 #import cause
 
 override HAS_REFLECTIONS: bool = true;
+override FILTER: bool = true; // rough reflections were smoothed
 
 struct Params {
     sample: u32, // 0 for the first sub-frame
@@ -44,7 +45,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let s = load_surface(id.xy);
             start_samples(id.xy, 0u);
             let ray = reflected(normalize(s.position - frame.eye), s);
-            out += ray.weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
+            var weight = ray.weight;
+            // Of all facets, as the smoothed light is, not of one.
+            if (FILTER && is_spread(s) && s.clearcoat == 0.0) { weight = mean_weight(s, normalize(frame.eye - s.position)) * coverage(s); }
+            out += weight * faded(id.xy, ray.direction, textureLoad(reflection, id.xy, 0).xyz);
         }
     }
     if (params.sample > 0u) {

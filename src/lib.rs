@@ -48,6 +48,7 @@
 //!    in `shaders/lib/surface.wgsl`; screen hits and traced hits use the same one.
 //! 4. **Light** shades what the camera sees: view-independent radiance apart from the specular of this
 //!    view.
+//!    **Transmit** follows what passes through the surfaces that pixels show, where some let light pass.
 //! 5. **Pyramid** keeps the nearest depth of ever larger cells.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
 //!    they meet ([`render::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle
@@ -57,15 +58,18 @@
 //! 7. **Hits** shades the accepted hits at the point that the ray meets, with its own footprint.
 //! 8. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce.
-//! 9. **Blur** (if asked for), **compose** (only the mirror term is replaced), **tone**.
+//! 9. **Filter** (rough reflections, below 16 sub-frames), **blur** (if asked for), **compose** (only the
+//!    mirror term is replaced, and what passes through is added), **tone**.
 //!
-//! What a scene leaves to `auto` (method, visibility, shadows) is decided before a renderer is built:
+//! What a scene leaves to `auto` (method, visibility, shadows, exposure) is decided before a renderer is built:
 //! [`render::decide`] follows rays of the view on the CPU, counts, and weighs the counts by the unit costs
 //! of the adapter's kind. Nothing is timed, so that every machine of a kind decides alike.
 //!
 //! What has an extent (a panorama, a light with a size, a rough reflection) is sampled:
 //! `shaders/lib/sampling.wgsl` gives every pixel and sub-frame its own numbers, and reflection rays and
 //! rays towards what shines are weighted against each other, so that sub-frames converge.
+//! Glass, blended alpha and clear coats are layers of a surface (`shaders/lib/layers_followed.wgsl`): of what a
+//! pixel shows both the reflection and what passes are followed, further on one layer by what it returns.
 //! [`render::shader_variant`] keeps all of that out of shaders whose scene has no such thing.
 //!
 //! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with

@@ -17,16 +17,11 @@ fn ambient(normal: vec3f) -> vec3f {
         + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
 }
 
-// Environment through a rough lobe: Karis 2014, "Physically Based Shading on Mobile".
+// Environment through a rough lobe.
 fn environment_specular(s: Surface, view: vec3f) -> vec3f {
-    let nv = saturate(dot(s.normal, view));
-    let r = s.roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
-    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
-    let ab = vec2f(-1.04, 1.04) * a + r.zw;
-    let f = f0(s);
     let direction = reflect(-view, s.normal);
     let radiance = mix(environment(direction), ambient(s.normal), s.roughness);
-    return max(f * ab.x + vec3f(f90(f)) * ab.y, vec3f(0.0)) * radiance * s.occlusion;
+    return lobe_albedo(s, view) * radiance * s.occlusion;
 }
 
 // No ray is sent towards the environment.

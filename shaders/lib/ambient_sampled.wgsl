@@ -21,7 +21,7 @@ fn environment_rays_pdf(s: Surface, direction: vec3f) -> f32 {
 }
 
 // The environment by rays that follow its bright parts and the lobes of the surface, weighted by the
-// balance heuristic (Veach 1997, 9.2.2.1). Reflectors see it by their reflection rays, alone where they
+// power heuristic (see extent_sampled.wgsl). Reflectors see it by their reflection rays, alone where they
 // are sharp or no part of it is bright.
 fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
     var out: Shade;
@@ -61,7 +61,7 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         let light = environment(direction) * arriving * (s.occlusion / max(pdf, 1e-12));
         out.diffuse += albedo * light * (nl / PI);
         if (!has_specular) { continue; }
-        let share = select(1.0, balance(pdf * f32(sampling.rays), facets), is_rough);
+        let share = select(1.0, balance(pdf * f32(sampling.rays), lobe_density(s, view, direction)), is_rough);
         out.specular += ggx(s, view, direction) * light * share;
     }
     let rays = f32(sampling.rays);

@@ -13,12 +13,12 @@ const BEYOND: f32 = FAR_M; // where parallel light comes from
 struct Reflected {
     direction: vec3f,
     weight: vec3f,
-    pdf: f32, // per solid angle; 0: the only direction there is
+    pdf: f32, // lobe_density; 0: the only direction there is
     sky_weight: f32, // of the environment's light; the rest comes by rays towards the environment
 }
 
 // Whether a surface's reflection is spread. Then its light comes by reflection rays and by rays towards
-// what shines, weighted by the balance heuristic (Veach 1997, 9.2.2.1).
+// what shines, weighted by the power heuristic (Veach 1997, 9.2.2.2).
 fn is_rough_reflector(s: Surface) -> bool {
     return HAS_ROUGH_REFLECTIONS && is_reflector(s) && s.reflection != REFLECTION_MIRROR
         && s.roughness * s.roughness > SMOOTH_ALPHA;
@@ -26,7 +26,8 @@ fn is_rough_reflector(s: Surface) -> bool {
 
 // Share of `pdf`, where another way finds the same with density `other`.
 fn balance(pdf: f32, other: f32) -> f32 {
-    return pdf / max(pdf + other, 1e-30);
+    let ratio = min(other / max(pdf, 1e-18), 1e18);
+    return 1.0 / (1.0 + ratio * ratio);
 }
 
 // One facet of the surface a sub-frame; over many they are all that the view sees. `direction` is that of
@@ -50,7 +51,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let masked_v = sqrt(nv * nv * (1.0 - a2) + a2);
     let masked_l = sqrt(nl * nl * (1.0 - a2) + a2);
     let seen = nl * (nv + masked_v) / (nv * masked_l + nl * masked_v);
-    let pdf = facet_pdf(s, -direction, out);
+    let pdf = lobe_density(s, -direction, out);
     let sky_weight = balance(pdf, environment_rays_pdf(s, out));
     return Reflected(lifted(out, s), fresnel(s, dot(facet, -direction)) * seen, pdf, sky_weight);
 }
@@ -137,7 +138,7 @@ fn sized_light(i: u32, s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         out.diffuse += albedo * l.color * (nl / PI);
         if (!has_specular) { continue; }
         var share = 1.0;
-        if (is_rough) { share = balance(l.pdf * f32(sampling.rays), facet_pdf(s, view, l.to_light)); }
+        if (is_rough) { share = balance(l.pdf * f32(sampling.rays), lobe_density(s, view, l.to_light)); }
         out.specular += ggx(s, view, l.to_light) * l.color * share;
     }
     let rays = f32(sampling.rays);

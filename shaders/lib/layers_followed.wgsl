@@ -53,6 +53,11 @@ fn has_traced_coat(s: Surface) -> bool {
         && (s.reflection == REFLECTION_MIRROR || (s.reflection == REFLECTION_AUTO && s.clearcoat_roughness < frame.roughness_cutoff));
 }
 
+// Roughness of the layer that shows what is around.
+fn reflected_roughness(s: Surface) -> f32 {
+    return select(s.roughness, s.clearcoat_roughness, has_traced_coat(s));
+}
+
 // Of the light that the surface does not mirror, what is scattered and not passed on.
 fn reflected_share(s: Surface) -> f32 {
     return 1.0 - s.transmission;

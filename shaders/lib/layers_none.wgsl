@@ -13,6 +13,10 @@ fn has_traced_coat(s: Surface) -> bool {
     return false;
 }
 
+fn reflected_roughness(s: Surface) -> f32 {
+    return s.roughness;
+}
+
 fn reflected_share(s: Surface) -> f32 {
     return 1.0;
 }

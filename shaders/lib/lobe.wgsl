@@ -47,3 +47,11 @@ fn facet_pdf(s: Surface, view: vec3f, direction: vec3f) -> f32 {
     let d = nh * nh * (a2 - 1.0) + 1.0;
     return ggx_g1(nv, a2) * a2 / (PI * d * d) / (4.0 * nv);
 }
+
+// What stands for the density of reflection rays where other ways find the same light: the geometric mean of
+// that of the direction and of the lobe's highest. The first alone makes grainy what fills a lobe, for GGX
+// has long tails; the second alone has rays in the tails meet lamps at full weight.
+fn lobe_density(s: Surface, view: vec3f, direction: vec3f) -> f32 {
+    let alpha = ggx_alpha(s);
+    return sqrt(facet_pdf(s, view, direction) / (4.0 * PI)) / alpha;
+}

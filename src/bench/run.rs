@@ -11,7 +11,7 @@ use crate::{
     gpu::{Gpu, ShaderLibrary},
     render::{RenderError, RenderOptions, Renderer},
     scene::{
-        desc::{Accept, CameraDesc, ImageDesc, Method, ReflectionDesc, Visibility},
+        desc::{Accept, CameraDesc, Exposure, ImageDesc, Method, ReflectionDesc, Visibility},
         range::BOUNCES,
     },
     world::World,
@@ -84,6 +84,8 @@ impl Subject {
             image: ImageDesc {
                 size,
                 visibility,
+                // One number for all variants and cameras; what is `auto` counts as 0.
+                exposure_ev: Exposure::Ev(self.image.exposure_ev.ev()),
                 ..self.image
             },
             ..RenderOptions::default()
@@ -210,6 +212,11 @@ impl Turn {
 impl Protocol {
     /// All variants of a scene, methods in order.
     pub fn variants(&self, settings: &ReflectionDesc) -> Vec<Variant> {
+        // What neighbors lend is no property of a method.
+        let settings = &ReflectionDesc {
+            filter: false,
+            ..*settings
+        };
         let of = |&method: &Method| match &self.turn {
             Turn::Nothing => vec![Variant::fixed(method, settings)],
             Turn::One(parameter, values) => Variant::turned(method, settings, *parameter, values),
@@ -251,6 +258,7 @@ impl Protocol {
             method: Method::Rt,
             bounces: REFERENCE_BOUNCES,
             reuse_light: false,
+            filter: false,
             ray_length_u: longest.fold(settings.ray_length_u, f32::max),
             ..*settings
         }

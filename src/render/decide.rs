@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::{
-    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    scene::desc::{CameraDesc, Exposure, LightKind, Method, ShadowMode, Visibility},
     world::{Light, World, bvh::Trees},
 };
 
@@ -16,6 +16,7 @@ use super::{
     shadow_texels::{COARSE_PX, SeenSurfaces},
     unit_costs::UnitCosts,
     view::View,
+    view_estimate::ViewEstimate,
     view_sample::ViewSample,
 };
 
@@ -25,7 +26,7 @@ pub struct Decision {
     /// The scene key, or which lights.
     pub what: String,
     /// Its value.
-    pub chosen: &'static str,
+    pub chosen: String,
     /// Why, for people.
     pub why: String,
 }
@@ -56,6 +57,7 @@ pub fn decide(world: &World, trees: &Trees, options: &RenderOptions, software: b
     decider.method();
     decider.shadows();
     decider.visibility();
+    decider.exposure();
     decider.decided
 }
 
@@ -75,10 +77,10 @@ impl Decider<'_> {
         *(self.workload).get_or_insert_with(|| workload(world, trees, options))
     }
 
-    fn choose(&mut self, what: &str, chosen: &'static str, why: String) {
+    fn choose(&mut self, what: &str, chosen: &str, why: String) {
         self.decided.decisions.push(Decision {
             what: what.to_owned(),
-            chosen,
+            chosen: chosen.to_owned(),
             why,
         });
     }
@@ -163,6 +165,44 @@ impl Decider<'_> {
         }
         self.choose(what, pair.cheaper(), pair.to_string());
     }
+
+    fn exposure(&mut self) {
+        if self.asked.image.exposure_ev != Exposure::Auto {
+            return;
+        }
+        let (world, settings) = (self.world, &self.asked.reflection);
+        let unit_m = settings.unit_m.unwrap_or_else(|| world.unit_m());
+        let reach_m = settings.ray_length_u * unit_m;
+        let view = View::new(&seen_by(world, &self.asked), self.asked.image.size);
+        let cutoff = settings.reflects_below();
+        let estimate = ViewEstimate::new(world, self.trees, &view, cutoff, reach_m);
+        let mut radiance = estimate.radiance;
+        radiance.sort_by(f32::total_cmp);
+        let bright = radiance
+            .get(radiance.len() * 9 / 10)
+            .copied()
+            .unwrap_or(0.0);
+        // A tenth of a stop, so that what rounding changes cannot be seen.
+        let stops = ((LIGHT_GRAY / bright).log2() * 10.0).round() / 10.0;
+        let ev = if bright > 0.0 {
+            stops.clamp(-20.0, 20.0)
+        } else {
+            0.0
+        };
+        self.decided.options.image.exposure_ev = Exposure::Ev(ev);
+        let why = format!("a tenth of the first frame has a radiance of {bright:.3} or more");
+        self.choose("image.exposure_ev", &ev.to_string(), why);
+    }
+}
+
+/// Exposed radiance of the tenth percentile from above.
+const LIGHT_GRAY: f32 = 0.6;
+
+/// The camera whose view decides.
+fn seen_by(world: &World, options: &RenderOptions) -> CameraDesc {
+    let camera = options.camera.unwrap_or_else(|| world.main_camera());
+    let camera = world.cameras.get(camera);
+    camera.map(|c| c.value.clone()).unwrap_or_default()
 }
 
 const NO_RAYS: &str = "nothing else follows rays, so there are no trees";
@@ -184,10 +224,7 @@ fn map_px(world: &World, light: &Light) -> f64 {
 
 /// The view of the options' camera.
 fn view_of(world: &World, options: &RenderOptions) -> View {
-    let camera = options.camera.unwrap_or_else(|| world.main_camera());
-    let camera = world.cameras.get(camera);
-    let camera = camera.map(|c| c.value.clone()).unwrap_or_default();
-    View::new(&camera, options.image.size)
+    View::new(&seen_by(world, options), options.image.size)
 }
 
 /// What the options' camera shows of a world.

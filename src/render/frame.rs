@@ -116,7 +116,7 @@ impl Renderer {
             world,
             view,
             jitter,
-            (settings, self.options.image.exposure_ev),
+            (settings, self.options.image.exposure_ev.ev()),
             (self.unit_m, self.plan.bounces),
         );
         let sampling = Sampling::new(world, &self.options.image, sample);
@@ -154,6 +154,7 @@ impl Renderer {
         passes.hits.record(frame);
         passes.trace.record(frame);
         passes.audit.record(frame);
+        passes.filter.record(frame);
         passes.blur.record(frame);
         passes.compose.record(frame);
         passes.tone.record(frame);

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::{
     gpu::{Gpu, ShaderLibrary, Timer},
-    scene::desc::{Method, ReflectionDesc},
+    scene::desc::{Exposure, Method, ReflectionDesc},
     world::{
         World,
         bvh::{TopLevel, Trees},
@@ -68,7 +68,8 @@ fn build_trees(
 }
 
 fn needs_trees(world: &World, options: &RenderOptions) -> bool {
-    options.general || traces_rays(world, options)
+    // What is bright is estimated by rays.
+    options.general || traces_rays(world, options) || options.image.exposure_ev == Exposure::Auto
 }
 
 impl Renderer {

@@ -274,6 +274,25 @@ pub enum ToneMap {
     Agx,
 }
 
+/// How bright the picture is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// Stops: +1 doubles the brightness.
+    Ev(f32),
+    /// Chosen at load, for what the camera sees in the first frame.
+    Auto,
+}
+
+impl Exposure {
+    /// Stops; 0 where they are not chosen yet.
+    pub fn ev(self) -> f32 {
+        match self {
+            Self::Ev(ev) => ev,
+            Self::Auto => 0.0,
+        }
+    }
+}
+
 /// How the surface that each pixel shows is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Visibility {
@@ -298,8 +317,10 @@ pub struct ImageDesc {
     /// environment with `shadow = "ray"` or a `file`, 1 to 256. More is less grainy, and takes longer; `samples` multiplies it. Default 4 with
     /// 1 sample, 2 with 2 or 3, else 1.
     pub light_rays: Option<u32>,
-    /// Exposure in stops, -20 to 20; +1 doubles the brightness. Default 0.
-    pub exposure_ev: f32,
+    /// Exposure in stops, -20 to 20; +1 doubles the brightness. `"auto"` shows the brightest tenth of
+    /// the first frame as light gray or brighter, and keeps that for all frames; `reflet info` says the
+    /// number. Default 0.
+    pub exposure_ev: Exposure,
     /// How radiance becomes display color; EXR output is never tone-mapped. Default `"neutral"`.
     pub tone_map: ToneMap,
     /// How the surface that each pixel shows is found. Pictures differ only by
@@ -321,7 +342,7 @@ impl Default for ImageDesc {
             size: [1280, 720],
             samples: 1,
             light_rays: None,
-            exposure_ev: 0.0,
+            exposure_ev: Exposure::Ev(0.0),
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,
         }

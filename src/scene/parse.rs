@@ -5,6 +5,7 @@ mod additions;
 mod color;
 mod document;
 mod enum_values;
+mod exposure;
 mod extends;
 mod include;
 mod key_recorder;

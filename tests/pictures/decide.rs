@@ -9,7 +9,7 @@ use reflet::{
         view::View,
         view_sample::ViewSample,
     },
-    scene::desc::{LightKind, Method, ShadowMode, Visibility},
+    scene::desc::{Exposure, LightKind, Method, ShadowMode, Visibility},
     world::bvh::{Ray, Trees},
 };
 
@@ -241,5 +241,25 @@ fn a_decided_picture_is_the_one_that_says_so_itself() {
         assert!(written.stats.decisions.is_empty());
         assert!(!picture.stats.decisions.is_empty());
         assert!(picture.display == written.display);
+    }
+}
+
+#[test]
+fn an_auto_exposure_shows_the_brightest_tenth_as_light_gray() {
+    let Some(gpu) = gpu() else { return };
+    let text = "version = 1\n[material.white]\nreflectivity = 0\n[model.floor]\n\
+                shape = { kind = \"plane\" }\nmaterial = \"white\"\n[image]\nsize = [16, 16]\n\
+                exposure_ev = \"auto\"\n";
+    for radiance in [0.01_f32, 1.0, 300.0] {
+        let color = format!("environment.color=[{radiance}, {radiance}, {radiance}]");
+        let (desc, world) = scene(text, &[&color]);
+        let renderer = renderer(gpu, &desc, &world, false);
+        let Exposure::Ev(ev) = renderer.options().image.exposure_ev else {
+            panic!("it is chosen");
+        };
+        let shown = radiance * ev.exp2();
+        assert!((shown - 0.6).abs() < 0.05, "{radiance} becomes {shown}");
+        let mut decisions = renderer.decisions().iter();
+        assert!(decisions.any(|d| d.what == "image.exposure_ev" && d.chosen == ev.to_string()));
     }
 }

@@ -2,6 +2,8 @@
 
 use std::f32::consts::PI;
 
+use reflet::render::Picture;
+
 use crate::{
     environment::directional_albedo,
     kit::{assert_close, assert_color, gpu, mean, render, share_differing},
@@ -216,4 +218,61 @@ fn a_mirror_stays_sharp_whatever_its_roughness() {
     ]);
     assert!(share_differing(&smooth, &mirror, 1) == 0.0);
     assert!(share_differing(&smooth, &rough, 8) > 0.01);
+}
+
+/// A rough mirror that lies under a checkered wall, so that every ray meets something else.
+fn rough_floor() -> String {
+    let wall = "[material.wall]\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 0.3 }\n\
+                reflectivity = 0\n[model.wall]\nshape = { kind = \"plane\", size = [8, 8] }\n\
+                material = \"wall\"\n[[instance]]\nmodel = \"wall\"\ntranslation = [0, 0, -2]\n\
+                rotation_deg = [90, 0, 0]\n";
+    let metal = "base_color = [1, 1, 1]\nmetallic = 1\nroughness = 0.4";
+    FLOOR
+        .replace(
+            "base_color = [1, 1, 1]\nreflectivity = 0\nreflection = \"none\"",
+            metal,
+        )
+        .replace("fov_deg = 1", "fov_deg = 20")
+        .replace("size = [8, 8]\nsamples = 64", "size = [96, 96]")
+        + wall
+}
+
+#[test]
+fn few_samples_of_rough_reflections_are_smoothed_towards_many() {
+    let Some(gpu) = gpu() else { return };
+    let text = rough_floor();
+    let picture = |set: &[&str]| {
+        let all = [
+            &[
+                "reflection.roughness_cutoff=1",
+                "reflection.method=rt",
+                "environment.color=[1, 1, 1]",
+            ],
+            set,
+        ]
+        .concat();
+        render(gpu, &text, &all, &[])
+    };
+    let truth = picture(&["image.samples=256"]);
+    let error = |picture: &Picture| {
+        let pairs = picture.color.iter().zip(&truth.color);
+        pairs.map(|(a, b)| f64::from((a - b).powi(2))).sum::<f64>()
+    };
+    let plain = picture(&["image.samples=1", "reflection.filter=false"]);
+    let smooth = picture(&["image.samples=1"]);
+    assert!(
+        error(&smooth) < 0.25 * error(&plain),
+        "{} of {}",
+        error(&smooth),
+        error(&plain)
+    );
+    assert_close(mean(&smooth)[0], mean(&truth)[0], 0.05);
+    // Many samples need no filter, and sharp mirrors get none.
+    let set = ["image.samples=16", "reflection.filter=false"];
+    assert_eq!(picture(&set[..1]).color, picture(&set).color);
+    let set = [
+        "material.white.reflection=mirror",
+        "reflection.filter=false",
+    ];
+    assert_eq!(picture(&set[..1]).color, picture(&set).color);
 }

@@ -1,7 +1,9 @@
 //! Settings of the whole scene: environment, reflection, image.
 
+use std::path::Path;
+
 use glam::Vec3;
-use reflet::scene::desc::*;
+use reflet::scene::{desc::*, stages::Scene};
 
 use crate::text::read;
 
@@ -9,7 +11,7 @@ use crate::text::read;
 fn environment_reflection_and_image_arrive() {
     let scene = read(
         "environment.color = [1, 2, 3]\n[reflection]\nmethod = \"ssr\"\nray_length_u = 2\n\
-         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\n\
+         accept = \"threshold\"\nedge_px = 0.5\nthreshold_u = 0\nbounces = 16\nsteps = 8\nroughness_cutoff = 1\nunit_m = 0.5\nreuse_light = false\nfade = true\nfilter = false\n\
          blur_px = 1.5\n[image]\nsize = [1, 16384]\nsamples = 4096\nlight_rays = 256\nexposure_ev = -20\n\
          tone_map = \"aces\"\nvisibility = \"rays\"",
     );
@@ -35,10 +37,11 @@ fn environment_reflection_and_image_arrive() {
             unit_m: Some(0.5),
             reuse_light: false,
             fade: true,
+            filter: false,
             blur_px: 1.5,
         }
     );
-    let (samples, exposure_ev, tone_map) = (4096, -20.0, ToneMap::Aces);
+    let (samples, exposure_ev, tone_map) = (4096, Exposure::Ev(-20.0), ToneMap::Aces);
     assert_eq!(
         scene.image,
         ImageDesc {
@@ -67,4 +70,26 @@ fn environment_reflection_and_image_arrive() {
             ..EnvironmentDesc::default()
         }
     );
+}
+
+#[test]
+fn an_exposure_is_stops_or_auto() {
+    assert_eq!(
+        read("image.exposure_ev = 2").image.exposure_ev,
+        Exposure::Ev(2.0)
+    );
+    assert_eq!(
+        read("image.exposure_ev = \"auto\"").image.exposure_ev,
+        Exposure::Auto
+    );
+    for (value, message) in [
+        ("\"automatic\"", "must be a number or \"auto\", not"),
+        ("30", "`exposure_ev` must be"),
+        ("true", "must be a number or \"auto\", not true"),
+    ] {
+        let text = format!("version = 1\nimage.exposure_ev = {value}\n");
+        let errors = Scene::from_text(&text, Path::new("scene.toml"), &[]).expect_err("is wrong");
+        let error = errors[0].to_string();
+        assert!(error.contains(message), "{error}");
+    }
 }

@@ -6,6 +6,7 @@ use crate::{
         view_estimate::{Reach, ViewEstimate},
     },
     scene::{
+        desc::{CameraDesc, Entry, Exposure},
         diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
@@ -43,34 +44,42 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
         found.push(Diagnostic::at("empty-view", at(), message).help(help));
         return found;
     }
-    let scale = scene.image.exposure_ev.exp2();
-    let exposed = || estimate.radiance.iter().map(|r| r * scale);
-    let brightest = exposed().fold(0.0, f32::max);
-    let blown = exposed().filter(|r| *r > BLOWN).count() as f32;
-    let name = &camera.name;
-    if brightest < BLACK {
-        let message = format!("the picture of camera \"{name}\" is black all over");
-        let help = if brightest > 0.0 {
-            let stops = (0.5 / brightest).log2().round();
-            let ev = shortened(scene.image.exposure_ev + stops);
-            format!("write `exposure_ev = {ev}` in `[image]`, or stronger lights")
-        } else {
-            "no light reaches what it sees: move a light, or write `[environment]`".to_owned()
-        };
-        found.push(Diagnostic::at("black-picture", at(), message).help(help));
-    } else if blown > MOSTLY * estimate.radiance.len() as f32 {
-        let mut sorted: Vec<f32> = exposed().collect();
-        sorted.sort_by(f32::total_cmp);
-        let stops = (sorted[sorted.len() / 2] / 0.5).log2().round();
-        let ev = shortened(scene.image.exposure_ev - stops);
-        let message = format!("the picture of camera \"{name}\" is white nearly all over");
-        let help = format!("write `exposure_ev = {ev}` in `[image]`, or weaker lights");
-        found.push(Diagnostic::at("blown-picture", at(), message).help(help));
+    // What is chosen by the picture itself is right.
+    if let Exposure::Ev(ev) = scene.image.exposure_ev {
+        found.extend(brightness(&estimate.radiance, ev, camera));
     }
     for (material, reach) in &estimate.reflectors {
         found.extend(reflector(scene, world, *material, reach, unit_m));
     }
     found
+}
+
+/// A picture that is black or white nearly all over, at an exposure of `ev` stops.
+fn brightness(radiance: &[f32], ev: f32, camera: &Entry<CameraDesc>) -> Option<Diagnostic> {
+    let (name, at) = (&camera.name, camera.at.clone());
+    let exposed = || radiance.iter().map(|r| r * ev.exp2());
+    let brightest = exposed().fold(0.0, f32::max);
+    let blown = exposed().filter(|r| *r > BLOWN).count() as f32;
+    if brightest < BLACK {
+        let message = format!("the picture of camera \"{name}\" is black all over");
+        let help = if brightest > 0.0 {
+            let stops = (0.5 / brightest).log2().round();
+            let ev = shortened(ev + stops);
+            format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or stronger lights")
+        } else {
+            "no light reaches what it sees: move a light, or write `[environment]`".to_owned()
+        };
+        return Some(Diagnostic::at("black-picture", at, message).help(help));
+    }
+    (blown > MOSTLY * radiance.len() as f32).then(|| {
+        let mut sorted: Vec<f32> = exposed().collect();
+        sorted.sort_by(f32::total_cmp);
+        let stops = (sorted[sorted.len() / 2] / 0.5).log2().round();
+        let ev = shortened(ev - stops);
+        let message = format!("the picture of camera \"{name}\" is white nearly all over");
+        let help = format!("write `exposure_ev = {ev}` or \"auto\" in `[image]`, or weaker lights");
+        Diagnostic::at("blown-picture", at, message).help(help)
+    })
 }
 
 /// A material whose mirror rays meet nothing.

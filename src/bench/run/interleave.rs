@@ -272,7 +272,7 @@ impl Block<'_> {
             fade: settings.fade,
             blur_px: settings.blur_px,
             samples: subject.image.samples,
-            exposure_ev: subject.image.exposure_ev,
+            exposure_ev: subject.image.exposure_ev.ev(), // of `auto`, 0
             tone_map: tone_map.to_owned(),
             reference_bounces: REFERENCE_BOUNCES,
             reference_ray_length_u: reference.ray_length_u,

@@ -12,6 +12,8 @@ use crate::{
     },
 };
 
+use super::filter;
+
 /// See `shaders/compose.wgsl`; `color` and `previous` take turns.
 pub const PASS: Pass = Pass {
     name: "compose",
@@ -29,6 +31,7 @@ pub const PASS: Pass = Pass {
     ],
     writes: &[Target::ColorEven, Target::ColorOdd],
     params: Some(Params::LAYOUT),
+    overrides: |options| vec![("FILTER", f64::from(u8::from(filter::is_enabled(options))))],
     is_written: |_, options, target| target != Target::ColorOdd || options.image.samples > 1,
     ..Pass::DEFAULT
 };

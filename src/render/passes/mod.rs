@@ -4,6 +4,7 @@ pub mod arguments;
 pub mod audit;
 pub mod blur;
 pub mod compose;
+pub mod filter;
 pub mod hits;
 pub mod light;
 pub mod primary;
@@ -62,6 +63,7 @@ passes! {
     hits: Hits,
     trace: Trace,
     audit: Audit,
+    filter: Filter,
     blur: Blur,
     compose: Compose,
     tone: Tone,

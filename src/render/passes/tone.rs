@@ -41,7 +41,7 @@ impl Params {
     /// Of the scene's settings.
     fn new(image: &ImageDesc) -> Self {
         Self {
-            scale: image.exposure_ev.exp2() / image.samples as f32,
+            scale: image.exposure_ev.ev().exp2() / image.samples as f32,
             curve: image.tone_map as u32,
             sample_share: 1.0 / image.samples as f32,
             pad0: 0,

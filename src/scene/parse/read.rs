@@ -312,6 +312,7 @@ impl Section for ReflectionDesc {
             unit_m: t.find("unit_m", ABOVE_0),
             reuse_light: t.get("reuse_light", ANY, default.reuse_light),
             fade: t.get("fade", ANY, default.fade),
+            filter: t.get("filter", ANY, default.filter),
             ..default
         };
         for field in &REFLECTION {

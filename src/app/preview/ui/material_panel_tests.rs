@@ -28,6 +28,11 @@ fn harness<'a>() -> Harness<'a, State> {
     summary.materials[1].numbers = MaterialDesc {
         emission: Some(Vec3::new(0.0, 2.0, 4.0)),
         alpha_cutoff: Some(0.5),
+        transmission: Some(0.5),
+        attenuation_color: Some(Vec3::ONE),
+        attenuation_distance_m: Some(1.0),
+        clearcoat: Some(1.0),
+        clearcoat_roughness: Some(0.1),
         checker: Some(CheckerDesc {
             colors: [Vec3::ONE, Vec3::ZERO],
             size_m: 0.5,

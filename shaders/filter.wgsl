@@ -1,0 +1,86 @@
+// Filter: smooths what rough surfaces reflect in pictures of few sub-frames, over neighbors that see nearly
+// the same: along one surface, as far as the lobe spreads on its way to what it meets. Sharp reflections
+// stay as they are.
+
+#import cause
+#import gbuffer
+
+struct Params {
+    reach: f32, // of the taps, in widths of the lobe
+    taps: u32,
+    pad0: u32,
+    pad1: u32,
+}
+
+@group(2) @binding(3) var cause: texture_2d<u32>;
+@group(2) @binding(4) var hit: texture_2d<u32>;
+@group(2) @binding(5) var source: texture_2d<f32>;
+@group(2) @binding(6) var blurred: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(7) var<uniform> params: Params;
+
+const WIDEST: f32 = 0.03; // reach over the height of the picture
+const GOLDEN_ANGLE: f32 = 2.39996323;
+
+fn inside(at: vec2i) -> bool {
+    return all(at >= vec2i(0)) && all(at < vec2i(frame.size));
+}
+
+// Distance of what the rays around a pixel meet, on average; none counts more than `farthest_m`.
+fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
+    var sum = 0.0;
+    var count = 0.0;
+    for (var k = 0; k < 9; k++) {
+        let at = pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2;
+        if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
+        let found = textureLoad(hit, at, 0).xy;
+        sum += select(min(bitcast<f32>(found.x), farthest_m), farthest_m, found.y == NONE);
+        count += 1.0;
+    }
+    return sum / max(count, 1.0);
+}
+
+// Interleaved gradient noise (Jimenez 2014): a turn for each pixel, other than that of its neighbors.
+fn turn_of(pixel: vec2u) -> f32 {
+    return 2.0 * PI * fract(52.9829189 * fract(dot(vec2f(pixel), vec2f(0.06711056, 0.00583715))));
+}
+
+fn filtered(pixel: vec2u, center: vec3f) -> vec3f {
+    let s = load_surface(pixel);
+    if (!is_spread(s)) { return center; }
+    let roughness = reflected_roughness(s);
+    let alpha = roughness * roughness;
+    let footprint_m = frame.pixel_spread * distance(s.position, frame.eye);
+    let widest_px = WIDEST * frame.size.y;
+    let farthest_m = widest_px * footprint_m / alpha;
+    let reach_m = params.reach * alpha * mean_hit_m(vec2i(pixel), farthest_m);
+    let reach_px = reach_m / footprint_m;
+    if (reach_px < 0.5) { return center; }
+    var sum = center;
+    var weights = 1.0;
+    let turn = turn_of(pixel);
+    for (var k = 0u; k < params.taps; k++) {
+        let r = sqrt((f32(k) + 0.5) / f32(params.taps));
+        let angle = turn + GOLDEN_ANGLE * f32(k);
+        let at = vec2i(round(vec2f(pixel) + reach_px * r * vec2f(cos(angle), sin(angle))));
+        if (!inside(at) || !reflects(textureLoad(cause, at, 0).x)) { continue; }
+        let other = load_surface(vec2u(at));
+        if (!is_spread(other)) { continue; }
+        // Mirrored directions turn twice as much as normals, and lobes are about twice as wide as alpha.
+        let tilt2 = 2.0 * (1.0 - dot(s.normal, other.normal));
+        let away_m = dot(other.position - s.position, s.geometric_normal);
+        let rougher = (reflected_roughness(other) - roughness) / (0.2 * roughness);
+        var weight = exp(-2.0 * r * r - tilt2 / (alpha * alpha) - rougher * rougher);
+        weight *= select(1.0, 0.0, abs(away_m) > 0.1 * reach_m + 0.5 * footprint_m);
+        sum += textureLoad(source, at, 0).xyz * weight;
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= vec2u(frame.size))) { return; }
+    var color = textureLoad(source, id.xy, 0);
+    if (reflects(textureLoad(cause, id.xy, 0).x)) { color = vec4f(filtered(id.xy, color.xyz), color.w); }
+    textureStore(blurred, id.xy, color);
+}
