@@ -3,10 +3,12 @@
 
 mod inside;
 mod shadow;
+mod size;
 mod unused;
 mod view;
 
 use crate::{
+    render::{RenderOptions, plan::traces_rays},
     scene::{
         diagnostic::{Diagnostic, Span},
         script::lint::lint_scripts,
@@ -52,6 +54,9 @@ impl<'a> Lint<'a> {
         }
         self.found.extend(inside::lights(self.scene, world));
         self.found.extend(inside::cameras(self.scene, world));
+        let is_traced = traces_rays(world, &RenderOptions::of(self.scene));
+        self.found
+            .extend(size::lint(world, is_traced, self.start()));
         let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
         let total: usize = world.instances.iter().map(triangles).sum();
         if total > MOST_TRIANGLES || world.instances.is_empty() {

@@ -182,6 +182,11 @@ impl Mesh {
 }
 
 impl Deformation {
+    /// Whether it moves nothing.
+    pub fn is_empty(&self) -> bool {
+        self.targets.is_empty() && self.influences.is_empty()
+    }
+
     /// The vertices with these weights of morph targets and these transforms of joints, each from
     /// the mesh to the model. Not finite where those are not.
     pub fn pose(&self, triangles: &[[u32; 3]], weights: &[f32], joints: &[Affine3A]) -> Vertices {

@@ -25,6 +25,7 @@ mod buffer;
 mod camera;
 mod check_indices;
 mod container;
+mod draco;
 mod extension;
 mod geometry;
 mod layers;
@@ -43,6 +44,7 @@ mod specular_glossiness;
 mod texture_ref;
 mod transform;
 pub(super) mod uri;
+mod wire;
 
 pub use animation::{Clip, Playable, Stage, StageTime};
 pub use container::Bytes;
@@ -53,10 +55,12 @@ pub use uri::Sandbox;
 /// Contents of one file; transforms are relative to the model.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// One mesh per primitive with triangles.
+    /// One mesh per primitive that shows something.
     pub meshes: Vec<Mesh>,
     /// The file's materials and last the default one; their textures index [`Model::images`].
     pub materials: Vec<Material>,
+    /// For each material the file's sets of texture coordinates that its textures call 0 and 1.
+    pub uv_sets: Vec<[u32; 2]>,
     /// Images by color space, as materials use them.
     pub images: Vec<ImageUse>,
     /// What deforms those of the meshes that animations of the file deform.
@@ -97,10 +101,12 @@ impl Model {
 /// An item attached to a node.
 #[derive(Clone, Debug)]
 pub struct Attached<T> {
-    /// Index of the animated node; `None` for static items, such as skinned meshes.
+    /// Index of its node.
     pub node: Option<usize>,
     /// Transform in the node's space.
     pub node_from_object: Affine3A,
+    /// Whether the node only shows and hides it: joints place a skinned mesh.
+    pub is_skinned: bool,
     /// Rest transform. Finite, perhaps singular.
     pub model_from_object: Affine3A,
     /// Whether it is hidden unless an animation shows it.
@@ -256,14 +262,16 @@ pub fn read(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<
 fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, Vec<Fault>> {
     let one = |fault: Fault| vec![fault];
     let bytes = sandbox.read(path).map_err(one)?;
-    let (root, binary) = container::open(bytes, lenient).map_err(one)?;
+    let (mut root, binary) = container::open(bytes, lenient).map_err(one)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut model = Model {
         files: vec![path.to_owned()],
         ..Model::default()
     };
     let mut notes = Notes::default();
-    let buffers = buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
+    let mut buffers =
+        buffer::read(&root, binary, folder, sandbox, &mut model.files).map_err(one)?;
+    draco::decompress(&mut root, &mut buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     let data = accessor::Data::new(&root, buffers, GEOMETRY_BUDGET_BYTES).map_err(one)?;
     check_indices::check(&root).map_err(one)?;
     material::read(&root, &data, folder, sandbox, &mut model, &mut notes).map_err(one)?;
@@ -285,7 +293,7 @@ fn read_faults(path: &Path, sandbox: &Sandbox, lenient: bool) -> Result<Model, V
     model.warnings = extension::ignored(&root, path);
     model.warnings.extend(notes.into_warnings(path));
     if model.placements.is_empty() && model.lights.is_empty() && model.cameras.is_empty() {
-        let text = "the file shows nothing: no node places a mesh with triangles";
+        let text = "the file shows nothing: no node places a mesh";
         model.warnings.push(Diagnostic {
             severity: Severity::Warning,
             ..Diagnostic::in_file("model-empty", path, text)

@@ -140,7 +140,7 @@ pub struct Instance {
     /// Object to world, finite; may mirror. Singular ones are dropped at load with a warning, but
     /// for [`Instance::HIDDEN`].
     pub world_from_object: Affine3A,
-    /// Whether it may move; then it is traced through the top level.
+    /// Whether it may move or is deformed; then it is traced through the top level.
     pub dynamic: bool,
 }
 

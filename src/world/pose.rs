@@ -48,7 +48,9 @@ pub struct Anchor {
     pub offset: Vec3,
     /// Index into [`Moving::players`] and slot of its animated node, if any.
     pub node: Option<(usize, usize)>,
-    /// Transform from its space to that node's, or to the model's without one.
+    /// Whether that node only shows and hides it, and does not place it.
+    pub is_skinned: bool,
+    /// Transform from its space to that node's, or to the model's without one that places it.
     pub local: Affine3A,
 }
 
@@ -60,9 +62,16 @@ impl Anchor {
     fn place(&self, state: &FrameState, poses: &Poses) -> (Affine3A, bool) {
         let instance = self.desc.map_or(Affine3A::IDENTITY, |i| state.instances[i]);
         let node = self.node.map(|(player, slot)| &poses[player].nodes[slot]);
-        let model = node.map_or(self.local, |node| node.model_from_node * self.local);
-        let world = Affine3A::from_translation(self.offset) * instance * model;
+        let world = Affine3A::from_translation(self.offset) * instance * self.model(poses);
         (world, node.is_none_or(|node| node.visible))
+    }
+
+    /// Transform from its space to the model.
+    fn model(&self, poses: &Poses) -> Affine3A {
+        let placing = self.node.filter(|_| !self.is_skinned);
+        placing.map_or(self.local, |(player, slot)| {
+            poses[player].nodes[slot].model_from_node * self.local
+        })
     }
 }
 
@@ -315,7 +324,7 @@ impl World {
             let poses: Vec<_> = players.map(|p| p.pose_at(share * p.duration_s())).collect();
             for (around, (m, (player, slot))) in bounds.iter_mut().zip(&animated) {
                 let node = &poses[*player].nodes[*slot];
-                let world = m.world_from_model * node.model_from_node * m.anchor.local;
+                let world = m.world_from_model * m.anchor.model(&poses);
                 if node.visible && invertible(&world) {
                     let mesh = self.instances[m.instance].mesh;
                     *around = around.union(self.meshes[mesh].bounds.transformed(&world));
@@ -325,8 +334,8 @@ impl World {
         bounds
     }
 
-    /// A box for each instance that a player deforms but no animation moves, around it at times
-    /// spread over the whole animation; the scene's own motion is at rest. `meshes` are the world's.
+    /// A box for each instance that a player deforms, around it at times spread over the whole
+    /// animation, where it stands first; the scene's own motion is at rest. `meshes` are the world's.
     pub fn deformed_bounds(&self, meshes: &[Mesh]) -> Vec<Bounds> {
         /// Number of sampled times; each moves all vertices.
         const TIMES: u32 = 8;
@@ -344,9 +353,9 @@ impl World {
         };
         let of_mesh: BTreeMap<usize, Bounds> = deformers.map(around).collect();
         let is_animated = self.animated_instances();
-        let still = self.instances.iter().zip(is_animated);
-        let still = still.filter(|(instance, is_animated)| !is_animated && !instance.is_hidden());
-        still
+        let seen = self.instances.iter().zip(is_animated);
+        let seen = seen.filter(|(instance, is_animated)| *is_animated || !instance.is_hidden());
+        seen.filter(|(instance, _)| instance.world_from_object.is_finite())
             .filter_map(|(i, _)| Some(of_mesh.get(&i.mesh)?.transformed(&i.world_from_object)))
             .collect()
     }

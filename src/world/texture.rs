@@ -1,4 +1,4 @@
-//! Decodes PNG, JPEG and WebP into [`Texture`]s: headers first, within stated limits, on all cores.
+//! Decodes PNG, JPEG, WebP and KTX2 into [`Texture`]s: headers first, within stated limits, on all cores.
 
 use std::{
     fs::File,
@@ -21,6 +21,7 @@ use super::{
 use crate::scene::diagnostic::Diagnostic;
 
 mod header;
+mod ktx2;
 mod specular_glossiness;
 
 /// Longest edge that a picture is rendered with, pixels; larger images are reduced to it.
@@ -169,11 +170,11 @@ fn broken(e: image::ImageError) -> Fault {
     }
 }
 
-/// A decoder that has read the header only, after that header was checked.
-fn decoder<'a>(
-    mut input: Box<dyn Input + 'a>,
+/// Decodes an image after its header was checked.
+fn decode_input(
+    mut input: Box<dyn Input + '_>,
     limits: &TextureLimits,
-) -> Result<Box<dyn ImageDecoder + 'a>, Fault> {
+) -> Result<RgbaImage, Fault> {
     let (format, [width, height]) = header(&mut *input, limits)?;
     // Room for 16-bit RGBA and the decoder's own needs (compressed text chunks count too).
     let mut own = Limits::no_limits();
@@ -183,9 +184,12 @@ fn decoder<'a>(
         Format::Png => Box::new(PngDecoder::with_limits(input, own.clone()).map_err(broken)?),
         Format::Jpeg => Box::new(JpegDecoder::new(input).map_err(broken)?),
         Format::WebP => Box::new(WebPDecoder::new(input).map_err(broken)?),
+        Format::Ktx2 => return ktx2::decode(&mut *input, [width, height]),
     };
     decoder.set_limits(own).map_err(broken)?;
-    Ok(decoder)
+    // Gray is expanded and 16 bits are reduced to 8; JPEG's CMYK arrives as RGB.
+    let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    Ok(pixels.into_rgba8())
 }
 
 fn decode(request: &TextureRequest, limits: &TextureLimits) -> Result<Texture, Fault> {
@@ -209,8 +213,5 @@ fn pixels(source: &ImageSource, limits: &TextureLimits) -> Result<RgbaImage, Fau
         let (diffuse, specular) = (decoded(&maps.diffuse)?, decoded(&maps.specular)?);
         return Ok(specular_glossiness::convert(maps, diffuse, specular));
     }
-    let decoder = decoder(open(source, limits)?, limits)?;
-    // Gray is expanded and 16 bits are reduced to 8; JPEG's CMYK arrives as RGB.
-    let pixels = DynamicImage::from_decoder(decoder).map_err(broken)?;
-    Ok(pixels.into_rgba8())
+    decode_input(open(source, limits)?, limits)
 }

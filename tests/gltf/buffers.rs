@@ -58,9 +58,9 @@ fn an_absent_buffer_is_an_error_only_where_it_is_read() {
     }
 }
 
-/// A file with animations only, and one with points only.
+/// A file with animations only, and one with a line that has no length.
 #[test]
-fn a_model_without_triangles_is_no_picture() {
+fn a_model_that_shows_nothing_is_no_picture() {
     let mut animation_only = Doc::empty();
     animation_only.root_node(json!({"name": "bone"}));
     let times = animation_only.floats("SCALAR", &[0.0, 1.0]);
@@ -69,11 +69,13 @@ fn a_model_without_triangles_is_no_picture() {
         "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
         "samplers": [{"input": times, "output": moves}]
     }]);
-    let mut points_only = Doc::triangle();
-    points_only.primitive("mode", 0.into());
+    let mut no_length = Doc::triangle();
+    no_length.primitive("mode", 1.into());
+    let corners = no_length.accessor("SCALAR", 5121, 2, &[1, 1]);
+    no_length.primitive("indices", corners.into());
     for (doc, said) in [
         (animation_only, "shows nothing"),
-        (points_only, "primitives of points are not shown"),
+        (no_length, "have no point, line or triangle to show"),
     ] {
         assert!(warnings(&doc.world()).contains(&"model-empty"));
         let folder = Folder::new();

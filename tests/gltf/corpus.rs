@@ -16,7 +16,7 @@ use crate::{
 
 /// Valid files that may be refused: they require extensions that are not supported, or lack data
 /// (the validator accepts buffers and images that say nowhere where they are).
-const MAX_VALID_REFUSED: usize = 7;
+const MAX_VALID_REFUSED: usize = 4;
 
 fn corpus() -> Option<PathBuf> {
     Some(shared_folder("REFLET_CORPUS", "corpus")?.join("gltf"))

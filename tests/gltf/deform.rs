@@ -312,3 +312,25 @@ fn poses_that_are_not_finite_are_named() {
     assert_eq!(errors[0].name, "bad-pose");
     assert_eq!(corners(&world, 0), before);
 }
+
+/// A joint places a skinned mesh, its own node hides it.
+#[test]
+fn skinned_meshes_are_hidden_by_their_nodes() {
+    let mut doc = skinned();
+    let times = doc.floats("SCALAR", &[0.0, 1.0]);
+    let shown = doc.accessor("SCALAR", 5121, 2, &[1, 0]);
+    let animation = &mut doc.json["animations"][0];
+    let samplers = animation["samplers"].as_array_mut().expect("a list");
+    samplers.push(json!({"input": times, "output": shown, "interpolation": "STEP"}));
+    let channels = animation["channels"].as_array_mut().expect("a list");
+    let pointer = "/nodes/0/extensions/KHR_node_visibility/visible";
+    channels.push(json!({"sampler": 1, "target": {
+        "path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}
+    }}));
+    doc.json["nodes"][0]["translation"] = json!([9, 9, 9]);
+    let folder = Folder::new();
+    let desc = played(&folder, &doc, 0);
+    let world = at_frame(&desc, 5);
+    assert!(corners(&world, 0)[0].distance(Vec3::Y * 2.5) < 1e-6);
+    assert!(at_frame(&desc, 15).instances[0].is_hidden());
+}

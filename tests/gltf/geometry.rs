@@ -1,6 +1,6 @@
 //! Geometry of small generated glTF files.
 
-use crate::kit::{Doc, warnings};
+use crate::kit::{Doc, png, warnings};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::json;
 
@@ -90,18 +90,7 @@ fn index_widths_agree() {
 }
 
 #[test]
-fn points_lines_and_empty_primitives_are_skipped_by_name() {
-    for (mode, name) in [
-        (0, "points-skipped"),
-        (1, "lines-skipped"),
-        (3, "lines-skipped"),
-    ] {
-        let mut doc = Doc::triangle();
-        doc.primitive("mode", mode.into());
-        let world = doc.world();
-        assert!(world.instances.is_empty());
-        assert_eq!(warnings(&world), [name, "model-empty"]);
-    }
+fn unknown_modes_are_refused() {
     let mut doc = Doc::triangle();
     doc.primitive("mode", 7.into());
     assert_eq!(doc.error().0, "gltf-mode");
@@ -341,4 +330,41 @@ fn second_texture_coordinates_stay_only_where_used() {
         world.materials[0].occlusion_texture.map(|t| t.uv_set),
         Some(1)
     );
+}
+
+#[test]
+fn any_two_sets_of_texture_coordinates_are_read() {
+    let mut doc = Doc::triangle();
+    for set in 0..5 {
+        let uv = doc.floats("VEC2", &[set as f32; 6]);
+        doc.attribute(&format!("TEXCOORD_{set}"), uv);
+    }
+    let texture = doc.texture(&png(1, 1, [255; 4]));
+    doc.primitive("material", 0.into());
+    // Sets of base color, occlusion and emission; those of the mesh, and where the textures find them.
+    for (used, sets, slots) in [
+        ([0, 1, 0], [0.0, 1.0], [0, 1, 0]),
+        ([3, 3, 3], [0.0, 3.0], [1, 1, 1]),
+        ([4, 2, 2], [2.0, 4.0], [1, 0, 0]),
+        ([4, 2, 3], [2.0, 3.0], [0, 0, 1]),
+    ] {
+        let info = |set: u32| json!({"index": texture, "texCoord": set});
+        doc.json["materials"] = json!([{
+            "pbrMetallicRoughness": {"baseColorTexture": info(used[0])},
+            "occlusionTexture": info(used[1]), "emissiveTexture": info(used[2])
+        }]);
+        let world = doc.world();
+        let (mesh, material) = (&world.meshes[0], &world.materials[0]);
+        let second = mesh.uv1.first().map_or(sets[1], |uv| uv.x);
+        assert_eq!([mesh.uv0[0].x, second], sets, "{used:?}");
+        let textures = [
+            material.base_color_texture,
+            material.occlusion_texture,
+            material.emission_texture,
+        ];
+        let found = textures.map(|t| t.expect("a texture").uv_set);
+        assert_eq!(found, slots, "{used:?}");
+        let third = warnings(&world) == ["uv-set-unsupported"];
+        assert_eq!(third, used == [4, 2, 3], "{:?}", world.warnings);
+    }
 }

@@ -284,5 +284,6 @@ fn accessors_without_data_are_bounded() {
         json!({"attributes": {"POSITION": 0}, "mode": 0});
         10_000
     ]);
-    assert!(doc.load().is_ok(), "points are not even read");
+    let errors = doc.load().expect_err("six vertices around each point");
+    assert!(errors.iter().all(|e| e.name == "geometry-too-large"));
 }

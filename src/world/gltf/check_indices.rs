@@ -51,9 +51,8 @@ pub fn check(root: &Root) -> Result<(), Fault> {
     }
     for (t, texture) in root.textures.iter().enumerate() {
         let place = || format!("texture {t}");
-        let webp = texture.extensions.webp.as_ref().and_then(|e| e.source);
-        for image in [texture.source, webp] {
-            exists("image", image, root.images.len(), &place)?;
+        for image in texture.extensions.sources().chain(texture.source) {
+            exists("image", Some(image), root.images.len(), &place)?;
         }
         exists("sampler", texture.sampler, root.samplers.len(), &place)?;
     }

@@ -6,10 +6,11 @@ use super::{Fault, schema::Root, uri::shorten};
 use crate::scene::diagnostic::{Diagnostic, Severity};
 
 /// Extensions that may stand in `extensionsRequired`.
-pub const SUPPORTED: [&str; 17] = [
+pub const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat", // its factors
     "KHR_materials_emissive_strength",
@@ -23,15 +24,12 @@ pub const SUPPORTED: [&str; 17] = [
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 
 /// Ignored: the picture is the same, or the file has a fallback.
-const HARMLESS: [&str; 3] = [
-    "KHR_animation_pointer",
-    "KHR_draco_mesh_compression",
-    "KHR_xmp_json_ld",
-];
+const HARMLESS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Whether an extension can only change how things look, as far as its name tells: materials,
 /// textures and lights.

@@ -64,6 +64,7 @@ pub fn read(
             skin.map_err(|f| vec![f.at(&format!("skin {index}"))])?,
         );
     }
+    let uv_sets = &model.uv_sets;
     let skin_of = |u: &MeshUse| u.skin.and_then(|skin| skins.get(&skin));
     let quantized = (root.extensions_used.iter()).any(|e| e == "KHR_mesh_quantization");
     let primitives = |u: &MeshUse| {
@@ -83,6 +84,9 @@ pub fn read(
                 primitive,
                 num_vertices: 0,
                 rows: None,
+                uv_sets: uv_sets
+                    .get(primitive.material.unwrap_or(root.materials.len()))
+                    .map_or([0, 1], |sets| *sets),
                 quantized,
                 weights: visit.weights(root, mesh_use),
                 has_animated_weights: visit.animated_weights(mesh_use).is_some(),

@@ -27,7 +27,8 @@ pub fn read(
     let mut textures = Textures::new(root, data, folder, sandbox);
     for (i, material) in root.materials.iter().enumerate() {
         let place = label("material", i, material.name.as_deref());
-        let read = convert(material, &place, &mut textures, notes).map_err(|f| f.at(&place))?;
+        let mut read = convert(material, &place, &mut textures, notes).map_err(|f| f.at(&place))?;
+        model.uv_sets.push(choose_uv_sets(&mut read, &place, notes));
         let name = material
             .name
             .clone()
@@ -40,8 +41,40 @@ pub fn read(
         name: "default".into(),
         ..default
     });
+    model.uv_sets.push([0, 1]);
     model.images = textures.images;
     Ok(())
+}
+
+/// The two sets of texture coordinates that meshes with this material have, which its textures refer to
+/// from then on by 0 and 1.
+fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u32; 2] {
+    let mut textures = [
+        &mut material.base_color_texture,
+        &mut material.metallic_roughness_texture,
+        &mut material.normal_texture,
+        &mut material.occlusion_texture,
+        &mut material.emission_texture,
+    ];
+    let mut used: Vec<u32> = textures
+        .iter()
+        .flat_map(|t| t.as_ref())
+        .map(|t| t.uv_set)
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    let sets = match used[..] {
+        [] | [0] => [0, 1],
+        [0, one] | [one] => [0, one],
+        [first, second, ..] => [first, second],
+    };
+    for texture in textures.iter_mut().filter_map(|t| t.as_mut()) {
+        let slot = sets.iter().position(|set| *set == texture.uv_set);
+        let what = "textures use a third set of texture coordinates; the first is used";
+        notes.add("uv-set-unsupported", u64::from(slot.is_none()), what, place);
+        texture.uv_set = slot.unwrap_or(0) as u32;
+    }
+    sets
 }
 
 fn convert(

@@ -281,7 +281,7 @@ impl Found<'_> {
         if self.node.skin.is_some() {
             // A skinned mesh is placed by its joints only, as specified.
             let mut placed = self.attached((used, self.path.to_owned()));
-            (placed.node, placed.model_from_object) = (None, Affine3A::IDENTITY);
+            (placed.is_skinned, placed.model_from_object) = (true, Affine3A::IDENTITY);
             self.visit.meshes.push(placed);
         } else if let Some(instancing) = &self.node.extensions.instancing {
             let copies = transform::of_copies(data, instancing, MAX_PLACEMENTS)?;
@@ -306,6 +306,7 @@ impl Found<'_> {
         Attached {
             node: Some(self.index),
             node_from_object: Affine3A::IDENTITY,
+            is_skinned: false,
             model_from_object: self.model_from_node,
             hidden: self.hidden,
             value,
@@ -362,6 +363,7 @@ pub fn place(visit: Visit, primitives: &Primitives, model: &mut Model) -> Result
         let one = |&(mesh, material): &(usize, usize)| Attached {
             node: placed.node,
             node_from_object: placed.node_from_object,
+            is_skinned: placed.is_skinned,
             model_from_object: placed.model_from_object,
             hidden: placed.hidden,
             value: Placement {

@@ -12,14 +12,14 @@ use super::{
     primitive_context::Context,
     repair,
     schema::Primitive,
-    skin,
+    skin, wire,
 };
 use crate::world::{
     Mesh,
     deform::{Deformation, Vertices},
 };
 
-/// Reads a primitive; `None` without triangles (points, lines, no positions).
+/// Reads a primitive; `None` where it shows nothing. Points and lines become thin geometry.
 ///
 /// # Errors
 /// Accessors of wrong type or count, indices out of range, an unknown mode.
@@ -37,12 +37,16 @@ pub fn build(
         false => accessor::float_only,
     };
     context.num_vertices = data.count(position).map_err(|f| f.at("POSITION"))?;
+    let num_corners = match primitive.indices {
+        Some(index) => data.count(index).map_err(|f| f.at("indices"))?,
+        None => context.num_vertices,
+    };
+    spend(&context, num_corners)?;
     let mut corners = match primitive.indices {
         Some(index) => indices(data, index, context.num_vertices)?,
         None => (0..vertex_count(context.num_vertices)?).collect(),
     };
     context.rows = used_rows(&mut corners, context.num_vertices);
-    spend(&context, corners.len())?;
     let mut mesh = Mesh {
         name,
         positions: vectors(
@@ -53,48 +57,67 @@ pub fn build(
         ..Mesh::default()
     };
     read_attributes(&context, &mut mesh)?;
-    mesh.triangles = triangles(mode, &corners);
-    drop(corners);
-    deform(&context, &mut mesh, notes)?;
+    if mode < TRIANGLES {
+        pose_at_rest(&context, deformation(&context)?, &mut mesh);
+        wire::build(&mut mesh, mode, &corners, data)?;
+        repair::run(&mut mesh, notes);
+    } else {
+        mesh.triangles = triangles(mode, &corners);
+        drop(corners);
+        deform(&context, &mut mesh, notes)?;
+    }
     if mesh.triangles.is_empty() {
-        let what = "primitives have no triangle to show";
+        let what = "primitives have no point, line or triangle to show";
         notes.add("mesh-empty", 1, what, &mesh.name);
         return Ok(None);
     }
     Ok(Some(mesh))
 }
 
-/// Repairs a mesh in its rest pose; what animations deform keeps what it is deformed by.
-fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
-    let morphs = context.has_animated_weights && !context.primitive.targets.is_empty();
-    let is_animated = morphs || context.has_animated_joints;
-    let joints = context.pose.unwrap_or_default();
+/// Joints and morph targets of the primitive.
+fn deformation(context: &Context<'_>) -> Result<Deformation, Fault> {
     let influences = match context.pose {
         Some(pose) => skin::influences(context, pose.len())?,
         None => Vec::new(),
     };
-    let mut deformation = Deformation {
+    Ok(Deformation {
         targets: morph::targets(context, context.has_animated_weights)?,
         influences,
         ..Deformation::default()
-    };
-    let is_still = deformation.targets.is_empty() && deformation.influences.is_empty();
-    if !is_still && is_animated {
-        mesh.deformation = Some(Arc::new(deformation));
-        repair::run(mesh, notes);
-        let posed = mesh.pose(context.weights, joints);
-        if posed.positions.iter().all(|p| p.is_finite()) {
-            mesh.set_vertices(posed);
-            return Ok(());
-        }
-        // Triangles that the rest pose breaks are dropped, and the rest does not move.
-        mesh.deformation = None;
-        mesh.set_vertices(posed);
-    } else if !is_still {
+    })
+}
+
+fn pose_at_rest(context: &Context<'_>, mut deformation: Deformation, mesh: &mut Mesh) {
+    if !deformation.is_empty() {
+        let joints = context.pose.unwrap_or_default();
         deformation.bind = Vertices::take(mesh);
         mesh.set_vertices(deformation.pose(&[], context.weights, joints));
     }
+}
+
+/// Repairs a mesh in its rest pose; what animations deform keeps what it is deformed by.
+fn deform(context: &Context<'_>, mesh: &mut Mesh, notes: &mut Notes) -> Result<(), Fault> {
+    /// Of a vertex: what is bound beside what is posed, and four joints.
+    const DEFORMED_BYTES: u64 = 64;
+    let deformation = deformation(context)?;
+    let morphs = context.has_animated_weights && !context.primitive.targets.is_empty();
+    if deformation.is_empty() || !(morphs || context.has_animated_joints) {
+        pose_at_rest(context, deformation, mesh);
+        repair::run(mesh, notes);
+        return Ok(());
+    }
+    (context.data).spend(mesh.positions.len() as u64 * DEFORMED_BYTES)?;
+    mesh.deformation = Some(Arc::new(deformation));
     repair::run(mesh, notes);
+    let posed = mesh.pose(context.weights, context.pose.unwrap_or_default());
+    if !posed.positions.iter().all(|p| p.is_finite()) {
+        // Triangles that the rest pose breaks are dropped, and the others do not move.
+        mesh.deformation = None;
+        mesh.set_vertices(posed);
+        repair::run(mesh, notes);
+        return Ok(());
+    }
+    mesh.set_vertices(posed);
     Ok(())
 }
 
@@ -114,7 +137,8 @@ fn used_rows(corners: &mut [u32], num_vertices: usize) -> Option<Vec<u32>> {
     Some(rows)
 }
 
-/// Takes from the budget what the mesh will hold beyond the attributes that are decoded.
+/// Takes from the budget what the mesh will hold beyond the attributes that are decoded, before any of
+/// it is allocated.
 fn spend(context: &Context<'_>, num_corners: usize) -> Result<(), Fault> {
     /// Texture coordinates, which are zeros without an attribute.
     const UV_BYTES: u64 = 8;
@@ -122,7 +146,7 @@ fn spend(context: &Context<'_>, num_corners: usize) -> Result<(), Fault> {
     const FLAT_BYTES: u64 = 32;
     /// Of a corner of a triangle.
     const INDEX_BYTES: u64 = 4;
-    let vertices = context.rows.as_ref().map_or(context.num_vertices, Vec::len) as u64;
+    let vertices = context.num_vertices.min(num_corners) as u64;
     let flat = !context.primitive.attributes.contains_key("NORMAL");
     let corner_bytes = INDEX_BYTES + if flat { FLAT_BYTES } else { 0 };
     context
@@ -130,31 +154,26 @@ fn spend(context: &Context<'_>, num_corners: usize) -> Result<(), Fault> {
         .spend(vertices * UV_BYTES + num_corners as u64 * corner_bytes)
 }
 
-/// The accessor of the positions and the mode, if the primitive has triangles; notes why not.
+/// The mode of triangles; those below are points and lines.
+const TRIANGLES: u32 = 4;
+
+/// The accessor of the positions and the mode, if the primitive has some; notes why not.
 fn shown(
     primitive: &Primitive,
     name: &str,
     notes: &mut Notes,
 ) -> Result<Option<(usize, u32)>, Fault> {
-    let mode = primitive.mode.unwrap_or(4);
-    let mut note = |kind, what| notes.add(kind, 1, what, name);
-    let position = primitive.attributes.get("POSITION").copied();
-    match mode {
-        0 => note("points-skipped", "primitives of points are not shown"),
-        1..=3 => note("lines-skipped", "primitives of lines are not shown"),
-        4..=6 if position.is_none() => {
-            note(
-                "positions-missing",
-                "primitives without POSITION are not shown",
-            );
-        }
-        4..=6 => return Ok(position.map(|position| (position, mode))),
-        _ => {
-            let text = format!("mode {mode} is unknown, expected 0 to 6");
-            return Err(Fault::new("gltf-mode", text));
-        }
+    let mode = primitive.mode.unwrap_or(TRIANGLES);
+    if mode > 6 {
+        let text = format!("mode {mode} is unknown, expected 0 to 6");
+        return Err(Fault::new("gltf-mode", text));
     }
-    Ok(None)
+    let position = primitive.attributes.get("POSITION").copied();
+    if position.is_none() {
+        let what = "primitives without POSITION are not shown";
+        notes.add("positions-missing", 1, what, name);
+    }
+    Ok(position.map(|position| (position, mode)))
 }
 
 fn vertex_count(num_vertices: usize) -> Result<u32, Fault> {
@@ -199,21 +218,15 @@ fn read_attributes(context: &Context<'_>, mesh: &mut Mesh) -> Result<(), Fault> 
             )?;
         }
     }
-    mesh.uv0 = match find("TEXCOORD_0")? {
-        Some(i) => vectors(
-            context.floats::<2>(i, coordinate),
-            "TEXCOORD_0",
-            Vec2::from_array,
-        )?,
-        None => vec![Vec2::ZERO; count],
+    let coordinates = |set: u32| {
+        let name = format!("TEXCOORD_{set}");
+        let index = find(&name)?;
+        let read = |i| vectors(context.floats::<2>(i, coordinate), &name, Vec2::from_array);
+        index.map(read).transpose()
     };
-    if let Some(i) = find("TEXCOORD_1")? {
-        mesh.uv1 = vectors(
-            context.floats::<2>(i, coordinate),
-            "TEXCOORD_1",
-            Vec2::from_array,
-        )?;
-    }
+    let [first, second] = context.uv_sets;
+    mesh.uv0 = coordinates(first)?.unwrap_or_else(|| vec![Vec2::ZERO; count]);
+    mesh.uv1 = coordinates(second)?.unwrap_or_default();
     if let Some(i) = find("COLOR_0")? {
         let accept = accessor::float_or_unsigned;
         mesh.colors = match data.lanes(i) {

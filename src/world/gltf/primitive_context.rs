@@ -18,6 +18,8 @@ pub struct Context<'a> {
     pub num_vertices: usize,
     /// Vertices that are read, where its indices use few of many; all without.
     pub rows: Option<Vec<u32>>,
+    /// The sets of texture coordinates that its material uses.
+    pub uv_sets: [u32; 2],
     /// Whether KHR_mesh_quantization is in use.
     pub quantized: bool,
     /// Weights of the morph targets, finite.

@@ -173,6 +173,19 @@ pub struct Primitive {
 pub struct PrimitiveExtensions {
     #[serde(rename = "KHR_materials_variants")]
     pub variants: Option<VariantMappings>,
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub draco: Option<Draco>,
+}
+
+/// A compressed primitive.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Draco {
+    /// The stream.
+    pub buffer_view: usize,
+    /// Unique number of each attribute in the stream.
+    #[serde(default)]
+    pub attributes: BTreeMap<String, u32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -188,7 +201,7 @@ pub struct VariantMapping {
     pub variants: Vec<usize>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Accessor {
     pub buffer_view: Option<usize>,
@@ -203,14 +216,14 @@ pub struct Accessor {
     pub sparse: Option<Sparse>,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct Sparse {
     pub count: u64,
     pub indices: SparseIndices,
     pub values: SparseValues,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SparseIndices {
     pub buffer_view: usize,
@@ -219,7 +232,7 @@ pub struct SparseIndices {
     pub component_type: u32,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SparseValues {
     pub buffer_view: usize,
@@ -227,7 +240,7 @@ pub struct SparseValues {
     pub byte_offset: u64,
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BufferView {
     pub buffer: usize,

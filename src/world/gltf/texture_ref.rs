@@ -55,23 +55,16 @@ impl Textures<'_> {
             Some((i, None)) => return Err(missing("sampler", i)),
             None => &schema::Sampler::default(),
         };
-        let webp = texture.extensions.webp.as_ref().and_then(|e| e.source);
-        let Some(image) = webp.or(texture.source) else {
-            let what = "textures have no PNG, JPEG or WebP image and are left out";
+        let Some(image) = texture.extensions.sources().next().or(texture.source) else {
+            let what = "textures have no PNG, JPEG, WebP or KTX2 image and are left out";
             notes.add("texture-unsupported", 1, what, place);
             return Ok(None);
         };
         let transform = info.extensions.transform.as_ref();
         let uv_set = transform.and_then(|t| t.tex_coord);
-        let mut uv_set = uv_set.unwrap_or(info.tex_coord);
-        if uv_set > 1 {
-            let what = "textures use TEXCOORD_2 or higher; TEXCOORD_0 is used";
-            notes.add("uv-set-unsupported", 1, what, place);
-            uv_set = 0;
-        }
         Ok(Some(TextureRef {
             texture: self.image_use(image, srgb)?,
-            uv_set,
+            uv_set: uv_set.unwrap_or(info.tex_coord),
             transform: rows(transform)?,
             wrap: [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?],
             nearest: sampler.mag_filter == Some(9728),

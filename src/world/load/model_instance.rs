@@ -35,15 +35,21 @@ impl ModelInstance<'_> {
     /// Transform of an item attached to a node of its file.
     pub fn of<T>(&self, world: &World, part: &Attached<T>) -> Place {
         let transforms = [part.node_from_object, part.model_from_object];
-        self.place(world, part.node, transforms)
+        self.place_on(world, part.node, part.is_skinned, transforms)
     }
 
-    /// Transform of an item on `node`; the arguments transform from its space to that of the node
-    /// and of the model.
-    pub fn place(
+    /// Transform of the model itself.
+    pub fn whole(&self, world: &World) -> Place {
+        self.place_on(world, None, false, [Affine3A::IDENTITY; 2])
+    }
+
+    /// Transform of an item on `node`; the transforms are from its space to that of the node and of the
+    /// model.
+    fn place_on(
         &self,
         world: &World,
         node: Option<usize>,
+        is_skinned: bool,
         [node_from_object, model_from_object]: [Affine3A; 2],
     ) -> Place {
         let slot = self.player.zip(node).and_then(|(player, node)| {
@@ -54,7 +60,8 @@ impl ModelInstance<'_> {
             desc: self.desc,
             offset: self.copy.offset,
             node: slot,
-            local: if slot.is_some() {
+            is_skinned,
+            local: if slot.is_some() && !is_skinned {
                 node_from_object
             } else {
                 model_from_object

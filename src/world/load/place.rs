@@ -2,8 +2,6 @@
 
 use std::collections::HashMap;
 
-use glam::Affine3A;
-
 use super::{
     Loader, Source, error_at,
     lights_and_cameras::Extras,
@@ -192,7 +190,7 @@ impl Loader<'_> {
                 Source::Broken => return,
                 Source::Shape(mesh) => {
                     let binding = (*mesh, self.shape_material(job, &model.value));
-                    let place = stand.place(&self.world, None, [Affine3A::IDENTITY; 2]);
+                    let place = stand.whole(&self.world);
                     self.push(name, binding, place, dropped);
                 }
                 Source::File(loaded) => {

@@ -80,7 +80,7 @@ fn finish(mesh: &mut Mesh, need: &Needs) -> Vec<Diagnostic> {
         mesh.uv1 = Vec::new();
     } else if mesh.uv1.is_empty() {
         mesh.uv1 = vec![Vec2::ZERO; mesh.positions.len()];
-        let text = "a texture uses TEXCOORD_1, which the mesh lacks; 0 is used";
+        let text = "a texture uses coordinates that the mesh lacks; 0 is used";
         messages.push(message(Severity::Warning, "uv-missing", mesh, text));
     }
     match need.tangents_from {

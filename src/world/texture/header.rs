@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read as _, Seek};
 
-use super::TextureLimits;
+use super::{TextureLimits, fault, ktx2};
 use crate::world::gltf::Fault;
 
 /// Encoded bytes.
@@ -18,10 +18,8 @@ pub enum Format {
     Jpeg,
     /// RFC 9649.
     WebP,
-}
-
-fn fault(name: &'static str, text: impl Into<String>) -> Fault {
-    Fault::new(name, text)
+    /// KTX 2.0 with Basis Universal.
+    Ktx2,
 }
 
 /// Format by content, since names and MIME types are often wrong.
@@ -33,7 +31,7 @@ fn sniff(input: &mut dyn Input) -> Result<Format, Fault> {
     let unsupported = |what: &str| {
         Err(fault(
             "image-unsupported",
-            format!("is {what}, expected PNG, JPEG or WebP"),
+            format!("is {what}, expected PNG, JPEG, WebP or KTX2"),
         )
         .help("convert the image to PNG"))
     };
@@ -41,7 +39,8 @@ fn sniff(input: &mut dyn Input) -> Result<Format, Fault> {
         [0x89, b'P', b'N', b'G', ..] => Ok(Format::Png),
         [0xFF, 0xD8, 0xFF, ..] => Ok(Format::Jpeg),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P'] => Ok(Format::WebP),
-        [0xAB, b'K', b'T', b'X', ..] => unsupported("KTX"),
+        magic if magic == ktx2::IDENTIFIER => Ok(Format::Ktx2),
+        [0xAB, b'K', b'T', b'X', ..] => unsupported("KTX 1"),
         [b'D', b'D', b'S', b' ', ..] => unsupported("DDS"),
         [b'G', b'I', b'F', b'8', ..] => unsupported("GIF"),
         [b'B', b'M', ..] => unsupported("BMP"),
@@ -65,6 +64,7 @@ fn peek_size(input: &mut dyn Input, format: Format) -> Result<[u32; 2], Fault> {
         }
         Format::Jpeg => jpeg_size(input)?,
         Format::WebP => webp_size(input)?,
+        Format::Ktx2 => ktx2::size(input)?,
     };
     input.rewind().map_err(cut)?;
     Ok(size)

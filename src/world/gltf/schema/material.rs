@@ -146,6 +146,16 @@ pub struct Texture {
 pub struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     pub webp: Option<ImageSourceExtension>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub basisu: Option<ImageSourceExtension>,
+}
+
+impl TextureExtensions {
+    /// The images that stand before [`Texture::source`], the first is preferred.
+    pub fn sources(&self) -> impl Iterator<Item = usize> {
+        let extensions = [&self.basisu, &self.webp];
+        extensions.into_iter().flatten().filter_map(|e| e.source)
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]

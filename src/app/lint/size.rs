@@ -1,0 +1,95 @@
+//! Geometry that not every device can hold.
+
+use crate::{
+    render::types::GpuVertex,
+    scene::diagnostic::{Diagnostic, Span},
+    world::{Mesh, World, bvh::TraceTriangle},
+};
+
+/// What every device allows in one buffer: the default of WebGPU's `maxStorageBufferBindingSize`.
+const EVERYWHERE_BYTES: u64 = 128 << 20;
+
+/// A warning about the largest buffer, if some devices refuse it. `is_traced`: rays are followed.
+pub fn lint(world: &World, is_traced: bool, start: Span) -> Option<Diagnostic> {
+    let (what, bytes) = largest(world, is_traced);
+    if bytes <= EVERYWHERE_BYTES {
+        return None;
+    }
+    let mebibytes = |bytes: u64| bytes >> 20;
+    let message = format!(
+        "{what} take {} MiB in one buffer; every device allows {} MiB, and `render` refuses the \
+         scene where no more is allowed",
+        mebibytes(bytes),
+        mebibytes(EVERYWHERE_BYTES)
+    );
+    let help = "simplify the models, or render on a device with a larger \
+                `maxStorageBufferBindingSize`";
+    Some(Diagnostic::at("geometry-large", start, message).help(help))
+}
+
+/// The largest buffer, and its bytes; copies of a mesh that are stored again are not counted.
+fn largest(world: &World, is_traced: bool) -> (&'static str, u64) {
+    let mut used = vec![false; world.meshes.len()];
+    for instance in &world.instances {
+        used[instance.mesh] = true;
+    }
+    let sum = |bytes: fn(&Mesh) -> usize| {
+        let meshes = world.meshes.iter().zip(&used);
+        let used = meshes.filter(|(_, used)| **used);
+        used.map(|(mesh, _)| bytes(mesh) as u64).sum::<u64>()
+    };
+    let traced = sum(|mesh| mesh.triangles.len() * size_of::<TraceTriangle>());
+    let buffers = [
+        (
+            "the vertices",
+            sum(|m| m.positions.len() * size_of::<GpuVertex>()),
+        ),
+        (
+            "the indices",
+            sum(|m| m.triangles.len() * 12 + m.uv1.len() * 8),
+        ),
+        (
+            "the triangles that rays meet",
+            if is_traced { traced } else { 0 },
+        ),
+    ];
+    let largest = buffers.into_iter().max_by_key(|(_, bytes)| *bytes);
+    largest.unwrap_or(("the vertices", 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Vec3};
+
+    use super::*;
+    use crate::world::{Instance, Material};
+
+    #[test]
+    fn what_some_devices_refuse_is_named() {
+        let world = |num_triangles: usize| World {
+            meshes: vec![Mesh {
+                positions: vec![Vec3::ZERO; 3],
+                triangles: vec![[0, 1, 2]; num_triangles],
+                ..Mesh::default()
+            }]
+            .into(),
+            materials: vec![Material::default()],
+            instances: vec![Instance {
+                name: String::new(),
+                mesh: 0,
+                material: 0,
+                world_from_object: Affine3A::IDENTITY,
+                dynamic: false,
+            }],
+            ..World::default()
+        };
+        // 48 bytes a triangle, 2²⁷ in all.
+        let most = (EVERYWHERE_BYTES / 48) as usize;
+        let warned = |world: &World, traced| lint(world, traced, Span::default()).is_some();
+        assert!(!warned(&world(most), true));
+        assert!(warned(&world(most + 1), true));
+        assert!(!warned(&world(most + 1), false), "12 bytes of indices");
+        let found = lint(&world(most + 1), true, Span::default()).expect("a warning");
+        assert!(found.message.contains("128 MiB"), "{}", found.message);
+    }
+}

@@ -1,0 +1,167 @@
+//! KHR_draco_mesh_compression: a stream of Google's encoder, and broken ones.
+
+use std::time::{Duration, Instant};
+
+use crate::{
+    common::Random,
+    kit::{Doc, check_promises},
+};
+use glam::{Vec2, Vec3};
+use reflet::world::Mesh;
+use serde_json::json;
+
+/// 12 by 12 vertices (x, y, (7 i mod 5) / 4) with normals (0, 0.6, 0.8) and coordinates (x, y) / 11 in
+/// 14 bits; attributes are 0 coordinates, 1 normals, 2 positions.
+const GRID: &[u8] = include_bytes!("grid.drc");
+const SIDE: usize = 12;
+const NAME: &str = "KHR_draco_mesh_compression";
+
+fn document(stream: &[u8]) -> Doc {
+    let mut doc = Doc::empty();
+    let view = doc.view(stream);
+    let count = SIDE * SIDE;
+    let mut accessor = |kind: &str, component: u32, count: usize| {
+        let accessor = json!({"componentType": component, "type": kind, "count": count});
+        doc.add("accessors", accessor)
+    };
+    let positions = accessor("VEC3", 5126, count);
+    let normals = accessor("VEC3", 5126, count);
+    let uv = accessor("VEC2", 5126, count);
+    let indices = accessor("SCALAR", 5123, 6 * (SIDE - 1) * (SIDE - 1));
+    let mesh = doc.mesh(json!({
+        "attributes": {"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uv},
+        "indices": indices,
+        "extensions": {NAME: {
+            "bufferView": view,
+            "attributes": {"POSITION": 2, "NORMAL": 1, "TEXCOORD_0": 0}
+        }}
+    }));
+    doc.root_node(json!({"mesh": mesh}));
+    doc.json["extensionsRequired"] = json!([NAME]);
+    doc.json["extensionsUsed"] = json!([NAME]);
+    doc
+}
+
+/// The numbers of the corners of each triangle, which starts with the smallest.
+fn triangles(mesh: &Mesh) -> Vec<[usize; 3]> {
+    let number = |i: u32| {
+        let [x, y, z] = mesh.positions[i as usize].to_array();
+        let i = y.round() as usize * SIDE + x.round() as usize;
+        let expected = Vec3::new(x.round(), y.round(), ((i * 7) % 5) as f32 * 0.25);
+        assert!(expected.distance(Vec3::new(x, y, z)) < 2e-3, "{i}");
+        i
+    };
+    let turned = |t: &[u32; 3]| {
+        let mut corners = t.map(number);
+        let first = (0..3).min_by_key(|k| corners[*k]).expect("three");
+        corners.rotate_left(first);
+        corners
+    };
+    let mut found: Vec<_> = mesh.triangles.iter().map(turned).collect();
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn streams_become_the_mesh_that_was_encoded() {
+    let world = document(GRID).world();
+    assert!(world.warnings.is_empty(), "{:?}", world.warnings);
+    let mesh = &world.meshes[0];
+    let cells = (0..(SIDE - 1) * (SIDE - 1)).map(|i| i / (SIDE - 1) * SIDE + i % (SIDE - 1));
+    let pair = |a: usize| [[a, a + 1, a + SIDE], [a + 1, a + SIDE + 1, a + SIDE]];
+    let mut expected: Vec<_> = cells.flat_map(pair).collect();
+    expected.sort_unstable();
+    assert_eq!(triangles(mesh), expected);
+    for (i, position) in mesh.positions.iter().enumerate() {
+        assert!(mesh.normals[i].distance(Vec3::new(0.0, 0.6, 0.8)) < 0.02);
+        let uv = Vec2::new(position.x, position.y) / (SIDE - 1) as f32;
+        assert!(mesh.uv0[i].distance(uv) < 1e-3, "{i}: {}", mesh.uv0[i]);
+    }
+}
+
+/// Two primitives may share accessors, and each has its own stream.
+#[test]
+fn accessors_are_each_primitives_own() {
+    let mut doc = document(GRID);
+    let mut second = doc.json["meshes"][0]["primitives"][0].clone();
+    second["extensions"][NAME]["bufferView"] = doc.view(GRID).into();
+    let primitives = doc.json["meshes"][0]["primitives"].as_array_mut();
+    primitives.expect("a list").push(second);
+    let world = doc.world();
+    assert_eq!(world.meshes.len(), 2);
+    assert_eq!(triangles(&world.meshes[0]), triangles(&world.meshes[1]));
+}
+
+#[test]
+fn uncompressed_data_is_used_where_it_is_there() {
+    let mut doc = Doc::triangle();
+    doc.primitive(
+        "extensions",
+        json!({NAME: {"bufferView": 0, "attributes": {"POSITION": 0}}}),
+    );
+    doc.json["extensionsUsed"] = json!([NAME]);
+    assert_eq!(doc.world().meshes[0].positions.len(), 3);
+}
+
+#[test]
+fn wrong_streams_are_named() {
+    let wrong = |change: &dyn Fn(&mut Doc), message: &str| {
+        let mut doc = document(GRID);
+        change(&mut doc);
+        let (_, found) = doc.error();
+        assert!(found.contains(message), "{found}");
+    };
+    let extension = |doc: &mut Doc, key: &str, value: serde_json::Value| {
+        doc.json["meshes"][0]["primitives"][0]["extensions"][NAME][key] = value;
+    };
+    wrong(
+        &|doc| extension(doc, "bufferView", 9.into()),
+        "bufferView 9 does not exist",
+    );
+    wrong(
+        &|doc| extension(doc, "attributes", json!({"POSITION": 7})),
+        "POSITION: no attribute 7",
+    );
+    wrong(
+        &|doc| extension(doc, "attributes", json!({"POSITION": 0})),
+        "POSITION: the stream has 2 numbers for each vertex",
+    );
+    wrong(
+        &|doc| doc.primitive("mode", 1.into()),
+        "only triangles can be compressed",
+    );
+    wrong(
+        &|doc| doc.json["bufferViews"][0]["byteLength"] = 100.into(),
+        "its stream cannot be decoded",
+    );
+    wrong(
+        &|doc| doc.json["accessors"][0]["count"] = (1u64 << 40).into(),
+        "exceeds the memory budget",
+    );
+}
+
+#[test]
+fn broken_streams_are_refused_or_decoded_in_time() {
+    let mut random = Random(11);
+    let mut refused = 0;
+    for round in 0..300 {
+        let mut stream = GRID.to_vec();
+        for _ in 0..1 + random.below(4) {
+            let at = random.below(if round % 3 == 0 { 40 } else { stream.len() });
+            stream[at] = random.below(256) as u8;
+        }
+        if round % 5 == 0 {
+            stream.truncate(random.below(stream.len()));
+        }
+        let started = Instant::now();
+        match document(&stream).load() {
+            Ok(world) => check_promises(&world, "draco"),
+            Err(errors) => {
+                assert!(errors.iter().all(|e| e.name != "internal"), "{errors:?}");
+                refused += 1;
+            }
+        }
+        assert!(started.elapsed() < Duration::from_secs(5), "{round}");
+    }
+    assert!(refused > 100, "{refused}");
+}

@@ -1,0 +1,106 @@
+//! KHR_texture_basisu: KTX2 files of the Basis Universal encoder, and broken ones.
+
+use std::time::{Duration, Instant};
+
+use crate::{
+    common::Random,
+    kit::{Doc, check_promises, png, rich},
+};
+use serde_json::json;
+
+/// 16 by 16 pixels in four quadrants of one color each.
+const FILES: [(&str, &[u8]); 3] = [
+    ("ETC1S", include_bytes!("quadrants_etc1s.ktx2")),
+    ("UASTC", include_bytes!("quadrants_uastc.ktx2")),
+    (
+        "UASTC, Zstandard",
+        include_bytes!("quadrants_uastc_zstd.ktx2"),
+    ),
+];
+const QUADRANTS: [[u8; 4]; 4] = [
+    [200, 40, 30, 255],
+    [30, 160, 50, 255],
+    [40, 60, 200, 128],
+    [220, 210, 200, 128],
+];
+
+/// A file whose base color is a PNG of one pixel, or instead of that this image.
+fn document(image: &[u8]) -> Doc {
+    let mut doc = rich();
+    let texture = doc.texture(&png(1, 1, [1, 2, 3, 255]));
+    let view = doc.view(image);
+    let image = doc.add(
+        "images",
+        json!({"bufferView": view, "mimeType": "image/ktx2"}),
+    );
+    doc.json["textures"][texture]["extensions"] = json!({"KHR_texture_basisu": {"source": image}});
+    doc.json["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    doc.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    doc.json["materials"] = json!([{
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}
+    }]);
+    doc
+}
+
+#[test]
+fn basis_universal_becomes_rgba() {
+    for (name, file) in FILES {
+        let world = document(file).world();
+        let slot = world.materials[0].base_color_texture.expect("a texture");
+        let texture = &world.textures[slot.texture];
+        assert_eq!((texture.width, texture.height), (16, 16), "{name}");
+        for (quadrant, expected) in QUADRANTS.iter().enumerate() {
+            let (x, y) = (4 + 8 * (quadrant % 2), 4 + 8 * (quadrant / 2));
+            let found = &texture.rgba[4 * (16 * y + x)..][..4];
+            let near = found.iter().zip(expected).all(|(a, b)| a.abs_diff(*b) < 8);
+            assert!(near, "{name}, quadrant {quadrant}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn other_and_lying_files_are_named() {
+    let (_, good) = FILES[2];
+    for (at, byte, message) in [
+        (12, 37, "vkFormat 37, expected Basis Universal"),
+        (21, 255, "pixels"),
+        (99, 255, "larger than its picture"),
+        (44, 9, "cannot be decoded"),
+    ] {
+        let mut file = good.to_vec();
+        file[at] = byte;
+        let (_, found) = document(&file).error();
+        assert!(found.contains(message), "{at}: {found}");
+    }
+    let (_, found) = document(&good[..90]).error();
+    assert!(found.contains("its header is cut off"), "{found}");
+    let (_, found) = document(b"\xABKTX 11\xBB\r\n\x1A\n    ").error();
+    assert!(found.contains("is KTX 1"), "{found}");
+}
+
+#[test]
+fn broken_files_are_refused_or_decoded_in_time() {
+    let mut random = Random(5);
+    let mut refused = 0;
+    for round in 0..300 {
+        let mut file = FILES[round % 3].1.to_vec();
+        for _ in 0..1 + random.below(3) {
+            let at = 12 + random.below(file.len() - 12);
+            file[at] = random.below(256) as u8;
+        }
+        if round % 7 == 0 {
+            file.truncate(random.below(file.len()));
+        }
+        let started = Instant::now();
+        match document(&file).load() {
+            Ok(world) => check_promises(&world, "ktx2"),
+            Err(errors) => {
+                let what = format!("round {round}: {errors:?}");
+                assert!(errors.iter().all(|e| e.name != "internal"), "{what}");
+                refused += 1;
+            }
+        }
+        assert!(started.elapsed() < Duration::from_secs(5), "{round}");
+    }
+    assert!(refused > 100, "{refused}");
+}
