@@ -57,8 +57,9 @@ pub fn pack(args: &PackArgs) -> Result<(), AppError> {
     written.map_err(|error| AppError::unwritten(&args.output, &error))?;
     let bytes: u64 = manifest.files.iter().map(|file| file.bytes).sum();
     eprintln!(
-        "wrote {}: {count} files of {:.1} MiB",
+        "wrote {}: {count} {} of {:.1} MiB",
         args.output.display(),
+        if count == 1 { "file" } else { "files" },
         bytes as f64 / f64::from(1 << 20)
     );
     Ok(())

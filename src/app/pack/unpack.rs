@@ -58,10 +58,9 @@ pub fn unpack(args: &UnpackArgs) -> Result<(), AppError> {
     }
     made.rename_to(&args.output).map_err(refuse)?;
     let count = manifest.files.len();
-    eprintln!(
-        "wrote {}: {count} files, all as they were packed",
-        args.output.display()
-    );
+    let files = if count == 1 { "file" } else { "files" };
+    let folder = args.output.display();
+    eprintln!("wrote {folder}: {count} {files}, as packed");
     if manifest.built_from != BUILT_FROM {
         eprintln!(
             "note: another build of Reflet ({}) made it; the pictures of this one may differ",
