@@ -152,12 +152,29 @@ fn rays_win_where_triangles_are_many_and_pixels_few() {
         "{:?}",
         small.decisions
     );
-    assert_eq!(
-        shadows(&large),
-        [ShadowMode::Map; 2],
-        "{:?}",
-        large.decisions
-    );
+    assert_eq!(shadows(&large)[0], ShadowMode::Map, "{:?}", large.decisions);
+}
+
+/// The map of the sun covers 60 m of floor; a pixel of the larger picture is some millimeters wide there.
+#[test]
+fn rays_find_shadows_where_a_map_would_be_too_coarse() {
+    let few = BALLS.replace("count = [20, 1, 20]", "count = [2, 1, 2]");
+    for (size, spans) in [("[640, 360]", false), ("[3840, 2160]", true)] {
+        let found = decided(&few, &[&format!("image.size={size}")], true);
+        let sun = found
+            .decisions
+            .iter()
+            .find(|d| d.what.contains("directional"));
+        let sun = sun.expect("a decision about the sun");
+        assert_eq!(
+            sun.why.contains("a texel of a map would span"),
+            spans,
+            "{sun:?}"
+        );
+        if spans {
+            assert_eq!(sun.chosen, "ray");
+        }
+    }
 }
 
 #[test]
