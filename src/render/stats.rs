@@ -94,14 +94,6 @@ pub struct Audit {
 }
 
 impl Audit {
-    /// Both together.
-    pub fn plus(self, other: Self) -> Self {
-        Self {
-            hits: self.hits + other.hits,
-            wrong: self.wrong + other.wrong,
-        }
-    }
-
     /// Share of wrong hits among all, 0 to 1: what was found, and the interval that holds the truth with
     /// 95 % probability (Wilson 1927).
     pub fn wrong_share(&self) -> (f64, [f64; 2]) {

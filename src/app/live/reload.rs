@@ -321,7 +321,6 @@ pub(super) fn read_library(source: &SceneSource) -> Result<ShaderLibrary, Shader
 
 pub(super) fn options_of(desc: &SceneDesc, overrides: ViewOverrides) -> RenderOptions {
     let mut options = RenderOptions {
-        audit: true,
         costs: overrides.costs,
         ..RenderOptions::of(desc)
     };

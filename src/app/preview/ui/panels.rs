@@ -16,7 +16,7 @@ use crate::{
         preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
     },
     bench::{metric::Scores, parameter::method_name},
-    render::stats::{Audit, FrameStats, Share},
+    render::stats::{FrameStats, Share},
     scene::desc::Method,
 };
 
@@ -263,9 +263,6 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
-/// Frames whose audits are added up.
-const AUDITED_FRAMES: usize = 10;
-
 /// Reflection sources and causes.
 pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Reflections")
@@ -299,11 +296,6 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
                         ui.end_row();
                     }
                 });
-            let audits = history.iter().rev().filter_map(|s| s.audit);
-            let audit = audits.take(AUDITED_FRAMES).reduce(Audit::plus);
-            if let Some(audit) = audit.filter(|_| stats.audit.is_some()) {
-                ui.weak(audit.to_string());
-            }
             over_time(ui, history, "causes lately", charts::cause_color, |s| {
                 &s.shares.causes
             });
