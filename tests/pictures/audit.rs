@@ -91,3 +91,34 @@ fn nothing_is_audited_where_no_hit_is_taken_from_the_screen() {
         assert_eq!(picture.stats.audit, None);
     }
 }
+
+#[test]
+fn a_renderer_that_changes_its_method_audits_too() {
+    let Some(gpu) = gpu() else { return };
+    let (desc, world) = scene(ATRIUM, &["image.size=[64, 36]"]);
+    let mut options = RenderOptions {
+        audit: true,
+        ..RenderOptions::of(&desc)
+    };
+    options.reflection.method = Method::Rt;
+    let library = shaders();
+    let mut renderer =
+        Renderer::new(gpu, &library, &world, &options).unwrap_or_else(|e| panic!("{e}"));
+    for (method, size) in [
+        (Method::Rt, [64, 36]),
+        (Method::Hybrid, [64, 36]),
+        (Method::Hybrid, [24, 16]),
+    ] {
+        options.reflection.method = method;
+        options.image.size = size;
+        renderer
+            .change(gpu, &library, &world, &options)
+            .unwrap_or_else(|e| panic!("{e}"));
+        for _ in 0..3 {
+            let picture = renderer
+                .picture(gpu, &world, &world.cameras[0].value, &[])
+                .unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(picture.stats.audit.is_some(), method == Method::Hybrid);
+        }
+    }
+}
