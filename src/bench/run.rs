@@ -18,6 +18,7 @@ use crate::{
 };
 
 mod error;
+mod fill;
 mod flicker;
 mod frame_series;
 mod interleave;

@@ -7,6 +7,8 @@ use crate::render::{cause::Cause, passes, passes::counted_passes, probe::Counts}
 
 mod cell;
 mod check;
+#[cfg(test)]
+mod tests;
 
 use cell::Cell;
 
@@ -207,6 +209,26 @@ sample! {
     mask_temporal_difference: Option<f64>,
     /// Mean |Δreference| there.
     mask_temporal_change: Option<f64>,
+    /// Mean FLIP inside the mask, within 3 px of an edge of what the reference's rays meet.
+    edge_flip: Option<f64>,
+    /// Mean FLIP inside the mask, elsewhere.
+    inner_flip: Option<f64>,
+    /// Share of the pixels of reflected things 1 px thin that show them, percent.
+    recall_1px_percent: Option<f64>,
+    /// The same of things 2 px thin.
+    recall_2px_percent: Option<f64>,
+    /// The same of things 3 or 4 px thin.
+    recall_4px_percent: Option<f64>,
+    /// Mean step from marched to traced pixels beyond the reference's, display code values.
+    seam_step: Option<f64>,
+    /// Distance at which the autocorrelation of the signed error falls below 1 / e, pixels.
+    error_length_px: Option<f64>,
+    /// Largest autocorrelation of the signed error beyond its first zero.
+    stripes: Option<f64>,
+    /// Pixels of the mask that change between march and ray as the camera moves by 1e-4 U.
+    source_changes_px: Option<u64>,
+    /// Pixels of the mask whose ray, of the reference, then meets another instance.
+    met_changes_px: Option<u64>,
     /// Adapter.
     adapter: String,
     /// Driver and its version.
@@ -338,52 +360,4 @@ fn cell(table: &Table, row: &[String], name: &str) -> Result<String, String> {
         .map(|i| row[i].clone())
         .or_else(absent)
         .ok_or_else(|| format!("there is no column {name}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn samples_survive_the_table() {
-        let sample = Sample {
-            method: "rt".to_owned(),
-            width: 1,
-            height: 1,
-            scale: 1.0,
-            scene: "a, \"b\"".to_owned(),
-            threshold_u: 0.025,
-            value: Some(0.1 + 0.2),
-            psnr_db: Some(f64::INFINITY),
-            frame_ms: None,
-            software: true,
-            detail: (0..detail_columns().len())
-                .map(|i| i as f64 / 3.0)
-                .collect(),
-            ..Sample::default()
-        };
-        let text = header() + sample.line().as_str();
-        let (read, bytes) = read_samples(&text).expect("samples");
-        assert_eq!(read, [sample]);
-        assert_eq!(bytes, text.len());
-        let passes = read[0].details("pass_", "_ms");
-        assert_eq!(passes[0], ("shadow".to_owned(), 0.0));
-        assert_eq!(passes.len(), passes::ALL.len());
-    }
-
-    #[test]
-    fn faults_are_named_with_their_line() {
-        let says = |text: &str| read_samples(text).expect_err("no samples").to_string();
-        assert_eq!(says("a,b\n1,2\n"), "line 2: there is no column fingerprint");
-        let sample = Sample {
-            method: "rt".to_owned(),
-            width: 7,
-            height: 1,
-            scale: 1.0,
-            detail: vec![0.0; detail_columns().len()],
-            ..Sample::default()
-        };
-        let text = header() + sample.line().replacen(",7,", ",wide,", 1).as_str();
-        assert_eq!(says(&text), "line 2: column width cannot be \"wide\"");
-    }
 }

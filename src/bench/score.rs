@@ -9,6 +9,7 @@ use super::{
         hits::{CauseCode, CauseTally, HitPlane, HitPlanes, Tolerance, Verdict, tally},
         mask::Mask,
         ssim::SsimMap,
+        structure::{self, Structure},
     },
     picture::{Encoding, Pair, Picture, PictureError},
     sample::REFUSALS,
@@ -52,7 +53,16 @@ pub struct Reference {
     pub hits: Hits,
     /// The reflective pixels, eroded.
     pub mask: Mask,
+    /// The same of a camera that moved by [`CAMERA_MOVE_U`]; none where that was not asked for.
+    pub moved: Option<Hits>,
 }
+
+/// How far a camera moves to the right to see which pixels change what they show, U.
+pub const CAMERA_MOVE_U: f32 = 1e-4;
+/// What a pixel shows whose ray met nothing.
+const NOTHING: u32 = u32::MAX;
+/// What a pixel shows whose ray was not followed.
+const NOT_FOLLOWED: u32 = u32::MAX - 1;
 
 /// Errors of one picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +71,19 @@ pub struct Errors {
     pub frame: Scores,
     /// Inside the mask; none where it is too small.
     pub mask: Option<Scores>,
+    /// How they lie inside the mask; none where it is too small, and of a picture of another size.
+    pub structure: Option<Structure>,
     /// The mask's pixels.
     pub mask_px: usize,
+}
+
+/// Pixels of the mask that change as the camera moves by [`CAMERA_MOVE_U`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Changes {
+    /// Between the march's answer and a ray's.
+    pub source: u64,
+    /// What the reference's ray meets.
+    pub met: u64,
 }
 
 impl View {
@@ -128,6 +149,23 @@ impl Hits {
         })
     }
 
+    /// Whether the march gave the answer at each pixel.
+    fn is_marched(&self) -> Vec<bool> {
+        let of = |cause: &u32| matches!(Cause::from_number(*cause), Some(Cause::Hit | Cause::None));
+        self.cause.iter().map(of).collect()
+    }
+
+    /// The instance that each reflection shows; `traces` says whether rays follow the march.
+    fn shown(&self, traces: bool) -> Vec<u32> {
+        let is_marched = self.is_marched();
+        let of = |i: usize| match self.distance_m[i] {
+            _ if !traces && !is_marched[i] => NOT_FOLLOWED,
+            distance_m if distance_m.is_infinite() => NOTHING,
+            _ => self.instance[i],
+        };
+        (0..self.cause.len()).map(of).collect()
+    }
+
     /// What the march found: its hit, or the crossing that it refused or, for `steps`, would have
     /// met later, which is where the same march that refuses nothing (`crossings`) ends. Nothing at
     /// other pixels, whose `distance_m` is that of the traced ray.
@@ -167,14 +205,26 @@ impl Reference {
         };
         let [width, height] = picture.size.map(|side| side as usize);
         let mask = Mask::reflective(width, height, weights).map_err(|e| e.to_string())?;
-        Ok(Self { view, hits, mask })
+        let moved = None;
+        Ok(Self {
+            view,
+            hits,
+            mask,
+            moved,
+        })
     }
 
-    /// Errors of `view`, which has the reference's size.
+    /// Errors of `view`, which has the reference's size; `hits` are its own, and `traces` says whether
+    /// rays follow its march.
     ///
     /// # Errors
     /// When the sizes differ.
-    pub fn errors(&self, view: &View) -> Result<Errors, PictureError> {
+    pub fn errors(
+        &self,
+        view: &View,
+        hits: Option<&Hits>,
+        traces: bool,
+    ) -> Result<Errors, PictureError> {
         let linear = Pair::new(&view.linear, &self.view.linear)?;
         let (test, reference) = (view.display.pixels(), self.view.display.pixels());
         let (width, height) = (self.view.display.width(), self.view.display.height());
@@ -184,10 +234,33 @@ impl Reference {
             error: ErrorMap::of(&linear, test, reference),
         };
         let scorable = self.mask.is_scorable();
+        let structure = hits.filter(|_| scorable).map(|hits| {
+            Structure::of(&structure::Maps {
+                mask: &self.mask,
+                flip: &maps.flip,
+                test: &luma(test),
+                reference: &luma(reference),
+                is_marched: &hits.is_marched(),
+                shown: &hits.shown(traces),
+                met: &self.hits.shown(true),
+            })
+        });
         Ok(Errors {
             frame: maps.scores(None),
             mask: scorable.then(|| maps.scores(Some(&self.mask))),
+            structure,
             mask_px: self.mask.area(),
+        })
+    }
+
+    /// What changes from `hits` to those of the moved camera; none where the reference did not move.
+    pub fn changes(&self, hits: &Hits, moved: &Hits) -> Option<Changes> {
+        let inside = self.mask.inside();
+        let met = [self.hits.shown(true), self.moved.as_ref()?.shown(true)];
+        let source = [hits, moved].map(Hits::is_marched);
+        Some(Changes {
+            source: differing(inside, &source),
+            met: differing(inside, &met),
         })
     }
 
@@ -223,6 +296,18 @@ impl Reference {
         };
         tally(&planes, &codes(), tolerance).map_err(|e| e.to_string())
     }
+}
+
+/// Pixels inside that differ.
+fn differing<T: PartialEq>(inside: &[bool], [a, b]: &[Vec<T>; 2]) -> u64 {
+    let pairs = inside.iter().zip(a.iter().zip(b));
+    pairs.filter(|(inside, (a, b))| **inside && a != b).count() as u64
+}
+
+/// Luma of display code values (ITU-R BT.709).
+fn luma(pixels: &[[f32; 3]]) -> Vec<f32> {
+    let of = |[r, g, b]: &[f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    pixels.iter().map(of).collect()
 }
 
 /// What each cause means for the march.

@@ -3,6 +3,8 @@
 
 pub mod document;
 pub mod ratchet;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 
@@ -15,7 +17,7 @@ use super::{
 };
 
 /// Columns of the table of cells.
-const HEADER: [&str; 15] = [
+const HEADER: [&str; 25] = [
     "mode",
     "method",
     "against",
@@ -30,6 +32,16 @@ const HEADER: [&str; 15] = [
     "false_accepts_permille",
     "flicker",
     "traced_percent",
+    "edge_flip",
+    "inner_flip",
+    "recall_1px_percent",
+    "recall_2px_percent",
+    "recall_4px_percent",
+    "seam_step",
+    "error_length_px",
+    "stripes",
+    "source_changes_percent",
+    "met_changes_percent",
     "status",
 ];
 
@@ -106,6 +118,36 @@ pub struct CellScores {
     pub flicker: Option<f64>,
     /// Reflective pixels that were traced, percent.
     pub traced_percent: f64,
+    /// How the errors lie in the pictures.
+    pub structure: CellStructure,
+}
+
+/// How errors lie in the pictures: means over the pictures that say something, none where none does.
+/// See [`metric::structure`](super::metric::structure).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellStructure {
+    /// Mean FLIP within 3 px of edges in the reflections, and elsewhere.
+    pub flip_by_edges: [Option<f64>; 2],
+    /// Share of the pixels of things 1, 2 and 4 px thin that show them, percent.
+    pub recall_percent: [Option<f64>; 3],
+    /// Signed step between marched and traced pixels, display code values.
+    pub seam_step: Option<f64>,
+    /// Distance at which the autocorrelation of the error falls below 1 / e, pixels.
+    pub error_length_px: Option<f64>,
+    /// Largest autocorrelation beyond its first zero.
+    pub stripes: Option<f64>,
+    /// Pixels that change between march and ray as the camera moves by 1e-4 U, and those whose ray then
+    /// meets another instance, percent; of stills.
+    pub changes_percent: [Option<f64>; 2],
+}
+
+impl CellStructure {
+    /// In the order of the table's columns.
+    fn values(&self) -> impl Iterator<Item = Option<f64>> {
+        let single = [self.seam_step, self.error_length_px, self.stripes];
+        let first = self.flip_by_edges.into_iter().chain(self.recall_percent);
+        first.chain(single).chain(self.changes_percent)
+    }
 }
 
 /// One picture of a mode.
@@ -230,7 +272,33 @@ fn scores(parts: &[&Part], method: &str, samples: &[Sample]) -> Result<CellScore
         false_accepts_permille: accepts.map(|px| 1e3 * px as f64 / reflective.max(1) as f64),
         flicker: flicker(&all().collect::<Vec<_>>()),
         traced_percent: mean(&mut all().map(|s| s.traced_percent)),
+        structure: structure(&all().collect::<Vec<_>>()),
     })
+}
+
+fn structure(samples: &[&Sample]) -> CellStructure {
+    let mean = |of: &dyn Fn(&Sample) -> Option<f64>| {
+        let values: Vec<f64> = samples.iter().filter_map(|s| of(s)).collect();
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    };
+    let percent = |of: fn(&Sample) -> Option<u64>| {
+        mean(&|s| of(s).map(|px| 100.0 * px as f64 / s.mask_px.max(1) as f64))
+    };
+    CellStructure {
+        flip_by_edges: [mean(&|s| s.edge_flip), mean(&|s| s.inner_flip)],
+        recall_percent: [
+            mean(&|s| s.recall_1px_percent),
+            mean(&|s| s.recall_2px_percent),
+            mean(&|s| s.recall_4px_percent),
+        ],
+        seam_step: mean(&|s| s.seam_step),
+        error_length_px: mean(&|s| s.error_length_px),
+        stripes: mean(&|s| s.stripes),
+        changes_percent: [
+            percent(|s| s.source_changes_px),
+            percent(|s| s.met_changes_px),
+        ],
+    }
 }
 
 /// None of a still, and where a pair of frames shares too few reflective pixels.
@@ -268,7 +336,9 @@ pub fn table(cells: &[Cell]) -> String {
                         .map_or(String::new(), |px| px.to_string()),
                 );
                 row.extend([number(s.false_accepts_permille), number(s.flicker)]);
-                row.extend([s.traced_percent.to_string(), "ok".to_owned()]);
+                row.push(s.traced_percent.to_string());
+                row.extend(s.structure.values().map(number));
+                row.push("ok".to_owned());
             }
             Err(why) => {
                 row.resize(HEADER.len() - 1, String::new());
@@ -278,111 +348,4 @@ pub fn table(cells: &[Cell]) -> String {
         out += &csv::line(row);
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn part(frames: u32) -> Part {
-        Part {
-            against: Against::Rt,
-            scene: "a.toml".to_owned(),
-            content: "7".to_owned(),
-            size: [32, 18],
-            frames: (0..frames).collect(),
-        }
-    }
-
-    fn sample(frame: u32, flip: Option<f64>) -> Sample {
-        Sample {
-            scene: "a.toml".to_owned(),
-            content: "7".to_owned(),
-            turn: "rules".to_owned(),
-            method: "hybrid".to_owned(),
-            accept: "verified".to_owned(),
-            frame,
-            width: 32,
-            height: 18,
-            status: "ok".to_owned(),
-            reflective_px: 500,
-            mask_px: if flip.is_some() { 200 } else { 12 },
-            mask_flip: flip,
-            mask_flip_p99: flip.map(|f| 2.0 * f),
-            mask_rel_mse: flip,
-            false_accepts: Some(5),
-            since_frame: frame.checked_sub(1),
-            mask_temporal_difference: Some(3.0).filter(|_| frame > 0),
-            mask_temporal_change: Some(6.0).filter(|_| frame > 0),
-            ..Sample::default()
-        }
-    }
-
-    fn of(frames: u32, samples: &[Sample]) -> Result<CellScores, String> {
-        scores(&[&part(frames)], "hybrid", samples)
-    }
-
-    #[test]
-    fn a_film_is_scored_by_its_means_and_its_worst_frame() {
-        let samples = [
-            sample(0, Some(0.1)),
-            sample(1, Some(0.3)),
-            sample(2, Some(0.2)),
-        ];
-        let s = of(3, &samples).expect("scores");
-        assert!((s.flip - 0.2).abs() < 1e-12);
-        assert_eq!(
-            (s.flip_p99, s.worst.to_string().as_str()),
-            (0.6, "frame 1, 32 x 18")
-        );
-        assert_eq!(
-            (s.false_accepts_px, s.false_accepts_permille),
-            (Some(15), Some(10.0))
-        );
-        assert_eq!((s.flicker, s.ssim), (Some(0.5), None));
-        assert_eq!(of(1, &samples).expect("scores").flicker, None, "a still");
-    }
-
-    #[test]
-    fn one_frame_without_a_score_leaves_the_cell_without_one() {
-        let says = |samples: &[Sample]| of(2, samples).expect_err("no score");
-        let first = sample(0, Some(0.1));
-        assert_eq!(
-            says(std::slice::from_ref(&first)),
-            "frame 1, 32 x 18: not measured"
-        );
-        let empty = says(&[first.clone(), sample(1, None)]);
-        assert!(empty.contains("frame 1, 32 x 18: 12 px inside"), "{empty}");
-        let mut failed = sample(1, Some(0.1));
-        failed.status = "pixel 3 is NaN".to_owned();
-        assert_eq!(says(&[first, failed]), "frame 1, 32 x 18: pixel 3 is NaN");
-    }
-
-    #[test]
-    fn the_newest_sample_of_the_same_content_counts() {
-        let mut other = sample(0, Some(0.9));
-        other.content = "8".to_owned();
-        let mut threshold = sample(0, Some(0.8));
-        threshold.accept = "threshold".to_owned();
-        let samples = [sample(0, Some(0.5)), sample(0, Some(0.1)), other, threshold];
-        assert_eq!(of(1, &samples).expect("scores").flip, 0.1);
-    }
-
-    #[test]
-    fn every_row_has_all_columns() {
-        let cell = |scores| Cell {
-            mode: "03-rails".to_owned(),
-            method: "ssr".to_owned(),
-            against: Against::Truth,
-            scores,
-        };
-        let cells = [
-            cell(of(1, &[sample(0, Some(0.1))])),
-            cell(Err("a, b".to_owned())),
-        ];
-        let table = csv::parse(&table(&cells)).expect("a table");
-        assert_eq!(table.columns, HEADER);
-        assert_eq!(table.rows[1][14], "a, b");
-        assert_eq!(table.rows[0][2], "truth");
-    }
 }

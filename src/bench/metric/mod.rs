@@ -5,6 +5,7 @@ pub mod flip;
 pub mod hits;
 pub mod mask;
 pub mod ssim;
+pub mod structure;
 pub mod table;
 pub mod temporal;
 

@@ -6,22 +6,23 @@ use crate::{
     bench::{
         metric::hits::CauseTally,
         parameter::{MAX_STEPS, Variant},
-        score::{Errors, Hits, PLANES, Reference, View},
+        score::{CAMERA_MOVE_U, Changes, Errors, Hits, PLANES, Reference, View},
     },
     render::Renderer,
     scene::{
-        desc::{Method, ReflectionDesc},
+        desc::{CameraDesc, Method, ReflectionDesc},
         diagnostic::Diagnostic,
     },
 };
 
-use super::{Bench, BenchError, Subject, flicker::Since};
+use super::{Bench, BenchError, Subject, Turn, flicker::Since};
 
 /// What a variant's picture is worth.
 pub(super) struct Judged {
     pub(super) errors: Option<Errors>,
     pub(super) since: Option<Since>,
     pub(super) verdicts: Option<Vec<CauseTally>>,
+    pub(super) changes: Option<Changes>,
     pub(super) failure: Option<String>,
 }
 
@@ -42,11 +43,38 @@ impl Bench<'_> {
         let rt = of_truth.as_mut().unwrap_or(rt);
         rt.set_reflection_parameters(&reflection);
         let picture = rt.picture(self.gpu, &shown.world, &shown.camera, &PLANES)?;
-        Reference::new(&picture).map_err(|why| {
+        let mut reference = Reference::new(&picture).map_err(|why| {
             let scene = Path::new(&subject.name);
             let message = format!("the reference cannot judge anything: {why}");
             BenchError::File(Box::new(Diagnostic::in_file("bad-pixels", scene, message)))
-        })
+        })?;
+        if self.moves(subject) {
+            reference.moved = self.moved(subject, rt)?;
+        }
+        Ok(reference)
+    }
+
+    /// Whether pictures of a moved camera are asked for: of failure modes that stand still.
+    fn moves(&self, subject: &Subject) -> bool {
+        self.protocol.turn == Turn::Rules && !subject.motion && subject.truth.is_none()
+    }
+
+    /// Where rays end as the camera moves by [`CAMERA_MOVE_U`].
+    fn moved(
+        &self,
+        subject: &Subject,
+        renderer: &mut Renderer,
+    ) -> Result<Option<Hits>, BenchError> {
+        let camera = &subject.camera;
+        let right = (camera.target - camera.eye).cross(camera.up);
+        let by = right.normalize_or_zero() * CAMERA_MOVE_U * renderer.unit_m();
+        let moved = CameraDesc {
+            eye: camera.eye + by,
+            target: camera.target + by,
+            ..camera.clone()
+        };
+        let picture = renderer.picture(self.gpu, &subject.world, &moved, &PLANES)?;
+        Ok(Hits::of(&picture.planes))
     }
 
     /// Errors and verdicts of one variant's picture.
@@ -65,9 +93,15 @@ impl Bench<'_> {
             .and_then(|view| {
                 let flicker = &self.stock.flicker;
                 let since = flicker.push(subject, variant, &view, reference)?;
-                Ok((reference.errors(&view)?, since))
+                let (hits, traces) = (Hits::of(&picture.planes), variant.method != Method::Ssr);
+                Ok((reference.errors(&view, hits.as_ref(), traces)?, since))
             })
             .map_err(|e| e.to_string());
+        let mut changes = None;
+        if let (Some(hits), true) = (Hits::of(&picture.planes), self.moves(subject)) {
+            let moved = self.moved(subject, renderer)?;
+            changes = moved.and_then(|moved| reference.changes(&hits, &moved));
+        }
         let mut verdicts = None;
         // The rays of a truth are not those of this picture.
         let is_asked = variant.method != Method::Rt && subject.truth.is_none();
@@ -89,12 +123,14 @@ impl Bench<'_> {
                 errors: Some(errors),
                 since,
                 verdicts,
+                changes,
                 failure: None,
             },
             (Err(failure), _) | (_, Err(failure)) => Judged {
                 errors: None,
                 since: None,
                 verdicts: None,
+                changes: None,
                 failure: Some(failure),
             },
         })

@@ -57,6 +57,9 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
         "scale" => (f64::MIN_POSITIVE, 1.0, "above 0, up to 1"),
         "exposure_ev" | "value" => (f64::MIN, f64::MAX, "a finite number"),
         "temporal_difference" | "temporal_change" => MOST,
+        "edge_flip" | "inner_flip" => (0.0, 1.0, "0 to 1"),
+        "seam_step" => (-255.0, 255.0, "-255 to 255"),
+        "stripes" => (-1.0, 1.0 + ROUNDING, "-1 to 1"),
         _ if column.ends_with("_percent") => (0.0, 100.0 + ROUNDING, "0 to 100"),
         _ if ["_ms", "_px", "_u", "_m"]
             .iter()
@@ -71,7 +74,17 @@ fn range(column: &str) -> Option<(f64, f64, &'static str)> {
 }
 
 /// Columns that older tables lack; they are then empty.
-pub const NEWER: [&str; 12] = [
+pub const NEWER: [&str; 22] = [
+    "edge_flip",
+    "inner_flip",
+    "recall_1px_percent",
+    "recall_2px_percent",
+    "recall_4px_percent",
+    "seam_step",
+    "error_length_px",
+    "stripes",
+    "source_changes_px",
+    "met_changes_px",
     "passes_cpu_ms",
     "reflection_cpu_ms",
     "accept",

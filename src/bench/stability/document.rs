@@ -4,7 +4,10 @@ use std::fmt::Write as _;
 
 use super::{Against, Cell, CellScores, Mode};
 use crate::{
-    bench::metric::mask::{ERODE_PX, MIN_AREA_PX},
+    bench::metric::{
+        mask::{ERODE_PX, MIN_AREA_PX},
+        structure::EDGE_PX,
+    },
     render::stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
 };
 
@@ -79,14 +82,14 @@ pub fn document(modes: &[Mode], methods: &[&str], cells: &[Cell], machine: &str)
     out
 }
 
-fn scores() -> [Score; 5] {
+fn scores() -> Vec<Score> {
     let bands = BANDS.map(|(up_to, mark, means)| match up_to.is_finite() {
         true => format!("{mark} up to {up_to}: {means}"),
         false => format!("{mark} above: {means}"),
     });
     let banded: fn(&CellScores) -> _ =
         |s| Some(format!("{} {:.3}", band(s.flip_p99).1, s.flip_p99));
-    [
+    let mut all = vec![
         Score {
             title: "99th percentile of FLIP against `rt`",
             text: format!(
@@ -136,7 +139,74 @@ fn scores() -> [Score; 5] {
             cell: |s| s.flicker.map(|v| format!("{:.1}", 100.0 * v)),
             names_missing: false,
         },
+    ];
+    all.extend(structure());
+    all
+}
+
+/// How errors lie in the pictures.
+fn structure() -> [Score; 5] {
+    let score = |title, text: String, cell| Score {
+        title,
+        text,
+        against: Against::Rt,
+        cell,
+        names_missing: false,
+    };
+    [
+        score(
+            "Errors at edges",
+            format!(
+                "Mean FLIP within {EDGE_PX} px of where the rays of `rt` meet another instance than the ray beside, \
+                 and elsewhere."
+            ),
+            |s| {
+                let [edge, inner] = s.structure.flip_by_edges;
+                Some(format!("{:.4} / {:.4}", edge?, inner?))
+            },
+        ),
+        score(
+            "Thin things",
+            "Share of the pixels in which `rt` shows a thing at most 1, 2 and 4 px thin that show the same, %.".to_owned(),
+            |s| joined(&s.structure.recall_percent, 1),
+        ),
+        score(
+            "The seam",
+            "Mean step from a pixel that the march answered to a traced one beside it, beyond the step of `rt` there, \
+             of 255 levels; both show the same instance, rightly."
+                .to_owned(),
+            |s| s.structure.seam_step.map(|v| format!("{v:+.2}")),
+        ),
+        score(
+            "Streaks and stripes",
+            "Of the signed error of luma along rows and columns: the distance in pixels at which its autocorrelation \
+             falls below 1 / e (long: drawn out), and the largest value beyond its first zero (toward 1: stripes)."
+                .to_owned(),
+            |s| {
+                let length_px = s.structure.error_length_px?;
+                let stripes = s.structure.stripes.map_or("–".to_owned(), |v| format!("{v:.2}"));
+                Some(format!("{length_px:.1} px / {stripes}"))
+            },
+        ),
+        score(
+            "A camera that moves by 0.0001 U",
+            "Reflective pixels that change between march and ray, and those whose ray (of `rt`) then meets another \
+             instance, %. Stills only."
+                .to_owned(),
+            |s| {
+                let [source, met] = s.structure.changes_percent;
+                Some(format!("{:.2} / {:.2}", source?, met?))
+            },
+        ),
     ]
+}
+
+/// Percentages, a dash where there is none; none where there is none at all.
+fn joined(values: &[Option<f64>], digits: usize) -> Option<String> {
+    values.iter().any(Option::is_some).then(|| {
+        let text = |v: &Option<f64>| v.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
+        values.iter().map(text).collect::<Vec<_>>().join(" / ")
+    })
 }
 
 /// The score of a mode's cell, or why it has none; none where the score is not of this cell's kind.
