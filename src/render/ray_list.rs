@@ -21,6 +21,8 @@ pub const AUDITED_COUNTER: usize = COUNTERS - 5;
 pub const WRONG_COUNTER: usize = COUNTERS - 6;
 /// Entries of a list that one workgroup of the passes over lists does.
 pub const RAYS_PER_GROUP: u32 = 64;
+/// Screen hits of a sub-frame that the audit traces too, at most.
+pub const AUDIT_RAYS: u32 = 1024;
 /// Levels of the depth pyramid over the picture itself: cells of 2 to 64 pixels.
 pub const PYRAMID_LEVELS: u32 = 6;
 

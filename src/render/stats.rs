@@ -93,6 +93,15 @@ pub struct Audit {
     pub wrong: u32,
 }
 
+impl std::iter::Sum for Audit {
+    fn sum<I: Iterator<Item = Self>>(audits: I) -> Self {
+        audits.fold(Self::default(), |sum, audit| Self {
+            hits: sum.hits + audit.hits,
+            wrong: sum.wrong + audit.wrong,
+        })
+    }
+}
+
 impl Audit {
     /// Share of wrong hits among all, 0 to 1: what was found, and the interval that holds the truth with
     /// 95 % probability (Wilson 1927).

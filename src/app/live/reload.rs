@@ -322,6 +322,7 @@ pub(super) fn read_library(source: &SceneSource) -> Result<ShaderLibrary, Shader
 pub(super) fn options_of(desc: &SceneDesc, overrides: ViewOverrides) -> RenderOptions {
     let mut options = RenderOptions {
         costs: overrides.costs,
+        audit: true,
         ..RenderOptions::of(desc)
     };
     options.reflection.method = overrides.method.unwrap_or(options.reflection.method);

@@ -8,7 +8,7 @@ use crate::{
         frame_pass::FramePass,
         pass::{ComputePass, Dispatch, Pass},
         pass_builder::PassBuilder,
-        ray_list::RAYS_PER_GROUP,
+        ray_list::{AUDIT_RAYS, RAYS_PER_GROUP},
         stats::{TOLERANCE_RELATIVE, TOLERANCE_U},
         sub_frame::SubFrame,
         targets::Target,
@@ -16,9 +16,6 @@ use crate::{
     },
     scene::desc::Method,
 };
-
-/// Screen hits of a sub-frame that are traced too, at most.
-pub const RAYS: u32 = 1024;
 
 /// See `shaders/audit.wgsl`.
 pub const PASS: Pass = Pass {
@@ -46,8 +43,6 @@ gpu_struct! {
         tolerance_m: f32,
         /// as a share of the distance.
         tolerance: f32,
-        /// Most rays.
-        rays: u32,
         /// Another one draws other hits.
         seed: u32,
     }
@@ -73,10 +68,9 @@ impl FramePass for Audit {
         let params = Params {
             tolerance_m: TOLERANCE_U * frame.unit_m,
             tolerance: TOLERANCE_RELATIVE,
-            rays: RAYS,
             seed: self.recorded.fetch_add(1, Ordering::Relaxed),
         };
-        let groups = Dispatch::Groups(RAYS.div_ceil(RAYS_PER_GROUP));
+        let groups = Dispatch::Groups(AUDIT_RAYS.div_ceil(RAYS_PER_GROUP));
         frame.dispatch_with(&self.pass, &params, &groups);
     }
 }

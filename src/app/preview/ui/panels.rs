@@ -16,7 +16,7 @@ use crate::{
         preview::{protocol::Side, scene_summary::SceneSummary, view_channel::ViewChannel},
     },
     bench::{metric::Scores, parameter::method_name},
-    render::stats::{FrameStats, Share},
+    render::stats::{Audit, FrameStats, Share},
     scene::desc::Method,
 };
 
@@ -263,6 +263,9 @@ pub fn times(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
         });
 }
 
+/// Pictures whose audits count together.
+const AUDITED_FRAMES: usize = 10;
+
 /// Reflection sources and causes.
 pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
     egui::CollapsingHeader::new("Reflections")
@@ -299,6 +302,11 @@ pub fn shares(ui: &mut Ui, stats: &FrameStats, history: &VecDeque<FrameStats>) {
             over_time(ui, history, "causes lately", charts::cause_color, |s| {
                 &s.shares.causes
             });
+            let latest = history.iter().rev().take(AUDITED_FRAMES);
+            let audit: Audit = latest.filter_map(|stats| stats.audit).sum();
+            if audit.hits > 0 {
+                ui.weak(audit.to_string());
+            }
         });
 }
 

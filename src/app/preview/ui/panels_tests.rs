@@ -22,7 +22,7 @@ use crate::{
         },
     },
     math::Bounds,
-    render::stats::Shares,
+    render::stats::{Audit, Shares},
     scene::{
         desc::{CameraDesc, MaterialDesc, TimelineDesc},
         diagnostic::Diagnostic,
@@ -194,7 +194,7 @@ fn panels_list_times_shares_and_keys() {
         shares: Shares::new(&counters, [10, 10], crate::scene::desc::Method::Hybrid),
         rays: 0,
         exhausted_rays: 0,
-        audit: None,
+        audit: Some(Audit { hits: 50, wrong: 2 }),
         bytes: Vec::new(),
     };
     let history = VecDeque::from([stats.clone(), stats.clone()]);
@@ -207,6 +207,7 @@ fn panels_list_times_shares_and_keys() {
         "30.0 % of the picture reflects; of that, in %:",
         "ssr",
         "hit",
+        "40.0 ‰ of the screen hits are wrong (95 %: 15.7 to 98.4 ‰; 4 of 100 traced)",
         "F12",
     ] {
         assert!(harness.query_by_label(label).is_some(), "{label}");
