@@ -5,24 +5,65 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::{Instance, Mesh, World};
 
+/// Holes whose rims are together at most this long, over the diagonal of the mesh's bounds, do not
+/// count: scans have some, and a view into one is a few pixels wide.
+const SMALL_HOLES: f32 = 0.05;
+/// Larger meshes are not searched for their rims, which takes 16 bytes an edge.
+const MAX_SEARCHED: usize = 1 << 21;
+
 impl Mesh {
     /// Whether the triangles bound a volume and face out of it, so that nobody outside ever sees one
-    /// from behind before another from the front. Vertices at the same position count as one.
+    /// from behind before another from the front, but for small holes. Vertices at the same position
+    /// count as one.
     pub fn is_closed_outward(&self) -> bool {
-        // In a closed surface each edge is used in both directions equally often: signed sums of
-        // the edges' hashes cancel.
-        let mut open = 0u64;
-        let mut volume = 0.0;
+        *self.closed.get_or_init(|| {
+            self.volume() > 0.0
+                && (self.edges_cancel()
+                    || self.triangles.len() <= MAX_SEARCHED
+                        && self.rim_length() <= SMALL_HOLES * self.bounds.diagonal())
+        })
+    }
+
+    /// Six times the volume that a closed surface bounds; negative where it faces inward.
+    fn volume(&self) -> f64 {
         let middle = self.bounds.center().as_dvec3();
-        for triangle in &self.triangles {
+        let corners = |t: &[u32; 3]| t.map(|i| self.positions[i as usize].as_dvec3() - middle);
+        let signed = self.triangles.iter().map(corners);
+        signed.map(|[a, b, c]: [DVec3; 3]| a.dot(b.cross(c))).sum()
+    }
+
+    /// Every edge, as its two ends in the triangle's direction.
+    fn edges(&self) -> impl Iterator<Item = [Vec3; 2]> {
+        self.triangles.iter().flat_map(|triangle| {
             let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                open = open.wrapping_add(edge_hash(from, to));
-            }
-            let [a, b, c]: [DVec3; 3] = [a, b, c].map(|p| p.as_dvec3() - middle);
-            volume += a.dot(b.cross(c));
-        }
-        open == 0 && volume > 0.0
+            [[a, b], [b, c], [c, a]]
+        })
+    }
+
+    /// Whether each edge is used in both directions equally often: then signed sums of the edges'
+    /// hashes cancel.
+    fn edges_cancel(&self) -> bool {
+        let signed = self.edges().map(|[a, b]| {
+            let (hash, sign) = edge_hash(a, b);
+            if sign < 0 { hash.wrapping_neg() } else { hash }
+        });
+        signed.fold(0, u64::wrapping_add) == 0
+    }
+
+    /// Length of all edges that are used more often in one direction than in the other, together.
+    fn rim_length(&self) -> f32 {
+        let mut edges: Vec<(u64, i8, f32)> = (self.edges())
+            .map(|[a, b]| {
+                let (hash, sign) = edge_hash(a, b);
+                (hash, sign, a.distance(b))
+            })
+            .collect();
+        edges.sort_unstable_by_key(|edge| edge.0);
+        let lengths = edges.chunk_by(|a, b| a.0 == b.0).map(|same| {
+            let open: i32 = same.iter().map(|edge| i32::from(edge.1)).sum();
+            open.unsigned_abs() as f32 * same[0].2
+        });
+        lengths.sum()
     }
 }
 
@@ -35,15 +76,15 @@ impl World {
     }
 }
 
-/// A hash of the edge that changes its sign with the edge's direction.
-fn edge_hash(from: Vec3, to: Vec3) -> u64 {
+/// A hash of the edge, and 1 or -1 by its direction; 0 of a point.
+fn edge_hash(from: Vec3, to: Vec3) -> (u64, i8) {
     // Both zeros are one position.
     let [from, to] = [from, to].map(|p| (p + Vec3::ZERO).to_array().map(f32::to_bits));
     let hash = |ends: [[u32; 3]; 2]| xxh3_64(bytemuck::bytes_of(&ends));
     match from.cmp(&to) {
-        std::cmp::Ordering::Less => hash([from, to]),
-        std::cmp::Ordering::Equal => 0,
-        std::cmp::Ordering::Greater => hash([to, from]).wrapping_neg(),
+        std::cmp::Ordering::Less => (hash([from, to]), 1),
+        std::cmp::Ordering::Equal => (0, 0),
+        std::cmp::Ordering::Greater => (hash([to, from]), -1),
     }
 }
 
@@ -76,6 +117,38 @@ mod tests {
         let mut one_flipped = OUTWARD;
         one_flipped[3] = [1, 3, 2];
         assert!(!mesh(&one_flipped).is_closed_outward());
+    }
+
+    #[test]
+    fn a_small_hole_does_not_count_and_a_large_one_does() {
+        let with_cap = |angle: f32| {
+            // Rings of a ball; without its cap there is a hole.
+            let rings = 64;
+            let mut ball = Mesh::default();
+            for ring in 0..=rings {
+                let polar = angle + (std::f32::consts::PI - angle) * ring as f32 / rings as f32;
+                for step in 0..rings {
+                    let around = std::f32::consts::TAU * step as f32 / rings as f32;
+                    let (sin, cos) = polar.sin_cos();
+                    let south = ring == rings; // one position
+                    let radius = if south { 0.0 } else { sin };
+                    let at = Vec3::new(radius * around.sin(), cos, radius * around.cos());
+                    ball.positions.push(at);
+                }
+            }
+            for ring in 0..rings {
+                for step in 0..rings {
+                    let at = |ring: u32, step: u32| ring * rings + step % rings;
+                    let [a, b] = [at(ring, step), at(ring, step + 1)];
+                    let [c, d] = [at(ring + 1, step), at(ring + 1, step + 1)];
+                    ball.triangles.extend([[a, c, d], [a, d, b]]);
+                }
+            }
+            ball.bounds = Bounds::of(ball.positions.iter().copied());
+            ball.is_closed_outward()
+        };
+        assert!(with_cap(0.02), "a rim of 4 % of the diagonal");
+        assert!(!with_cap(0.1), "of 18 %");
     }
 
     #[test]

@@ -1,6 +1,10 @@
 //! Loaded scenes: SceneDesc → CPU data, including asset files and BVHs, without a GPU.
 
-use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{Arc, OnceLock},
+};
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
@@ -94,6 +98,8 @@ pub struct Mesh {
     /// What an animation moves its vertices by; they are at rest here, and posed in
     /// [`World::deformed`].
     pub deformation: Option<Arc<Deformation>>,
+    /// [`Mesh::is_closed_outward`], once it was asked.
+    pub closed: OnceLock<bool>,
 }
 
 /// The attributes of a mesh that depend on its pose.
