@@ -3,6 +3,7 @@
 
 #import gbuffer
 #import cause
+#import radiance
 
 struct Params {
     direction: vec2i,
@@ -12,7 +13,7 @@ struct Params {
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var source: texture_2d<f32>;
-@group(2) @binding(5) var blurred: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(5) var blurred: RadianceTexture;
 @group(2) @binding(6) var<uniform> params: Params;
 
 @compute @workgroup_size(8, 8)

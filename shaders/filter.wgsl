@@ -4,6 +4,7 @@
 
 #import cause
 #import gbuffer
+#import radiance
 
 struct Params {
     reach: f32, // of the taps, in widths of the lobe
@@ -15,7 +16,7 @@ struct Params {
 @group(2) @binding(3) var cause: texture_2d<u32>;
 @group(2) @binding(4) var hit: texture_2d<u32>;
 @group(2) @binding(5) var source: texture_2d<f32>;
-@group(2) @binding(6) var blurred: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(6) var blurred: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 
 const WIDEST: f32 = 0.03; // reach over the height of the picture

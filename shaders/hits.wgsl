@@ -5,9 +5,10 @@
 #import gbuffer
 #import light_reuse
 #import lists
+#import radiance
 
 @group(2) @binding(3) var hit: texture_2d<u32>;
-@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var visible_lights: texture_2d<u32>; // lent by the light pass
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
@@ -29,7 +30,7 @@ fn shade_pixel(pixel: vec2u) {
         let lit = shade(s, -direction, lent);
         color = lit.diffuse + lit.specular;
     }
-    textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0));
+    textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

@@ -2,16 +2,15 @@
 
 #import gbuffer
 #import lists
+#import radiance
 
-@group(2) @binding(3) var radiance: texture_storage_2d<rgba16float, write>; // w: 1 where it is a display color
-@group(2) @binding(4) var specular: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(3) var radiance: RadianceTexture; // w: 1 where it is a display color
+@group(2) @binding(4) var specular: RadianceTexture;
 @group(2) @binding(5) var visible_lights: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(6) var counts: texture_storage_2d<rgba32uint, write>; // of `counted`
 
 // Some reflection may ask which lights reach what it meets.
 override LENDS_LIGHT: bool = true;
-
-const BRIGHTEST: vec3f = vec3f(65000.0); // what 16-bit floats hold
 
 // Whether the camera sees the environment.
 override SHOW_ENVIRONMENT: bool = true;

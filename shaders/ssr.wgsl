@@ -6,6 +6,7 @@
 #import gbuffer
 #import lists
 #import screen_ray
+#import radiance
 
 override VERIFY: bool = true; // false: the paper's threshold T decides
 override TRACE: bool = true; // false: method ssr, what the screen cannot answer stays black
@@ -19,7 +20,7 @@ struct Params {
 }
 
 @group(2) @binding(3) var ids: texture_2d<u32>;
-@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var cause: texture_storage_2d<r32uint, write>;
 @group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(7) var<uniform> params: Params;
@@ -309,7 +310,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     textureStore(hit, pixel, found);
     textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
     if (m.cause == CAUSE_NONE) {
-        textureStore(reflection, pixel, vec4f(min(beyond(s.position, ray), vec3f(65000.0)), 1.0));
+        textureStore(reflection, pixel, vec4f(min(beyond(s.position, ray), BRIGHTEST), 1.0));
     } else if (!TRACE && !is_hit) {
         textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
     }

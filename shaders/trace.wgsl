@@ -5,9 +5,10 @@
 #import gbuffer
 #import light_reuse
 #import lists
+#import radiance
 
 @group(2) @binding(3) var cause: texture_2d<u32>;
-@group(2) @binding(4) var reflection: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var reflection: RadianceTexture;
 @group(2) @binding(5) var hit: texture_storage_2d<rgba32uint, write>;
 
 @group(2) @binding(6) var visible_lights: texture_2d<u32>; // lent by the light pass
@@ -72,7 +73,7 @@ fn trace_pixel(pixel: vec2u) {
         if (dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }
-    if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, vec3f(65000.0)), 1.0)); }
+    if (SHADE) { textureStore(reflection, pixel, vec4f(min(color, BRIGHTEST), 1.0)); }
     textureStore(hit, pixel, found);
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -3,9 +3,10 @@
 #import cone
 #import gbuffer
 #import lists
+#import radiance
 
 @group(2) @binding(3) var ids: texture_2d<u32>;
-@group(2) @binding(4) var transmitted_light: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(4) var transmitted_light: RadianceTexture;
 
 const FIRST_VERTEX: u32 = 64u; // its samples are others than those of reflections
 
@@ -59,6 +60,6 @@ fn behind(pixel: vec2u) -> vec3f {
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(frame.size))) { return; }
-    textureStore(transmitted_light, id.xy, vec4f(min(behind(id.xy), vec3f(65000.0)), 1.0));
+    textureStore(transmitted_light, id.xy, vec4f(min(behind(id.xy), BRIGHTEST), 1.0));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }

@@ -10,7 +10,7 @@ use reflet::gpu::{
 use reflet::render::shader_variant::ShaderVariant;
 
 /// The library of every variant.
-fn libraries() -> [ShaderLibrary; 7] {
+fn libraries() -> [ShaderLibrary; ShaderVariant::ALL.len()] {
     let embedded = ShaderLibrary::embedded();
     ShaderVariant::ALL.map(|v| v.library(&embedded).unwrap_or_else(|e| panic!("{e}")))
 }

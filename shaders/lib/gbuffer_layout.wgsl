@@ -3,6 +3,9 @@
 #import pack
 #import scene
 
+// What surfaces emit, over what 16 bits keep of it: a power of two.
+override EMISSION_SCALE: f32 = 1.0;
+
 fn pack_surface(s: Surface) -> vec4u {
     return vec4u(
         pack_unit(s.normal),
@@ -50,7 +53,7 @@ fn unpack_geometric_normal(bits: vec4u) -> vec3f {
 }
 
 fn pack_colors(s: Surface) -> vec4u {
-    let emission = min(s.emission, vec3f(65000.0));
+    let emission = min(s.emission / EMISSION_SCALE, vec3f(65000.0));
     return vec4u(
         pack2x16float(s.base_color.xy),
         pack_blue_and_occlusion(s),
@@ -72,7 +75,7 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.metallic = roughness_metallic.y;
     s.reflectivity = unpack2x16float(bits.w).x;
     s.reflection = (bits.w >> 16u) & 3u;
-    s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x);
+    s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x) * EMISSION_SCALE;
     if (!HAS_LAYERS) {
         s.unlit = (bits.w >> 18u) != 0u;
         s.curvature = unpack2x16float(packed.w).y;

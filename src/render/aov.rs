@@ -152,12 +152,15 @@ impl Aov {
     /// The plane of a frame whose [`Aov::targets`] are there, seen by `camera`.
     pub fn decode(self, values: &TargetValues, camera: &CameraDesc) -> Plane {
         let rgb = |target| {
-            let texels = values.texels::<[u16; 4]>(target).into_iter();
-            let channels = texels.flat_map(|p| [p[0], p[1], p[2]]);
-            (
-                RGB,
-                PlaneData::F32(channels.map(|h| half(u32::from(h))).collect()),
-            )
+            let first = |p: [f32; 4]| [p[0], p[1], p[2]];
+            let channels: Vec<f32> = if values.precision.full {
+                values.texels(target).into_iter().flat_map(first).collect()
+            } else {
+                let texels = values.texels::<[u16; 4]>(target).into_iter();
+                let floats = texels.map(|p| p.map(|h| half(u32::from(h))));
+                floats.flat_map(first).collect()
+            };
+            (RGB, PlaneData::F32(channels))
         };
         let (channels, data) = match self {
             Self::Depth => {
@@ -166,7 +169,12 @@ impl Aov {
                 (&["Z"][..], PlaneData::F32(far.collect()))
             }
             Self::BaseColor => (RGB, PlaneData::F32(packed_colors(values, 0))),
-            Self::Emission => (RGB, PlaneData::F32(packed_colors(values, 4))),
+            Self::Emission => {
+                let mut emitted = packed_colors(values, 4);
+                let scale = values.precision.emission_scale();
+                emitted.iter_mut().for_each(|channel| *channel *= scale);
+                (RGB, PlaneData::F32(emitted))
+            }
             Self::Radiance => rgb(Target::Radiance),
             Self::Specular => rgb(Target::Specular),
             Self::Reflection => {

@@ -28,6 +28,7 @@ use super::{
 pub struct BindingKey {
     size: [u32; 2],
     targets: Vec<Target>,
+    full: bool,
     shadows: ShadowSizes,
     shadow_rays: bool,
     lists: ListedParts,
@@ -48,6 +49,7 @@ impl BindingKey {
         Self {
             size: options.image.size,
             targets: written_targets(passes, plan, options),
+            full: plan.precision.full,
             shadows,
             shadow_rays: plan.shadow_rays,
             lists: ListedParts {
@@ -119,10 +121,11 @@ impl Bindings {
             Some(old) => old.maps.clone(),
             None => ShadowMaps::new(gpu, key.shadows)?,
         };
-        let targets = match fits(|a, b| a.size == b.size && a.targets == b.targets) {
-            Some(old) => old.targets.clone(),
-            None => Targets::new(gpu, key.size, &key.targets)?,
-        };
+        let targets =
+            match fits(|a, b| (a.size, a.full) == (b.size, b.full) && a.targets == b.targets) {
+                Some(old) => old.targets.clone(),
+                None => Targets::new(gpu, key.size, &key.targets, key.full)?,
+            };
         let ray_list = match fits(|a, b| a.size == b.size && a.lists == b.lists) {
             Some(old) => old.ray_list.clone(),
             None => RayList::new(gpu, key.size, key.lists)?,

@@ -12,7 +12,7 @@ use crate::{
     scene::desc::Method,
 };
 
-use super::{renderer::Renderer, targets::Target};
+use super::{precision::Precision, renderer::Renderer, targets::Target};
 
 /// Copies of targets that the CPU has not got yet.
 pub struct Download {
@@ -32,6 +32,8 @@ pub struct TargetValues {
     pub reflections: bool,
     /// Of the frame, where they were asked for.
     pub counters: Option<Vec<u32>>,
+    /// What keeps its light.
+    pub precision: Precision,
     bytes: HashMap<Target, Vec<u8>>,
 }
 
@@ -42,7 +44,7 @@ impl TargetValues {
             return readback::values(bytes);
         }
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        let bytes = target.pixel_bytes() * pixels;
+        let bytes = target.pixel_bytes(self.precision.full) * pixels;
         vec![T::zeroed(); bytes as usize / size_of::<T>()]
     }
 }
@@ -94,6 +96,7 @@ impl Renderer {
                 method: self.method(),
                 reflections: self.plan.reflections,
                 counters: None,
+                precision: self.plan.precision,
                 bytes: HashMap::new(),
             },
         })

@@ -9,6 +9,7 @@ use crate::{
 };
 
 use super::{
+    precision::brightest_emission,
     types::{Frame, LightBlock, Sampling},
     view::View,
 };
@@ -100,15 +101,12 @@ impl Frame {
 /// Share of light that a bounce must carry to be seen: one step of the display, of the brightest
 /// thing that a reflection can show. What is lit, not shining, is taken to be white at most.
 fn dimmest(world: &World, exposure_ev: f32) -> f32 {
-    let emitted = world.instances.iter().map(|i| &world.materials[i.material]);
-    let emitted = emitted.map(|m| m.emission.max_element());
     let lights = world.lights.iter().map(|light| {
         let radiance = light.desc.kind.radiance();
         radiance * light.desc.color.max_element()
     });
-    let brightest = emitted
-        .chain(lights)
-        .fold(world.environment.brightest(), f32::max);
+    let emitted = [brightest_emission(world), world.environment.brightest()];
+    let brightest = lights.chain(emitted).fold(0.0, f32::max);
     DISPLAY_STEP / (brightest * exposure_ev.exp2()).max(1.0)
 }
 

@@ -24,6 +24,7 @@ pub(crate) mod pass_builder;
 pub mod passes;
 pub mod picture;
 pub mod plan;
+pub mod precision;
 pub mod probe;
 pub(crate) mod processor_time;
 pub mod ray_list;

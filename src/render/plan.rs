@@ -11,8 +11,8 @@ use crate::{
 
 use self::mutual_reflections::reflectors_see_each_other;
 use super::{
-    lights::has_shadow_rays, options::RenderOptions, shader_variant::ShaderVariant,
-    textures::Layers,
+    lights::has_shadow_rays, options::RenderOptions, precision::Precision,
+    shader_variant::ShaderVariant, textures::Layers,
 };
 
 /// One thing that was left out, and why that changes nothing.
@@ -37,6 +37,8 @@ pub struct Plan {
     pub top_level: bool,
     /// The march is to be stopped by surfaces that the camera culls and rays meet.
     pub culled_surfaces: bool,
+    /// What keeps its light.
+    pub precision: Precision,
     /// Some material is cut out.
     pub cutouts: bool,
     /// Some material has a normal map.
@@ -177,6 +179,7 @@ impl Plan {
             static_tree: true,
             top_level: true,
             culled_surfaces: verifies(options),
+            precision: Precision::of(world, options),
             cutouts: true,
             normal_maps: true,
             textures: true,
@@ -212,6 +215,7 @@ impl Plan {
             culled_surfaces: reflections
                 && verifies(options)
                 && world.instances.iter().any(|i| world.hides_backs(i)),
+            precision: Precision::of(world, options),
             cutouts: materials().any(|m| m.alpha_cutoff.is_some()),
             normal_maps: materials().any(|m| m.normal_texture.is_some()),
             textures: materials().any(|m| m.slots().iter().any(Option::is_some)),
@@ -267,6 +271,11 @@ impl Plan {
             "depth of culled surfaces",
             "nothing that is marched has a back that the camera culls",
         );
+        drop(
+            !self.precision.full,
+            "32 bits of radiance",
+            "16 hold what shines and is lit",
+        );
         drop(!self.cutouts, "alpha tests", "no material is cut out");
         drop(!self.textures, "textures", "no material has one");
         drop(
@@ -319,6 +328,7 @@ impl Plan {
             ambient: self.sampled_environment,
             panorama: self.panorama,
             layers: self.has_layers(),
+            full: self.precision.full,
         }
     }
 
@@ -335,6 +345,7 @@ impl Plan {
             ("HAS_STATIC", flag(self.static_tree)),
             ("HAS_TOP_LEVEL", flag(self.top_level)),
             ("HAS_CULLED", flag(self.culled_surfaces)),
+            ("EMISSION_SCALE", self.precision.emission_scale().into()),
             ("HAS_CUTOUT", flag(self.cutouts)),
             ("HAS_TESTED", flag(self.cutouts || self.transmission)),
             ("HAS_NORMAL_MAPS", flag(self.normal_maps)),

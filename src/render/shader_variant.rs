@@ -1,5 +1,5 @@
 //! Which shader files stand for what a scene may or may not need: `#import ambient`,
-//! `behind`, `environment`, `extent` and `layers` mean others where a plan drops samples, so that unused code and bindings are
+//! `behind`, `environment`, `extent`, `layers` and `radiance` mean others where a plan drops samples, so that unused code and bindings are
 //! no part of any shader.
 
 use crate::gpu::{ShaderError, ShaderLibrary};
@@ -17,11 +17,13 @@ pub struct ShaderVariant {
     pub panorama: bool,
     /// Some surface lets light through or has a clear coat; then there are samples.
     pub layers: bool,
+    /// 32 bits keep radiance, not 16.
+    pub full: bool,
 }
 
 impl ShaderVariant {
     /// All that there are.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::new([false, false, false, false]),
         Self::new([true, false, false, false]),
         Self::new([true, true, false, false]),
@@ -29,6 +31,10 @@ impl ShaderVariant {
         Self::new([true, false, false, true]),
         Self::new([true, true, false, true]),
         Self::new([true, true, true, true]),
+        Self {
+            full: true,
+            ..Self::new([true, true, true, true])
+        },
     ];
 
     const fn new([extent, ambient, panorama, layers]: [bool; 4]) -> Self {
@@ -37,6 +43,7 @@ impl ShaderVariant {
             ambient,
             panorama,
             layers,
+            full: false,
         }
     }
 
@@ -54,6 +61,7 @@ impl ShaderVariant {
             choose("behind", self.layers, ["none", "transmitted"]),
             choose("layers", self.layers, ["none", "followed"]),
             choose("environment", self.panorama, ["gradient", "panorama"]),
+            choose("radiance", self.full, ["half", "full"]),
             choose("extent", self.extent, ["none", "sampled"]),
         ];
         let library = library.with_generated("constants", wgsl())?;

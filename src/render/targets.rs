@@ -89,8 +89,8 @@ impl Target {
         }
     }
 
-    /// Pixel format.
-    pub const fn format(self) -> F {
+    /// Pixel format; `full` keeps 32 bits of radiance.
+    pub const fn format(self, full: bool) -> F {
         match self {
             Self::RasterDepth => F::Depth32Float,
             Self::Ids | Self::VisibleLights => F::Rg32Uint,
@@ -100,7 +100,10 @@ impl Target {
             | Self::Specular
             | Self::Reflection
             | Self::Blurred
-            | Self::TransmittedLight => F::Rgba16Float,
+            | Self::TransmittedLight => match full {
+                true => F::Rgba32Float,
+                false => F::Rgba16Float,
+            },
             Self::Cause => F::R32Uint,
             Self::ColorEven | Self::ColorOdd => F::Rgba32Float,
             Self::Display => F::Rgba8Unorm,
@@ -108,8 +111,8 @@ impl Target {
     }
 
     /// Bytes a pixel.
-    pub fn pixel_bytes(self) -> u64 {
-        u64::from(self.format().block_copy_size(None).unwrap_or(4))
+    pub fn pixel_bytes(self, full: bool) -> u64 {
+        u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
     /// Where sub-frames add up: even and odd ones take turns.
@@ -139,6 +142,8 @@ impl Target {
 pub struct Targets {
     /// Pixels.
     pub size: [u32; 2],
+    /// Whether 32 bits keep radiance.
+    pub full: bool,
     textures: HashMap<Target, (wgpu::Texture, wgpu::TextureView)>,
 }
 
@@ -150,12 +155,17 @@ impl Targets {
     ///
     /// # Errors
     /// A picture side past the adapter's limit, or more memory than [`MAX_TARGET_BYTES`].
-    pub fn new(gpu: &Gpu, size: [u32; 2], written: &[Target]) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        size: [u32; 2],
+        written: &[Target],
+        full: bool,
+    ) -> Result<Self, GpuError> {
         let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let full = Target::ALL.into_iter().filter(|t| needed(*t));
-        let bytes = full.map(|t| t.pixel_bytes() * pixels).sum();
+        let filled = Target::ALL.into_iter().filter(|t| needed(*t));
+        let bytes = filled.map(|t| t.pixel_bytes(full) * pixels).sum();
         if bytes > MAX_TARGET_BYTES {
             return Err(GpuError::Limit {
                 what: format!("a picture of {}x{}", size[0], size[1]),
@@ -177,7 +187,7 @@ impl Targets {
                     mip_level_count: 1,
                     sample_count: 1,
                     dimension: wgpu::TextureDimension::D2,
-                    format: target.format(),
+                    format: target.format(full),
                     usage: target.usage(),
                     view_formats: &[],
                 });
@@ -186,7 +196,11 @@ impl Targets {
             };
             Target::ALL.into_iter().map(make).collect()
         })?;
-        Ok(Self { size, textures })
+        Ok(Self {
+            size,
+            full,
+            textures,
+        })
     }
 
     /// The texture, if this frame writes it.
@@ -206,7 +220,7 @@ impl Targets {
             let pixels = |t: &wgpu::Texture| u64::from(t.width()) * u64::from(t.height());
             self.textures
                 .get(&target)
-                .map_or(0, |(t, _)| target.pixel_bytes() * pixels(t))
+                .map_or(0, |(t, _)| target.pixel_bytes(self.full) * pixels(t))
         };
         Target::ALL.iter().map(|&t| (t.name(), bytes(t))).collect()
     }

@@ -306,6 +306,19 @@ pub enum Visibility {
     Auto,
 }
 
+/// How many bits keep the light of a frame until it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Radiance {
+    /// `"half"`: 16 a channel, which end at 65,504 and are coarse below 0.0001.
+    Half,
+    /// `"full"`: 32 a channel; takes more memory, and time to write it.
+    Full,
+    /// `"auto"`: 32 where something shines or is lit brighter than 16,384, or where the exposure shows
+    /// the dark of less than 1/32.
+    #[default]
+    Auto,
+}
+
 /// `[image]`
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageDesc {
@@ -326,6 +339,9 @@ pub struct ImageDesc {
     /// How the surface that each pixel shows is found. Pictures differ only by
     /// rounding: at edges of triangles, and where surfaces lie in each other. Default `"auto"`.
     pub visibility: Visibility,
+    /// How many bits keep the light of a frame until it is shown, or written as EXR. Brighter light than
+    /// they hold is cut. Default `"auto"`.
+    pub radiance: Radiance,
 }
 
 impl ImageDesc {
@@ -345,6 +361,7 @@ impl Default for ImageDesc {
             exposure_ev: Exposure::Ev(0.0),
             tone_map: ToneMap::Neutral,
             visibility: Visibility::Auto,
+            radiance: Radiance::Auto,
         }
     }
 }

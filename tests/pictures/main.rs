@@ -27,6 +27,7 @@ mod mesh;
 mod moving;
 mod oracle;
 mod panorama;
+mod precision;
 mod ray_list;
 mod specialized;
 mod textures;

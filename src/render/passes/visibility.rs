@@ -182,7 +182,7 @@ fn pipeline(
             Faces::Shown => wgpu::ColorWrites::ALL,
             Faces::Culled => wgpu::ColorWrites::empty(),
         },
-        ..Target::Ids.format().into()
+        ..Target::Ids.format(false).into()
     };
     let state = format!("{class:?} {faces:?}");
     shader.render_pipeline(gpu, &state, &groups, &constants, |layout| {
@@ -205,7 +205,7 @@ fn pipeline(
                     cull_mode,
                     ..Default::default()
                 },
-                depth_stencil: Some(reversed_depth(Target::RasterDepth.format())),
+                depth_stencil: Some(reversed_depth(Target::RasterDepth.format(false))),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &shader.module,

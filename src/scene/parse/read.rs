@@ -338,6 +338,7 @@ impl Section for ImageDesc {
             exposure_ev: t.get("exposure_ev", range(-20.0, 20.0), default.exposure_ev),
             tone_map: t.get("tone_map", ANY, default.tone_map),
             visibility: t.get("visibility", ANY, default.visibility),
+            radiance: t.get("radiance", ANY, default.radiance),
         })
     }
 }

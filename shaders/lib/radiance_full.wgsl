@@ -1,0 +1,5 @@
+// What keeps light between the passes: 32 bits.
+
+alias RadianceTexture = texture_storage_2d<rgba32float, write>;
+
+const BRIGHTEST: vec3f = vec3f(1e30);

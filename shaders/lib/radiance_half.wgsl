@@ -1,0 +1,5 @@
+// What keeps light between the passes: 16 bits, which hold that of most scenes.
+
+alias RadianceTexture = texture_storage_2d<rgba16float, write>;
+
+const BRIGHTEST: vec3f = vec3f(65000.0);
